@@ -1,0 +1,57 @@
+/// Vectors, poses and motions. SI units, right-handed axes, z up, column vectors, radians.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cmath>
+#include <vector>
+
+namespace kirireel {
+
+using Vector3 = Eigen::Vector3d;
+using Matrix3 = Eigen::Matrix3d;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Quaternion = Eigen::Quaterniond;
+
+/// Position and rotation of one brick: a point r in brick axes stands at position + rotation * r.
+struct Pose {
+  Vector3 position = Vector3::Zero();            ///< of the brick's centre of mass, metres
+  Quaternion rotation = Quaternion::Identity();  ///< unit, from brick axes to world axes
+
+  Vector3 apply(const Vector3& point) const { return position + rotation * point; }
+};
+
+/// How one brick moves, in world axes.
+struct Velocity {
+  Vector3 linear = Vector3::Zero();   ///< of the centre of mass, m/s
+  Vector3 angular = Vector3::Zero();  ///< rad/s
+};
+
+/// The poses of all bricks at one time, in the order of the model's tiles.
+using Poses = std::vector<Pose>;
+
+/// The state that a deployment advances: one entry a brick.
+struct Motion {
+  Poses poses;
+  std::vector<Velocity> velocities;
+};
+
+/// The matrix [v]x with [v]x w = v x w.
+inline Matrix3 crossMatrix(const Vector3& v) {
+  Matrix3 matrix;
+  matrix << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return matrix;
+}
+
+/// The unit quaternion of the rotation vector (axis times angle in radians).
+inline Quaternion rotationFromVector(const Vector3& vector) {
+  const double angle = vector.norm();
+  // sin(angle / 2) / angle, by its series where the quotient would lose digits.
+  const double scale =
+      angle > 1e-4 ? std::sin(0.5 * angle) / angle : 0.5 - angle * angle / 48.0;
+  const Vector3 imaginary = scale * vector;
+  return Quaternion(std::cos(0.5 * angle), imaginary.x(), imaginary.y(), imaginary.z());
+}
+
+}  // namespace kirireel

@@ -1,0 +1,36 @@
+/// A file that appears under its final name only when it is whole.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace kirireel {
+
+/// Write to path(), then commit(). Without commit the destructor removes what was written, so an
+/// interrupted or failed write leaves nothing under the final name.
+class PendingFile {
+ public:
+  /// Throws OutputError when the folder of finalPath does not exist or cannot be written.
+  explicit PendingFile(std::filesystem::path finalPath);
+  ~PendingFile();
+  PendingFile(const PendingFile&) = delete;
+  PendingFile& operator=(const PendingFile&) = delete;
+
+  /// Where to write: beside the final name, same extension, e.g. "deployment.part.mp4".
+  const std::filesystem::path& path() const { return path_; }
+  const std::filesystem::path& finalPath() const { return finalPath_; }
+
+  /// Renames path() to finalPath(). Throws OutputError when that fails.
+  void commit();
+
+ private:
+  std::filesystem::path finalPath_;
+  std::filesystem::path path_;
+  bool committed_ = false;
+};
+
+/// Writes text whole to finalPath through a PendingFile. Throws OutputError naming the path and the
+/// system's reason (disk full, no permission).
+void writeTextFile(const std::filesystem::path& finalPath, const std::string& text);
+
+}  // namespace kirireel

@@ -1,0 +1,64 @@
+/// Bricks: tiles thickened into rigid prisms.
+#pragma once
+
+#include <vector>
+
+#include "sim/base/geometry.h"
+#include "sim/model/model.h"
+
+namespace kirireel {
+
+/// How a brick gets its mass.
+enum class MassRule {
+  Unit,   ///< mass 1 whatever the size, as the paper's models have
+  Prism,  ///< density times volume
+};
+
+/// How tiles become bricks.
+struct BrickRule {
+  double thickness = 0.02;         ///< metres, positive; the paper's default
+  MassRule mass = MassRule::Unit;  ///< the inertia is always the true prism's, scaled to the mass
+  double density = 1000;           ///< kg/m^3, used by MassRule::Prism
+};
+
+/// A rigid prism, in brick axes: origin at its centre of mass, axes parallel to the world's at the
+/// start. bottom[k] and top[k] are the tile's vertex k and that vertex moved along the normal.
+struct Brick {
+  std::vector<Vector3> bottom;  ///< n points, anticlockwise seen from the normal
+  std::vector<Vector3> top;     ///< n points
+  Vector3 normal = Vector3::UnitZ();
+  double thickness = 0;  ///< metres
+  double volume = 0;     ///< cubic metres
+  double mass = 0;       ///< kg
+  Matrix3 inertia = Matrix3::Zero();  ///< about the centre of mass, kg m^2
+};
+
+/// Thickens a tile: its bottom is the tile, its top lies on the normal's side.
+Brick makeBrick(const Tile& tile, const BrickRule& rule);
+
+/// The bricks of all tiles, in order.
+std::vector<Brick> makeBricks(const std::vector<Tile>& tiles, const BrickRule& rule);
+
+/// The poses at which the bricks' bottoms are the tiles they were made from: rotations identity.
+Poses startPoses(const std::vector<Tile>& tiles, const std::vector<Brick>& bricks);
+
+/// The faces of a brick as outward polygons in brick axes: bottom, top, then side k between
+/// vertices k and k + 1.
+std::vector<std::vector<Vector3>> brickFaces(const Brick& brick);
+
+/// The bottom tiles of all bricks at the given poses, in world axes.
+std::vector<Tile> bottomTiles(const std::vector<Brick>& bricks, const Poses& poses);
+
+/// A point that two bricks share. A joint on both faces has two pivots, hence a hinge.
+struct Pivot {
+  int brickA = 0;
+  int brickB = 0;
+  Vector3 pointA;  ///< in the axes of brick A
+  Vector3 pointB;  ///< in the axes of brick B
+  int joint = 0;   ///< index into the model's joints
+};
+
+/// The pivots of all joints: in joint order, bottom before top.
+std::vector<Pivot> makePivots(const std::vector<Joint>& joints, const std::vector<Brick>& bricks);
+
+}  // namespace kirireel

@@ -1,0 +1,67 @@
+/// A deployment: one run from the start towards the target.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "sim/measure/measures.h"
+#include "sim/scene/scene.h"
+#include "sim/trajectory/trajectory.h"
+
+namespace kirireel {
+
+/// How a run ended.
+enum class Outcome {
+  Settled,      ///< everything came to rest (at the target or where nothing pushes any more)
+  Locked,       ///< at rest, yet clearly short of the target
+  OutOfTime,    ///< the duration was used up while something still moved
+  Diverged,     ///< a pose or velocity left all bounds
+  Interrupted,  ///< the caller asked for an early end
+};
+
+/// "settled", "locked", "out_of_time", "diverged", "interrupted".
+std::string toString(Outcome outcome);
+
+/// How accurate a run was. Lengths in metres.
+struct Accuracy {
+  double jointGapMax = 0;         ///< largest gap of any pivot at the end of any step
+  double jointGapMean = 0;        ///< mean over pivots and steps
+  double jointGapEnd = 0;         ///< largest at the end
+  double jointOpeningMax = 0;     ///< largest gap allowed on purpose (finite joints); 0 when exact
+  double assemblyMove = 0;        ///< largest move of a vertex when an open start was closed
+  double targetErrorStart = 0;
+  double targetErrorEnd = 0;
+  double targetErrorMin = 0;
+  double rigidFloor = 0;
+  double penetrationMax = 0;      ///< over the samples
+};
+
+/// What a run cost.
+struct DeployCost {
+  long steps = 0;               ///< solver steps taken, halved ones included
+  long halvedSteps = 0;         ///< steps that were redone as two halves
+  long unconvergedSteps = 0;    ///< steps whose contacts did not reach their tolerance
+  double cpuSeconds = 0;        ///< of the deploying thread
+};
+
+/// Everything that a finished run leaves.
+struct DeploymentResult {
+  Trajectory trajectory;
+  Outcome outcome = Outcome::OutOfTime;
+  std::string reason;  ///< one line: why it ended so
+  Accuracy accuracy;
+  DeployCost cost;
+  Needs needs;
+  double assembledFloor = -1;  ///< metres; negative when not computed
+};
+
+/// Called after each sample; return false to end the run early.
+using SampleObserver = std::function<bool(const Sample&)>;
+
+/// Runs the scene and samples it every `sampleInterval` simulated seconds (the start and the end
+/// included). The step divides the interval, so that samples are steps, not interpolations.
+/// Throws InputError when the scene makes no sense; a run that diverges is reported, not thrown.
+DeploymentResult deploy(const Scene& scene, double sampleInterval, const SampleObserver& observer);
+
+}  // namespace kirireel

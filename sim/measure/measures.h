@@ -1,0 +1,44 @@
+/// How accurate a state is: figures that every summary states. Nothing here knows a solver.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "sim/base/geometry.h"
+#include "sim/brick/brick.h"
+#include "sim/model/model.h"
+
+namespace kirireel {
+
+/// Distances between the two sides of pivots, metres.
+struct JointGap {
+  double max = 0;
+  double mean = 0;
+};
+
+/// Gaps of all pivots at the given poses; zeros when there are none.
+JointGap jointGap(std::span<const Pivot> pivots, const Poses& poses);
+
+/// means all).
+double targetError(const std::vector<Tile>& target, const std::vector<Brick>& bricks,
+                   const Poses& poses);
+
+/// The least target error that rigid tiles can reach: each tile by itself moved by its best rigid
+/// fit (in the sum of squares) to its target; the largest vertex distance left over.
+double rigidFloor(const std::vector<Tile>& tiles, const std::vector<Tile>& target);
+
+/// Two bricks that overlap.
+struct Penetration {
+  double depth = 0;  ///< the shortest move that separates them, metres; 0 when nothing overlaps
+  int brickA = -1;
+  int brickB = -1;
+};
+
+/// The deepest overlap of any pair, by the separating axes of convex prisms (face normals and
+/// products of edges): exact for convex tiles and independent of the contact detection in use.
+Penetration deepestPenetration(const std::vector<Brick>& bricks, const Poses& poses);
+
+/// Kinetic energy of all bricks, joules.
+double kineticEnergy(const std::vector<Brick>& bricks, const Motion& motion);
+
+}  // namespace kirireel

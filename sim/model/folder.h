@@ -1,0 +1,30 @@
+/// PyKirigami's model folders: vertices.txt, constraints.txt, and optionally target.txt, pull.txt.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "sim/model/model.h"
+
+namespace kirireel {
+
+/// Reads a model folder and checks it.
+///
+/// vertices.txt and target.txt hold one tile a line, "x y z" for each vertex; constraints.txt holds
+/// "tileA vertexA tileB vertexB [face]" a line, 0-based, face 1 bottom, 2 top, 3 both, 1 if absent;
+/// pull.txt lists tile numbers. Blank lines and lines starting with '#' are passed over.
+///
+/// What a run can live with (joints apart by no more than a small part of a tile, a target that is
+/// not quite congruent) is appended to warnings; everything else that is wrong throws InputError
+/// with file:line:column, the value found, what is allowed and how to mend it.
+Model readModelFolder(const std::filesystem::path& folder, std::vector<std::string>& warnings);
+
+/// Writes the model as such a folder, numbers so that reading gives the same doubles. The folder is
+/// made if need be. Throws OutputError.
+void writeModelFolder(const Model& model, const std::filesystem::path& folder);
+
+/// Writes tiles alone in the format of vertices.txt, so that a run's end can be another's target.
+void writeTiles(const std::vector<Tile>& tiles, const std::filesystem::path& file);
+
+}  // namespace kirireel

@@ -1,0 +1,61 @@
+/// The model: what a kirigami sheet is, before any physics.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim/base/geometry.h"
+
+namespace kirireel {
+
+/// A planar convex polygon: one line of vertices.txt.
+struct Tile {
+  std::vector<Vector3> vertices;  ///< at least 3, metres, anticlockwise seen from the tile's normal
+};
+
+/// The face of its two bricks that a joint lies on; values as in column 5 of constraints.txt.
+/// Both faces at one corner make a hinge along the corner's edge through the thickness.
+enum class JointFace { Bottom = 1, Top = 2, Both = 3 };
+
+/// One corner of one tile.
+struct Corner {
+  int tile = 0;    ///< from 0
+  int vertex = 0;  ///< from 0, within the tile
+
+  bool operator==(const Corner&) const = default;
+};
+
+/// Two corners that stay together: one row of constraints.txt.
+struct Joint {
+  Corner a;
+  Corner b;
+  JointFace face = JointFace::Bottom;
+};
+
+/// A kirigami sheet: its tiles in the compact state, its joints, and where it should go.
+struct Model {
+  std::string name;                         ///< of the folder or the generator's family
+  std::vector<Tile> tiles;                  ///< at the start
+  std::vector<Joint> joints;                ///< in file order
+  std::optional<std::vector<Tile>> target;  ///< wanted positions, vertex by vertex as in tiles
+  std::optional<std::vector<int>> pulledTiles;  ///< tiles that feel target forces; all if absent
+};
+
+/// The unit normal of a tile by Newell's method: the direction in which its brick is thickened.
+Vector3 tileNormal(const Tile& tile);
+
+/// Area of a tile, square metres.
+double tileArea(const Tile& tile);
+
+/// The centroid of a tile's area.
+Vector3 tileCentroid(const Tile& tile);
+
+/// Diagonal of the bounding box of the start state, metres: the length that relative tolerances
+/// refer to.
+double modelSize(const Model& model);
+
+/// Mean edge length over all tiles, metres: the length that "tile size" means.
+double tileSize(const Model& model);
+
+}  // namespace kirireel

@@ -1,0 +1,96 @@
+/// The scene: a model plus everything that decides how it deploys.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "sim/base/geometry.h"
+#include "sim/brick/brick.h"
+#include "sim/model/model.h"
+
+namespace kirireel {
+
+/// The horizontal plane that bricks rest on.
+struct Ground {
+  double height = 0;      ///< z of the plane, metres
+  double friction = 0.5;  ///< Coulomb coefficient, from 0
+};
+
+/// Which pairs of bricks may touch.
+enum class ContactFilter {
+  None,      ///< no pair: bricks pass through each other
+  Unjoined,  ///< pairs that share no joint (what PyKirigami's --no_collision does)
+  All,       ///< every pair, away from shared pivots
+};
+
+/// What surrounds the bricks.
+struct Environment {
+  Vector3 gravity = Vector3::Zero();  ///< m/s^2
+  std::optional<Ground> ground;
+  ContactFilter contacts = ContactFilter::All;
+  double brickFriction = 0;     ///< Coulomb coefficient between bricks, from 0
+  double linearDamping = 0.05;   ///< part of the velocity lost a second, as PyBullet has it
+  double angularDamping = 0.05;  ///< the same for the angular velocity
+};
+
+/// Springs from every bottom vertex to its target (paper, Algorithm 2), acting as one force at the
+/// mean of the vertices and one torque about it.
+struct TargetSpringSettings {
+  double springStiffness = 100;  ///< k_f, N/m for each vertex, from 0
+  double torqueStiffness = 100;  ///< k_tau, N/m for each vertex, from 0
+  double forceDamping = 50;      ///< mu_v, N s/m, from 0
+  double torqueDamping = 2;      ///< mu_omega, N m s, from 0
+  bool adaptive = true;          ///< double both stiffnesses when the error stalls, up to 16 times
+};
+
+/// Which solver holds the joints.
+enum class SolverKind {
+  Direct,  ///< exact joints by a direct solve
+  Bullet,  ///< Bullet's sequential impulses: the baseline
+};
+
+/// How a step is computed.
+struct SolverSettings {
+  SolverKind kind = SolverKind::Direct;
+  double timestep = 1.0 / 240;      ///< longest step, seconds; shortened to divide a sample interval
+  std::optional<int> substeps;      ///< solver steps in each; absent: 1 direct, 20 Bullet
+  int iterations = 50;              ///< of Bullet's solver in a substep
+  std::optional<bool> planar;       ///< force 3 (true) or 6 (false) degrees of freedom a tile
+  unsigned seed = 1;                ///< of the nudge that leaves a singular start
+};
+
+/// When a run ends.
+struct StopRules {
+  double duration = 20;       ///< simulated seconds at most
+  double settleSpeed = 1e-4;  ///< settled below this many model sizes a second ...
+  double settleTime = 0.25;   ///< ... for this many seconds
+};
+
+/// Everything that a run depends on.
+struct Scene {
+  Model model;
+  BrickRule brick;
+  Environment environment;
+  TargetSpringSettings springs;
+  SolverSettings solver;
+  StopRules stop;
+};
+
+/// Whether something is modelled, and why.
+struct Need {
+  bool on = false;
+  std::string reason;  ///< one short phrase for the summary
+};
+
+/// What a scene needs and what it can do without.
+struct Needs {
+  Need planar;    ///< three degrees of freedom a tile instead of six
+  Need contacts;  ///< collision detection between bricks
+  Need ground;    ///< the ground plane as a contact
+};
+
+/// Decides what the scene needs. A scene is planar when start and target lie in horizontal planes,
+/// nothing pushes out of the plane, and no joint lets a brick tilt away (see the reasons returned).
+Needs sceneNeeds(const Scene& scene);
+
+}  // namespace kirireel
