@@ -19,7 +19,7 @@ struct JointGap {
 /// Gaps of all pivots at the given poses; zeros when there are none.
 JointGap jointGap(std::span<const Pivot> pivots, const Poses& poses);
 
-/// means all).
+/// The largest distance of any bottom vertex from its target, metres; 0 for no tiles.
 double targetError(const std::vector<Tile>& target, const std::vector<Brick>& bricks,
                    const Poses& poses);
 

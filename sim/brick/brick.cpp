@@ -1,0 +1,116 @@
+#include "sim/brick/brick.h"
+
+namespace kirireel {
+namespace {
+
+Vector3 centreOfMass(const Tile& tile, double thickness) {
+  return tileCentroid(tile) + 0.5 * thickness * tileNormal(tile);
+}
+
+/// The mean of x x^T over the tile's area, x from the tile's centroid. Exact for each triangle
+/// (0, a, b): the integral of x x^T is area / 12 (a a^T + b b^T + (a + b) (a + b)^T).
+Matrix3 areaCovariance(const Tile& tile) {
+  const Vector3 centroid = tileCentroid(tile);
+  const Vector3 normal = tileNormal(tile);
+  Matrix3 sum = Matrix3::Zero();
+  double doubledArea = 0;
+  for (size_t k = 0; k < tile.vertices.size(); ++k) {
+    const Vector3 a = tile.vertices[k] - centroid;
+    const Vector3 b = tile.vertices[(k + 1) % tile.vertices.size()] - centroid;
+    const double weight = a.cross(b).dot(normal);
+    const Vector3 c = a + b;
+    sum += weight / 12.0 * (a * a.transpose() + b * b.transpose() + c * c.transpose());
+    doubledArea += weight;
+  }
+  return sum / doubledArea;
+}
+
+/// The inertia of a prism of mass 1: its covariance is the tile's plus thickness^2 / 12 along the
+/// normal, and inertia = trace(covariance) - covariance.
+Matrix3 unitInertia(const Tile& tile, double thickness) {
+  const Vector3 normal = tileNormal(tile);
+  const Matrix3 covariance =
+      areaCovariance(tile) + thickness * thickness / 12.0 * normal * normal.transpose();
+  return covariance.trace() * Matrix3::Identity() - covariance;
+}
+
+Pivot makePivot(const Joint& joint, int jointIndex, JointFace face,
+                const std::vector<Brick>& bricks) {
+  const auto point = [&](const Corner& corner) {
+    const Brick& brick = bricks[corner.tile];
+    return face == JointFace::Top ? brick.top[corner.vertex] : brick.bottom[corner.vertex];
+  };
+  return {joint.a.tile, joint.b.tile, point(joint.a), point(joint.b), jointIndex};
+}
+
+}  // namespace
+
+Brick makeBrick(const Tile& tile, const BrickRule& rule) {
+  Brick brick;
+  brick.normal = tileNormal(tile);
+  brick.thickness = rule.thickness;
+  brick.volume = tileArea(tile) * rule.thickness;
+  brick.mass = rule.mass == MassRule::Unit ? 1.0 : rule.density * brick.volume;
+  brick.inertia = brick.mass * unitInertia(tile, rule.thickness);
+  const Vector3 centre = centreOfMass(tile, rule.thickness);
+  for (const Vector3& vertex : tile.vertices) {
+    brick.bottom.push_back(vertex - centre);
+    brick.top.push_back(brick.bottom.back() + rule.thickness * brick.normal);
+  }
+  return brick;
+}
+
+std::vector<Brick> makeBricks(const std::vector<Tile>& tiles, const BrickRule& rule) {
+  std::vector<Brick> bricks;
+  bricks.reserve(tiles.size());
+  for (const Tile& tile : tiles) bricks.push_back(makeBrick(tile, rule));
+  return bricks;
+}
+
+Poses startPoses(const std::vector<Tile>& tiles, const std::vector<Brick>& bricks) {
+  Poses poses(tiles.size());
+  for (size_t i = 0; i < tiles.size(); ++i) {
+    poses[i].position = centreOfMass(tiles[i], bricks[i].thickness);
+  }
+  return poses;
+}
+
+std::vector<std::vector<Vector3>> brickFaces(const Brick& brick) {
+  const size_t count = brick.bottom.size();
+  std::vector<std::vector<Vector3>> faces;
+  faces.reserve(count + 2);
+  // The bottom looks against the normal, so its vertices run the other way round.
+  faces.emplace_back(brick.bottom.rbegin(), brick.bottom.rend());
+  faces.push_back(brick.top);
+  for (size_t k = 0; k < count; ++k) {
+    const size_t next = (k + 1) % count;
+    faces.push_back({brick.bottom[k], brick.bottom[next], brick.top[next], brick.top[k]});
+  }
+  return faces;
+}
+
+std::vector<Tile> bottomTiles(const std::vector<Brick>& bricks, const Poses& poses) {
+  std::vector<Tile> tiles(bricks.size());
+  for (size_t i = 0; i < bricks.size(); ++i) {
+    for (const Vector3& point : bricks[i].bottom) {
+      tiles[i].vertices.push_back(poses[i].apply(point));
+    }
+  }
+  return tiles;
+}
+
+std::vector<Pivot> makePivots(const std::vector<Joint>& joints, const std::vector<Brick>& bricks) {
+  std::vector<Pivot> pivots;
+  for (size_t i = 0; i < joints.size(); ++i) {
+    const int index = static_cast<int>(i);
+    if (joints[i].face != JointFace::Top) {
+      pivots.push_back(makePivot(joints[i], index, JointFace::Bottom, bricks));
+    }
+    if (joints[i].face != JointFace::Bottom) {
+      pivots.push_back(makePivot(joints[i], index, JointFace::Top, bricks));
+    }
+  }
+  return pivots;
+}
+
+}  // namespace kirireel

@@ -1,0 +1,66 @@
+#include "sim/model/model.h"
+
+#include <Eigen/Geometry>
+
+namespace kirireel {
+namespace {
+
+/// Newell's sum over edges, taken about the first vertex so that far-away tiles lose no digits; its
+/// length is twice the area.
+Vector3 doubledVectorArea(const Tile& tile) {
+  const Vector3& origin = tile.vertices.front();
+  Vector3 sum = Vector3::Zero();
+  for (size_t k = 1; k + 1 < tile.vertices.size(); ++k) {
+    sum += (tile.vertices[k] - origin).cross(tile.vertices[k + 1] - origin);
+  }
+  return sum;
+}
+
+}  // namespace
+
+Vector3 tileNormal(const Tile& tile) {
+  return doubledVectorArea(tile).normalized();
+}
+
+double tileArea(const Tile& tile) {
+  return 0.5 * doubledVectorArea(tile).norm();
+}
+
+Vector3 tileCentroid(const Tile& tile) {
+  const Vector3& origin = tile.vertices.front();
+  const Vector3 normal = tileNormal(tile);
+  Vector3 weighted = Vector3::Zero();
+  double doubledArea = 0;
+  // Triangles round the first vertex; signed, so that any simple polygon comes out right.
+  for (size_t k = 1; k + 1 < tile.vertices.size(); ++k) {
+    const Vector3 left = tile.vertices[k] - origin;
+    const Vector3 right = tile.vertices[k + 1] - origin;
+    const double weight = left.cross(right).dot(normal);
+    weighted += weight * (left + right) / 3.0;
+    doubledArea += weight;
+  }
+  return origin + weighted / doubledArea;
+}
+
+double modelSize(const Model& model) {
+  Eigen::AlignedBox3d box;
+  for (const Tile& tile : model.tiles) {
+    for (const Vector3& vertex : tile.vertices) box.extend(vertex);
+  }
+  return box.isEmpty() ? 0.0 : box.diagonal().norm();
+}
+
+double tileSize(const Model& model) {
+  double sum = 0;
+  size_t edges = 0;
+  for (const Tile& tile : model.tiles) {
+    const size_t count = tile.vertices.size();
+    for (size_t k = 0; k < count; ++k) {
+      sum += (tile.vertices[(k + 1) % count] - tile.vertices[k]).norm();
+    }
+    edges += count;
+  }
+  return edges == 0 ? 0.0 : sum / static_cast<double>(edges);
+}
+
+}  // namespace kirireel
