@@ -1,0 +1,61 @@
+/// Snapshot grids: several pictures on one sheet with a caption under each.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "render/picture/frame.h"
+
+namespace kirireel {
+
+/// Rows and columns of a grid, each at least 1.
+struct GridShape {
+  int rows = 3;
+  int columns = 3;
+
+  int cells() const { return rows * columns; }
+  bool operator==(const GridShape&) const = default;
+};
+
+/// One cell of a grid.
+struct GridPicture {
+  Frame frame;
+  std::string caption;  ///< printed centred under the picture, ASCII; may be empty
+};
+
+/// The look of a grid. Lengths are in heights of one picture, so that grids of any size look alike.
+struct GridStyle {
+  Colour background = {255, 255, 255};
+  Colour text = {30, 30, 30};
+  double captionSize = 0.065;  ///< height of the text (its em)
+  double gap = 0.04;           ///< between cells and around the sheet
+};
+
+/// Where the cells of a grid stand, pixels.
+struct GridLayout {
+  FrameSize sheet;        ///< the whole grid
+  FrameSize picture;      ///< one picture
+  int gap = 0;            ///< around every cell
+  int captionHeight = 0;  ///< strip under each picture
+  int textSize = 0;       ///< em of the caption
+
+  /// Left edge of a column of pictures.
+  int left(int column) const { return gap + column * (picture.width + gap); }
+  /// Upper edge of a row of pictures.
+  int upper(int row) const { return gap + row * (picture.height + captionHeight + gap); }
+};
+
+/// The layout of a grid of pictures of one size. Throws InputError when the shape is empty or the
+/// sheet would be larger than kMaxFrameSide.
+GridLayout layOutGrid(FrameSize picture, GridShape shape, const GridStyle& style = {});
+
+/// The sheet: pictures fill rows from the left, top row first; cells without a picture stay blank.
+/// Throws InputError when there is no picture, more pictures than cells, or their sizes differ;
+/// OutputError when the font is missing.
+Frame composeGrid(const std::vector<GridPicture>& pictures, GridShape shape,
+                  const GridStyle& style = {});
+
+/// "t = 1.25 s".
+std::string timeCaption(double seconds);
+
+}  // namespace kirireel

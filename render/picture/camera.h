@@ -1,0 +1,66 @@
+/// The camera: where the picture is taken from. Fitting it once keeps it still for a whole video.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "sim/base/geometry.h"
+#include "sim/brick/brick.h"
+
+namespace kirireel {
+
+/// View and projection. The eye looks at the centre; what is farther than `far` or nearer than
+/// `near` along the view is cut off.
+struct Camera {
+  Vector3 eye = Vector3(0, 0, 10);          ///< metres
+  Vector3 centre = Vector3::Zero();         ///< the point in the middle of the picture, metres
+  Vector3 up = Vector3::UnitY();            ///< upwards in the picture; not along the view
+  bool orthographic = false;                ///< parallel projection: equal lengths look equal
+  double fieldOfView = 0.5235987755982988;  ///< perspective: vertical, radians, 0 to pi
+  double viewHeight = 2;                    ///< orthographic: height of the picture, metres
+  double near = 0.1;                        ///< from the eye, metres, positive
+  double far = 100;                         ///< from the eye, metres, more than near
+};
+
+/// Where the eye stands as seen from the model.
+struct ViewAngles {
+  double azimuth = -1.5707963267948966;   ///< radians, anticlockwise from +x about +z
+  double elevation = 1.5707963267948966;  ///< radians above the xy plane, -pi/2 to pi/2
+
+  bool operator==(const ViewAngles&) const = default;
+};
+
+/// From straight above, +x to the right and +y upwards.
+inline constexpr ViewAngles kTopView{-1.5707963267948966, 1.5707963267948966};
+/// From the front (-y), +x to the right and +z upwards.
+inline constexpr ViewAngles kFrontView{-1.5707963267948966, 0};
+/// All three axes equally foreshortened, x towards the lower right: for models in space.
+inline constexpr ViewAngles kIsometricView{-0.7853981633974483, 0.6154797086703873};
+/// Nearly from above, tilted so that the thickness of flat sheets shows.
+inline constexpr ViewAngles kObliqueView{-1.5707963267948966, 0.9599310885968813};
+
+/// kObliqueView for points that lie nearly in one horizontal layer, else kIsometricView.
+ViewAngles defaultView(std::span<const Vector3> points);
+
+/// How to frame points.
+struct CameraFit {
+  ViewAngles view = kIsometricView;
+  double aspect = 16.0 / 9.0;               ///< width / height of the picture
+  bool orthographic = false;                ///< else perspective
+  double fieldOfView = 0.5235987755982988;  ///< perspective: vertical, radians
+  double margin =
+      0.06;  ///< part of the picture's width and height left free on each side, 0 to 0.45
+};
+
+/// The camera with the given view that shows all points as large as possible and in the middle.
+/// At least one point: throws InputError otherwise.
+Camera fitCamera(std::span<const Vector3> points, const CameraFit& fit);
+
+/// All corners of all bricks at the given poses, world axes: what fitCamera should frame (give it
+/// the corners at the start and at the target together).
+std::vector<Vector3> brickCorners(const std::vector<Brick>& bricks, const Poses& poses);
+
+/// The 4 x 4 matrix from world axes to clip coordinates, for pictures of the given aspect.
+Eigen::Matrix4d clipFromWorld(const Camera& camera, double aspect);
+
+}  // namespace kirireel

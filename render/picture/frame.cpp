@@ -1,0 +1,61 @@
+#include "render/picture/frame.h"
+
+#include <algorithm>
+#include <cassert>
+
+#include <fmt/format.h>
+
+#include "sim/base/error.h"
+
+namespace kirireel {
+
+void requireValidSize(FrameSize size) {
+  const auto valid = [](int side) { return side >= 1 && side <= kMaxFrameSide; };
+  if (valid(size.width) && valid(size.height)) return;
+  throw InputError(fmt::format(
+      "error: a picture of {} x {} pixels cannot be drawn; width and height may be 1 to {}, "
+      "for example --size 1280x720",
+      size.width, size.height, kMaxFrameSide));
+}
+
+Colour Frame::at(int x, int y) const {
+  const std::uint8_t* pixel = pixels.data() + rowStart(y) + static_cast<std::size_t>(x) * 4;
+  return {pixel[0], pixel[1], pixel[2], pixel[3]};
+}
+
+void Frame::set(int x, int y, Colour colour) {
+  std::uint8_t* pixel = pixels.data() + rowStart(y) + static_cast<std::size_t>(x) * 4;
+  pixel[0] = colour.red;
+  pixel[1] = colour.green;
+  pixel[2] = colour.blue;
+  pixel[3] = colour.alpha;
+}
+
+Frame makeFrame(FrameSize size, Colour colour) {
+  requireValidSize(size);
+  Frame frame{size,
+              std::vector<std::uint8_t>(static_cast<std::size_t>(size.width) * size.height * 4)};
+  for (int y = 0; y < size.height; ++y) {
+    for (int x = 0; x < size.width; ++x) frame.set(x, y, colour);
+  }
+  return frame;
+}
+
+void pasteFrame(Frame& target, const Frame& source, int x, int y) {
+  assert(x >= 0 && x + source.size.width <= target.size.width);
+  assert(y >= 0 && y + source.size.height <= target.size.height);
+  const std::size_t rowBytes = static_cast<std::size_t>(source.size.width) * 4;
+  for (int row = 0; row < source.size.height; ++row) {
+    std::copy_n(source.pixels.data() + source.rowStart(row), rowBytes,
+                target.pixels.data() + target.rowStart(y + row) + static_cast<std::size_t>(x) * 4);
+  }
+}
+
+bool isOpaque(const Frame& frame) {
+  for (std::size_t alpha = 3; alpha < frame.pixels.size(); alpha += 4) {
+    if (frame.pixels[alpha] != 255) return false;
+  }
+  return true;
+}
+
+}  // namespace kirireel

@@ -1,0 +1,38 @@
+/// Paints bricks into frames, off screen.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "render/picture/camera.h"
+#include "render/picture/frame.h"
+#include "render/picture/style.h"
+#include "sim/brick/brick.h"
+
+namespace kirireel {
+
+/// Draws the bricks of one run. Owns a graphics context, which belongs to one thread: make, use and
+/// destroy a painter on the same thread. The same poses, camera and style give the same bytes in
+/// every run, whatever the number of renderer threads.
+///
+/// Faces are flat: away from its outline each has exactly the colour of faceColour(). A pixel is
+/// the mean of 2 x 3 samples (bytes of sRGB, weighted by alpha), which smooths the edges.
+class Painter {
+ public:
+  /// Throws InputError for a size out of range, OutputError when no graphics context can be made.
+  Painter(FrameSize size, const std::vector<Brick>& bricks, const Style& style);
+  ~Painter();
+  Painter(const Painter&) = delete;
+  Painter& operator=(const Painter&) = delete;
+
+  /// The picture of the bricks at the poses (one a brick, same order). Throws OutputError.
+  Frame paint(const Poses& poses, const Camera& camera);
+
+  FrameSize size() const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace kirireel

@@ -1,0 +1,51 @@
+/// How pictures look: colours, lights, outlines, ground.
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "render/picture/frame.h"
+#include "sim/base/geometry.h"
+
+namespace kirireel {
+
+/// A light at infinity.
+struct Light {
+  Vector3 direction = Vector3::UnitZ();  ///< unit, from the model towards the light, world axes
+  double strength = 0;                   ///< added brightness of a face that looks at the light
+};
+
+/// A square plate under the model, seen from above only.
+struct Ground {
+  double height = 0;                                 ///< z of the plate, metres
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();  ///< x and y of its middle, metres
+  double halfSize = 1;                               ///< half a side, metres
+  Colour colour = {238, 238, 236};                   ///< drawn as it is, not lit
+};
+
+/// The look of a picture. The defaults are meant for a page of a journal: white ground, quiet
+/// colours that stay apart in grey and for the colour-blind, thin dark outlines.
+struct Style {
+  Colour background = {255, 255, 255};  ///< alpha below 255 gives a transparent picture
+  Colour top = {124, 170, 216};         ///< face on the side of the tile's normal
+  Colour bottom = {240, 182, 104};      ///< the tile itself, seen from below
+  Colour side = {92, 126, 168};         ///< faces across the thickness
+  Colour edge = {38, 50, 66};           ///< outlines
+  double edgeWidth =
+      0.0018;  ///< of the line between two flush tiles, in heights of the picture; 0 none
+  double ambient = 0.42;                           ///< brightness of a face that no light reaches
+  Light key = {Vector3(-0.36, -0.48, 0.8), 0.52};  ///< main light, from the upper left
+  Light fill = {Vector3(0.8, -0.36, 0.48), 0.22};  ///< softer, from the right
+  std::optional<Ground> ground;                    ///< drawn when present
+};
+
+/// The colour of a lit face, the one rule of shading: in each channel
+///   round(min(255, base * (ambient + key.strength * max(0, normal . key.direction)
+///                                   + fill.strength * max(0, normal . fill.direction))))
+/// on sRGB bytes as they are. Alpha is the base's. normal: unit, outward, world axes.
+Colour faceColour(const Vector3& normal, Colour base, const Style& style);
+
+/// A ground plate around points at the given height, half as large again as what stands on it.
+Ground groundUnder(std::span<const Vector3> points, double height);
+
+}  // namespace kirireel

@@ -1,0 +1,27 @@
+/// PNG files.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "render/picture/frame.h"
+
+namespace kirireel {
+
+/// How a PNG is written. Flat-shaded pictures are smallest and quickest without row filters, so
+/// there is no choice of filter.
+struct PngSettings {
+  int compressionLevel = 6;           ///< of zlib, 0 (none) to 9
+  std::optional<double> dotsPerInch;  ///< printed resolution noted in the file, positive
+};
+
+/// Writes a picture: RGB when it is opaque, else RGBA; tagged as sRGB. The file appears under its
+/// name only when whole. Throws OutputError with the path and the reason (disk full, no
+/// permission).
+void writePng(const Frame& frame, const std::filesystem::path& path,
+              const PngSettings& settings = {});
+
+/// Reads any PNG as 8-bit RGBA. Throws InputError when it is missing or not a PNG.
+Frame readPng(const std::filesystem::path& path);
+
+}  // namespace kirireel
