@@ -15,8 +15,9 @@ struct Light {
   double strength = 0;                   ///< added brightness of a face that looks at the light
 };
 
-/// A square plate under the model, seen from above only.
-struct Ground {
+/// A square plate under the model, seen from above only. (The physics has its own Ground, in the
+/// scene.)
+struct GroundPlate {
   double height = 0;                                 ///< z of the plate, metres
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();  ///< x and y of its middle, metres
   double halfSize = 1;                               ///< half a side, metres
@@ -36,7 +37,7 @@ struct Style {
   double ambient = 0.42;                           ///< brightness of a face that no light reaches
   Light key = {Vector3(-0.36, -0.48, 0.8), 0.52};  ///< main light, from the upper left
   Light fill = {Vector3(0.8, -0.36, 0.48), 0.22};  ///< softer, from the right
-  std::optional<Ground> ground;                    ///< drawn when present
+  std::optional<GroundPlate> ground;                    ///< drawn when present
 };
 
 /// The colour of a lit face, the one rule of shading: in each channel
@@ -46,6 +47,6 @@ struct Style {
 Colour faceColour(const Vector3& normal, Colour base, const Style& style);
 
 /// A ground plate around points at the given height, half as large again as what stands on it.
-Ground groundUnder(std::span<const Vector3> points, double height);
+GroundPlate groundUnder(std::span<const Vector3> points, double height);
 
 }  // namespace kirireel
