@@ -37,7 +37,7 @@ struct Style {
   double ambient = 0.42;                           ///< brightness of a face that no light reaches
   Light key = {Vector3(-0.36, -0.48, 0.8), 0.52};  ///< main light, from the upper left
   Light fill = {Vector3(0.8, -0.36, 0.48), 0.22};  ///< softer, from the right
-  std::optional<GroundPlate> ground;                    ///< drawn when present
+  std::optional<GroundPlate> ground;               ///< drawn when present
 };
 
 /// The colour of a lit face, the one rule of shading: in each channel

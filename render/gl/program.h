@@ -1,0 +1,27 @@
+/// A linked pair of shaders.
+#pragma once
+
+namespace kirireel {
+
+/// A vertex and a fragment shader in GLSL 3.30, linked. Belongs to the context current when made.
+class Program {
+ public:
+  /// Throws OutputError with the compiler's words when the sources do not compile or link.
+  Program(const char* vertexSource, const char* fragmentSource);
+  ~Program();
+  Program(const Program&) = delete;
+  Program& operator=(const Program&) = delete;
+
+  /// Makes the program the one that draws.
+  void use() const;
+
+  /// Set a uniform of the program in use; a name that the shaders do not use is passed over.
+  void set(const char* name, float value) const;
+  void set(const char* name, float x, float y) const;
+  void set(const char* name, float x, float y, float z, float w) const;
+
+ private:
+  unsigned int handle_ = 0;
+};
+
+}  // namespace kirireel

@@ -1,0 +1,181 @@
+#include "render/picture/camera.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "sim/base/error.h"
+
+namespace kirireel {
+namespace {
+
+/// Flat models: how thick the layer of all points may be, against its larger side.
+constexpr double kFlatness = 0.15;
+
+struct Range {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -std::numeric_limits<double>::infinity();
+
+  void add(double value) {
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
+  double middle() const { return 0.5 * (low + high); }
+  double length() const { return high - low; }
+};
+
+/// Unit axes of the picture in world axes.
+struct PictureAxes {
+  Vector3 right;
+  Vector3 up;
+  Vector3 back;  ///< towards the eye
+};
+
+PictureAxes pictureAxes(ViewAngles view) {
+  const double ca = std::cos(view.azimuth), sa = std::sin(view.azimuth);
+  const double ce = std::cos(view.elevation), se = std::sin(view.elevation);
+  return {Vector3(-sa, ca, 0), Vector3(-se * ca, -se * sa, ce), Vector3(ce * ca, ce * sa, se)};
+}
+
+/// The picture axes in which a camera sees.
+PictureAxes pictureAxes(const Camera& camera) {
+  const Vector3 back = (camera.eye - camera.centre).normalized();
+  const Vector3 right = camera.up.cross(back).normalized();
+  return {right, back.cross(right), back};
+}
+
+/// The points in picture axes, and the room they need.
+struct Extents {
+  std::vector<Vector3> points;
+  Range x, y, z;
+};
+
+Extents projectPoints(std::span<const Vector3> points, const PictureAxes& axes) {
+  Extents extents;
+  for (const Vector3& point : points) {
+    const Vector3 seen(axes.right.dot(point), axes.up.dot(point), axes.back.dot(point));
+    extents.points.push_back(seen);
+    extents.x.add(seen.x());
+    extents.y.add(seen.y());
+    extents.z.add(seen.z());
+  }
+  return extents;
+}
+
+/// Diagonal of the extents; 1 for a single point, so that there is something to look at.
+double diagonal(const Extents& extents) {
+  const double length = Vector3(extents.x.length(), extents.y.length(), extents.z.length()).norm();
+  return length > 0 ? length : 1;
+}
+
+/// Where the eye must stand in one direction of the picture so that both borders hold all points.
+/// A point at (x, z) is inside when |x - eye| <= slope * (distance - z).
+struct SideFit {
+  double eye = 0;       ///< across the view
+  double distance = 0;  ///< along it
+};
+
+SideFit fitSide(const Extents& extents, int axis, double slope) {
+  double rightmost = -std::numeric_limits<double>::infinity();
+  double leftmost = std::numeric_limits<double>::infinity();
+  for (const Vector3& point : extents.points) {
+    rightmost = std::max(rightmost, point[axis] + slope * point.z());
+    leftmost = std::min(leftmost, point[axis] - slope * point.z());
+  }
+  return {0.5 * (rightmost + leftmost), (rightmost - leftmost) / (2 * slope)};
+}
+
+Vector3 toWorld(const PictureAxes& axes, double x, double y, double z) {
+  return x * axes.right + y * axes.up + z * axes.back;
+}
+
+Camera fitOrthographic(const Extents& extents, const PictureAxes& axes, const CameraFit& fit) {
+  const double size = diagonal(extents);
+  Camera camera;
+  camera.up = axes.up;
+  camera.orthographic = true;
+  const double needed = std::max(extents.y.length(), extents.x.length() / fit.aspect);
+  camera.viewHeight = (needed > 0 ? needed : size) / (1 - 2 * fit.margin);
+  camera.centre = toWorld(axes, extents.x.middle(), extents.y.middle(), extents.z.middle());
+  // Room before and behind for bricks that leave the fitted points during a deployment.
+  camera.eye = camera.centre + 3 * size * axes.back;
+  camera.near = 0.01 * size;
+  camera.far = 6 * size;
+  return camera;
+}
+
+Camera fitPerspective(const Extents& extents, const PictureAxes& axes, const CameraFit& fit) {
+  const double size = diagonal(extents);
+  const double slopeY = std::tan(0.5 * fit.fieldOfView) * (1 - 2 * fit.margin);
+  const SideFit x = fitSide(extents, 0, slopeY * fit.aspect);
+  const SideFit y = fitSide(extents, 1, slopeY);
+  const double nearest = extents.z.high + 0.05 * size;
+  const double eyeZ = std::max({x.distance, y.distance, nearest});
+  Camera camera;
+  camera.up = axes.up;
+  camera.fieldOfView = fit.fieldOfView;
+  camera.eye = toWorld(axes, x.eye, y.eye, eyeZ);
+  camera.centre = toWorld(axes, x.eye, y.eye, extents.z.middle());
+  camera.near = 0.02 * (eyeZ - extents.z.middle());
+  camera.far = (eyeZ - extents.z.middle()) + 4 * size;
+  return camera;
+}
+
+}  // namespace
+
+ViewAngles defaultView(std::span<const Vector3> points) {
+  Range x, y, z;
+  for (const Vector3& point : points) {
+    x.add(point.x());
+    y.add(point.y());
+    z.add(point.z());
+  }
+  const bool flat = z.length() < kFlatness * std::max(x.length(), y.length());
+  return flat ? kObliqueView : kIsometricView;
+}
+
+Camera fitCamera(std::span<const Vector3> points, const CameraFit& fit) {
+  if (points.empty()) throw InputError("error: the camera has no points to frame; give it bricks");
+  const PictureAxes axes = pictureAxes(fit.view);
+  const Extents extents = projectPoints(points, axes);
+  return fit.orthographic ? fitOrthographic(extents, axes, fit)
+                          : fitPerspective(extents, axes, fit);
+}
+
+std::vector<Vector3> brickCorners(const std::vector<Brick>& bricks, const Poses& poses) {
+  std::vector<Vector3> corners;
+  for (std::size_t brick = 0; brick < bricks.size(); ++brick) {
+    for (const Vector3& point : bricks[brick].bottom) corners.push_back(poses[brick].apply(point));
+    for (const Vector3& point : bricks[brick].top) corners.push_back(poses[brick].apply(point));
+  }
+  return corners;
+}
+
+Eigen::Matrix4d clipFromWorld(const Camera& camera, double aspect) {
+  const PictureAxes axes = pictureAxes(camera);
+  Eigen::Matrix4d view = Eigen::Matrix4d::Identity();
+  view.block<1, 3>(0, 0) = axes.right;
+  view.block<1, 3>(1, 0) = axes.up;
+  view.block<1, 3>(2, 0) = axes.back;
+  view.block<3, 1>(0, 3) = -view.block<3, 3>(0, 0) * camera.eye;
+
+  const double depth = camera.far - camera.near;
+  Eigen::Matrix4d projection = Eigen::Matrix4d::Zero();
+  if (camera.orthographic) {
+    projection(0, 0) = 2 / (camera.viewHeight * aspect);
+    projection(1, 1) = 2 / camera.viewHeight;
+    projection(2, 2) = -2 / depth;
+    projection(2, 3) = -(camera.far + camera.near) / depth;
+    projection(3, 3) = 1;
+  } else {
+    const double slope = std::tan(0.5 * camera.fieldOfView);
+    projection(0, 0) = 1 / (slope * aspect);
+    projection(1, 1) = 1 / slope;
+    projection(2, 2) = -(camera.far + camera.near) / depth;
+    projection(2, 3) = -2 * camera.far * camera.near / depth;
+    projection(3, 2) = -1;
+  }
+  return projection * view;
+}
+
+}  // namespace kirireel
