@@ -1,0 +1,319 @@
+#include "render/video/video.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <csignal>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include "sim/base/error.h"
+#include "tests/support/files.h"
+#include "tests/support/program.h"
+
+namespace kirireel {
+namespace {
+
+using test::bytesOf;
+using test::hasProgram;
+using test::outputOf;
+using test::TemporaryFolder;
+using ::testing::HasSubstr;
+
+constexpr FrameSize kSize{320, 180};
+
+VideoSettings settingsOf(FrameSize size) {
+  VideoSettings settings;
+  settings.size = size;
+  return settings;
+}
+
+void fill(Frame& frame, int left, int top, int width, int height, Colour colour) {
+  for (int y = top; y < top + height; ++y) {
+    for (int x = left; x < left + width; ++x) frame.set(x, y, colour);
+  }
+}
+
+/// A disk with an antialiased rim, which moves with time over white: like a picture of bricks.
+Frame diskFrame(int index) {
+  Frame frame = makeFrame(kSize, {255, 255, 255, 255});
+  const double centreX = 60 + 5.0 * index;
+  for (int y = 0; y < kSize.height; ++y) {
+    for (int x = 0; x < kSize.width; ++x) {
+      const double inside = 50.5 - std::hypot(x - centreX, y - 90.0);
+      const double cover = std::clamp(inside, 0.0, 1.0);
+      const auto mix = [&](int colour) {
+        return static_cast<std::uint8_t>(std::lround(255 + cover * (colour - 255)));
+      };
+      frame.set(x, y, {mix(196), mix(88), mix(44), 255});
+    }
+  }
+  return frame;
+}
+
+void writeDiskVideo(const std::filesystem::path& path, int frames) {
+  VideoWriter writer(path, settingsOf(kSize));
+  for (int k = 0; k < frames; ++k) writer.write(diskFrame(k));
+  writer.finish();
+}
+
+/// Decodes one frame with the ffmpeg program and turns its planes into colours by the formulas of
+/// BT.709, limited range, so that neither libswscale nor its tables judge themselves.
+class DecodedFrame {
+ public:
+  DecodedFrame(const std::filesystem::path& video, int index, FrameSize size) : size_(size) {
+    planes_ = outputOf("ffmpeg -i '" + video.string() + "' -vf \"select=eq(n\\," +
+                       std::to_string(index) + ")\" -vsync 0 -f rawvideo -pix_fmt yuv420p -");
+  }
+
+  bool isWhole() const {
+    return planes_.size() == static_cast<std::size_t>(size_.width) * size_.height * 3 / 2;
+  }
+
+  std::array<double, 3> at(int x, int y) const {
+    const int pixels = size_.width * size_.height;
+    const int chroma = (y / 2) * (size_.width / 2) + x / 2;
+    const double luma = (byte(y * size_.width + x) - 16) / 219.0;
+    const double blueness = (byte(pixels + chroma) - 128) / 224.0;
+    const double redness = (byte(pixels + pixels / 4 + chroma) - 128) / 224.0;
+    const double red = luma + 1.5748 * redness;
+    const double blue = luma + 1.8556 * blueness;
+    const double green = (luma - 0.2126 * red - 0.0722 * blue) / 0.7152;
+    return {255 * red, 255 * green, 255 * blue};
+  }
+
+ private:
+  double byte(int index) const { return static_cast<std::uint8_t>(planes_[index]); }
+
+  FrameSize size_;
+  std::string planes_;
+};
+
+/// Peak signal to noise ratio over all channels, decibels.
+double psnr(const DecodedFrame& decoded, const Frame& source) {
+  double sum = 0;
+  for (int y = 0; y < source.size.height; ++y) {
+    for (int x = 0; x < source.size.width; ++x) {
+      const std::array<double, 3> colour = decoded.at(x, y);
+      const Colour wanted = source.at(x, y);
+      sum += std::pow(colour[0] - wanted.red, 2) + std::pow(colour[1] - wanted.green, 2) +
+             std::pow(colour[2] - wanted.blue, 2);
+    }
+  }
+  const double meanSquare = sum / (3.0 * source.size.width * source.size.height);
+  return 10 * std::log10(255 * 255 / meanSquare);
+}
+
+void expectColour(const DecodedFrame& decoded, int x, int y, Colour wanted, double tolerance) {
+  const std::array<double, 3> colour = decoded.at(x, y);
+  EXPECT_NEAR(colour[0], wanted.red, tolerance);
+  EXPECT_NEAR(colour[1], wanted.green, tolerance);
+  EXPECT_NEAR(colour[2], wanted.blue, tolerance);
+}
+
+/// What a call throws, as its message.
+template <typename Error, typename Call>
+std::string messageOf(const Call& call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "nothing was thrown";
+}
+
+TEST(Video, IsWhatFfprobeSaysItIs) {
+  if (!hasProgram("ffprobe")) GTEST_SKIP() << "install ffmpeg to judge videos by ffprobe";
+  const TemporaryFolder folder;
+  writeDiskVideo(folder / "disk.mp4", 25);
+  const std::string stream =
+      outputOf("ffprobe -v error -count_frames -show_streams -show_format '" +
+               (folder / "disk.mp4").string() + "'");
+  for (const char* line :
+       {"codec_name=h264", "pix_fmt=yuv420p", "width=320", "height=180", "color_range=tv",
+        "color_space=bt709", "color_transfer=bt709", "color_primaries=bt709",
+        "chroma_location=left", "r_frame_rate=60/1", "avg_frame_rate=60/1", "nb_read_frames=25",
+        "duration=0.416667", "start_time=0.000000", "format_name=mov,mp4"}) {
+    EXPECT_THAT(stream, HasSubstr(line));
+  }
+  EXPECT_THAT(stream, ::testing::Not(HasSubstr("creation_time")));
+}
+
+TEST(Video, KeepsFlatColours) {
+  if (!hasProgram("ffmpeg")) GTEST_SKIP() << "install ffmpeg to judge videos by its decoder";
+  const std::array<Colour, 8> colours = {{{255, 255, 255, 255},
+                                          {0, 0, 0, 255},
+                                          {128, 128, 128, 255},
+                                          {230, 40, 30, 255},
+                                          {30, 160, 60, 255},
+                                          {20, 60, 200, 255},
+                                          {240, 200, 80, 255},
+                                          {120, 40, 140, 255}}};
+  Frame frame = makeFrame(kSize, {255, 255, 255, 255});
+  for (int k = 0; k < 8; ++k) fill(frame, 40 * k, 0, 40, 180, colours[k]);
+  const TemporaryFolder folder;
+  VideoWriter writer(folder / "flat.mp4", settingsOf(kSize));
+  for (int k = 0; k < 3; ++k) writer.write(frame);
+  writer.finish();
+  const DecodedFrame decoded(folder / "flat.mp4", 2, kSize);
+  ASSERT_TRUE(decoded.isWhole());
+  for (int k = 0; k < 8; ++k) {
+    SCOPED_TRACE(k);
+    expectColour(decoded, 40 * k + 20, 90, colours[k], 2);  // measured: 1.5
+  }
+}
+
+TEST(Video, MatchesItsLastFrame) {
+  if (!hasProgram("ffmpeg")) GTEST_SKIP() << "install ffmpeg to judge videos by its decoder";
+  const TemporaryFolder folder;
+  writeDiskVideo(folder / "disk.mp4", 25);
+  const DecodedFrame decoded(folder / "disk.mp4", 24, kSize);
+  ASSERT_TRUE(decoded.isWhole());
+  EXPECT_GT(psnr(decoded, diskFrame(24)), 35);  // measured: 40
+  EXPECT_LT(psnr(decoded, diskFrame(20)), 25);
+}
+
+TEST(Video, ShowsWhiteThroughTransparency) {
+  if (!hasProgram("ffmpeg")) GTEST_SKIP() << "install ffmpeg to judge videos by its decoder";
+  Frame frame = makeFrame(kSize, {0, 0, 0, 0});
+  fill(frame, 0, 0, 160, 180, {200, 40, 80, 128});
+  const TemporaryFolder folder;
+  VideoWriter writer(folder / "glass.mp4", settingsOf(kSize));
+  writer.write(frame);
+  writer.finish();
+  const DecodedFrame decoded(folder / "glass.mp4", 0, kSize);
+  ASSERT_TRUE(decoded.isWhole());
+  expectColour(decoded, 80, 90, {227, 147, 167, 255}, 2);
+  expectColour(decoded, 240, 90, {255, 255, 255, 255}, 2);
+}
+
+TEST(Video, StartsWithItsIndex) {
+  const TemporaryFolder folder;
+  writeDiskVideo(folder / "disk.mp4", 5);
+  const std::string bytes = bytesOf(folder / "disk.mp4");
+  EXPECT_LT(bytes.find("moov"), bytes.find("mdat"));
+}
+
+TEST(Video, HasTheSameBytesInTwoRuns) {
+  const TemporaryFolder folder;
+  writeDiskVideo(folder / "first.mp4", 25);
+  writeDiskVideo(folder / "second.mp4", 25);
+  const std::string first = bytesOf(folder / "first.mp4");
+  EXPECT_GT(first.size(), 1000U);
+  EXPECT_TRUE(first == bytesOf(folder / "second.mp4"));
+}
+
+TEST(Video, LeavesNothingWhenAbandoned) {
+  const TemporaryFolder folder;
+  {
+    VideoWriter writer(folder / "disk.mp4", settingsOf(kSize));
+    writer.write(diskFrame(0));
+    EXPECT_FALSE(std::filesystem::exists(folder / "disk.mp4"));
+  }
+  EXPECT_TRUE(folder.isEmpty());
+}
+
+TEST(Video, RefusesSettingsOutOfRange) {
+  const auto refusal = [](auto change) {
+    VideoSettings settings = settingsOf(kSize);
+    change(settings);
+    return messageOf<InputError>([&] { requireValidSettings(settings); });
+  };
+  EXPECT_EQ(
+      refusal([](VideoSettings& s) {
+        s.size = {641, 480};
+      }),
+      "error: a video of 641 x 480 pixels has an odd side; H.264 needs even ones, for example "
+      "--size 642x480");
+  EXPECT_EQ(refusal([](VideoSettings& s) { s.framesPerSecond = 0; }),
+            "error: 0 frames a second are not possible; give 1 to 1000");
+  EXPECT_EQ(refusal([](VideoSettings& s) { s.crf = 52; }),
+            "error: the video's crf is 52; give 0 (lossless) to 51 (worst), for example 18");
+  EXPECT_EQ(refusal([](VideoSettings& s) { s.preset = "quick"; }),
+            "error: x264 has no preset \"quick\"; give one of ultrafast, superfast, veryfast, "
+            "faster, fast, medium, slow, slower, veryslow, placebo");
+  EXPECT_THAT(refusal([](VideoSettings& s) { s.size = {0, 480}; }), HasSubstr("0 x 480"));
+}
+
+TEST(Video, SaysWhichEncoderIsMissing) {
+  const TemporaryFolder folder;
+  VideoSettings settings = settingsOf(kSize);
+  settings.encoder = "libx999";
+  const std::filesystem::path path = folder / "disk.mp4";
+  EXPECT_EQ(messageOf<OutputError>([&] { VideoWriter writer(path, settings); }),
+            path.string() +
+                ": error: libavcodec has no encoder libx999 here, so no video can be made; "
+                "install Debian's libavcodec-extra, or an FFmpeg built with it");
+  EXPECT_TRUE(folder.isEmpty());
+}
+
+TEST(Video, SaysThatTheEncoderRefusesTheSize) {
+  const TemporaryFolder folder;
+  const VideoSettings settings = settingsOf({16384, 16384});
+  const std::filesystem::path path = folder / "disk.mp4";
+  EXPECT_EQ(messageOf<OutputError>([&] { VideoWriter writer(path, settings); }),
+            path.string() +
+                ": error: libx264 refuses a video of 16384 x 16384 pixels (Invalid argument); try "
+                "a smaller --size");
+  EXPECT_TRUE(folder.isEmpty());
+}
+
+TEST(Video, RefusesAFrameOfAnotherSize) {
+  const TemporaryFolder folder;
+  VideoWriter writer(folder / "disk.mp4", settingsOf(kSize));
+  const Frame frame = makeFrame({64, 32}, {});
+  EXPECT_THAT(messageOf<OutputError>([&] { writer.write(frame); }),
+              HasSubstr("disk.mp4: error: a frame of 64 x 32 pixels in a video of 320 x 180"));
+}
+
+TEST(Video, IsFinishedOnce) {
+  const TemporaryFolder folder;
+  VideoWriter writer(folder / "disk.mp4", settingsOf(kSize));
+  EXPECT_THAT(messageOf<OutputError>([&] { writer.finish(); }),
+              HasSubstr("disk.mp4: error: a video needs at least one frame"));
+  writer.write(diskFrame(0));
+  writer.finish();
+  for (const auto& message : {messageOf<OutputError>([&] { writer.finish(); }),
+                              messageOf<OutputError>([&] { writer.write(diskFrame(1)); })}) {
+    EXPECT_THAT(message, HasSubstr("disk.mp4: error: the video is finished already"));
+  }
+  EXPECT_TRUE(std::filesystem::exists(folder / "disk.mp4"));
+}
+
+/// While it lives, no file may grow beyond this size, as on a disk that is full.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{bytes, before_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FileSizeLimit() {
+    ::setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+  FileSizeLimit(const FileSizeLimit&) = delete;
+  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
+
+ private:
+  rlimit before_{};
+  void (*handler_)(int);
+};
+
+TEST(Video, SaysThatTheDiskIsFull) {
+  const TemporaryFolder folder;
+  std::string message;
+  {
+    const FileSizeLimit limit(2000);
+    message = messageOf<OutputError>([&] { writeDiskVideo(folder / "disk.mp4", 60); });
+  }
+  EXPECT_EQ(message, (folder / "disk.mp4").string() +
+                         ": error: the video cannot be written (File too large); free some space "
+                         "or choose another folder with --out");
+  EXPECT_TRUE(folder.isEmpty());
+}
+
+}  // namespace
+}  // namespace kirireel

@@ -1,0 +1,27 @@
+/// Runs other people's programs, as judges that share no code with ours.
+#pragma once
+
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+
+namespace kirireel::test {
+
+/// Whether the shell finds this program.
+inline bool hasProgram(const std::string& name) {
+  return std::system(("command -v " + name + " > /dev/null 2>&1").c_str()) == 0;
+}
+
+/// The standard output of a shell command, its error stream left out; empty when it fails.
+inline std::string outputOf(const std::string& command) {
+  std::FILE* pipe = ::popen((command + " 2> /dev/null < /dev/null").c_str(), "r");
+  if (pipe == nullptr) return {};
+  std::string output;
+  char buffer[65536];
+  while (const std::size_t count = std::fread(buffer, 1, sizeof buffer, pipe)) {
+    output.append(buffer, count);
+  }
+  return ::pclose(pipe) == 0 ? output : std::string();
+}
+
+}  // namespace kirireel::test
