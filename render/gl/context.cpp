@@ -56,4 +56,8 @@ void Context::makeCurrent() {
   }
 }
 
+std::string graphicsVersion() {
+  return reinterpret_cast<const char*>(glGetString(GL_VERSION));
+}
+
 }  // namespace kirireel

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 namespace kirireel {
 
@@ -27,5 +28,8 @@ class Context {
   struct Handle;
   std::unique_ptr<Handle> handle_;
 };
+
+/// OpenGL's version and its maker's, of the context that is current on this thread.
+std::string graphicsVersion();
 
 }  // namespace kirireel

@@ -263,4 +263,10 @@ void VideoWriter::finish() {
   in.finished = true;
 }
 
+std::string encoderLibraryVersion() {
+  const unsigned version = avcodec_version();
+  return fmt::format("{}.{}.{}", AV_VERSION_MAJOR(version), AV_VERSION_MINOR(version),
+                     AV_VERSION_MICRO(version));
+}
+
 }  // namespace kirireel

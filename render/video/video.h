@@ -49,4 +49,7 @@ class VideoWriter {
   std::unique_ptr<Internals> internals_;
 };
 
+/// The version of libavcodec in use, e.g. "59.37.100".
+std::string encoderLibraryVersion();
+
 }  // namespace kirireel

@@ -4,6 +4,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <btBulletDynamicsCommon.h>
+#include <fmt/format.h>
 
 #include "sim/world/inset_hull.h"
 #include "sim/world/pivot_zones.h"
@@ -221,6 +222,10 @@ void BulletWorld::writeMotion(const Motion& motion) {
   for (int k = 0; k < in.dispatcher.getNumManifolds(); ++k) {
     in.dispatcher.getManifoldByIndexInternal(k)->clearManifold();
   }
+}
+
+std::string bulletVersion() {
+  return fmt::format("{}.{:02}", btGetVersion() / 100, btGetVersion() % 100);
 }
 
 }  // namespace kirireel

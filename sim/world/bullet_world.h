@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "sim/base/geometry.h"
@@ -40,5 +41,8 @@ class BulletWorld {
   struct Internals;
   std::unique_ptr<Internals> internals_;
 };
+
+/// The version of Bullet in use, e.g. "3.24".
+std::string bulletVersion();
 
 }  // namespace kirireel
