@@ -21,8 +21,9 @@ struct RigidMotion {
 RigidMotion bestRigidMotion(std::span<const Vector3> from, std::span<const Vector3> to);
 
 /// Moves the start tiles of a model with a target onto the target by the best rigid motion of all
-/// vertices together, as PyKirigami does. A start and target that both lie in one horizontal plane
-/// are turned within it (never flipped over). Returns the motion applied; identity without target.
+/// vertices together, as PyKirigami does. A start and target that each lie in a horizontal plane
+/// are turned about the vertical alone (never flipped over). Returns the motion applied; identity
+/// without target.
 RigidMotion alignStartToTarget(Model& model);
 
 }  // namespace kirireel

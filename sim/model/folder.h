@@ -13,7 +13,8 @@ namespace kirireel {
 ///
 /// vertices.txt and target.txt hold one tile a line, "x y z" for each vertex; constraints.txt holds
 /// "tileA vertexA tileB vertexB [face]" a line, 0-based, face 1 bottom, 2 top, 3 both, 1 if absent;
-/// pull.txt lists tile numbers. Blank lines and lines starting with '#' are passed over.
+/// pull.txt lists tile numbers. Blank lines and lines starting with '#' are passed over. A model of
+/// loose tiles says so by a constraints.txt with nothing but a comment.
 ///
 /// What a run can live with (joints apart by no more than a small part of a tile, a target that is
 /// not quite congruent) is appended to warnings; everything else that is wrong throws InputError
@@ -21,7 +22,8 @@ namespace kirireel {
 Model readModelFolder(const std::filesystem::path& folder, std::vector<std::string>& warnings);
 
 /// Writes the model as such a folder, numbers so that reading gives the same doubles. The folder is
-/// made if need be. Throws OutputError.
+/// made if need be; a target.txt or pull.txt in it that the model lacks is removed. Throws
+/// OutputError.
 void writeModelFolder(const Model& model, const std::filesystem::path& folder);
 
 /// Writes tiles alone in the format of vertices.txt, so that a run's end can be another's target.

@@ -35,10 +35,10 @@ struct Joint {
 
 /// A kirigami sheet: its tiles in the compact state, its joints, and where it should go.
 struct Model {
-  std::string name;                         ///< of the folder or the generator's family
-  std::vector<Tile> tiles;                  ///< at the start
-  std::vector<Joint> joints;                ///< in file order
-  std::optional<std::vector<Tile>> target;  ///< wanted positions, vertex by vertex as in tiles
+  std::string name;                             ///< of the folder or the generator's family
+  std::vector<Tile> tiles;                      ///< at the start
+  std::vector<Joint> joints;                    ///< in file order
+  std::optional<std::vector<Tile>> target;      ///< wanted positions, vertex by vertex as in tiles
   std::optional<std::vector<int>> pulledTiles;  ///< tiles that feel target forces; all if absent
 };
 

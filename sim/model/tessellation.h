@@ -5,18 +5,19 @@
 
 namespace kirireel {
 
-/// What to generate. Lengths in metres, angles in radians.
+/// What to generate. Lengths in metres, angles in radians; at most 250,000 tiles.
 struct TessellationShape {
-  int columns = 4;            ///< tiles along x, at least 1
-  int rows = 4;               ///< tiles along y, at least 1
-  double length = 1;          ///< of a tile along x when closed, positive
-  double width = 1;           ///< of a tile along y when closed, positive
-  double startAngle = 0;      ///< between neighbouring tiles, 0 (closed) to pi
+  int columns = 4;                          ///< tiles along x, at least 1
+  int rows = 4;                             ///< tiles along y, at least 1
+  double length = 1;                        ///< of a tile along x when closed, positive
+  double width = 1;                         ///< of a tile along y when closed, positive
+  double startAngle = 0;                    ///< between neighbouring tiles, 0 (closed) to pi
   double targetAngle = 1.5707963267948966;  ///< of the target, 0 to pi
   JointFace face = JointFace::Both;
 };
 
-/// The tessellation with its target and its joints.
+/// The tessellation with its target and its joints. Tile column * rows + row stands in the given
+/// column and row; its vertices start bottom left and run anticlockwise.
 /// Throws InputError for counts, lengths or angles out of range.
 Model makeTessellation(const TessellationShape& shape);
 

@@ -1,0 +1,222 @@
+#include "sim/model/folder.h"
+
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "sim/base/error.h"
+#include "sim/base/pending_file.h"
+#include "sim/model/joint_checks.h"
+#include "sim/model/text_table.h"
+#include "sim/model/tile_checks.h"
+
+namespace kirireel {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kTilePurpose = "write one tile a line, \"x y z\" for each vertex";
+const std::string kJointPurpose =
+    "write one joint a line, \"tileA vertexA tileB vertexB face\", or the line \"# no joints\" if "
+    "the tiles are loose";
+const std::string kPullPurpose =
+    "list the numbers of the tiles to pull, or delete the file to pull all";
+
+void requireFolder(const fs::path& folder) {
+  const std::string mend = "give a folder that holds vertices.txt and constraints.txt";
+  std::error_code ignored;
+  if (!fs::exists(folder, ignored)) {
+    throw inputErrorAt({folder}, fmt::format("there is no such folder; {}", mend));
+  }
+  if (!fs::is_directory(folder, ignored)) {
+    throw inputErrorAt({folder}, fmt::format("this is not a folder; {}", mend));
+  }
+}
+
+/// Also right for "data/heart/" and ".", which have no filename of their own.
+std::string folderName(const fs::path& folder) {
+  const fs::path whole = fs::absolute(folder).lexically_normal();
+  return whole.has_filename() ? whole.filename().string() : whole.parent_path().filename().string();
+}
+
+void requireWholeVertices(const TextTable& text, const TextLine& line, size_t tile) {
+  const size_t count = line.fields.size();
+  const size_t left = count % 3;
+  if (left != 0) {
+    throw inputErrorAt(text.at(line, line.fields[count - left]),
+                       fmt::format("tile {} has {} numbers, not three for each vertex; the vertex "
+                                   "that starts here has only {}: complete it or delete it",
+                                   tile, count, left));
+  }
+  if (count < 9) {
+    throw inputErrorAt({text.file(), line.number},
+                       fmt::format("tile {} has {} vertices; a tile has at least 3: add the "
+                                   "missing ones or delete the line",
+                                   tile, count / 3));
+  }
+}
+
+TileTable readTiles(const fs::path& file) {
+  TextTable text(file, kTilePurpose);
+  TileTable table;
+  table.file = file;
+  TextLine line;
+  while (text.next(line)) {
+    requireWholeVertices(text, line, table.tiles.size());
+    Tile& tile = table.tiles.emplace_back();
+    TileSource& source = table.sources.emplace_back();
+    source.line = line.number;
+    for (size_t k = 0; k < line.fields.size(); k += 3) {
+      const auto coordinate = [&](size_t axis) {
+        const TextField& field = line.fields[k + axis];
+        return parseCoordinate(field, text.at(line, field));
+      };
+      tile.vertices.emplace_back(coordinate(0), coordinate(1), coordinate(2));
+      source.columns.push_back(line.fields[k].column);
+    }
+  }
+  if (table.tiles.empty()) {
+    throw inputErrorAt({file}, fmt::format("the file holds no tile; {}", kTilePurpose));
+  }
+  return table;
+}
+
+JointRow readJointRow(const TextTable& text, const TextLine& line) {
+  const size_t count = line.fields.size();
+  if (count != 4 && count != 5) {
+    throw inputErrorAt({text.file(), line.number},
+                       fmt::format("{} numbers do not make a joint; write \"tileA vertexA tileB "
+                                   "vertexB\", and a face (1 bottom, 2 top, 3 both) if wanted",
+                                   count));
+  }
+  static const std::string kMeanings[] = {"a tile number", "a vertex number", "a tile number",
+                                          "a vertex number", "a face"};
+  JointRow row;
+  row.line = line.number;
+  row.values[4] = static_cast<int>(JointFace::Bottom);
+  for (size_t k = 0; k < count; ++k) {
+    const TextField& field = line.fields[k];
+    row.values[k] = parseWholeNumber(field, text.at(line, field), kMeanings[k]);
+    row.columns[k] = field.column;
+  }
+  return row;
+}
+
+JointTable readJointRows(const fs::path& file) {
+  TextTable text(file, kJointPurpose);
+  JointTable table;
+  table.file = file;
+  TextLine line;
+  while (text.next(line)) table.rows.push_back(readJointRow(text, line));
+  if (table.rows.empty() && !text.hasComment()) {
+    throw inputErrorAt({file}, fmt::format("the file is empty; {}", kJointPurpose));
+  }
+  return table;
+}
+
+std::vector<int> readPulledTiles(const fs::path& file, int tileCount) {
+  TextTable text(file, kPullPurpose);
+  std::vector<int> pulled;
+  TextLine line;
+  while (text.next(line)) {
+    for (const TextField& field : line.fields) {
+      const int tile = parseWholeNumber(field, text.at(line, field), "a tile number");
+      if (tile < 0 || tile >= tileCount) {
+        throw inputErrorAt(text.at(line, field),
+                           fmt::format("vertices.txt has tiles 0-{}, not {}; correct this number",
+                                       tileCount - 1, tile));
+      }
+      pulled.push_back(tile);
+    }
+  }
+  if (pulled.empty()) {
+    throw inputErrorAt({file}, fmt::format("the file lists no tile; {}", kPullPurpose));
+  }
+  return pulled;
+}
+
+void makeFolder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (!error) return;
+  throw OutputError(fmt::format("{}: error: the folder cannot be made ({}); choose another",
+                                folder.string(), error.message()));
+}
+
+/// A file that an earlier model left would become part of this one.
+void removeStale(const fs::path& file) {
+  std::error_code error;
+  fs::remove(file, error);
+  if (!error) return;
+  throw OutputError(
+      fmt::format("{}: error: the file does not belong to the new model and cannot "
+                  "be removed ({}); choose another folder",
+                  file.string(), error.message()));
+}
+
+std::string jointText(const std::vector<Joint>& joints) {
+  if (joints.empty()) return "# no joints\n";
+  std::string text;
+  for (const Joint& joint : joints) {
+    text += fmt::format("{} {} {} {} {}\n", joint.a.tile, joint.a.vertex, joint.b.tile,
+                        joint.b.vertex, static_cast<int>(joint.face));
+  }
+  return text;
+}
+
+}  // namespace
+
+Model readModelFolder(const fs::path& folder, std::vector<std::string>& warnings) {
+  requireFolder(folder);
+  const TileTable tiles = readTiles(folder / "vertices.txt");
+  checkTiles(tiles);
+  Model model;
+  model.name = folderName(folder);
+  model.tiles = tiles.tiles;
+
+  const JointTable joints = readJointRows(folder / "constraints.txt");
+  model.joints = checkedJoints(joints, tiles);
+  checkClosed(joints, model, tiles, warnings);
+
+  if (fs::exists(folder / "target.txt")) {
+    const TileTable target = readTiles(folder / "target.txt");
+    checkTarget(target, model, tiles, warnings);
+    model.target = target.tiles;
+  }
+  if (fs::exists(folder / "pull.txt")) {
+    model.pulledTiles = readPulledTiles(folder / "pull.txt", static_cast<int>(model.tiles.size()));
+  }
+  return model;
+}
+
+void writeModelFolder(const Model& model, const fs::path& folder) {
+  makeFolder(folder);
+  writeTiles(model.tiles, folder / "vertices.txt");
+  writeTextFile(folder / "constraints.txt", jointText(model.joints));
+  if (model.target) {
+    writeTiles(*model.target, folder / "target.txt");
+  } else {
+    removeStale(folder / "target.txt");
+  }
+  if (model.pulledTiles) {
+    writeTextFile(folder / "pull.txt", fmt::format("{}\n", fmt::join(*model.pulledTiles, "\n")));
+  } else {
+    removeStale(folder / "pull.txt");
+  }
+}
+
+void writeTiles(const std::vector<Tile>& tiles, const fs::path& file) {
+  std::string text;
+  for (const Tile& tile : tiles) {
+    const char* separator = "";
+    for (const Vector3& vertex : tile.vertices) {
+      // "{}" writes the shortest digits that read back as the same double.
+      text += fmt::format("{}{} {} {}", separator, vertex.x(), vertex.y(), vertex.z());
+      separator = " ";
+    }
+    text += '\n';
+  }
+  writeTextFile(file, text);
+}
+
+}  // namespace kirireel

@@ -1,0 +1,135 @@
+#include "sim/model/text_table.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <limits>
+#include <system_error>
+
+#include <fmt/format.h>
+
+namespace kirireel {
+namespace {
+
+constexpr std::string_view kBlanks = " \t\r\v\f";
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+
+/// A field as a message can show it: short, and without bytes that a terminal would act on.
+std::string quoted(std::string_view text) {
+  constexpr size_t kShown = 24;
+  std::string shown;
+  for (const char c : text.substr(0, kShown)) shown += c > ' ' && c < 127 ? c : '?';
+  return fmt::format("'{}{}'", shown, text.size() > kShown ? "..." : "");
+}
+
+void requireReadable(const std::filesystem::path& file, const std::string& purpose) {
+  std::error_code ignored;
+  const auto status = std::filesystem::status(file, ignored);
+  if (!std::filesystem::exists(status)) {
+    throw inputErrorAt({file}, fmt::format("there is no such file; {}", purpose));
+  }
+  if (!std::filesystem::is_regular_file(status)) {
+    throw inputErrorAt({file}, fmt::format("this is not a text file; {}", purpose));
+  }
+  const std::uintmax_t size = std::filesystem::file_size(file);
+  if (size > TextTable::kMaxBytes) {
+    throw inputErrorAt({file}, fmt::format("the file has {} bytes, at most {} are read; check that "
+                                           "it is a model's file",
+                                           size, TextTable::kMaxBytes));
+  }
+}
+
+std::string readText(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::string text(std::filesystem::file_size(file), '\0');
+  if (!stream.read(text.data(), static_cast<std::streamsize>(text.size()))) {
+    throw inputErrorAt({file}, fmt::format("the file cannot be read ({}); check its permissions",
+                                           std::strerror(errno)));
+  }
+  return text;
+}
+
+/// from_chars knows no leading plus, which other programs write.
+std::string_view withoutPlus(std::string_view text) {
+  const bool plus = text.size() > 1 && text[0] == '+' && text[1] != '-' && text[1] != '+';
+  return plus ? text.substr(1) : text;
+}
+
+}  // namespace
+
+TextTable::TextTable(std::filesystem::path file, const std::string& purpose)
+    : file_(std::move(file)) {
+  requireReadable(file_, purpose);
+  text_ = readText(file_);
+  if (text_.starts_with(kByteOrderMark)) text_.erase(0, kByteOrderMark.size());
+}
+
+bool TextTable::next(TextLine& line) {
+  line.fields.clear();
+  while (position_ < text_.size() && line.fields.empty()) {
+    const size_t end = std::min(text_.find('\n', position_), text_.size());
+    const std::string_view text(text_.data() + position_, end - position_);
+    position_ = end + 1;
+    line.number = ++number_;
+    const size_t begin = text.find_first_not_of(kBlanks);
+    if (begin == text.npos) continue;
+    if (text[begin] == '#') {
+      hasComment_ = true;
+    } else {
+      splitFields(text, line);
+    }
+  }
+  return !line.fields.empty();
+}
+
+void TextTable::splitFields(std::string_view text, TextLine& line) const {
+  size_t begin = text.find_first_not_of(kBlanks);
+  while (begin != text.npos) {
+    const size_t end = std::min(text.find_first_of(kBlanks, begin), text.size());
+    line.fields.push_back({text.substr(begin, end - begin), static_cast<int>(begin) + 1});
+    if (line.fields.size() > kMaxFields) {
+      throw inputErrorAt(
+          at(line, line.fields.back()),
+          fmt::format("this line has more than {} numbers; write one tile a line", kMaxFields));
+    }
+    begin = text.find_first_not_of(kBlanks, end);
+  }
+}
+
+double parseCoordinate(const TextField& field, const FileLocation& location) {
+  const std::string_view text = withoutPlus(field.text);
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error == std::errc::invalid_argument || end != text.data() + text.size()) {
+    throw inputErrorAt(location, fmt::format("{} is not a number; write coordinates in metres, "
+                                             "separated by blanks",
+                                             quoted(field.text)));
+  }
+  const bool beyond = error == std::errc::result_out_of_range || std::isinf(value);
+  if (beyond || std::isnan(value) || std::abs(value) > kMaxCoordinate) {
+    throw inputErrorAt(
+        location,
+        fmt::format("{} cannot be a coordinate, which lies between -{:g} and {:g} metres; "
+                    "correct it or scale the model",
+                    quoted(field.text), kMaxCoordinate, kMaxCoordinate));
+  }
+  return value;
+}
+
+int parseWholeNumber(const TextField& field, const FileLocation& location,
+                     const std::string& meaning) {
+  const std::string_view text = withoutPlus(field.text);
+  int value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) {
+    throw inputErrorAt(
+        location, fmt::format("{} is not {}; write a whole number, at most {}", quoted(field.text),
+                              meaning, std::numeric_limits<int>::max()));
+  }
+  return value;
+}
+
+}  // namespace kirireel

@@ -1,0 +1,76 @@
+/// Text files of numbers: lines and fields that know where they stand.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/base/error.h"
+
+namespace kirireel {
+
+/// One word of a line.
+struct TextField {
+  std::string_view text;  ///< lives as long as its TextTable
+  int column = 0;         ///< of its first character, from 1
+};
+
+/// One line that holds data.
+struct TextLine {
+  int number = 0;                 ///< from 1
+  std::vector<TextField> fields;  ///< at least 1
+};
+
+/// A text file in memory, read line by line. Blank lines and lines starting with '#' are passed
+/// over; Windows line ends and a byte-order mark are accepted.
+class TextTable {
+ public:
+  /// Largest file that is read, bytes: room for 250,000 tiles, and a bound on the memory that a
+  /// file can ask for.
+  static constexpr std::uintmax_t kMaxBytes = 64u << 20;
+  /// Most fields on a line: a tile of 300 vertices.
+  static constexpr size_t kMaxFields = 900;
+
+  /// Reads the whole file. `purpose` ends the message about a missing file: what it should hold.
+  /// Throws InputError when the file is missing, unreadable, no regular file or above kMaxBytes.
+  TextTable(std::filesystem::path file, const std::string& purpose);
+
+  /// Gives the next line that holds data; false at the end. Throws InputError above kMaxFields.
+  bool next(TextLine& line);
+
+  /// Whether a comment was passed over: the file was left without data on purpose.
+  bool hasComment() const { return hasComment_; }
+
+  const std::filesystem::path& file() const { return file_; }
+
+  /// Where a field of the line stands.
+  FileLocation at(const TextLine& line, const TextField& field) const {
+    return {file_, line.number, field.column};
+  }
+
+ private:
+  void splitFields(std::string_view text, TextLine& line) const;
+
+  std::filesystem::path file_;
+  std::string text_;
+  size_t position_ = 0;
+  int number_ = 0;
+  bool hasComment_ = false;
+};
+
+/// Largest coordinate that is accepted, metres; beyond it a number is a slip of the pen, and
+/// distances of tiles would lose the digits that joints need.
+inline constexpr double kMaxCoordinate = 1e6;
+
+/// The coordinate in a field, metres, at most kMaxCoordinate in size. Throws InputError for
+/// letters, NaN, infinities and numbers out of range.
+double parseCoordinate(const TextField& field, const FileLocation& location);
+
+/// The whole number in a field. Throws InputError when it is none; `meaning` names what it should
+/// be, e.g. "a tile number".
+int parseWholeNumber(const TextField& field, const FileLocation& location,
+                     const std::string& meaning);
+
+}  // namespace kirireel

@@ -1,0 +1,191 @@
+#include "sim/model/tile_checks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+namespace kirireel {
+namespace {
+
+// Vertices nearer than this part of a tile's diameter are one vertex typed twice.
+// Smallest met in the models at hand: 4e-3 (mobius).
+constexpr double kSameVertex = 1e-9;
+// Least area as a part of the squared diameter. Smallest met: 0.13 (stampfli24).
+constexpr double kLeastArea = 1e-6;
+// Largest distance of a vertex from its tile's plane as a part of the diameter, so that optimised
+// designs pass. Largest met: 1.4e-5 (sphere-to-saddle).
+constexpr double kFlatness = 1e-2;
+// Largest sine by which a corner may turn inwards: corners in the middle of a straight side carry
+// rounding. Least turn met: 0.44, outwards (square2disk).
+constexpr double kStraightCorner = 1e-3;
+// A change of shape below this part of the model's size is rounding of the file. Largest met among
+// exact designs: 3e-7 (square2disk, written with 9 digits).
+constexpr double kSameShape = 1e-6;
+// A change of shape above this part of a tile is another model's target. Largest met: 7e-4
+// (sphere-to-saddle).
+constexpr double kOtherShape = 0.2;
+
+double diameter(const Tile& tile) {
+  double largest = 0;
+  for (const Vector3& a : tile.vertices) {
+    for (const Vector3& b : tile.vertices) largest = std::max(largest, (a - b).norm());
+  }
+  return largest;
+}
+
+void checkDistinctVertices(const TileTable& table, int tile) {
+  const std::vector<Vector3>& vertices = table.tiles[tile].vertices;
+  const double tolerance = kSameVertex * diameter(table.tiles[tile]);
+  for (size_t b = 0; b < vertices.size(); ++b) {
+    for (size_t a = 0; a < b; ++a) {
+      if ((vertices[a] - vertices[b]).norm() > tolerance) continue;
+      throw inputErrorAt(table.at(tile, static_cast<int>(b)),
+                         fmt::format("vertex {} of tile {} is where its vertex {} is; a tile's "
+                                     "vertices are all different: correct it or delete it",
+                                     b, tile, a));
+    }
+  }
+}
+
+void checkArea(const TileTable& table, int tile) {
+  const double extent = diameter(table.tiles[tile]);
+  if (tileArea(table.tiles[tile]) > kLeastArea * extent * extent) return;
+  throw inputErrorAt(table.at(tile),
+                     fmt::format("tile {} has no area; its vertices must enclose some: list them "
+                                 "in order round the tile, not all on one line",
+                                 tile));
+}
+
+void checkFlatness(const TileTable& table, int tile) {
+  const std::vector<Vector3>& vertices = table.tiles[tile].vertices;
+  const Vector3 normal = tileNormal(table.tiles[tile]);
+  Vector3 middle = Vector3::Zero();
+  for (const Vector3& vertex : vertices) middle += vertex / static_cast<double>(vertices.size());
+  const double allowed = kFlatness * diameter(table.tiles[tile]);
+  for (size_t k = 0; k < vertices.size(); ++k) {
+    const double height = std::abs((vertices[k] - middle).dot(normal));
+    if (height <= allowed) continue;
+    throw inputErrorAt(table.at(tile, static_cast<int>(k)),
+                       fmt::format("vertex {} of tile {} is {:.3g} m off the tile's plane, at most "
+                                   "{:.3g} is allowed; flatten the tile or split it into triangles",
+                                   k, tile, height, allowed));
+  }
+}
+
+/// Every corner turns the same way as the whole, and the whole turns once.
+void checkConvexity(const TileTable& table, int tile) {
+  const std::vector<Vector3>& vertices = table.tiles[tile].vertices;
+  const Vector3 normal = tileNormal(table.tiles[tile]);
+  const size_t count = vertices.size();
+  double turned = 0;
+  for (size_t k = 0; k < count; ++k) {
+    const Vector3 before = (vertices[k] - vertices[(k + count - 1) % count]).normalized();
+    const Vector3 after = (vertices[(k + 1) % count] - vertices[k]).normalized();
+    const double sine = before.cross(after).dot(normal);
+    if (sine < -kStraightCorner) {
+      throw inputErrorAt(table.at(tile, static_cast<int>(k)),
+                         fmt::format("tile {} is not convex at its vertex {}; list its vertices in "
+                                     "order round the tile, or split it into convex tiles",
+                                     tile, k));
+    }
+    turned += std::atan2(sine, before.dot(after));
+  }
+  if (turned < 3 * std::numbers::pi) return;
+  throw inputErrorAt(table.at(tile), fmt::format("tile {} goes round more than once; list its "
+                                                 "vertices in order round the tile",
+                                                 tile));
+}
+
+void checkSameCounts(const TileTable& target, const TileTable& start) {
+  const size_t common = std::min(target.tiles.size(), start.tiles.size());
+  for (size_t i = 0; i < common; ++i) {
+    const int tile = static_cast<int>(i);
+    const size_t wanted = start.tiles[i].vertices.size();
+    const size_t found = target.tiles[i].vertices.size();
+    if (found == wanted) continue;
+    throw inputErrorAt(target.at(tile),
+                       fmt::format("target tile {} has {} vertices, the tile at {} has {}; write "
+                                   "the same tiles with the same vertices in the same order",
+                                   tile, found, start.shortName(tile), wanted));
+  }
+  if (target.tiles.size() == start.tiles.size()) return;
+  throw inputErrorAt(
+      {target.file},
+      fmt::format("the target has {} tiles, {} has {}; write one target tile for "
+                  "each tile, in the same order",
+                  target.tiles.size(), start.file.filename().string(), start.tiles.size()));
+}
+
+/// How much a tile's edges and diagonals change from start to target, the worst of them.
+struct ShapeChange {
+  int tile = 0;
+  int vertexA = 0;
+  int vertexB = 0;
+  double startDistance = 0;
+  double targetDistance = 0;
+
+  double size() const { return std::abs(targetDistance - startDistance); }
+};
+
+ShapeChange shapeChange(const Tile& start, const Tile& target, int tile) {
+  ShapeChange worst;
+  worst.tile = tile;
+  for (size_t b = 0; b < start.vertices.size(); ++b) {
+    for (size_t a = 0; a < b; ++a) {
+      const double before = (start.vertices[a] - start.vertices[b]).norm();
+      const double after = (target.vertices[a] - target.vertices[b]).norm();
+      if (std::abs(after - before) <= worst.size()) continue;
+      worst = {tile, static_cast<int>(a), static_cast<int>(b), before, after};
+    }
+  }
+  return worst;
+}
+
+}  // namespace
+
+std::string TileTable::shortName(int tile) const {
+  return fmt::format("{}:{}", file.filename().string(), sources[tile].line);
+}
+
+void checkTiles(const TileTable& table) {
+  for (size_t i = 0; i < table.tiles.size(); ++i) {
+    const int tile = static_cast<int>(i);
+    checkDistinctVertices(table, tile);
+    checkArea(table, tile);
+    checkFlatness(table, tile);
+    checkConvexity(table, tile);
+  }
+}
+
+void checkTarget(const TileTable& target, const Model& start, const TileTable& table,
+                 std::vector<std::string>& warnings) {
+  checkSameCounts(target, table);
+  const double allowed = kOtherShape * tileSize(start);
+  const double rounding = kSameShape * modelSize(start);
+  ShapeChange worst;
+  int changed = 0;
+  for (size_t i = 0; i < start.tiles.size(); ++i) {
+    const int tile = static_cast<int>(i);
+    const ShapeChange change = shapeChange(start.tiles[i], target.tiles[i], tile);
+    if (change.size() > allowed) {
+      throw inputErrorAt(target.at(tile, change.vertexB),
+                         fmt::format("vertices {} and {} of target tile {} are {:.4g} m apart, at "
+                                     "{} {:.4g}; a target is the same rigid tiles moved: correct "
+                                     "it or give this model's own",
+                                     change.vertexA, change.vertexB, tile, change.targetDistance,
+                                     table.shortName(tile), change.startDistance));
+    }
+    changed += change.size() > rounding ? 1 : 0;
+    if (change.size() > worst.size()) worst = change;
+  }
+  if (changed == 0) return;
+  warnings.push_back(
+      fmt::format("{}: warning: {} target tiles are not quite their tiles' shape, "
+                  "this one least: a length differs by {:.2g} m; rigid tiles can "
+                  "only come near such a target",
+                  toString(target.at(worst.tile)), changed, worst.size()));
+}
+
+}  // namespace kirireel

@@ -1,0 +1,43 @@
+/// Tiles as read from a file, and the checks that they make bricks.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "sim/base/error.h"
+#include "sim/model/model.h"
+
+namespace kirireel {
+
+/// Where one tile stands in its file.
+struct TileSource {
+  int line = 0;              ///< from 1
+  std::vector<int> columns;  ///< of each vertex's x, from 1
+};
+
+/// The tiles of one file and where they stand.
+struct TileTable {
+  std::filesystem::path file;
+  std::vector<Tile> tiles;
+  std::vector<TileSource> sources;  ///< one a tile
+
+  FileLocation at(int tile) const { return {file, sources[tile].line}; }
+  FileLocation at(int tile, int vertex) const {
+    return {file, sources[tile].line, sources[tile].columns[vertex]};
+  }
+  /// "vertices.txt:13", for messages that stand in another file of the same folder.
+  std::string shortName(int tile) const;
+};
+
+/// Throws InputError for the first tile with repeated vertices, without area, not flat or not
+/// convex.
+void checkTiles(const TileTable& table);
+
+/// Throws InputError when the target has other tiles than the start, or tiles of clearly other
+/// shapes. A slight change of shape, which rigid tiles cannot follow, is appended to warnings.
+/// `start` holds the model's tiles and `table` where they stand.
+void checkTarget(const TileTable& target, const Model& start, const TileTable& table,
+                 std::vector<std::string>& warnings);
+
+}  // namespace kirireel

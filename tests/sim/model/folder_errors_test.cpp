@@ -1,0 +1,319 @@
+// Every message about a model folder, by its whole text ("@" stands for the folder).
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "sim/base/error.h"
+#include "sim/model/folder.h"
+#include "tests/sim/model/temporary_folder.h"
+
+namespace kirireel {
+namespace {
+
+using Files = std::map<std::string, std::string>;
+
+// Two unit squares side by side, joined at (1, 0).
+const std::string kSquares =
+    "0 0 0 1 0 0 1 1 0 0 1 0\n"
+    "1 0 0 2 0 0 2 1 0 1 1 0\n";
+const std::string kJoint = "0 1 1 0 3\n";
+
+std::string withoutFolder(std::string text, const std::string& folder) {
+  for (size_t at = text.find(folder); at != text.npos; at = text.find(folder)) {
+    text.replace(at, folder.size(), "@");
+  }
+  return text;
+}
+
+/// The error's text, or the warnings, or "" when the folder reads well.
+std::string messageFor(Files files) {
+  const TemporaryFolder folder;
+  files.try_emplace("vertices.txt", kSquares);
+  files.try_emplace("constraints.txt", kJoint);
+  for (const auto& [name, text] : files) {
+    if (text != "absent") folder.write(name, text);
+  }
+  std::vector<std::string> warnings;
+  std::string message;
+  try {
+    readModelFolder(folder.path(), warnings);
+    for (const std::string& warning : warnings) message += warning;
+  } catch (const InputError& error) {
+    message = error.what();
+  }
+  return withoutFolder(message, folder.path().string());
+}
+
+std::string forVertices(const std::string& text) {
+  return messageFor({{"vertices.txt", text}});
+}
+std::string forJoints(const std::string& text) {
+  return messageFor({{"constraints.txt", text}});
+}
+std::string forTarget(const std::string& text) {
+  return messageFor({{"target.txt", text}});
+}
+
+TEST(FolderErrors, GoodFolderHasNone) {
+  EXPECT_EQ(messageFor({}), "");
+}
+
+TEST(FolderErrors, MissingFolder) {
+  std::vector<std::string> warnings;
+  try {
+    readModelFolder("/nowhere/model", warnings);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "/nowhere/model: error: there is no such folder; give a folder that holds "
+                 "vertices.txt and constraints.txt");
+  }
+}
+
+TEST(FolderErrors, FileInsteadOfFolder) {
+  const TemporaryFolder folder;
+  folder.write("model", "0 0 0\n");
+  std::vector<std::string> warnings;
+  try {
+    readModelFolder(folder.path() / "model", warnings);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_EQ(withoutFolder(error.what(), folder.path().string()),
+              "@/model: error: this is not a folder; give a folder that holds vertices.txt and "
+              "constraints.txt");
+  }
+}
+
+TEST(FolderErrors, MissingFile) {
+  EXPECT_EQ(forVertices("absent"),
+            "@/vertices.txt: error: there is no such file; write one tile a line, \"x y z\" for "
+            "each vertex");
+  EXPECT_EQ(forJoints("absent"),
+            "@/constraints.txt: error: there is no such file; write one joint a line, \"tileA "
+            "vertexA tileB vertexB face\", or the line \"# no joints\" if the tiles are loose");
+}
+
+TEST(FolderErrors, FolderInsteadOfFile) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder.path() / "vertices.txt");
+  std::vector<std::string> warnings;
+  try {
+    readModelFolder(folder.path(), warnings);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_EQ(withoutFolder(error.what(), folder.path().string()),
+              "@/vertices.txt: error: this is not a text file; write one tile a line, \"x y z\" "
+              "for each vertex");
+  }
+}
+
+TEST(FolderErrors, EmptyFile) {
+  EXPECT_EQ(forVertices("\n# nothing\n"),
+            "@/vertices.txt: error: the file holds no tile; write one tile a line, \"x y z\" for "
+            "each vertex");
+  EXPECT_EQ(forJoints("\n \n"),
+            "@/constraints.txt: error: the file is empty; write one joint a line, \"tileA vertexA "
+            "tileB vertexB face\", or the line \"# no joints\" if the tiles are loose");
+  EXPECT_EQ(forTarget(""),
+            "@/target.txt: error: the file holds no tile; write one tile a line, \"x y z\" for "
+            "each vertex");
+  EXPECT_EQ(messageFor({{"pull.txt", ""}}),
+            "@/pull.txt: error: the file lists no tile; list the numbers of the tiles to pull, or "
+            "delete the file to pull all");
+}
+
+TEST(FolderErrors, FileTooLarge) {
+  const TemporaryFolder folder;
+  folder.write("vertices.txt", "");
+  std::filesystem::resize_file(folder.path() / "vertices.txt", 67108865);  // sparse
+  std::vector<std::string> warnings;
+  try {
+    readModelFolder(folder.path(), warnings);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_EQ(withoutFolder(error.what(), folder.path().string()),
+              "@/vertices.txt: error: the file has 67108865 bytes, at most 67108864 are read; "
+              "check that it is a model's file");
+  }
+}
+
+TEST(FolderErrors, LineTooLong) {
+  std::string line;
+  for (int k = 0; k < 901; ++k) line += "0 ";
+  EXPECT_EQ(forVertices(line),
+            "@/vertices.txt:1:1801: error: this line has more than 900 numbers; write one tile a "
+            "line");
+}
+
+TEST(FolderErrors, UnfinishedVertex) {
+  EXPECT_EQ(forVertices("\n0 0 0 1 0 0 1 1 0 0 1\n"),
+            "@/vertices.txt:2:19: error: tile 0 has 11 numbers, not three for each vertex; the "
+            "vertex that starts here has only 2: complete it or delete it");
+}
+
+TEST(FolderErrors, TwoVertices) {
+  EXPECT_EQ(forVertices("0 0 0 1 0 0\n"),
+            "@/vertices.txt:1: error: tile 0 has 2 vertices; a tile has at least 3: add the "
+            "missing ones or delete the line");
+}
+
+TEST(FolderErrors, Letters) {
+  EXPECT_EQ(forVertices("0 0 0 1 0 0 1 one 0\n"),
+            "@/vertices.txt:1:15: error: 'one' is not a number; write coordinates in metres, "
+            "separated by blanks");
+  EXPECT_EQ(forVertices("0,0,0,1,0,0,1,1,0 0 0 0 0 0 0 0 0\n"),
+            "@/vertices.txt:1:1: error: '0,0,0,1,0,0,1,1,0' is not a number; write coordinates in "
+            "metres, separated by blanks");
+  // Bytes that a terminal would act on are not passed through, and long words are cut.
+  EXPECT_EQ(forVertices("\x1b[31m-and-some-more-than-fits 0 0 1 0 0 1 1 0\n"),
+            "@/vertices.txt:1:1: error: '?[31m-and-some-more-than...' is not a number; write "
+            "coordinates in metres, separated by blanks");
+}
+
+TEST(FolderErrors, NotFiniteOrHuge) {
+  for (const std::string text : {"nan", "inf", "-inf", "1e7", "1e999", "-1000001"}) {
+    EXPECT_EQ(forVertices("0 0 0 1 0 0 1 1 " + text + "\n"),
+              "@/vertices.txt:1:17: error: '" + text +
+                  "' cannot be a coordinate, which lies between -1e+06 and 1e+06 metres; correct "
+                  "it or scale the model");
+  }
+}
+
+TEST(FolderErrors, RepeatedVertex) {
+  EXPECT_EQ(forVertices("0 0 0 1 0 0 1 1 0 0 0 0\n"),
+            "@/vertices.txt:1:19: error: vertex 3 of tile 0 is where its vertex 0 is; a tile's "
+            "vertices are all different: correct it or delete it");
+}
+
+TEST(FolderErrors, TileWithoutArea) {
+  EXPECT_EQ(forVertices("0 0 0 1 0 0 2 0 0\n"),
+            "@/vertices.txt:1: error: tile 0 has no area; its vertices must enclose some: list "
+            "them in order round the tile, not all on one line");
+}
+
+TEST(FolderErrors, TileNotFlat) {
+  EXPECT_EQ(forVertices("0 0 0 1 0 0.2 1 1 0 0 1 0.2\n"),
+            "@/vertices.txt:1:1: error: vertex 0 of tile 0 is 0.1 m off the tile's plane, at most "
+            "0.0141 is allowed; flatten the tile or split it into triangles");
+}
+
+TEST(FolderErrors, TileNotConvex) {
+  EXPECT_EQ(forVertices("0 0 0 2 0 0 0.5 0.5 0 0 2 0\n"),
+            "@/vertices.txt:1:13: error: tile 0 is not convex at its vertex 2; list its vertices "
+            "in order round the tile, or split it into convex tiles");
+}
+
+TEST(FolderErrors, TileRoundTwice) {
+  // A pentagram: every corner turns left, two rounds in all.
+  EXPECT_EQ(forVertices("0 1 0 -0.588 -0.809 0 0.951 0.309 0 -0.951 0.309 0 0.588 -0.809 0\n"),
+            "@/vertices.txt:1: error: tile 0 goes round more than once; list its vertices in order "
+            "round the tile");
+}
+
+TEST(FolderErrors, JointColumns) {
+  EXPECT_EQ(forJoints("0 1 1\n"),
+            "@/constraints.txt:1: error: 3 numbers do not make a joint; write \"tileA vertexA "
+            "tileB vertexB\", and a face (1 bottom, 2 top, 3 both) if wanted");
+  EXPECT_EQ(forJoints("# a comment\n0 1 1 0 3 0\n"),
+            "@/constraints.txt:2: error: 6 numbers do not make a joint; write \"tileA vertexA "
+            "tileB vertexB\", and a face (1 bottom, 2 top, 3 both) if wanted");
+}
+
+TEST(FolderErrors, JointNotWholeNumbers) {
+  EXPECT_EQ(forJoints("0 1.5 1 0\n"),
+            "@/constraints.txt:1:3: error: '1.5' is not a vertex number; write a whole number, at "
+            "most 2147483647");
+  EXPECT_EQ(forJoints("0 1 99999999999 0\n"),
+            "@/constraints.txt:1:5: error: '99999999999' is not a tile number; write a whole "
+            "number, at most 2147483647");
+  EXPECT_EQ(forJoints("0 1 1 0 both\n"),
+            "@/constraints.txt:1:9: error: 'both' is not a face; write a whole number, at most "
+            "2147483647");
+}
+
+TEST(FolderErrors, JointTileOutOfRange) {
+  EXPECT_EQ(forJoints(kJoint + "0 2 2 3\n"),
+            "@/constraints.txt:2:5: error: vertices.txt has tiles 0-1, not 2; correct this column");
+  EXPECT_EQ(
+      forJoints("-1 2 1 3\n"),
+      "@/constraints.txt:1:1: error: vertices.txt has tiles 0-1, not -1; correct this column");
+}
+
+TEST(FolderErrors, JointVertexOutOfRange) {
+  EXPECT_EQ(forJoints("0 1 1 7\n"),
+            "@/constraints.txt:1:7: error: tile 1 has vertices 0-3, not 7; correct this column or "
+            "add the vertex at vertices.txt:2");
+  EXPECT_EQ(forJoints("0 -1 1 0\n"),
+            "@/constraints.txt:1:3: error: tile 0 has vertices 0-3, not -1; correct this column");
+}
+
+TEST(FolderErrors, JointsThatCountFromOne) {
+  EXPECT_EQ(forJoints("1 2 2 1\n"),
+            "@/constraints.txt:1:5: error: vertices.txt has tiles 0-1, not 2; this file seems to "
+            "count from 1: subtract 1 from all its tile and vertex numbers");
+}
+
+TEST(FolderErrors, JointFace) {
+  EXPECT_EQ(forJoints("0 1 1 0 4\n"),
+            "@/constraints.txt:1:9: error: there is no face 4; write 1 (bottom), 2 (top) or 3 "
+            "(both)");
+}
+
+TEST(FolderErrors, JointToItself) {
+  EXPECT_EQ(forJoints("0 1 0 2\n"),
+            "@/constraints.txt:1:5: error: tile 0 is joined to itself; correct this column or "
+            "delete this line");
+}
+
+TEST(FolderErrors, RepeatedJoint) {
+  EXPECT_EQ(forJoints("0 1 1 0\n0 1 1 0 2\n\n1 0 0 1 3\n"),
+            "@/constraints.txt:4: error: vertex 1 of tile 0 and vertex 0 of tile 1 are joined on "
+            "the bottom face at line 1 already; delete one of the two lines");
+  EXPECT_EQ(forJoints("0 1 1 0 3\n0 1 1 0 2\n"),
+            "@/constraints.txt:2: error: vertex 1 of tile 0 and vertex 0 of tile 1 are joined on "
+            "the top face at line 1 already; delete one of the two lines");
+  EXPECT_EQ(forJoints("0 1 1 0 1\n0 1 1 0 2\n"), "");
+}
+
+TEST(FolderErrors, JointsApart) {
+  EXPECT_EQ(forJoints("0 0 1 0\n"),
+            "@/constraints.txt:1: error: vertex 0 of tile 0 and vertex 0 of tile 1 are 1 m apart "
+            "at the start, at most 0.05 is allowed; correct this joint or the vertices at "
+            "vertices.txt:1 and vertices.txt:2");
+  EXPECT_EQ(forVertices("0 0 0 1 0 0 1 1 0 0 1 0\n1.002 0 0 2 0 0 2 1 0 1 1 0\n"),
+            "@/constraints.txt:1: warning: 1 joints are open at the start, this one most, by 0.002 "
+            "m; the run pulls them together");
+}
+
+TEST(FolderErrors, TargetOfOtherTiles) {
+  EXPECT_EQ(forTarget("0 0 0 1 0 0 1 1 0 0 1 0\n"),
+            "@/target.txt: error: the target has 1 tiles, vertices.txt has 2; write one target "
+            "tile for each tile, in the same order");
+  EXPECT_EQ(forTarget(kSquares + "0 0 0 1 0 0 1 1 0\n"),
+            "@/target.txt: error: the target has 3 tiles, vertices.txt has 2; write one target "
+            "tile for each tile, in the same order");
+  EXPECT_EQ(forTarget("0 0 0 1 0 0 1 1 0 0 1 0\n0 0 0 1 0 0 1 1 0\n"),
+            "@/target.txt:2: error: target tile 1 has 3 vertices, the tile at vertices.txt:2 has "
+            "4; write the same tiles with the same vertices in the same order");
+}
+
+TEST(FolderErrors, TargetOfOtherShape) {
+  EXPECT_EQ(forTarget("0 0 0 1 0 0 1 1 0 0 1 0\n1 0 0 2.5 0 0 2 1 0 1 1 0\n"),
+            "@/target.txt:2:7: error: vertices 0 and 1 of target tile 1 are 1.5 m apart, at "
+            "vertices.txt:2 1; a target is the same rigid tiles moved: correct it or give this "
+            "model's own");
+  EXPECT_EQ(forTarget("0 0 0 1 0 0 1 1 0 0 1 0\n1 0 0 2.001 0 0 2 1 0 1 1 0\n"),
+            "@/target.txt:2: warning: 1 target tiles are not quite their tiles' shape, this one "
+            "least: a length differs by 0.001 m; rigid tiles can only come near such a target");
+}
+
+TEST(FolderErrors, PulledTileOutOfRange) {
+  EXPECT_EQ(messageFor({{"pull.txt", "0 1\n2\n"}}),
+            "@/pull.txt:2:1: error: vertices.txt has tiles 0-1, not 2; correct this number");
+  EXPECT_EQ(messageFor({{"pull.txt", "0.5\n"}}),
+            "@/pull.txt:1:1: error: '0.5' is not a tile number; write a whole number, at most "
+            "2147483647");
+}
+
+}  // namespace
+}  // namespace kirireel

@@ -1,0 +1,127 @@
+#include "sim/model/folder.h"
+
+#include <gtest/gtest.h>
+
+#include "sim/base/error.h"
+#include "sim/model/tessellation.h"
+#include "tests/sim/model/temporary_folder.h"
+
+namespace kirireel {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kSharedModels = fs::path(KIRIREEL_SOURCE_DIR) / "../shared/models";
+
+Model read(const fs::path& folder) {
+  std::vector<std::string> warnings;
+  Model model = readModelFolder(folder, warnings);
+  EXPECT_TRUE(warnings.empty()) << warnings.front();
+  return model;
+}
+
+void expectSameTiles(const std::vector<Tile>& a, const std::vector<Tile>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (size_t i = 0; i < a.size(); ++i) EXPECT_EQ(a[i].vertices, b[i].vertices) << "tile " << i;
+}
+
+void expectSameModel(const Model& a, const Model& b) {
+  expectSameTiles(a.tiles, b.tiles);
+  ASSERT_EQ(a.joints.size(), b.joints.size());
+  for (size_t i = 0; i < a.joints.size(); ++i) {
+    EXPECT_EQ(a.joints[i].a, b.joints[i].a);
+    EXPECT_EQ(a.joints[i].b, b.joints[i].b);
+    EXPECT_EQ(a.joints[i].face, b.joints[i].face);
+  }
+  ASSERT_EQ(a.target.has_value(), b.target.has_value());
+  if (a.target) expectSameTiles(*a.target, *b.target);
+  EXPECT_EQ(a.pulledTiles, b.pulledTiles);
+}
+
+TEST(Folder, RoundTripKeepsEveryBit) {
+  TessellationShape shape;
+  shape.length = 1.0 / 3;
+  shape.startAngle = 0.1;
+  Model model = makeTessellation(shape);
+  model.pulledTiles = std::vector<int>{0, 15};
+  const TemporaryFolder folder;
+  writeModelFolder(model, folder.path() / "deep" / "model");
+  const Model again = read(folder.path() / "deep" / "model");
+  EXPECT_EQ(again.name, "model");
+  expectSameModel(again, model);
+}
+
+TEST(Folder, RoundTripOfLooseTile) {
+  TessellationShape shape;
+  shape.columns = shape.rows = 1;
+  Model model = makeTessellation(shape);
+  model.target.reset();
+  const TemporaryFolder folder;
+  writeModelFolder(model, folder.path());
+  EXPECT_EQ(readWhole(folder.path() / "constraints.txt"), "# no joints\n");
+  expectSameModel(read(folder.path()), model);
+}
+
+TEST(Folder, WritingRemovesAnotherModelsTarget) {
+  const TemporaryFolder folder;
+  Model model = makeTessellation({});
+  model.pulledTiles = std::vector<int>{3};
+  writeModelFolder(model, folder.path());
+  model.target.reset();
+  model.pulledTiles.reset();
+  writeModelFolder(model, folder.path());
+  expectSameModel(read(folder.path()), model);
+}
+
+TEST(Folder, ReadsWhatOtherProgramsWrite) {
+  const TemporaryFolder folder;
+  folder.write("vertices.txt",
+               "\xEF\xBB\xBF# tiles\r\n\r\n0 0 0\t+1 0 0  1 1 -0.0 \r\n 1e0 0 0 2 0 0 2 1 0");
+  folder.write("constraints.txt", "0 1 1 0\r\n");
+  folder.write("pull.txt", "1\r\n0 1");
+  const Model model = read(folder.path());
+  ASSERT_EQ(model.tiles.size(), 2u);
+  EXPECT_EQ(model.tiles[0].vertices[1], Vector3(1, 0, 0));
+  EXPECT_EQ(model.tiles[1].vertices[2], Vector3(2, 1, 0));
+  EXPECT_EQ(model.joints[0].face, JointFace::Bottom);
+  EXPECT_EQ(model.pulledTiles, (std::vector<int>{1, 0, 1}));
+}
+
+TEST(Folder, NameIsTheFoldersHoweverItIsWritten) {
+  const TemporaryFolder folder;
+  writeModelFolder(makeTessellation({}), folder.path() / "sheet");
+  EXPECT_EQ(read(folder.path() / "sheet" / "").name, "sheet");
+  EXPECT_EQ(read(folder.path() / "sheet" / ".").name, "sheet");
+}
+
+TEST(Folder, CannotBeMadeUnderAFile) {
+  const TemporaryFolder folder;
+  folder.write("file", "");
+  const fs::path below = folder.path() / "file" / "model";
+  try {
+    writeModelFolder(makeTessellation({}), below);
+    FAIL();
+  } catch (const OutputError& error) {
+    EXPECT_EQ(std::string(error.what()),
+              below.string() +
+                  ": error: the folder cannot be made (Not a directory); choose "
+                  "another");
+  }
+}
+
+TEST(Folder, ReadsEverySharedModel) {
+  if (!fs::exists(kSharedModels)) GTEST_SKIP() << kSharedModels << " is not there";
+  int count = 0;
+  for (const auto& entry : fs::directory_iterator(kSharedModels)) {
+    if (!fs::exists(entry.path() / "vertices.txt")) continue;
+    std::vector<std::string> warnings;
+    const Model model = readModelFolder(entry.path(), warnings);
+    EXPECT_FALSE(model.tiles.empty());
+    EXPECT_FALSE(model.joints.empty());
+    ++count;
+  }
+  EXPECT_GE(count, 12);
+}
+
+}  // namespace
+}  // namespace kirireel
