@@ -1,4 +1,4 @@
-/// A place where two bricks, or a brick and something fixed, touch or nearly do.
+/// A place where a brick may touch another brick or something that does not move.
 #pragma once
 
 #include "sim/base/geometry.h"
@@ -8,15 +8,23 @@ namespace kirireel {
 /// Index of "something that does not move" (the ground) in a contact.
 inline constexpr int kFixed = -1;
 
-/// One contact point in world axes.
+/// A point of brick A that may not pass a plane of brick B. Both are kept in their bricks' axes, so
+/// that the gap is exact at any later pose, not only where the contact was found.
 struct Contact {
   int brickA = 0;
-  int brickB = kFixed;    ///< or kFixed
-  Vector3 pointA;         ///< on brick A
-  Vector3 pointB;         ///< on brick B, or on the fixed thing
-  Vector3 normal;         ///< unit, from B towards A
-  double distance = 0;    ///< (pointA - pointB) . normal; negative where they overlap, metres
-  double friction = 0;    ///< Coulomb coefficient of the pair
+  int brickB = kFixed;  ///< or kFixed
+  Vector3 pointA;       ///< on brick A, in its axes
+  Vector3 pointB;       ///< on the plane, in the axes of brick B, or of the world
+  Vector3 normal;       ///< unit, from B towards A, in the axes of brick B, or of the world
+  double friction = 0;  ///< Coulomb coefficient of the pair
 };
+
+/// Signed distance of the point from the plane at the given poses, metres; negative behind it.
+inline double contactGap(const Contact& contact, const Poses& poses) {
+  const Vector3 point = poses[contact.brickA].apply(contact.pointA);
+  if (contact.brickB == kFixed) return contact.normal.dot(point - contact.pointB);
+  const Pose& pose = poses[contact.brickB];
+  return (pose.rotation * contact.normal).dot(point - pose.apply(contact.pointB));
+}
 
 }  // namespace kirireel

@@ -25,24 +25,24 @@ std::string toString(Outcome outcome);
 
 /// How accurate a run was. Lengths in metres.
 struct Accuracy {
-  double jointGapMax = 0;         ///< largest gap of any pivot at the end of any step
-  double jointGapMean = 0;        ///< mean over pivots and steps
-  double jointGapEnd = 0;         ///< largest at the end
-  double jointOpeningMax = 0;     ///< largest gap allowed on purpose (finite joints); 0 when exact
-  double assemblyMove = 0;        ///< largest move of a vertex when an open start was closed
+  double jointGapMax = 0;      ///< largest gap of any pivot at the end of any step
+  double jointGapMean = 0;     ///< mean over pivots and steps
+  double jointGapEnd = 0;      ///< largest at the end
+  double jointOpeningMax = 0;  ///< largest gap allowed on purpose (finite joints); 0 when exact
+  double assemblyMove = 0;     ///< largest move of a vertex when an open start was closed
   double targetErrorStart = 0;
   double targetErrorEnd = 0;
   double targetErrorMin = 0;
   double rigidFloor = 0;
-  double penetrationMax = 0;      ///< over the samples
+  double penetrationMax = 0;  ///< over the samples
 };
 
 /// What a run cost.
 struct DeployCost {
-  long steps = 0;               ///< solver steps taken, halved ones included
-  long halvedSteps = 0;         ///< steps that were redone as two halves
-  long unconvergedSteps = 0;    ///< steps whose contacts did not reach their tolerance
-  double cpuSeconds = 0;        ///< of the deploying thread
+  long steps = 0;             ///< solver steps taken, halved ones included
+  long halvedSteps = 0;       ///< steps that were redone as two halves
+  long unconvergedSteps = 0;  ///< steps whose contacts did not reach their tolerance
+  double cpuSeconds = 0;      ///< of the deploying thread
 };
 
 /// Everything that a finished run leaves.

@@ -28,7 +28,7 @@ struct Environment {
   Vector3 gravity = Vector3::Zero();  ///< m/s^2
   std::optional<Ground> ground;
   ContactFilter contacts = ContactFilter::All;
-  double brickFriction = 0;     ///< Coulomb coefficient between bricks, from 0
+  double brickFriction = 0;      ///< Coulomb coefficient between bricks, from 0
   double linearDamping = 0.05;   ///< part of the velocity lost a second, as PyBullet has it
   double angularDamping = 0.05;  ///< the same for the angular velocity
 };
@@ -52,11 +52,11 @@ enum class SolverKind {
 /// How a step is computed.
 struct SolverSettings {
   SolverKind kind = SolverKind::Direct;
-  double timestep = 1.0 / 240;      ///< longest step, seconds; shortened to divide a sample interval
-  std::optional<int> substeps;      ///< solver steps in each; absent: 1 direct, 20 Bullet
-  int iterations = 50;              ///< of Bullet's solver in a substep
-  std::optional<bool> planar;       ///< force 3 (true) or 6 (false) degrees of freedom a tile
-  unsigned seed = 1;                ///< of the nudge that leaves a singular start
+  double timestep = 1.0 / 240;  ///< longest step, seconds; shortened to divide a sample interval
+  std::optional<int> substeps;  ///< solver steps in each; absent: 1 direct, 20 Bullet
+  int iterations = 50;          ///< of Bullet's solver in a substep
+  std::optional<bool> planar;   ///< force 3 (true) or 6 (false) degrees of freedom a tile
+  unsigned seed = 1;            ///< of the nudge that leaves a singular start
 };
 
 /// When a run ends.
@@ -92,5 +92,12 @@ struct Needs {
 /// Decides what the scene needs. A scene is planar when start and target lie in horizontal planes,
 /// nothing pushes out of the plane, and no joint lets a brick tilt away (see the reasons returned).
 Needs sceneNeeds(const Scene& scene);
+
+/// The lowest z of start and target: where the ground lies unless told otherwise, metres.
+double lowestPoint(const Model& model);
+
+/// The lowest z of the bricks at the start and at the target: where a ground that touches them but
+/// pushes none away must stand. Metres.
+double lowestPoint(const Scene& scene);
 
 }  // namespace kirireel

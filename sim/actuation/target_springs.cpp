@@ -1,0 +1,126 @@
+#include "sim/actuation/target_springs.h"
+
+#include <algorithm>
+
+#include <Eigen/Eigenvalues>
+
+namespace kirireel {
+namespace {
+
+constexpr double kStallTime = 60.0 / 240.0;  // seconds without improvement
+constexpr double kLargestFactor = 16;        // of the stiffness
+constexpr double kImprovement = 1 - 0.005;   // of the error, to count as one
+
+Vector3 mean(const std::vector<Vector3>& points) {
+  Vector3 sum = Vector3::Zero();
+  for (const Vector3& point : points) sum += point;
+  return sum / static_cast<double>(points.size());
+}
+
+bool isPositiveDefinite(const Matrix3& K) {
+  return K(0, 0) > 0 && K(0, 0) * K(1, 1) - K(0, 1) * K(0, 1) > 0 && K.determinant() > 0;
+}
+
+/// The nearest positive semidefinite matrix; springs far from their target lose the part that would
+/// drive an implicit step away from it.
+Matrix3 positivePart(const Matrix3& K) {
+  if (isPositiveDefinite(K)) return K;
+  const Eigen::SelfAdjointEigenSolver<Matrix3> solver(K);
+  return solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).asDiagonal() *
+         solver.eigenvectors().transpose();
+}
+
+/// Minus the second derivative of sum_k p_k . t_k by a rotation of the p_k: tr(C) 1 - sym(C) for
+/// C = sum_k p_k t_k^T.
+Matrix3 rotationalStiffness(const Matrix3& C) {
+  return C.trace() * Matrix3::Identity() - 0.5 * (C + C.transpose());
+}
+
+/// sum_k p_k x t_k for C = sum_k p_k t_k^T.
+Vector3 crossSum(const Matrix3& C) {
+  return {C(1, 2) - C(2, 1), C(2, 0) - C(0, 2), C(0, 1) - C(1, 0)};
+}
+
+}  // namespace
+
+TargetSprings::TargetSprings(const std::vector<Brick>& bricks, const std::vector<Tile>& target,
+                             const std::optional<std::vector<int>>& pulled,
+                             const TargetSpringSettings& settings)
+    : settings_(settings) {
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    Spring spring;
+    spring.vertexCount = static_cast<int>(bricks[i].bottom.size());
+    spring.bottomMean = mean(bricks[i].bottom);
+    spring.targetMean = mean(target[i].vertices);
+    spring.moment.setZero();
+    for (std::size_t k = 0; k < bricks[i].bottom.size(); ++k) {
+      const Vector3 p = bricks[i].bottom[k] - spring.bottomMean;
+      const Vector3 t = target[i].vertices[k] - spring.targetMean;
+      spring.moment += p * t.transpose();
+      spring.spread += p.squaredNorm() + t.squaredNorm();
+    }
+    spring.pulled =
+        !pulled || std::find(pulled->begin(), pulled->end(), static_cast<int>(i)) != pulled->end();
+    springs_.push_back(spring);
+  }
+}
+
+Load TargetSprings::load(int brick, const Pose& pose, double stiffening) const {
+  Load load;
+  load.damping.diagonal() << Vector3::Constant(settings_.forceDamping),
+      Vector3::Constant(settings_.torqueDamping);
+  const Spring& spring = springs_[brick];
+  if (!spring.pulled) return load;
+
+  // The force at the mean of the bottom, seen from the centre of mass through the arm s.
+  const Matrix3 R = pose.rotation.toRotationMatrix();
+  const double kf = stiffening * settings_.springStiffness * spring.vertexCount;
+  const double kt = stiffening * settings_.torqueStiffness;
+  const Vector3 s = R * spring.bottomMean;
+  const Vector3 gap = spring.targetMean - pose.position - s;
+  const Matrix3 S = crossMatrix(s);
+
+  // Both the torque springs and the turning arm have the same kind of second derivative.
+  const Matrix3 C = kt * R * spring.moment + kf * s * gap.transpose();
+  load.force << kf * gap, crossSum(C);
+  load.stiffness.topLeftCorner<3, 3>().diagonal().setConstant(kf);
+  load.stiffness.topRightCorner<3, 3>() = -kf * S;
+  load.stiffness.bottomLeftCorner<3, 3>() = kf * S;
+  load.stiffness.bottomRightCorner<3, 3>() =
+      kf * S.transpose() * S + positivePart(rotationalStiffness(C));
+  return load;
+}
+
+double TargetSprings::energy(const Poses& poses, double stiffening) const {
+  double sum = 0;
+  for (std::size_t i = 0; i < springs_.size(); ++i) {
+    const Spring& spring = springs_[i];
+    if (!spring.pulled) continue;
+    const Vector3 gap = spring.targetMean - poses[i].apply(spring.bottomMean);
+    const double turned = (poses[i].rotation.toRotationMatrix() * spring.moment).trace();
+    sum += 0.5 * settings_.springStiffness * spring.vertexCount * gap.squaredNorm() +
+           0.5 * settings_.torqueStiffness * (spring.spread - 2 * turned);
+  }
+  return stiffening * sum;
+}
+
+void AdaptiveStiffness::observe(double targetError, double step) {
+  if (bestError_ < 0 || targetError < kImprovement * bestError_) {
+    bestError_ = targetError;
+    stalledTime_ = 0;
+    return;
+  }
+  stalledTime_ += step;
+  if (stalledTime_ >= kStallTime) stiffen();
+}
+
+bool AdaptiveStiffness::exhausted() const {
+  return !enabled_ || factor_ >= kLargestFactor;
+}
+
+void AdaptiveStiffness::stiffen() {
+  stalledTime_ = 0;
+  if (!exhausted()) factor_ *= 2;
+}
+
+}  // namespace kirireel

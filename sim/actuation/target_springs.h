@@ -1,0 +1,73 @@
+/// Springs that pull every brick's bottom towards its target (Jiang and Choi, "PyKirigami",
+/// Algorithm 2).
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "sim/actuation/load.h"
+#include "sim/brick/brick.h"
+#include "sim/model/model.h"
+#include "sim/scene/scene.h"
+
+namespace kirireel {
+
+/// One force at the mean of a brick's bottom vertices and one torque about that mean:
+///   F = k_f sum_k (t_k - p_k) - mu_v v,   T = k_tau sum_k p'_k x t'_k - mu_omega omega,
+/// with p_k the bottom vertices, t_k their targets, primes relative to the means. Both come from
+/// the energy k_f n/2 |mean p - mean t|^2 + k_tau/2 sum |p'_k - t'_k|^2.
+class TargetSprings {
+ public:
+  /// `target`: one tile a brick, vertex by vertex. `pulled`: the bricks that feel springs; all when
+  /// absent. Bricks that feel none keep their damping.
+  TargetSprings(const std::vector<Brick>& bricks, const std::vector<Tile>& target,
+                const std::optional<std::vector<int>>& pulled,
+                const TargetSpringSettings& settings);
+
+  /// The load on one brick at a pose; both stiffnesses times `stiffening` (from 1).
+  Load load(int brick, const Pose& pose, double stiffening) const;
+
+  /// Energy stored in all springs, joules.
+  double energy(const Poses& poses, double stiffening) const;
+
+ private:
+  /// The springs of one brick, reduced to what its load needs.
+  struct Spring {
+    int vertexCount = 0;
+    Vector3 bottomMean;  ///< of the bottom vertices, brick axes
+    Vector3 targetMean;  ///< of the targets, world axes
+    Matrix3 moment;      ///< sum over vertices of p'_k t'_k^T, p' in brick axes
+    double spread = 0;   ///< sum over vertices of |p'_k|^2 + |t'_k|^2
+    bool pulled = true;
+  };
+
+  std::vector<Spring> springs_;
+  TargetSpringSettings settings_;
+};
+
+/// Doubles the stiffness when the target error stalls: after 60 steps of 1/240 s without
+/// improvement, up to 16 times (paper, "adaptive stiffness").
+class AdaptiveStiffness {
+ public:
+  explicit AdaptiveStiffness(bool enabled) : enabled_(enabled) {}
+
+  /// Tells the error after a step of `step` seconds.
+  void observe(double targetError, double step);
+
+  /// The factor on both stiffnesses, 1 to 16.
+  double factor() const { return factor_; }
+
+  /// Whether no further doubling can come.
+  bool exhausted() const;
+
+  /// Doubles at once (a deployment that came to rest need not wait).
+  void stiffen();
+
+ private:
+  bool enabled_;
+  double factor_ = 1;
+  double bestError_ = -1;  ///< negative until the first observation
+  double stalledTime_ = 0;
+};
+
+}  // namespace kirireel

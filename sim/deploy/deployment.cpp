@@ -1,0 +1,269 @@
+#include "sim/deploy/deployment.h"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <random>
+
+#include <fmt/format.h>
+
+#include "sim/actuation/target_springs.h"
+#include "sim/base/error.h"
+#include "sim/deploy/dynamics.h"
+
+namespace kirireel {
+namespace {
+
+// A run has diverged once a brick is this many model sizes away from where it started.
+constexpr double kLostDistance = 1e3;
+// At rest but farther from the target than its rigid floor plus this part of a tile: locked.
+constexpr double kLockedShare = 0.02;
+// Initial speeds, in model sizes a second, that let a run leave an unstable equilibrium.
+constexpr double kNudge = 1e-6;
+
+double threadSeconds() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+/// Uniform in [-1, 1) with the same bits from every standard library.
+double uniform(std::mt19937& generator) {
+  return static_cast<double>(generator()) / 2147483648.0 - 1.0;
+}
+
+std::vector<Velocity> nudge(std::size_t count, double speed, unsigned seed) {
+  std::mt19937 generator(seed);
+  const auto vector = [&] {
+    const double x = uniform(generator);
+    const double y = uniform(generator);
+    const double z = uniform(generator);
+    return Vector3(speed * Vector3(x, y, z));
+  };
+  std::vector<Velocity> velocities(count);
+  for (Velocity& velocity : velocities) velocity.linear = vector();
+  return velocities;
+}
+
+/// One deployment in progress.
+class Run {
+ public:
+  Run(const Scene& scene, double sampleInterval);
+  DeploymentResult finish(const SampleObserver& observer);
+
+ private:
+  void start();
+  bool advanceSample();
+  void advanceStep();
+  void observeStep();
+  void updateRest();
+  bool isLost() const;
+  void takeSample();
+  void end(Outcome outcome, std::string reason);
+  void endAtRest();
+  double currentTargetError() const;
+
+  const Scene& scene_;
+  std::vector<Brick> bricks_;
+  std::vector<Pivot> pivots_;
+  Motion motion_;
+  Needs needs_;
+  std::unique_ptr<Dynamics> dynamics_;
+  std::optional<TargetSprings> springs_;
+  AdaptiveStiffness stiffness_;
+  LoadSource actuation_;
+  int stepsPerSample_;
+  double step_;
+  double size_;
+  long stepCount_ = 0;
+  double gapSum_ = 0;
+  double restTime_ = 0;
+  bool ended_ = false;
+  DeploymentResult result_;
+};
+
+Run::Run(const Scene& scene, double sampleInterval)
+    : scene_(scene),
+      bricks_(makeBricks(scene.model.tiles, scene.brick)),
+      pivots_(makePivots(scene.model.joints, bricks_)),
+      motion_{startPoses(scene.model.tiles, bricks_), {}},
+      needs_(sceneNeeds(scene)),
+      dynamics_(makeDynamics(scene, needs_, bricks_, motion_.poses)),
+      stiffness_(scene.springs.adaptive && scene.model.target.has_value()),
+      stepsPerSample_(static_cast<int>(std::ceil(sampleInterval / scene.solver.timestep - 1e-9))),
+      step_(sampleInterval / stepsPerSample_),
+      size_(modelSize(scene.model)) {
+  if (scene.model.target) {
+    springs_.emplace(bricks_, *scene.model.target, scene.model.pulledTiles, scene.springs);
+  }
+  actuation_ = [this](const Poses& poses, std::vector<Load>& loads) {
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      loads[i] =
+          springs_ ? springs_->load(static_cast<int>(i), poses[i], stiffness_.factor()) : Load{};
+    }
+  };
+}
+
+double Run::currentTargetError() const {
+  return scene_.model.target ? targetError(*scene_.model.target, bricks_, motion_.poses) : 0;
+}
+
+void Run::start() {
+  const std::vector<Tile> before = bottomTiles(bricks_, motion_.poses);
+  dynamics_->assemble(motion_.poses);
+  motion_.velocities = nudge(bricks_.size(), kNudge * size_, scene_.solver.seed);
+  Accuracy& accuracy = result_.accuracy;
+  accuracy.assemblyMove = targetError(before, bricks_, motion_.poses);
+  accuracy.targetErrorStart = accuracy.targetErrorMin = currentTargetError();
+  if (scene_.model.target) {
+    accuracy.rigidFloor = rigidFloor(scene_.model.tiles, *scene_.model.target);
+  }
+  result_.needs = needs_;
+  result_.trajectory.bricks = bricks_;
+  takeSample();
+}
+
+void Run::takeSample() {
+  Sample sample;
+  sample.time = static_cast<double>(stepCount_) * step_;
+  sample.poses = motion_.poses;
+  sample.jointGap = jointGap(pivots_, motion_.poses).max;
+  sample.targetError = currentTargetError();
+  result_.accuracy.jointGapEnd = sample.jointGap;
+  result_.accuracy.targetErrorEnd = sample.targetError;
+  result_.accuracy.penetrationMax =
+      std::max(result_.accuracy.penetrationMax, deepestPenetration(bricks_, motion_.poses).depth);
+  result_.trajectory.samples.push_back(std::move(sample));
+}
+
+void Run::advanceStep() {
+  const StepReport report = dynamics_->advance(motion_, step_, actuation_);
+  result_.cost.steps += report.steps;
+  result_.cost.halvedSteps += report.halved;
+  result_.cost.unconvergedSteps += report.unconverged;
+  ++stepCount_;
+}
+
+void Run::observeStep() {
+  Accuracy& accuracy = result_.accuracy;
+  const JointGap gap = jointGap(pivots_, motion_.poses);
+  accuracy.jointGapMax = std::max(accuracy.jointGapMax, gap.max);
+  gapSum_ += gap.mean;
+  if (scene_.model.target) {
+    const double error = currentTargetError();
+    accuracy.targetErrorMin = std::min(accuracy.targetErrorMin, error);
+    stiffness_.observe(error, step_);
+  }
+}
+
+void Run::updateRest() {
+  double fastest = 0;
+  for (const Velocity& velocity : motion_.velocities) {
+    const double speed = velocity.linear.norm() + velocity.angular.norm() * tileSize(scene_.model);
+    fastest = std::max(fastest, speed);
+  }
+  restTime_ = fastest < scene_.stop.settleSpeed * size_ ? restTime_ + step_ : 0;
+}
+
+bool Run::isLost() const {
+  const Poses& start = result_.trajectory.samples.front().poses;
+  for (std::size_t i = 0; i < start.size(); ++i) {
+    const double distance = (motion_.poses[i].position - start[i].position).norm();
+    if (!(distance <= kLostDistance * size_)) return true;  // also when not a number
+  }
+  return false;
+}
+
+void Run::end(Outcome outcome, std::string reason) {
+  result_.outcome = outcome;
+  result_.reason = std::move(reason);
+  ended_ = true;
+}
+
+void Run::endAtRest() {
+  const double error = currentTargetError();
+  const double reachable = result_.accuracy.rigidFloor + kLockedShare * tileSize(scene_.model);
+  if (!scene_.model.target) {
+    end(Outcome::Settled, "everything came to rest; there is no target");
+  } else if (error <= reachable) {
+    end(Outcome::Settled, fmt::format("came to rest {:.3g} from the target", error));
+  } else {
+    end(Outcome::Locked, fmt::format("came to rest {:.3g} short of the target", error));
+  }
+}
+
+/// Steps to the next sample. Returns false once the run has ended.
+bool Run::advanceSample() {
+  for (int i = 0; i < stepsPerSample_; ++i) {
+    advanceStep();
+    if (isLost()) {
+      end(Outcome::Diverged,
+          fmt::format(
+              "a brick left all bounds at {:.4g} s; try a shorter --timestep or more damping",
+              static_cast<double>(stepCount_) * step_));
+      return false;
+    }
+    observeStep();
+    updateRest();
+  }
+  takeSample();
+  if (restTime_ >= scene_.stop.settleTime) {
+    if (stiffness_.exhausted() || currentTargetError() <= 1e-6 * size_) {
+      endAtRest();
+    } else {
+      stiffness_.stiffen();
+      restTime_ = 0;
+    }
+  }
+  return !ended_;
+}
+
+DeploymentResult Run::finish(const SampleObserver& observer) {
+  const double startSeconds = threadSeconds();
+  start();
+  bool goOn = !observer || observer(result_.trajectory.samples.front());
+  while (goOn && result_.trajectory.samples.back().time < scene_.stop.duration - 0.5 * step_) {
+    goOn = advanceSample();
+    if (goOn && observer) goOn = observer(result_.trajectory.samples.back());
+    if (!goOn && !ended_) end(Outcome::Interrupted, "ended early by the caller");
+  }
+  if (!ended_)
+    end(Outcome::OutOfTime, fmt::format("still moving after {:.4g} s", scene_.stop.duration));
+  if (stepCount_ > 0) result_.accuracy.jointGapMean = gapSum_ / static_cast<double>(stepCount_);
+  result_.cost.cpuSeconds = threadSeconds() - startSeconds;
+  return std::move(result_);
+}
+
+void requirePositive(double value, const char* name) {
+  if (value > 0 && std::isfinite(value)) return;
+  throw InputError(fmt::format("{} is {}, but must be a positive number of seconds", name, value));
+}
+
+}  // namespace
+
+std::string toString(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::Settled:
+      return "settled";
+    case Outcome::Locked:
+      return "locked";
+    case Outcome::OutOfTime:
+      return "out_of_time";
+    case Outcome::Diverged:
+      return "diverged";
+    case Outcome::Interrupted:
+      return "interrupted";
+  }
+  return "unknown";
+}
+
+DeploymentResult deploy(const Scene& scene, double sampleInterval, const SampleObserver& observer) {
+  requirePositive(sampleInterval, "the time between samples");
+  requirePositive(scene.solver.timestep, "the timestep");
+  requirePositive(scene.stop.duration, "the duration");
+  if (scene.model.tiles.empty())
+    throw InputError("the model has no tiles; add one to vertices.txt");
+  return Run(scene, sampleInterval).finish(observer);
+}
+
+}  // namespace kirireel

@@ -1,0 +1,23 @@
+/// `--solver direct`: exact joints.
+#pragma once
+
+#include "sim/deploy/dynamics.h"
+
+namespace kirireel {
+
+/// The direct joint solver with implicit loads, and the contacts that the scene needs.
+class DirectDynamics : public Dynamics {
+ public:
+  DirectDynamics(const Scene& scene, const Needs& needs, const std::vector<Brick>& bricks);
+
+  void assemble(Poses& poses) override { solver_->assemble(poses); }
+  StepReport advance(Motion& motion, double step, const LoadSource& actuation) override;
+
+ private:
+  const std::vector<Brick>& bricks_;
+  Environment environment_;
+  std::unique_ptr<JointSolver> solver_;
+  int substeps_;
+};
+
+}  // namespace kirireel

@@ -1,0 +1,27 @@
+/// The seam between the deployment and the two solvers.
+#pragma once
+
+#include <memory>
+
+#include "sim/joints/joint_solver.h"
+#include "sim/scene/scene.h"
+
+namespace kirireel {
+
+/// Advances all bricks by one step.
+class Dynamics {
+ public:
+  virtual ~Dynamics() = default;
+
+  /// Closes joints that are open at the start, where the solver can; the poses are changed.
+  virtual void assemble(Poses& poses) = 0;
+
+  /// Advances the motion by `step` seconds; `actuation` gives the loads beyond gravity and damping.
+  virtual StepReport advance(Motion& motion, double step, const LoadSource& actuation) = 0;
+};
+
+/// The solver that the scene asks for.
+std::unique_ptr<Dynamics> makeDynamics(const Scene& scene, const Needs& needs,
+                                       const std::vector<Brick>& bricks, const Poses& start);
+
+}  // namespace kirireel

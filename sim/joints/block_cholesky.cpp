@@ -1,0 +1,198 @@
+#include "sim/joints/block_cholesky.h"
+
+#include <algorithm>
+
+#include <Eigen/Cholesky>
+
+namespace kirireel {
+
+template <int D>
+void BlockCholesky<D>::analyze(int nodeCount, const std::vector<std::pair<int, int>>& edges) {
+  plan_ = planElimination(nodeCount, edges);
+  edges_ = edges;
+  diagonal_.assign(nodeCount, Block::Zero());
+  offDiagonal_.assign(edges.size(), Block::Zero());
+  std::size_t size = 0;
+  panelStart_.clear();
+  for (const Supernode& node : plan_.supernodes) {
+    panelStart_.push_back(size);
+    size += D * D * node.columnCount * (node.columnCount + node.rows.size());
+  }
+  panels_.assign(size, 0.0);
+  updates_.assign(plan_.supernodes.size(), {});
+  placeDiagonals();
+  placeEdges();
+}
+
+template <int D>
+void BlockCholesky<D>::placeDiagonals() {
+  std::vector<int> nodeAt(diagonal_.size());
+  for (std::size_t node = 0; node < diagonal_.size(); ++node)
+    nodeAt[plan_.place[node]] = static_cast<int>(node);
+  diagonalEntries_.assign(plan_.supernodes.size(), {});
+  for (std::size_t s = 0; s < plan_.supernodes.size(); ++s) {
+    for (int c = 0; c < plan_.supernodes[s].columnCount; ++c) {
+      diagonalEntries_[s].push_back({nodeAt[plan_.supernodes[s].firstColumn + c], c, c, false});
+    }
+  }
+}
+
+template <int D>
+void BlockCholesky<D>::placeEdges() {
+  std::vector<int> supernodeAt(diagonal_.size());
+  for (std::size_t s = 0; s < plan_.supernodes.size(); ++s) {
+    const Supernode& node = plan_.supernodes[s];
+    std::fill_n(supernodeAt.begin() + node.firstColumn, node.columnCount, static_cast<int>(s));
+  }
+  edgeEntries_.assign(plan_.supernodes.size(), {});
+  for (std::size_t e = 0; e < edges_.size(); ++e) {
+    const int first = plan_.place[edges_[e].first];
+    const int second = plan_.place[edges_[e].second];
+    const auto [column, row] = std::minmax(first, second);
+    const int s = supernodeAt[column];
+    const Supernode& node = plan_.supernodes[s];
+    int place = row - node.firstColumn;
+    if (place >= node.columnCount) {
+      const auto found = std::lower_bound(node.rows.begin(), node.rows.end(), row);
+      place = node.columnCount + static_cast<int>(found - node.rows.begin());
+    }
+    // The panel holds H(row, column); the edge holds H(first, second).
+    edgeEntries_[s].push_back(
+        {static_cast<int>(e), place, column - node.firstColumn, first == column});
+  }
+}
+
+template <int D>
+void BlockCholesky<D>::setZero() {
+  std::fill(diagonal_.begin(), diagonal_.end(), Block::Zero());
+  std::fill(offDiagonal_.begin(), offDiagonal_.end(), Block::Zero());
+}
+
+template <int D>
+int BlockCholesky<D>::frontRows(int supernode) const {
+  const Supernode& node = plan_.supernodes[supernode];
+  return D * (node.columnCount + static_cast<int>(node.rows.size()));
+}
+
+template <int D>
+typename BlockCholesky<D>::MatrixMap BlockCholesky<D>::panel(int supernode) {
+  return {panels_.data() + panelStart_[supernode], frontRows(supernode),
+          D * plan_.supernodes[supernode].columnCount};
+}
+
+template <int D>
+typename BlockCholesky<D>::ConstMatrixMap BlockCholesky<D>::panel(int supernode) const {
+  return {panels_.data() + panelStart_[supernode], frontRows(supernode),
+          D * plan_.supernodes[supernode].columnCount};
+}
+
+template <int D>
+bool BlockCholesky<D>::factor() {
+  for (int s = 0; s < static_cast<int>(plan_.supernodes.size()); ++s) {
+    assemble(s);
+    addChildren(s);
+    if (!eliminate(s)) return false;
+  }
+  return true;
+}
+
+template <int D>
+void BlockCholesky<D>::assemble(int supernode) {
+  MatrixMap front = panel(supernode);
+  front.setZero();
+  for (const Entry& entry : diagonalEntries_[supernode]) {
+    front.template block<D, D>(D * entry.row, D * entry.column) = diagonal_[entry.source];
+  }
+  for (const Entry& entry : edgeEntries_[supernode]) {
+    auto place = front.template block<D, D>(D * entry.row, D * entry.column);
+    if (entry.transposed) {
+      place += offDiagonal_[entry.source].transpose();
+    } else {
+      place += offDiagonal_[entry.source];
+    }
+  }
+  const std::size_t rows = D * plan_.supernodes[supernode].rows.size();
+  updates_[supernode].assign(rows * rows, 0.0);
+}
+
+template <int D>
+void BlockCholesky<D>::addChildren(int supernode) {
+  const Supernode& node = plan_.supernodes[supernode];
+  const int rows = D * static_cast<int>(node.rows.size());
+  MatrixMap front = panel(supernode);
+  MatrixMap update(updates_[supernode].data(), rows, rows);
+  for (std::size_t c = 0; c < node.children.size(); ++c) {
+    const std::vector<int>& places = node.childPlaces[c];
+    const int size = static_cast<int>(places.size());
+    const ConstMatrixMap child(updates_[node.children[c]].data(), D * size, D * size);
+    for (int j = 0; j < size; ++j) {
+      const int column = places[j];
+      for (int i = j; i < size; ++i) {
+        const auto block = child.template block<D, D>(D * i, D * j);
+        if (column < node.columnCount) {
+          front.template block<D, D>(D * places[i], D * column) += block;
+        } else {
+          update.template block<D, D>(D * (places[i] - node.columnCount),
+                                      D * (column - node.columnCount)) += block;
+        }
+      }
+    }
+  }
+}
+
+template <int D>
+bool BlockCholesky<D>::eliminate(int supernode) {
+  const Supernode& node = plan_.supernodes[supernode];
+  const int columns = D * node.columnCount;
+  const int rows = D * static_cast<int>(node.rows.size());
+  MatrixMap front = panel(supernode);
+  auto pivotBlock = front.topRows(columns);
+  if (Eigen::internal::llt_inplace<double, Eigen::Lower>::blocked(pivotBlock) >= 0) return false;
+  if (rows == 0) return true;
+  auto below = front.bottomRows(rows);
+  pivotBlock.template triangularView<Eigen::Lower>()
+      .transpose()
+      .template solveInPlace<Eigen::OnTheRight>(below);
+  MatrixMap update(updates_[supernode].data(), rows, rows);
+  update.template selfadjointView<Eigen::Lower>().rankUpdate(below, -1.0);
+  return true;
+}
+
+template <int D>
+void BlockCholesky<D>::solveInPlace(Eigen::VectorXd& right) const {
+  const int count = static_cast<int>(plan_.place.size());
+  Eigen::VectorXd x(right.size());
+  for (int node = 0; node < count; ++node) {
+    x.segment<D>(D * plan_.place[node]) = right.segment<D>(D * node);
+  }
+  Eigen::VectorXd below;
+  for (int s = 0; s < static_cast<int>(plan_.supernodes.size()); ++s) {
+    const Supernode& node = plan_.supernodes[s];
+    const ConstMatrixMap front = panel(s);
+    auto top = x.segment(D * node.firstColumn, D * node.columnCount);
+    front.topRows(top.size()).template triangularView<Eigen::Lower>().solveInPlace(top);
+    below.noalias() = front.bottomRows(D * node.rows.size()) * top;
+    for (std::size_t r = 0; r < node.rows.size(); ++r) {
+      x.segment<D>(D * node.rows[r]) -= below.segment<D>(D * r);
+    }
+  }
+  for (int s = static_cast<int>(plan_.supernodes.size()) - 1; s >= 0; --s) {
+    const Supernode& node = plan_.supernodes[s];
+    const ConstMatrixMap front = panel(s);
+    auto top = x.segment(D * node.firstColumn, D * node.columnCount);
+    below.resize(D * node.rows.size());
+    for (std::size_t r = 0; r < node.rows.size(); ++r) {
+      below.segment<D>(D * r) = x.segment<D>(D * node.rows[r]);
+    }
+    top.noalias() -= front.bottomRows(below.size()).transpose() * below;
+    front.topRows(top.size()).template triangularView<Eigen::Lower>().transpose().solveInPlace(top);
+  }
+  for (int node = 0; node < count; ++node) {
+    right.segment<D>(D * node) = x.segment<D>(D * plan_.place[node]);
+  }
+}
+
+template class BlockCholesky<3>;
+template class BlockCholesky<6>;
+
+}  // namespace kirireel

@@ -1,0 +1,107 @@
+#include "sim/joints/contact_rows.h"
+
+#include <algorithm>
+#include <array>
+
+namespace kirireel {
+namespace {
+
+// An overlap at the start of a step is taken back by this part a step, not at once.
+constexpr double kRecovery = 0.2;
+
+std::array<Vector3, 2> tangentsOf(const Vector3& normal) {
+  const Vector3 first = normal.unitOrthogonal();
+  return {first, normal.cross(first)};
+}
+
+}  // namespace
+
+template <int D>
+double ContactRow<D>::normalVelocity(const Eigen::VectorXd& u) const {
+  double w = normalA.dot(u.segment<D>(D * contact.brickA));
+  if (contact.brickB != kFixed) w += normalB.dot(u.segment<D>(D * contact.brickB));
+  return w;
+}
+
+template <int D>
+typename ContactRow<D>::Tangent ContactRow<D>::slipVelocity(const Eigen::VectorXd& u) const {
+  Tangent w = tangentA * u.segment<D>(D * contact.brickA);
+  if (contact.brickB != kFixed) w += tangentB * u.segment<D>(D * contact.brickB);
+  return w;
+}
+
+template <int D>
+void ContactRow<D>::addNormal(double scale, Eigen::VectorXd& to) const {
+  to.segment<D>(D * contact.brickA) += scale * normalA.transpose();
+  if (contact.brickB != kFixed) to.segment<D>(D * contact.brickB) += scale * normalB.transpose();
+}
+
+template <int D>
+void ContactRow<D>::addTangent(const Tangent& scale, Eigen::VectorXd& to) const {
+  to.segment<D>(D * contact.brickA) += tangentA.transpose() * scale;
+  if (contact.brickB != kFixed) to.segment<D>(D * contact.brickB) += tangentB.transpose() * scale;
+}
+
+template <int D>
+double ContactRow<D>::trialImpulse(const Eigen::VectorXd& u, double rho) const {
+  return hasNormal ? std::max(0.0, multiplier - rho * (normalVelocity(u) + bias)) : 0.0;
+}
+
+template <int D>
+typename ContactRow<D>::Tangent ContactRow<D>::trialSlipImpulse(const Eigen::VectorXd& u,
+                                                                double rho,
+                                                                TangentMatrix* stiffness) const {
+  const Tangent trial = slipMultiplier - rho * slipVelocity(u);
+  const double length = trial.norm();
+  if (length <= slipBound) {
+    if (stiffness) stiffness->setIdentity();
+    return trial;
+  }
+  const Tangent direction = trial / length;
+  const double share = slipBound / length;
+  if (stiffness) {
+    *stiffness = share * (TangentMatrix::Identity() - direction * direction.transpose());
+  }
+  return share * trial;
+}
+
+template <int D>
+void placeRow(ContactRow<D>& row, const Poses& poses) {
+  const Contact& contact = row.contact;
+  const Pose& poseA = poses[contact.brickA];
+  const Vector3 armA = poseA.rotation * contact.pointA;
+  Vector3 normal = contact.normal;
+  Vector3 armB = Vector3::Zero();
+  if (contact.brickB != kFixed) {
+    // The plane turns with B, so B's arm too goes to A's point.
+    normal = poses[contact.brickB].rotation * contact.normal;
+    armB = poseA.position + armA - poses[contact.brickB].position;
+  }
+  row.normalA = Coordinates<D>::pointVelocity(armA, normal);
+  row.normalB = -Coordinates<D>::pointVelocity(armB, normal);
+  const std::array<Vector3, 2> tangents = tangentsOf(normal);
+  for (int k = 0; k < ContactRow<D>::kTangents; ++k) {
+    row.tangentA.row(k) = Coordinates<D>::pointVelocity(armA, tangents[k]);
+    row.tangentB.row(k) = -Coordinates<D>::pointVelocity(armB, tangents[k]);
+  }
+}
+
+template <int D>
+ContactRow<D> makeContactRow(const Contact& contact, const Poses& poses, double step) {
+  ContactRow<D> row;
+  row.contact = contact;
+  placeRow(row, poses);
+  const double gap = contactGap(contact, poses);
+  row.aim = gap < 0 ? (1 - kRecovery) * gap : 0;
+  row.bias = (gap - row.aim) / step;
+  return row;
+}
+
+template struct ContactRow<3>;
+template struct ContactRow<6>;
+template ContactRow<3> makeContactRow<3>(const Contact&, const Poses&, double);
+template ContactRow<6> makeContactRow<6>(const Contact&, const Poses&, double);
+template void placeRow<3>(ContactRow<3>&, const Poses&);
+template void placeRow<6>(ContactRow<6>&, const Poses&);
+
+}  // namespace kirireel

@@ -1,0 +1,61 @@
+/// The contacts of one step as rows of the step's system: normal rows that may only push,
+/// tangential rows that slip beyond Coulomb's bound.
+#pragma once
+
+#include "sim/brick/contact.h"
+#include "sim/joints/coordinates.h"
+
+namespace kirireel {
+
+/// One point contact, or one support of a planar scene, in D degrees of freedom a brick.
+///
+/// Normal: w = row u with w + bias >= 0 and multiplier >= 0, one of them zero. Tangential: the
+/// multiplier opposes sliding and is at most slipBound long; slipBound is friction times the normal
+/// multiplier of the step before (lagged), which keeps each step convex.
+template <int D>
+struct ContactRow {
+  static constexpr int kTangents = 2;  ///< of a planar contact the second is vertical, hence zero
+  using RowVector = typename Coordinates<D>::RowVector;
+  using TangentRows = Eigen::Matrix<double, kTangents, D>;
+  using Tangent = Eigen::Matrix<double, kTangents, 1>;
+  using TangentMatrix = Eigen::Matrix<double, kTangents, kTangents>;
+
+  Contact contact;
+  bool hasNormal = true;  ///< false for supports, which only rub
+  RowVector normalA, normalB;
+  TangentRows tangentA, tangentB;
+  double bias = 0;        ///< (gap - gap aimed at) / step, m/s
+  double aim = 0;         ///< gap to be reached at the end of the step where it pushes, metres
+  double multiplier = 0;  ///< normal impulse, from 0
+  Tangent slipMultiplier = Tangent::Zero();  ///< tangential impulse on A
+  double slipBound = 0;                      ///< largest tangential impulse
+
+  // The state that the present factor was made for.
+  bool active = false;
+  TangentMatrix slipStiffness = TangentMatrix::Zero();  ///< times rho
+
+  /// Velocity of A's point relative to B along the normal.
+  double normalVelocity(const Eigen::VectorXd& u) const;
+  /// The same along the tangents.
+  Tangent slipVelocity(const Eigen::VectorXd& u) const;
+  /// Adds scale * row^T to a vector of all bricks.
+  void addNormal(double scale, Eigen::VectorXd& to) const;
+  void addTangent(const Tangent& scale, Eigen::VectorXd& to) const;
+
+  /// The normal impulse that the augmented Lagrangian gives at u.
+  double trialImpulse(const Eigen::VectorXd& u, double rho) const;
+  /// The tangential impulse, cut to the bound; `stiffness` gets its negative derivative by the slip
+  /// velocity, divided by rho.
+  Tangent trialSlipImpulse(const Eigen::VectorXd& u, double rho, TangentMatrix* stiffness) const;
+  bool rubs() const { return slipBound > 0; }
+};
+
+/// The row of a contact at the poses where a step of `step` seconds starts.
+template <int D>
+ContactRow<D> makeContactRow(const Contact& contact, const Poses& poses, double step);
+
+/// Sets the row's directions for its contact at these poses.
+template <int D>
+void placeRow(ContactRow<D>& row, const Poses& poses);
+
+}  // namespace kirireel

@@ -1,0 +1,100 @@
+/// The degrees of freedom of one brick: six in space, three in the plane.
+#pragma once
+
+#include "sim/base/geometry.h"
+
+namespace kirireel {
+
+/// D = 6: translation and rotation vector. D = 3: x, y and the turn about z.
+template <int D>
+struct Coordinates {
+  static_assert(D == 3 || D == 6);
+  static constexpr int kJointRows = D == 6 ? 3 : 2;  ///< a pivot is closed by this many rows
+
+  using Vector = Eigen::Matrix<double, D, 1>;
+  using Block = Eigen::Matrix<double, D, D>;
+  using Rows = Eigen::Matrix<double, kJointRows, D>;
+  using RowVector = Eigen::Matrix<double, 1, D>;
+  using Gap = Eigen::Matrix<double, kJointRows, 1>;
+
+  static Vector restrict(const Vector6& v) {
+    if constexpr (D == 6)
+      return v;
+    else
+      return {v[0], v[1], v[5]};
+  }
+
+  static Block restrict(const Matrix6& m) {
+    if constexpr (D == 6) {
+      return m;
+    } else {
+      Block block;
+      block << m(0, 0), m(0, 1), m(0, 5), m(1, 0), m(1, 1), m(1, 5), m(5, 0), m(5, 1), m(5, 5);
+      return block;
+    }
+  }
+
+  /// Inertia of a brick: mass and world inertia about the centre of mass.
+  static Block inertia(double mass, const Matrix3& worldInertia) {
+    Block block = Block::Zero();
+    if constexpr (D == 6) {
+      block.template topLeftCorner<3, 3>().diagonal().setConstant(mass);
+      block.template bottomRightCorner<3, 3>() = worldInertia;
+    } else {
+      block.diagonal() << mass, mass, worldInertia(2, 2);
+    }
+    return block;
+  }
+
+  /// Velocity of a point with arm r (world axes) from the centre of mass, by the brick's velocity.
+  static Rows pointVelocity(const Vector3& r) {
+    Rows rows;
+    if constexpr (D == 6) {
+      rows << Matrix3::Identity(), -crossMatrix(r);
+    } else {
+      rows << 1, 0, -r.y(), 0, 1, r.x();
+    }
+    return rows;
+  }
+
+  /// Velocity of that point along a direction.
+  static RowVector pointVelocity(const Vector3& r, const Vector3& direction) {
+    const Vector3 turning = r.cross(direction);
+    RowVector row;
+    if constexpr (D == 6) {
+      row << direction.transpose(), turning.transpose();
+    } else {
+      row << direction.x(), direction.y(), turning.z();
+    }
+    return row;
+  }
+
+  static Gap gap(const Vector3& difference) { return difference.head<kJointRows>(); }
+
+  static Vector pack(const Velocity& velocity) {
+    if constexpr (D == 6) {
+      Vector packed;
+      packed << velocity.linear, velocity.angular;
+      return packed;
+    } else {
+      return {velocity.linear.x(), velocity.linear.y(), velocity.angular.z()};
+    }
+  }
+
+  static Velocity unpack(const Vector& packed) {
+    if constexpr (D == 6) {
+      return {packed.template head<3>(), packed.template tail<3>()};
+    } else {
+      return {Vector3(packed[0], packed[1], 0), Vector3(0, 0, packed[2])};
+    }
+  }
+
+  /// Moves a pose by a displacement in these coordinates.
+  static void displace(Pose& pose, const Vector& displacement) {
+    const Velocity move = unpack(displacement);
+    pose.position += move.linear;
+    pose.rotation = (rotationFromVector(move.angular) * pose.rotation).normalized();
+  }
+};
+
+}  // namespace kirireel

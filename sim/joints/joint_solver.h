@@ -1,0 +1,86 @@
+/// Advances joined bricks with their joints closed to rounding. Eigen only: knows poses, pivots and
+/// contacts, not how contacts are found.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "sim/actuation/load.h"
+#include "sim/base/geometry.h"
+#include "sim/brick/brick.h"
+#include "sim/brick/contact.h"
+
+namespace kirireel {
+
+/// Where a brick of a planar scene rests on the ground: it rubs there with a known normal load.
+struct Support {
+  int brick = 0;
+  Vector3 point;            ///< in the brick's axes
+  double largestForce = 0;  ///< of friction, newtons
+};
+
+/// How the joints are solved.
+struct JointSolverSettings {
+  bool planar = false;     ///< three degrees of freedom a brick (x, y, turn about z)
+  double lengthScale = 1;  ///< a typical tile edge, metres: tolerances refer to it
+  std::vector<Support> supports;
+};
+
+/// Writes the load on every brick at the given poses; `loads` has one entry a brick, to be
+/// replaced.
+using LoadSource = std::function<void(const Poses&, std::vector<Load>& loads)>;
+
+/// Tells the solver what its bricks run into.
+class ContactSource {
+ public:
+  virtual ~ContactSource() = default;
+
+  /// Appends the contacts that a move from `start` to `end` violates. The bricks do not overlap at
+  /// `start` beyond rounding. Returns whether any was appended.
+  virtual bool appendViolated(const Poses& start, const Poses& end,
+                              std::vector<Contact>& contacts) = 0;
+
+  /// Whether a contact that carried load in the last step still is the only thing that keeps its
+  /// bricks apart at `poses`, so that the next step may start with it.
+  virtual bool isCurrent(const Poses& poses, const Contact& contact) const = 0;
+};
+
+/// What the steps of one call did.
+struct StepReport {
+  int steps = 0;           ///< solver steps, the halves of halved ones included
+  int halved = 0;          ///< steps redone as two halves
+  int unconverged = 0;     ///< steps taken although contacts or joints missed their tolerance
+  int factorizations = 0;  ///< of the system matrix
+
+  StepReport& operator+=(const StepReport& other);
+};
+
+/// The direct solver: an implicit Euler step whose velocities satisfy all joints exactly,
+///   min 1/2 (u - u*)^T A (u - u*)   with   J u = 0,   C u >= -g / h,
+/// solved with the primal system A + kappa J^T J + rho C^T C and proximal refinement (augmented
+/// Lagrangian), followed by Gauss-Newton closing of the joints on the same factor. Redundant joints
+/// and singular states need no special care.
+class JointSolver {
+ public:
+  virtual ~JointSolver() = default;
+
+  /// Advances the motion by `step` seconds under the loads; `contacts` may be null. A step that
+  /// would jump between branches or cannot close its joints is redone as two halves, at most
+  /// 8 levels deep. Loads are taken at the start of each (half) step and implicit in it.
+  virtual StepReport advance(Motion& motion, double step, const LoadSource& loads,
+                             ContactSource* contacts) = 0;
+
+  /// Closes the joints of an open state, moving the bricks as little as their masses allow. Returns
+  /// the largest gap left, metres.
+  virtual double assemble(Poses& poses) = 0;
+};
+
+/// A solver for these bricks and pivots. The pivots of a planar scene's two faces coincide and are
+/// taken once.
+std::unique_ptr<JointSolver> makeJointSolver(const std::vector<Brick>& bricks,
+                                             std::span<const Pivot> pivots,
+                                             const JointSolverSettings& settings);
+
+}  // namespace kirireel

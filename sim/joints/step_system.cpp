@@ -1,0 +1,181 @@
+#include "sim/joints/step_system.h"
+
+#include <algorithm>
+
+namespace kirireel {
+namespace {
+
+// Weights of the joint and contact rows in H, relative to the mean of A's translational part: 1e6
+// stalls near singular states and 1e8 leaves gaps on large models; from 1e12 on rounding shows.
+constexpr double kJointWeight = 1e10;
+constexpr double kContactWeight = 1e9;
+
+Matrix3 worldInertia(const Brick& brick, const Pose& pose) {
+  const Matrix3 R = pose.rotation.toRotationMatrix();
+  return R * brick.inertia * R.transpose();
+}
+
+}  // namespace
+
+template <int D>
+StepSystem<D>::StepSystem(const std::vector<Brick>& bricks, std::span<const Pivot> pivots)
+    : bricks_(bricks), edgesAt_(bricks.size()), A_(bricks.size()), f_(D * bricks.size()) {
+  for (const Pivot& pivot : pivots) {
+    // In the plane both faces' pivots coincide.
+    const bool again = D == 3 && !pivots_.empty() && pivots_.back().joint == pivot.joint;
+    if (!again) pivots_.push_back(pivot);
+  }
+  jointRows_.resize(pivots_.size());
+  for (std::size_t p = 0; p < pivots_.size(); ++p) {
+    jointRows_[p].edge = edgeOf(pivots_[p].brickA, pivots_[p].brickB);
+  }
+}
+
+template <int D>
+int StepSystem<D>::edgeOf(int brickA, int brickB) {
+  const auto [low, high] = std::minmax(brickA, brickB);
+  for (const auto& [other, edge] : edgesAt_[low]) {
+    if (other == high) return edge;
+  }
+  const int edge = static_cast<int>(edges_.size());
+  edges_.emplace_back(low, high);
+  edgesAt_[low].emplace_back(high, edge);
+  graphChanged_ = true;
+  return edge;
+}
+
+template <int D>
+void StepSystem<D>::setMasses(const Poses& poses) {
+  double sum = 0;
+  for (std::size_t i = 0; i < bricks_.size(); ++i) {
+    A_[i] = Space::inertia(bricks_[i].mass, worldInertia(bricks_[i], poses[i]));
+    sum += A_[i](0, 0);
+  }
+  f_.setZero();
+  kappa_ = kJointWeight * sum / static_cast<double>(bricks_.size());
+  rho_ = kContactWeight * sum / static_cast<double>(bricks_.size());
+}
+
+template <int D>
+void StepSystem<D>::setStep(const Motion& motion, const std::vector<Load>& loads, double step) {
+  double sum = 0;
+  for (std::size_t i = 0; i < bricks_.size(); ++i) {
+    const Block M = Space::inertia(bricks_[i].mass, worldInertia(bricks_[i], motion.poses[i]));
+    f_.segment<D>(D * i) =
+        M * Space::pack(motion.velocities[i]) + step * Space::restrict(loads[i].force);
+    A_[i] = M + step * Space::restrict(loads[i].damping) +
+            step * step * Space::restrict(loads[i].stiffness);
+    sum += A_[i](0, 0);
+  }
+  kappa_ = kJointWeight * sum / static_cast<double>(bricks_.size());
+  rho_ = kContactWeight * sum / static_cast<double>(bricks_.size());
+}
+
+template <int D>
+void StepSystem<D>::placeJoints(const Poses& poses) {
+  for (std::size_t p = 0; p < pivots_.size(); ++p) {
+    const Pivot& pivot = pivots_[p];
+    jointRows_[p].a = Space::pointVelocity(poses[pivot.brickA].rotation * pivot.pointA);
+    jointRows_[p].b = -Space::pointVelocity(poses[pivot.brickB].rotation * pivot.pointB);
+  }
+}
+
+template <int D>
+void StepSystem<D>::addJointsToMatrix() {
+  for (std::size_t p = 0; p < pivots_.size(); ++p) {
+    const JointRows& rows = jointRows_[p];
+    const Pivot& pivot = pivots_[p];
+    matrix_.diagonal(pivot.brickA).noalias() += kappa_ * rows.a.transpose() * rows.a;
+    matrix_.diagonal(pivot.brickB).noalias() += kappa_ * rows.b.transpose() * rows.b;
+    if (pivot.brickA < pivot.brickB) {
+      matrix_.offDiagonal(rows.edge).noalias() += kappa_ * rows.a.transpose() * rows.b;
+    } else {
+      matrix_.offDiagonal(rows.edge).noalias() += kappa_ * rows.b.transpose() * rows.a;
+    }
+  }
+}
+
+template <int D>
+void StepSystem<D>::addContactToMatrix(const ContactRow<D>& row) {
+  // Normal and tangents together: rho [n; T]^T diag(active, slip stiffness) [n; T].
+  Eigen::Matrix<double, 3, D> a, b;
+  a << row.normalA, row.tangentA;
+  b << row.normalB, row.tangentB;
+  Matrix3 weight = Matrix3::Zero();
+  weight(0, 0) = row.active ? rho_ : 0;
+  if (row.rubs()) weight.template bottomRightCorner<2, 2>() = rho_ * row.slipStiffness;
+  if (weight.isZero(0)) return;
+  const int brickA = row.contact.brickA;
+  const int brickB = row.contact.brickB;
+  matrix_.diagonal(brickA) += a.transpose() * weight * a;
+  if (brickB == kFixed) return;
+  matrix_.diagonal(brickB) += b.transpose() * weight * b;
+  const int edge = edgeOf(brickA, brickB);
+  if (brickA < brickB) {
+    matrix_.offDiagonal(edge) += a.transpose() * weight * b;
+  } else {
+    matrix_.offDiagonal(edge) += b.transpose() * weight * a;
+  }
+}
+
+template <int D>
+bool StepSystem<D>::factor(const std::vector<ContactRow<D>>& contacts) {
+  for (const ContactRow<D>& row : contacts) {
+    if (row.contact.brickB != kFixed) edgeOf(row.contact.brickA, row.contact.brickB);
+  }
+  if (graphChanged_) matrix_.analyze(brickCount(), edges_);
+  graphChanged_ = false;
+  matrix_.setZero();
+  for (int i = 0; i < brickCount(); ++i) matrix_.diagonal(i) = A_[i];
+  addJointsToMatrix();
+  for (const ContactRow<D>& row : contacts) addContactToMatrix(row);
+  ++factorizations_;
+  return matrix_.factor();
+}
+
+template <int D>
+Eigen::VectorXd StepSystem<D>::unbalance(const Vector& u) const {
+  Vector result(u.size());
+  for (int i = 0; i < brickCount(); ++i) {
+    result.segment<D>(D * i) = A_[i] * u.segment<D>(D * i) - f_.segment<D>(D * i);
+  }
+  return result;
+}
+
+template <int D>
+Eigen::VectorXd StepSystem<D>::jointVelocity(const Vector& u) const {
+  constexpr int kRows = Space::kJointRows;
+  Vector result(jointRowCount());
+  for (std::size_t p = 0; p < pivots_.size(); ++p) {
+    result.segment<kRows>(kRows * p) = jointRows_[p].a * u.segment<D>(D * pivots_[p].brickA) +
+                                       jointRows_[p].b * u.segment<D>(D * pivots_[p].brickB);
+  }
+  return result;
+}
+
+template <int D>
+void StepSystem<D>::addJointImpulse(double scale, const Vector& multipliers, Vector& to) const {
+  constexpr int kRows = Space::kJointRows;
+  for (std::size_t p = 0; p < pivots_.size(); ++p) {
+    const auto impulse = (scale * multipliers.segment<kRows>(kRows * p)).eval();
+    to.segment<D>(D * pivots_[p].brickA) += jointRows_[p].a.transpose() * impulse;
+    to.segment<D>(D * pivots_[p].brickB) += jointRows_[p].b.transpose() * impulse;
+  }
+}
+
+template <int D>
+Eigen::VectorXd StepSystem<D>::jointGaps(const Poses& poses) const {
+  constexpr int kRows = Space::kJointRows;
+  Vector result(jointRowCount());
+  for (std::size_t p = 0; p < pivots_.size(); ++p) {
+    const Pivot& pivot = pivots_[p];
+    result.segment<kRows>(kRows * p) = Space::gap(poses[pivot.brickA].apply(pivot.pointA) -
+                                                  poses[pivot.brickB].apply(pivot.pointB));
+  }
+  return result;
+}
+
+template class StepSystem<3>;
+template class StepSystem<6>;
+
+}  // namespace kirireel

@@ -1,0 +1,86 @@
+/// One implicit step of the joined bricks as a linear system, and its factor.
+#pragma once
+
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "sim/actuation/load.h"
+#include "sim/brick/brick.h"
+#include "sim/joints/block_cholesky.h"
+#include "sim/joints/contact_rows.h"
+#include "sim/joints/coordinates.h"
+
+namespace kirireel {
+
+/// The matrices of one step in D degrees of freedom a brick:
+///   A = M + h D + h^2 K,   f = M u0 + h F,   joint rows J, contact rows C,
+///   H = A + kappa J^T J + rho C^T C (over the contacts that act),
+/// on the graph of bricks that share a joint or have touched.
+template <int D>
+class StepSystem {
+ public:
+  using Space = Coordinates<D>;
+  using Block = typename Space::Block;
+  using Vector = Eigen::VectorXd;
+
+  StepSystem(const std::vector<Brick>& bricks, std::span<const Pivot> pivots);
+
+  int brickCount() const { return static_cast<int>(bricks_.size()); }
+  int jointRowCount() const { return Space::kJointRows * static_cast<int>(pivots_.size()); }
+  bool hasJoints() const { return !pivots_.empty(); }
+
+  /// Sets A and f from the motion at the start of a step. `momentum` gets M u0.
+  void setStep(const Motion& motion, const std::vector<Load>& loads, double step);
+  /// Sets A = M alone, f = 0: for closing an open state.
+  void setMasses(const Poses& poses);
+  /// Sets the joint rows at these poses.
+  void placeJoints(const Poses& poses);
+
+  /// Factors H for the contacts' present states. Returns false when that fails.
+  bool factor(const std::vector<ContactRow<D>>& contacts);
+  void solveInPlace(Vector& right) const { matrix_.solveInPlace(right); }
+
+  /// A u - f.
+  Vector unbalance(const Vector& u) const;
+  /// J u.
+  Vector jointVelocity(const Vector& u) const;
+  /// Adds scale * J^T multipliers.
+  void addJointImpulse(double scale, const Vector& multipliers, Vector& to) const;
+  /// The gaps of all joint rows at these poses, metres.
+  Vector jointGaps(const Poses& poses) const;
+
+  double kappa() const { return kappa_; }
+  double rho() const { return rho_; }
+  int factorizations() const { return factorizations_; }
+
+ private:
+  /// The two bricks of a pivot, as an edge of the graph.
+  struct JointRows {
+    int edge = 0;
+    typename Space::Rows a, b;
+  };
+
+  int edgeOf(int brickA, int brickB);
+  void addJointsToMatrix();
+  void addContactToMatrix(const ContactRow<D>& row);
+
+  const std::vector<Brick>& bricks_;
+  std::vector<Pivot> pivots_;
+  std::vector<std::pair<int, int>>
+      edges_;  // sorted pairs; joints first, then contacts as they come
+  std::vector<std::vector<std::pair<int, int>>> edgesAt_;  // of the lower brick: (higher, edge)
+  bool graphChanged_ = true;
+  std::vector<JointRows> jointRows_;
+  std::vector<Block, Eigen::aligned_allocator<Block>> A_;
+  Vector f_;
+  double kappa_ = 0;
+  double rho_ = 0;
+  int factorizations_ = 0;
+  BlockCholesky<D> matrix_;
+};
+
+extern template class StepSystem<3>;
+extern template class StepSystem<6>;
+
+}  // namespace kirireel

@@ -1,0 +1,98 @@
+#include "sim/scene/scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace kirireel {
+namespace {
+
+/// Whether all vertices lie at one height and all tiles face up, to rounding in the file's digits.
+bool liesFlat(const std::vector<Tile>& tiles, double tolerance) {
+  const double height = tiles.front().vertices.front().z();
+  return std::all_of(tiles.begin(), tiles.end(), [&](const Tile& tile) {
+    return std::all_of(tile.vertices.begin(), tile.vertices.end(), [&](const Vector3& vertex) {
+      return std::abs(vertex.z() - height) <= tolerance;
+    });
+  });
+}
+
+bool isVertical(const Vector3& vector) {
+  return vector.x() == 0 && vector.y() == 0;
+}
+
+Need planarNeed(const Scene& scene) {
+  if (scene.solver.planar) return {*scene.solver.planar, "asked for"};
+  const double tolerance = 1e-9 * modelSize(scene.model);
+  if (!liesFlat(scene.model.tiles, tolerance)) return {false, "the start is not flat"};
+  if (scene.model.target && !liesFlat(*scene.model.target, tolerance)) {
+    return {false, "the target is not flat"};
+  }
+  const Vector3& gravity = scene.environment.gravity;
+  if (!isVertical(gravity)) return {false, "gravity is not vertical"};
+  const bool held = scene.environment.ground && gravity.z() <= 0;
+  if (gravity.z() != 0 && !held) return {false, "gravity pulls out of the plane"};
+  return {true, scene.model.target ? "start and target lie in horizontal planes"
+                                   : "the start lies in a horizontal plane"};
+}
+
+Need contactNeed(const Scene& scene) {
+  switch (scene.environment.contacts) {
+    case ContactFilter::None:
+      return {false, "contacts are switched off"};
+    case ContactFilter::Unjoined:
+      return {true, "unjoined bricks may touch"};
+    case ContactFilter::All:
+      break;
+  }
+  return {true, "all bricks may touch"};
+}
+
+Need groundNeed(const Scene& scene, bool planar) {
+  if (!scene.environment.ground) return {false, "no ground"};
+  if (planar) return {false, "planar: gravity is the normal load, only friction is modelled"};
+  return {true, "bricks may touch the ground"};
+}
+
+double lowestPoint(const std::vector<Tile>& tiles, const BrickRule& rule) {
+  const std::vector<Brick> bricks = makeBricks(tiles, rule);
+  const Poses poses = startPoses(tiles, bricks);
+  double lowest = std::numeric_limits<double>::max();
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    for (const Vector3& point : bricks[i].bottom)
+      lowest = std::min(lowest, poses[i].apply(point).z());
+    for (const Vector3& point : bricks[i].top) lowest = std::min(lowest, poses[i].apply(point).z());
+  }
+  return lowest;
+}
+
+}  // namespace
+
+Needs sceneNeeds(const Scene& scene) {
+  Needs needs;
+  needs.planar = planarNeed(scene);
+  needs.contacts = contactNeed(scene);
+  needs.ground = groundNeed(scene, needs.planar.on);
+  if (scene.model.tiles.size() < 2) needs.contacts = {false, "a single brick"};
+  return needs;
+}
+
+double lowestPoint(const Scene& scene) {
+  const double start = lowestPoint(scene.model.tiles, scene.brick);
+  if (!scene.model.target) return start;
+  return std::min(start, lowestPoint(*scene.model.target, scene.brick));
+}
+
+double lowestPoint(const Model& model) {
+  double lowest = std::numeric_limits<double>::infinity();
+  const auto lower = [&](const std::vector<Tile>& tiles) {
+    for (const Tile& tile : tiles) {
+      for (const Vector3& vertex : tile.vertices) lowest = std::min(lowest, vertex.z());
+    }
+  };
+  lower(model.tiles);
+  if (model.target) lower(*model.target);
+  return lowest;
+}
+
+}  // namespace kirireel
