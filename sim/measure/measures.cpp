@@ -1,0 +1,58 @@
+#include "sim/measure/measures.h"
+
+#include <algorithm>
+
+#include "sim/model/alignment.h"
+
+namespace kirireel {
+
+JointGap jointGap(std::span<const Pivot> pivots, const Poses& poses) {
+  JointGap gap;
+  if (pivots.empty()) return gap;
+  for (const Pivot& pivot : pivots) {
+    const Vector3 a = poses[pivot.brickA].apply(pivot.pointA);
+    const Vector3 b = poses[pivot.brickB].apply(pivot.pointB);
+    const double distance = (a - b).norm();
+    gap.max = std::max(gap.max, distance);
+    gap.mean += distance;
+  }
+  gap.mean /= static_cast<double>(pivots.size());
+  return gap;
+}
+
+double targetError(const std::vector<Tile>& target, const std::vector<Brick>& bricks,
+                   const Poses& poses) {
+  double largest = 0;
+  for (size_t i = 0; i < bricks.size(); ++i) {
+    for (size_t k = 0; k < bricks[i].bottom.size(); ++k) {
+      const Vector3 vertex = poses[i].apply(bricks[i].bottom[k]);
+      largest = std::max(largest, (vertex - target[i].vertices[k]).norm());
+    }
+  }
+  return largest;
+}
+
+double rigidFloor(const std::vector<Tile>& tiles, const std::vector<Tile>& target) {
+  double largest = 0;
+  for (size_t i = 0; i < tiles.size(); ++i) {
+    const RigidMotion motion = bestRigidMotion(tiles[i].vertices, target[i].vertices);
+    for (size_t k = 0; k < tiles[i].vertices.size(); ++k) {
+      const Vector3 vertex = motion.apply(tiles[i].vertices[k]);
+      largest = std::max(largest, (vertex - target[i].vertices[k]).norm());
+    }
+  }
+  return largest;
+}
+
+double kineticEnergy(const std::vector<Brick>& bricks, const Motion& motion) {
+  double energy = 0;
+  for (size_t i = 0; i < bricks.size(); ++i) {
+    const Velocity& velocity = motion.velocities[i];
+    const Vector3 spin = motion.poses[i].rotation.conjugate() * velocity.angular;
+    energy += 0.5 * bricks[i].mass * velocity.linear.squaredNorm();
+    energy += 0.5 * spin.dot(bricks[i].inertia * spin);
+  }
+  return energy;
+}
+
+}  // namespace kirireel

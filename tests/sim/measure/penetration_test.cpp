@@ -1,0 +1,188 @@
+#include <numbers>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "sim/measure/measures.h"
+#include "sim/model/tessellation.h"
+
+namespace kirireel {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+Brick box(double length, double width, double thickness) {
+  BrickRule rule;
+  rule.thickness = thickness;
+  return makeBrick({{{0, 0, 0}, {length, 0, 0}, {length, width, 0}, {0, width, 0}}}, rule);
+}
+
+Brick polygon(int corners, double radius, double thickness) {
+  BrickRule rule;
+  rule.thickness = thickness;
+  Tile tile;
+  for (int k = 0; k < corners; ++k) {
+    const double angle = 2 * kPi * k / corners;
+    tile.vertices.emplace_back(radius * std::cos(angle), radius * std::sin(angle), 0);
+  }
+  return makeBrick(tile, rule);
+}
+
+double depthOf(const Brick& a, const Pose& poseA, const Brick& b, const Pose& poseB) {
+  return deepestPenetration({a, b}, {poseA, poseB}).depth;
+}
+
+std::vector<Vector3> cornersOf(const Brick& brick, const Pose& pose) {
+  std::vector<Vector3> corners;
+  for (const Vector3& point : brick.bottom) corners.push_back(pose.apply(point));
+  for (const Vector3& point : brick.top) corners.push_back(pose.apply(point));
+  return corners;
+}
+
+/// How far A must move against `direction` to be clear of B.
+double overlap(const std::vector<Vector3>& a, const std::vector<Vector3>& b,
+               const Vector3& direction) {
+  double highA = -1e9, lowB = 1e9;
+  for (const Vector3& point : a) highA = std::max(highA, point.dot(direction));
+  for (const Vector3& point : b) lowB = std::min(lowB, point.dot(direction));
+  return highA - lowB;
+}
+
+/// The second method: the least overlap over many directions, the best of them refined by smaller
+/// and smaller random turns. Negative when a separating direction is found.
+double overlapBySampling(const std::vector<Vector3>& a, const std::vector<Vector3>& b,
+                         std::mt19937& random) {
+  std::normal_distribution<double> normal;
+  const auto randomVector = [&] { return Vector3(normal(random), normal(random), normal(random)); };
+  std::vector<std::pair<double, Vector3>> starts;
+  for (int i = 0; i < 3000; ++i) {
+    const Vector3 direction = randomVector().normalized();
+    starts.emplace_back(overlap(a, b, direction), direction);
+  }
+  std::sort(starts.begin(), starts.end(),
+            [](const auto& x, const auto& y) { return x.first < y.first; });
+  double least = starts[0].first;
+  for (int start = 0; start < 10; ++start) {
+    auto [best, direction] = starts[start];
+    for (double size = 0.1; size > 1e-8; size *= 0.97) {
+      for (int attempt = 0; attempt < 6; ++attempt) {
+        const Vector3 other = (direction + size * randomVector()).normalized();
+        const double value = overlap(a, b, other);
+        if (value >= best) continue;
+        best = value;
+        direction = other;
+      }
+    }
+    least = std::min(least, best);
+  }
+  return least;
+}
+
+TEST(Penetration, OfTwoBoxesHasTheClosedForm) {
+  const Brick a = box(1, 1, 0.02), b = box(2, 1, 0.02);
+  const Pose origin;
+  // Side by side, overlapping by 0.01 along x: less than the thickness.
+  EXPECT_NEAR(depthOf(a, origin, b, {{1.49, 0.3, 0}}), 0.01, 1e-15);
+  // Deep in each other: the thickness is the shortest way out.
+  EXPECT_NEAR(depthOf(a, origin, b, {{0.2, 0.3, 0.005}}), 0.015, 1e-15);
+  // Clear of each other.
+  EXPECT_EQ(depthOf(a, origin, b, {{1.51, 0, 0}}), 0);
+  EXPECT_EQ(depthOf(a, origin, b, {{0, 0, 0.03}}), 0);
+}
+
+TEST(Penetration, OfACornerInASideHasTheClosedForm) {
+  const Brick a = box(1, 1, 1);
+  const Pose turned{{0.5 + std::sqrt(0.5) - 0.05, 0, 0}, rotationFromVector({0, 0, kPi / 4})};
+  EXPECT_NEAR(depthOf(a, {}, a, turned), 0.05, 1e-14);  // measured 4e-17
+}
+
+TEST(Penetration, OfCrossedEdgesHasTheClosedForm) {
+  // Two bars on edge, crossing at right angles: only the product of their long edges separates.
+  const Brick bar = box(10, 1, 1);
+  const Pose lower{Vector3::Zero(), rotationFromVector({kPi / 4, 0, 0})};
+  Pose upper{{0, 0, 2 * std::sqrt(0.5) - 0.1},
+             rotationFromVector({0, 0, kPi / 2}) * rotationFromVector({kPi / 4, 0, 0})};
+  EXPECT_NEAR(depthOf(bar, lower, bar, upper), 0.1, 1e-14);  // measured 3e-17
+  upper.position.z() += 0.2;
+  EXPECT_EQ(depthOf(bar, lower, bar, upper), 0);
+}
+
+TEST(Penetration, MatchesSampledDirections) {
+  std::mt19937 random(7);
+  std::normal_distribution<double> normal;
+  int overlapping = 0;
+  for (int i = 0; i < 60; ++i) {
+    const Brick a = polygon(3 + i % 5, 1, i % 2 == 0 ? 0.4 : 0.01);
+    const Brick b = polygon(3 + i % 4, 0.8, 0.3);
+    const auto randomPose = [&](double reach) {
+      const Quaternion turn(normal(random), normal(random), normal(random), normal(random));
+      return Pose{reach * Vector3(normal(random), normal(random), normal(random)),
+                  turn.normalized()};
+    };
+    const Pose poseA = randomPose(0.1), poseB = randomPose(0.45);
+    const double found = depthOf(a, poseA, b, poseB);
+    const double sampled = overlapBySampling(cornersOf(a, poseA), cornersOf(b, poseB), random);
+    EXPECT_LE(found, std::max(sampled, 0.0) + 1e-12);
+    EXPECT_NEAR(found, std::max(sampled, 0.0), 1e-5) << "pair " << i;  // measured 1e-6
+    overlapping += found > 0 ? 1 : 0;
+  }
+  EXPECT_GT(overlapping, 20);
+  EXPECT_LT(overlapping, 60);
+}
+
+TEST(Penetration, IsTheSameForMovedAndSwappedBricks) {
+  const Brick a = polygon(5, 1, 0.3), b = polygon(3, 1, 0.2);
+  const Pose poseB{{0.6, 0.2, 0.1}, rotationFromVector({0.5, 1, -0.3})};
+  const double depth = depthOf(a, {}, b, poseB);
+  EXPECT_GT(depth, 0.05);
+  EXPECT_NEAR(depthOf(b, poseB, a, {}), depth, 1e-15);
+  const Quaternion turn = rotationFromVector({-1, 0.3, 2});
+  const Vector3 shift(5, -7, 3);
+  const Pose movedA{shift, turn}, movedB{turn * poseB.position + shift, turn * poseB.rotation};
+  EXPECT_NEAR(depthOf(a, movedA, b, movedB), depth, 1e-14);  // measured 7e-16
+}
+
+TEST(Penetration, TouchingSheetsHaveOnlyRounding) {
+  for (const double thickness : {0.001, 0.02, 1.0}) {
+    for (const double angle : {0.0, 0.5, kPi / 2}) {
+      TessellationShape shape;
+      shape.columns = 7;
+      shape.rows = 6;
+      const std::vector<Tile> tiles = tessellationTiles(shape, angle);
+      BrickRule rule;
+      rule.thickness = thickness;
+      const std::vector<Brick> bricks = makeBricks(tiles, rule);
+      // measured 1e-16
+      EXPECT_LT(deepestPenetration(bricks, startPoses(tiles, bricks)).depth, 1e-14);
+    }
+  }
+}
+
+TEST(Penetration, FindsTheDeepestPairOfASheet) {
+  TessellationShape shape;
+  shape.columns = shape.rows = 12;
+  const std::vector<Tile> tiles = tessellationTiles(shape, 0.5);
+  const std::vector<Brick> bricks = makeBricks(tiles, {});
+  Poses poses = startPoses(tiles, bricks);
+  poses[40].position.x() += 0.005;
+  poses[100].position.y() += 0.015;
+  const Penetration found = deepestPenetration(bricks, poses);
+  EXPECT_TRUE(found.brickA == 100 || found.brickB == 100);
+  // The second method: every pair by itself.
+  double deepest = 0;
+  for (size_t i = 0; i < bricks.size(); ++i) {
+    for (size_t j = 0; j < i; ++j) {
+      deepest = std::max(deepest, depthOf(bricks[i], poses[i], bricks[j], poses[j]));
+    }
+  }
+  EXPECT_EQ(found.depth, deepest);
+}
+
+TEST(Penetration, NoBricksNoDepth) {
+  const Penetration found = deepestPenetration({}, {});
+  EXPECT_EQ(found.depth, 0);
+  EXPECT_EQ(found.brickA, -1);
+}
+
+}  // namespace
+}  // namespace kirireel
