@@ -27,9 +27,9 @@ struct Brick {
   std::vector<Vector3> bottom;  ///< n points, anticlockwise seen from the normal
   std::vector<Vector3> top;     ///< n points
   Vector3 normal = Vector3::UnitZ();
-  double thickness = 0;  ///< metres
-  double volume = 0;     ///< cubic metres
-  double mass = 0;       ///< kg
+  double thickness = 0;               ///< metres
+  double volume = 0;                  ///< cubic metres
+  double mass = 0;                    ///< kg
   Matrix3 inertia = Matrix3::Zero();  ///< about the centre of mass, kg m^2
 };
 
