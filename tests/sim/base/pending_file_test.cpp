@@ -1,0 +1,104 @@
+#include "sim/base/pending_file.h"
+
+#include <filesystem>
+#include <fstream>
+#include <functional>
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include "sim/base/error.h"
+
+namespace kirireel {
+namespace {
+
+namespace fs = std::filesystem;
+
+class PendingFileTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "kirireel-XXXXXX").string();
+    folder_ = ::mkdtemp(name.data());
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  static std::string read(const fs::path& file) {
+    std::ifstream stream(file);
+    return {std::istreambuf_iterator<char>(stream), {}};
+  }
+
+  static std::string messageOf(const std::function<void()>& action) {
+    try {
+      action();
+    } catch (const OutputError& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(PendingFileTest, AppearsOnlyWhenCommitted) {
+  PendingFile pending(folder_ / "deployment.mp4");
+  EXPECT_EQ(pending.path(), folder_ / "deployment.part.mp4");
+  std::ofstream(pending.path()) << "whole";
+  EXPECT_FALSE(fs::exists(pending.finalPath()));
+  pending.commit();
+  EXPECT_EQ(read(pending.finalPath()), "whole");
+  EXPECT_FALSE(fs::exists(pending.path()));
+}
+
+TEST_F(PendingFileTest, LeavesNothingWithoutCommit) {
+  {
+    PendingFile pending(folder_ / "a.txt");
+    std::ofstream(pending.path()) << "half";
+  }
+  EXPECT_TRUE(fs::is_empty(folder_));
+}
+
+TEST_F(PendingFileTest, KeepsTheOldFileWhenTheNewOneFails) {
+  writeTextFile(folder_ / "a.txt", "old");
+  { PendingFile pending(folder_ / "a.txt"); }
+  EXPECT_EQ(read(folder_ / "a.txt"), "old");
+}
+
+TEST_F(PendingFileTest, RefusesAFolderThatIsNotThere) {
+  const fs::path missing = folder_ / "missing";
+  EXPECT_EQ(messageOf([&] { writeTextFile(missing / "a.txt", "text"); }),
+            missing.string() +
+                ": error: cannot write in this folder (No such file or directory); "
+                "choose another with --out");
+}
+
+TEST_F(PendingFileTest, RefusesAFolderWithoutPermission) {
+  if (::geteuid() == 0) GTEST_SKIP() << "root may write everywhere";
+  fs::permissions(folder_, fs::perms::owner_read | fs::perms::owner_exec);
+  const std::string message = messageOf([&] { writeTextFile(folder_ / "a.txt", "text"); });
+  fs::permissions(folder_, fs::perms::owner_all);
+  EXPECT_EQ(message, folder_.string() +
+                         ": error: cannot write in this folder (Permission denied); "
+                         "choose another with --out");
+}
+
+TEST_F(PendingFileTest, SaysWhenItCannotBePutInPlace) {
+  fs::create_directory(folder_ / "a.txt");
+  std::ofstream(folder_ / "a.txt" / "inside") << "x";
+  EXPECT_EQ(messageOf([&] { writeTextFile(folder_ / "a.txt", "text"); }),
+            (folder_ / "a.txt").string() + ": error: cannot be put in place (Is a directory)");
+}
+
+TEST_F(PendingFileTest, SaysWhenTheDiskIsFull) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "/dev/full is not there";
+  // Writing to the pending name lands on the device that is always full.
+  fs::create_symlink("/dev/full", folder_ / "a.part.txt");
+  EXPECT_EQ(messageOf([&] { writeTextFile(folder_ / "a.txt", "text"); }),
+            (folder_ / "a.txt").string() +
+                ": error: cannot be written (No space left on device); free some space or choose "
+                "another folder with --out");
+  EXPECT_TRUE(fs::is_empty(folder_));
+}
+
+}  // namespace
+}  // namespace kirireel
