@@ -1,5 +1,7 @@
 #include "sim/model/folder.h"
 
+#include <random>
+
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
@@ -107,6 +109,31 @@ TEST(Folder, CannotBeMadeUnderAFile) {
                   ": error: the folder cannot be made (Not a directory); choose "
                   "another");
   }
+}
+
+TEST(Folder, DamagedFilesReadOrAreRefused) {
+  const TemporaryFolder folder;
+  const fs::path shipped = fs::path(KIRIREEL_SOURCE_DIR) / "data/tessellation_4x4";
+  const std::string names[] = {"vertices.txt", "constraints.txt", "target.txt"};
+  const std::string pieces[] = {"\n", " ", "-", "9", "e9", "nan", "#", "\xff", "0", "."};
+  std::mt19937 random(1);
+  int refused = 0;
+  for (int i = 0; i < 500; ++i) {
+    for (const std::string& name : names) {
+      std::string text = readWhole(shipped / name);
+      const std::string& piece = pieces[random() % std::size(pieces)];
+      if (name == names[i % 3]) text.replace(random() % text.size(), random() % 5, piece);
+      folder.write(name, text);
+    }
+    std::vector<std::string> warnings;
+    try {
+      readModelFolder(folder.path(), warnings);
+    } catch (const InputError& error) {
+      EXPECT_TRUE(std::string(error.what()).starts_with(folder.path().string()));
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 100);
 }
 
 TEST(Folder, ReadsEverySharedModel) {
