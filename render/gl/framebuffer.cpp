@@ -58,10 +58,11 @@ void Framebuffer::bindTexture() const {
   glBindTexture(GL_TEXTURE_2D, texture_);
 }
 
-void Framebuffer::read(int width, int height, int rowPixels, std::uint8_t* pixels) const {
+void Framebuffer::read(const Eigen::AlignedBox2i& box, int rowPixels, std::uint8_t* pixels) const {
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
   glPixelStorei(GL_PACK_ROW_LENGTH, rowPixels);
-  glReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, pixels);
+  glReadPixels(box.min().x(), box.min().y(), box.sizes().x(), box.sizes().y(), GL_RGBA,
+               GL_UNSIGNED_BYTE, pixels);
   const GLenum error = glGetError();
   if (error == GL_NO_ERROR) return;
   throw OutputError(fmt::format(

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 
+#include <Eigen/Geometry>
+
 namespace kirireel {
 
 /// A framebuffer object with an RGBA8 texture. Belongs to the context current
@@ -24,10 +26,11 @@ class Framebuffer {
   /// Makes its colours texture 0 of the program in use.
   void bindTexture() const;
 
-  /// Copies its lower left width x height pixels out as RGBA, rows from the bottom as OpenGL has
-  /// them. rowPixels: pixels from one row's start to the next in the destination. Waits for all
-  /// drawing to end. Throws OutputError when the driver ran out of memory on the way.
-  void read(int width, int height, int rowPixels, std::uint8_t* pixels) const;
+  /// Copies a box of pixels out as RGBA, rows in OpenGL's order (row 0 is where y is 0). The box's
+  /// right and last row are not in it. rowPixels: pixels from one row's start to the next in the
+  /// destination. Waits for all drawing to end. Throws OutputError when the driver ran out of
+  /// memory on the way.
+  void read(const Eigen::AlignedBox2i& box, int rowPixels, std::uint8_t* pixels) const;
 
  private:
   unsigned int framebuffer_ = 0;

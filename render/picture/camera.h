@@ -16,7 +16,7 @@ struct Camera {
   Vector3 centre = Vector3::Zero();         ///< the point in the middle of the picture, metres
   Vector3 up = Vector3::UnitY();            ///< upwards in the picture; not along the view
   bool orthographic = false;                ///< parallel projection: equal lengths look equal
-  double fieldOfView = 0.5235987755982988;  ///< perspective: vertical, radians, 0 to pi
+  double fieldOfView = 0.3490658503988659;  ///< perspective: vertical, radians, 0 to pi
   double viewHeight = 2;                    ///< orthographic: height of the picture, metres
   double near = 0.1;                        ///< from the eye, metres, positive
   double far = 100;                         ///< from the eye, metres, more than near
@@ -37,7 +37,7 @@ inline constexpr ViewAngles kFrontView{-1.5707963267948966, 0};
 /// All three axes equally foreshortened, x towards the lower right: for models in space.
 inline constexpr ViewAngles kIsometricView{-0.7853981633974483, 0.6154797086703873};
 /// Nearly from above, tilted so that the thickness of flat sheets shows.
-inline constexpr ViewAngles kObliqueView{-1.5707963267948966, 0.9599310885968813};
+inline constexpr ViewAngles kObliqueView{-1.5707963267948966, 1.0821041362364843};
 
 /// kObliqueView for points that lie nearly in one horizontal layer, else kIsometricView.
 ViewAngles defaultView(std::span<const Vector3> points);
@@ -47,7 +47,7 @@ struct CameraFit {
   ViewAngles view = kIsometricView;
   double aspect = 16.0 / 9.0;               ///< width / height of the picture
   bool orthographic = false;                ///< else perspective
-  double fieldOfView = 0.5235987755982988;  ///< perspective: vertical, radians
+  double fieldOfView = 0.3490658503988659;  ///< perspective: vertical, radians
   double margin =
       0.06;  ///< part of the picture's width and height left free on each side, 0 to 0.45
 };

@@ -1,6 +1,7 @@
 #include "render/picture/frame.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 
 #include <fmt/format.h>
@@ -33,10 +34,11 @@ void Frame::set(int x, int y, Colour colour) {
 
 Frame makeFrame(FrameSize size, Colour colour) {
   requireValidSize(size);
-  Frame frame{size,
-              std::vector<std::uint8_t>(static_cast<std::size_t>(size.width) * size.height * 4)};
-  for (int y = 0; y < size.height; ++y) {
-    for (int x = 0; x < size.width; ++x) frame.set(x, y, colour);
+  Frame frame{size, {}};
+  frame.pixels.resize(frame.rowStart(size.height));
+  for (std::size_t pixel = 0; pixel < frame.pixels.size(); pixel += 4) {
+    const std::array<std::uint8_t, 4> bytes = {colour.red, colour.green, colour.blue, colour.alpha};
+    std::copy_n(bytes.data(), bytes.size(), frame.pixels.data() + pixel);
   }
   return frame;
 }

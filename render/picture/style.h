@@ -25,18 +25,20 @@ struct GroundPlate {
 };
 
 /// The look of a picture. The defaults are meant for a page of a journal: white ground, quiet
-/// colours that stay apart in grey and for the colour-blind, thin dark outlines.
+/// colours that stay apart in grey and for the colour-blind, thin dark outlines. All but the
+/// background are opaque.
 struct Style {
   Colour background = {255, 255, 255};  ///< alpha below 255 gives a transparent picture
-  Colour top = {124, 170, 216};         ///< face on the side of the tile's normal
-  Colour bottom = {240, 182, 104};      ///< the tile itself, seen from below
-  Colour side = {92, 126, 168};         ///< faces across the thickness
+  Colour top = {128, 174, 220};         ///< face on the side of the tile's normal
+  Colour bottom = {244, 190, 116};      ///< the tile itself, seen from below
+  Colour side = {96, 130, 172};         ///< faces across the thickness
   Colour edge = {38, 50, 66};           ///< outlines
-  double edgeWidth =
-      0.0018;  ///< of the line between two flush tiles, in heights of the picture; 0 none
-  double ambient = 0.42;                           ///< brightness of a face that no light reaches
-  Light key = {Vector3(-0.36, -0.48, 0.8), 0.52};  ///< main light, from the upper left
-  Light fill = {Vector3(0.8, -0.36, 0.48), 0.22};  ///< softer, from the right
+  /// Width of the line between two flush tiles in the middle of the picture, in heights of the
+  /// picture; 0 for no outlines. Lines lie on the faces, so they are foreshortened like them.
+  double edgeWidth = 0.0028;
+  double ambient = 0.58;                           ///< brightness of a face that no light reaches
+  Light key = {Vector3(-0.36, -0.48, 0.8), 0.40};  ///< main light, from the upper left
+  Light fill = {Vector3(0.8, -0.36, 0.48), 0.16};  ///< softer, from the right
   std::optional<GroundPlate> ground;               ///< drawn when present
 };
 

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "render/picture/frame.h"
 
@@ -23,5 +24,8 @@ void writePng(const Frame& frame, const std::filesystem::path& path,
 
 /// Reads any PNG as 8-bit RGBA. Throws InputError when it is missing or not a PNG.
 Frame readPng(const std::filesystem::path& path);
+
+/// The version of libpng in use, e.g. "1.6.39".
+std::string pngLibraryVersion();
 
 }  // namespace kirireel

@@ -1,0 +1,93 @@
+#include "render/grid/grid.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "render/grid/label.h"
+#include "sim/base/error.h"
+
+namespace kirireel {
+namespace {
+
+/// Text smaller than this cannot be read, whatever the size of the pictures.
+constexpr int kSmallestText = 9;
+
+/// Height of the strip under a picture, in ems of its text; the baseline's place in it.
+constexpr double kStripEms = 1.6;
+constexpr double kBaselineEms = 1.25;
+
+void requireFitting(const std::vector<GridPicture>& pictures, GridShape shape) {
+  const int count = static_cast<int>(pictures.size());
+  if (count > shape.cells()) {
+    throw InputError(
+        fmt::format("error: a grid of {} x {} has room for {} pictures, not {}; change --grid",
+                    shape.rows, shape.columns, shape.cells(), count));
+  }
+  const FrameSize first = pictures.front().frame.size;
+  for (const GridPicture& picture : pictures) {
+    const FrameSize size = picture.frame.size;
+    if (size == first) continue;
+    throw InputError(fmt::format(
+        "error: pictures of one grid must have one size, not {} x {} beside {} x {} pixels",
+        size.width, size.height, first.width, first.height));
+  }
+}
+
+}  // namespace
+
+GridLayout layOutGrid(FrameSize picture, GridShape shape, const GridStyle& style) {
+  if (shape.rows < 1 || shape.columns < 1) {
+    throw InputError(
+        fmt::format("error: a grid cannot have {} x {} cells; give at least one row and one "
+                    "column, for example --grid 3x3",
+                    shape.rows, shape.columns));
+  }
+  GridLayout layout;
+  layout.picture = picture;
+  layout.gap = static_cast<int>(std::lround(style.gap * picture.height));
+  layout.textSize =
+      std::max(kSmallestText, static_cast<int>(std::lround(style.captionSize * picture.height)));
+  layout.captionHeight = static_cast<int>(std::lround(kStripEms * layout.textSize));
+  // In 64 bits: rows and columns may be anything that a person typed.
+  const long long width =
+      layout.gap + shape.columns * static_cast<long long>(picture.width + layout.gap);
+  const long long height =
+      layout.gap +
+      shape.rows * static_cast<long long>(picture.height + layout.captionHeight + layout.gap);
+  if (width > kMaxFrameSide || height > kMaxFrameSide) {
+    throw InputError(fmt::format(
+        "error: a grid of {} x {} pictures of {} x {} pixels needs {} x {} pixels and "
+        "may have {} a side; choose fewer or smaller pictures with --grid or --size",
+        shape.rows, shape.columns, picture.width, picture.height, width, height, kMaxFrameSide));
+  }
+  layout.sheet = {static_cast<int>(width), static_cast<int>(height)};
+  return layout;
+}
+
+Frame composeGrid(const std::vector<GridPicture>& pictures, GridShape shape,
+                  const GridStyle& style) {
+  if (pictures.empty()) throw InputError("error: a grid needs at least one picture; give it some");
+  const GridLayout layout = layOutGrid(pictures.front().frame.size, shape, style);
+  requireFitting(pictures, shape);
+  const LabelWriter writer(layout.textSize);
+  Frame sheet = makeFrame(layout.sheet, style.background);
+  for (int cell = 0; cell < static_cast<int>(pictures.size()); ++cell) {
+    const GridPicture& picture = pictures[cell];
+    const int left = layout.left(cell % shape.columns);
+    const int upper = layout.upper(cell / shape.columns);
+    pasteFrame(sheet, picture.frame, left, upper);
+    const int textLeft = left + (layout.picture.width - writer.width(picture.caption)) / 2;
+    const int baseline = upper + layout.picture.height +
+                         static_cast<int>(std::lround(kBaselineEms * layout.textSize));
+    writer.draw(sheet, picture.caption, textLeft, baseline, style.text);
+  }
+  return sheet;
+}
+
+std::string timeCaption(double seconds) {
+  return fmt::format("t = {:.2f} s", seconds);
+}
+
+}  // namespace kirireel

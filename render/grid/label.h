@@ -1,0 +1,38 @@
+/// Text in pictures.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "render/picture/frame.h"
+
+namespace kirireel {
+
+/// The font file for labels: $KIRIREEL_FONT if set, else DejaVu Sans where Debian, Fedora or Arch
+/// keep it. Throws OutputError that names Debian's package when there is none.
+std::filesystem::path findFont();
+
+/// Draws lines of text in one size.
+class LabelWriter {
+ public:
+  /// pixelsPerEm: the size of the text, at least 1. Throws OutputError when the font cannot be
+  /// read.
+  explicit LabelWriter(int pixelsPerEm, const std::filesystem::path& font = findFont());
+  ~LabelWriter();
+  LabelWriter(const LabelWriter&) = delete;
+  LabelWriter& operator=(const LabelWriter&) = delete;
+
+  /// Width of one line of ASCII text, pixels.
+  int width(const std::string& text) const;
+
+  /// Draws one line of ASCII text: its pen starts at x, its letters stand on row `baseline`. What
+  /// falls outside the frame is left out.
+  void draw(Frame& frame, const std::string& text, int x, int baseline, Colour colour) const;
+
+ private:
+  struct Face;
+  std::unique_ptr<Face> face_;
+};
+
+}  // namespace kirireel

@@ -1,0 +1,136 @@
+#include "render/png/png.h"
+
+#include <cerrno>
+#include <csetjmp>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+#include <png.h>
+
+#include "sim/base/error.h"
+#include "sim/base/pending_file.h"
+
+namespace kirireel {
+namespace {
+
+constexpr double kMetresPerInch = 0.0254;
+
+OutputError writeError(const std::filesystem::path& path, const std::string& reason) {
+  return OutputError(
+      fmt::format("{}: error: cannot be written ({}); free some space or choose another folder "
+                  "with --out",
+                  path.string(), reason));
+}
+
+/// libpng reports errors by a long jump, which must not pass over anything with a destructor: the
+/// message is left here, and encode() holds plain values alone.
+struct Failure {
+  std::string message;
+};
+
+void keepMessageAndJump(png_structp png, png_const_charp message) {
+  // A failed write says only "Write Error"; the system knows more.
+  const bool system = errno != 0;
+  static_cast<Failure*>(png_get_error_ptr(png))->message = system ? std::strerror(errno) : message;
+  png_longjmp(png, 1);
+}
+
+void ignoreWarning(png_structp /*png*/, png_const_charp /*message*/) {}
+
+/// The writer that libpng works with, freed at the end of its scope.
+class Encoder {
+ public:
+  explicit Encoder(Failure& failure)
+      : png_(png_create_write_struct(PNG_LIBPNG_VER_STRING, &failure, keepMessageAndJump,
+                                     ignoreWarning)),
+        info_(png_ != nullptr ? png_create_info_struct(png_) : nullptr) {}
+  ~Encoder() { png_destroy_write_struct(&png_, &info_); }
+  Encoder(const Encoder&) = delete;
+  Encoder& operator=(const Encoder&) = delete;
+
+  bool ready() const { return info_ != nullptr; }
+  png_structp png() const { return png_; }
+  png_infop info() const { return info_; }
+
+ private:
+  png_structp png_;
+  png_infop info_;
+};
+
+void writeHeader(png_structp png, png_infop info, const Frame& frame, bool opaque,
+                 const PngSettings& settings) {
+  png_set_IHDR(png, info, frame.size.width, frame.size.height, 8,
+               opaque ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_RGBA, PNG_INTERLACE_NONE,
+               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
+  if (settings.dotsPerInch.has_value()) {
+    const auto dotsPerMetre =
+        static_cast<png_uint_32>(*settings.dotsPerInch / kMetresPerInch + 0.5);
+    png_set_pHYs(png, info, dotsPerMetre, dotsPerMetre, PNG_RESOLUTION_METER);
+  }
+  png_set_compression_level(png, settings.compressionLevel);
+  png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_NONE);
+  png_write_info(png, info);
+  if (opaque) png_set_filler(png, 0, PNG_FILLER_AFTER);  // leaves every alpha byte out
+}
+
+/// False when libpng failed; the message is then in the encoder's failure.
+bool encode(png_structp png, png_infop info, std::FILE* file, const Frame& frame, bool opaque,
+            const PngSettings& settings) {
+  if (setjmp(png_jmpbuf(png)) != 0) return false;
+  png_init_io(png, file);
+  writeHeader(png, info, frame, opaque, settings);
+  for (int y = 0; y < frame.size.height; ++y) {
+    png_write_row(png, frame.pixels.data() + frame.rowStart(y));
+  }
+  png_write_end(png, info);
+  return true;
+}
+
+struct FileCloser {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+
+}  // namespace
+
+void writePng(const Frame& frame, const std::filesystem::path& path, const PngSettings& settings) {
+  PendingFile pending(path);
+  std::unique_ptr<std::FILE, FileCloser> file(std::fopen(pending.path().c_str(), "wb"));
+  if (file == nullptr) throw writeError(path, std::strerror(errno));
+
+  Failure failure;
+  const Encoder encoder(failure);
+  if (!encoder.ready()) throw writeError(path, "out of memory");
+  errno = 0;
+  if (!encode(encoder.png(), encoder.info(), file.get(), frame, isOpaque(frame), settings)) {
+    throw writeError(path, failure.message);
+  }
+  // The last bytes reach the disk here, so this can fail where all the writing went well.
+  if (std::fclose(file.release()) != 0) throw writeError(path, std::strerror(errno));
+  pending.commit();
+}
+
+Frame readPng(const std::filesystem::path& path) {
+  png_image image = {};
+  image.version = PNG_IMAGE_VERSION;
+  Frame frame;
+  bool read = png_image_begin_read_from_file(&image, path.c_str()) != 0;
+  if (read) {
+    image.format = PNG_FORMAT_RGBA;
+    frame.size = {static_cast<int>(image.width), static_cast<int>(image.height)};
+    frame.pixels.resize(PNG_IMAGE_SIZE(image));
+    read = png_image_finish_read(&image, nullptr, frame.pixels.data(), 0, nullptr) != 0;
+  }
+  const std::string reason = image.message;
+  png_image_free(&image);
+  if (read) return frame;
+  throw InputError(fmt::format("{}: error: cannot be read as a picture ({}); give a PNG file",
+                               path.string(), reason));
+}
+
+std::string pngLibraryVersion() { return png_get_libpng_ver(nullptr); }
+
+}  // namespace kirireel
