@@ -1,10 +1,11 @@
 /// Vectors, poses and motions. SI units, right-handed axes, z up, column vectors, radians.
 #pragma once
 
-#include <Eigen/Core>
-#include <Eigen/Geometry>
 #include <cmath>
 #include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 namespace kirireel {
 
@@ -48,8 +49,7 @@ inline Matrix3 crossMatrix(const Vector3& v) {
 inline Quaternion rotationFromVector(const Vector3& vector) {
   const double angle = vector.norm();
   // sin(angle / 2) / angle, by its series where the quotient would lose digits.
-  const double scale =
-      angle > 1e-4 ? std::sin(0.5 * angle) / angle : 0.5 - angle * angle / 48.0;
+  const double scale = angle > 1e-4 ? std::sin(0.5 * angle) / angle : 0.5 - angle * angle / 48.0;
   const Vector3 imaginary = scale * vector;
   return Quaternion(std::cos(0.5 * angle), imaginary.x(), imaginary.y(), imaginary.z());
 }

@@ -4,13 +4,25 @@
 
 namespace kirireel {
 
+namespace {
+
+// Overlaps below this part of a tile count as none.
+constexpr double kContactTolerance = 1e-7;
+
+}  // namespace
+
 DirectDynamics::DirectDynamics(const Scene& scene, const Needs& needs,
-                               const std::vector<Brick>& bricks)
+                               const std::vector<Brick>& bricks, const Poses& start)
     : bricks_(bricks),
       environment_(scene.environment),
       solver_(makeJointSolver(bricks, makePivots(scene.model.joints, bricks),
                               {needs.planar.on, tileSize(scene.model), {}})),
-      substeps_(scene.solver.substeps.value_or(1)) {}
+      substeps_(scene.solver.substeps.value_or(1)) {
+  if (!needs.contacts.on && !needs.ground.on) return;
+  contacts_ = std::make_unique<ContactFinder>(bricks, start, makePivots(scene.model.joints, bricks),
+                                              scene.environment, needs.planar.on,
+                                              kContactTolerance * tileSize(scene.model));
+}
 
 StepReport DirectDynamics::advance(Motion& motion, double step, const LoadSource& actuation) {
   const LoadSource all = [&](const Poses& poses, std::vector<Load>& loads) {
@@ -21,7 +33,7 @@ StepReport DirectDynamics::advance(Motion& motion, double step, const LoadSource
   };
   StepReport report;
   for (int substep = 0; substep < substeps_; ++substep) {
-    report += solver_->advance(motion, step / substeps_, all, nullptr);
+    report += solver_->advance(motion, step / substeps_, all, contacts_.get());
   }
   return report;
 }

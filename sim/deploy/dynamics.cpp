@@ -10,7 +10,7 @@ std::unique_ptr<Dynamics> makeDynamics(const Scene& scene, const Needs& needs,
   if (scene.solver.kind == SolverKind::Bullet) {
     return std::make_unique<BulletDynamics>(scene, bricks, start);
   }
-  return std::make_unique<DirectDynamics>(scene, needs, bricks);
+  return std::make_unique<DirectDynamics>(scene, needs, bricks, start);
 }
 
 }  // namespace kirireel

@@ -186,17 +186,20 @@ bool Stepper<D>::solveVelocities() {
 /// Semismooth Newton on the augmented Lagrangian for fixed multipliers.
 template <int D>
 bool Stepper<D>::minimize() {
-  Vector slope = gradient(u_);
+  bool wholeStep = false;
   for (int round = 0; round < kNewtonRounds; ++round) {
-    if (setContactStates(u_) && !system_.factor(rows_)) return false;
+    const bool changed = setContactStates(u_);
+    // While no contact changes state the function is quadratic and a whole step is its minimum.
+    if (wholeStep && !changed) return true;
+    if (changed && !system_.factor(rows_)) return false;
+    const Vector slope = gradient(u_);
     Vector du = -slope;
     system_.solveInPlace(du);
     const double length = rows_.empty() ? 1.0 : lineSearch(du, slope);
     u_ += length * du;
+    wholeStep = length == 1.0;
     if (rows_.empty()) return true;
-    slope = gradient(u_);
-    // Once no contact changes state the function is quadratic and the step was its minimum.
-    if (length == 1.0 && norm(du) <= 1e-9 * (norm(u_) + settings_.lengthScale)) return true;
+    if (wholeStep && norm(du) <= kSpeedTolerance * (norm(u_) + settings_.lengthScale)) return true;
   }
   return false;
 }

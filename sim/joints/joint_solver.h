@@ -32,21 +32,6 @@ struct JointSolverSettings {
 /// replaced.
 using LoadSource = std::function<void(const Poses&, std::vector<Load>& loads)>;
 
-/// Tells the solver what its bricks run into.
-class ContactSource {
- public:
-  virtual ~ContactSource() = default;
-
-  /// Appends the contacts that a move from `start` to `end` violates. The bricks do not overlap at
-  /// `start` beyond rounding. Returns whether any was appended.
-  virtual bool appendViolated(const Poses& start, const Poses& end,
-                              std::vector<Contact>& contacts) = 0;
-
-  /// Whether a contact that carried load in the last step still is the only thing that keeps its
-  /// bricks apart at `poses`, so that the next step may start with it.
-  virtual bool isCurrent(const Poses& poses, const Contact& contact) const = 0;
-};
-
 /// What the steps of one call did.
 struct StepReport {
   int steps = 0;           ///< solver steps, the halves of halved ones included

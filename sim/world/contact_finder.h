@@ -1,5 +1,5 @@
-/// Finds contacts between bricks, and between bricks and the ground, by Bullet's collision
-/// detection. No Bullet header is needed to use it.
+/// Finds what bricks run into: Bullet's broad phase picks the pairs, separating planes of the exact
+/// bricks decide. No Bullet header is needed to use it.
 #pragma once
 
 #include <memory>
@@ -12,20 +12,24 @@
 
 namespace kirireel {
 
-/// Keeps Bullet's broad phase and pair caches between calls; only detects, never moves anything.
-class ContactFinder {
+/// Looks at a step's start and end together. A pair is fine when one plane (a face of either brick,
+/// or spanned by an edge of each) keeps the two apart at both: then they neither overlap nor have
+/// passed through each other, however thin they are. Otherwise the plane that held at the start and
+/// is violated least at the end gives the contacts. Where bricks share a pivot, planes through the
+/// pivot count like any other, so joined bricks are free to turn until they really meet.
+///
+/// No margins are used: contacts are exact to `tolerance`, and bricks that overlap in the model may
+/// keep that overlap but not deepen it.
+class ContactFinder : public ContactSource {
  public:
-  /// Contacts closer than `reach` metres are reported, so that a step of that length can act on
-  /// them before they overlap.
-  ContactFinder(const std::vector<Brick>& bricks, std::span<const Pivot> pivots,
-                const Environment& environment, double reach);
-  ~ContactFinder();
-  ContactFinder(const ContactFinder&) = delete;
-  ContactFinder& operator=(const ContactFinder&) = delete;
+  /// `tolerance`: overlap in metres that counts as none. `planar`: only outlines meet.
+  ContactFinder(const std::vector<Brick>& bricks, const Poses& start, std::span<const Pivot> pivots,
+                const Environment& environment, bool planar, double tolerance);
+  ~ContactFinder() override;
 
-  /// All contacts at the given poses, in an order that depends on the poses alone. Contacts at a
-  /// shared pivot or along a shared hinge line are left out: there the joint already rules.
-  const std::vector<Contact>& find(const Poses& poses);
+  bool appendViolated(const Poses& start, const Poses& end,
+                      std::vector<Contact>& contacts) override;
+  bool isCurrent(const Poses& poses, const Contact& contact) const override;
 
  private:
   struct Internals;

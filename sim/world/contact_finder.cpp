@@ -1,0 +1,252 @@
+#include "sim/world/contact_finder.h"
+
+#include <algorithm>
+#include <limits>
+#include <unordered_map>
+#include <unordered_set>
+
+#include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
+
+#include "sim/world/separation.h"
+
+namespace kirireel {
+namespace {
+
+static_assert(sizeof(btScalar) == sizeof(double), "link Bullet's float64 libraries");
+
+// A contact's neighbours on the same plane are taken along when they are this near, in tolerances:
+// they are likely to be next.
+constexpr double kReachInTolerances = 1e3;
+// Two planes whose normals agree to this cosine count as the same.
+constexpr double kSameDirection = 0.999;
+
+using Key = std::uint64_t;
+
+Key pairKey(int brickA, int brickB) {
+  return static_cast<Key>(brickA) << 32 | static_cast<Key>(brickB);
+}
+
+btVector3 toBullet(const Vector3& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+/// Bullet's dynamic box tree over the space that each brick sweeps in a step.
+class SweptBoxes {
+ public:
+  SweptBoxes() : broadphase_(&pairs_) {}
+
+  /// Makes proxies on the first call, moves them afterwards.
+  void set(int brick, const Eigen::AlignedBox3d& box) {
+    const btVector3 low = toBullet(box.min());
+    const btVector3 high = toBullet(box.max());
+    if (brick < static_cast<int>(proxies_.size())) {
+      broadphase_.setAabb(proxies_[brick], low, high, nullptr);
+      return;
+    }
+    // The user pointer only has to carry the brick's number.
+    void* number = reinterpret_cast<void*>(static_cast<std::intptr_t>(brick));
+    proxies_.push_back(
+        broadphase_.createProxy(low, high, BOX_SHAPE_PROXYTYPE, number, 1, 1, nullptr));
+  }
+
+  /// The pairs whose boxes overlap, smaller number first, sorted.
+  const std::vector<std::pair<int, int>>& overlapping() {
+    broadphase_.calculateOverlappingPairs(nullptr);
+    found_.clear();
+    const btBroadphasePairArray& pairs = pairs_.getOverlappingPairArray();
+    for (int i = 0; i < pairs.size(); ++i) {
+      const auto [a, b] = std::minmax({number(pairs[i].m_pProxy0), number(pairs[i].m_pProxy1)});
+      found_.emplace_back(a, b);
+    }
+    std::sort(found_.begin(), found_.end());
+    return found_;
+  }
+
+ private:
+  static int number(const btBroadphaseProxy* proxy) {
+    return static_cast<int>(reinterpret_cast<std::intptr_t>(proxy->m_clientObject));
+  }
+
+  btHashedOverlappingPairCache pairs_;
+  btDbvtBroadphase broadphase_;
+  std::vector<btBroadphaseProxy*> proxies_;
+  std::vector<std::pair<int, int>> found_;
+};
+
+}  // namespace
+
+struct ContactFinder::Internals {
+  struct PairState {
+    std::vector<SeparatingPlane> planes;
+    SeparatingPlane last;  // that kept the pair apart when last looked at
+    double slack = 0;      // overlap kept from the start of the run
+  };
+
+  void appendPair(int a, int b, std::vector<Contact>& contacts);
+  void appendGround(int brick, std::vector<Contact>& contacts);
+  PairState& stateOf(int a, int b);
+  double bestSeparation(const PairState& state, const PlacedOutline& a,
+                        const PlacedOutline& b) const;
+  bool holds(const SeparatingPlane& plane, double limit, int a, int b) const;
+  void keepOverlaps(const Poses& start);
+  void place(const Poses& poses, std::vector<PlacedOutline>& placed);
+  void sweep();
+
+  std::vector<Outline> outlines;
+  std::unordered_set<Key> joined;
+  Environment environment;
+  bool planar = false;
+  double tolerance = 0;
+  SweptBoxes boxes;
+  std::unordered_map<Key, PairState> pairs;
+  std::vector<PlacedOutline> start, end;
+};
+
+void ContactFinder::Internals::place(const Poses& poses, std::vector<PlacedOutline>& placed) {
+  placed.resize(outlines.size());
+  for (std::size_t i = 0; i < outlines.size(); ++i) placeOutline(outlines[i], poses[i], placed[i]);
+}
+
+void ContactFinder::Internals::sweep() {
+  for (std::size_t i = 0; i < outlines.size(); ++i) {
+    Eigen::AlignedBox3d box;
+    for (const Vector3& point : start[i].points) box.extend(point);
+    for (const Vector3& point : end[i].points) box.extend(point);
+    boxes.set(static_cast<int>(i), box);
+  }
+}
+
+ContactFinder::Internals::PairState& ContactFinder::Internals::stateOf(int a, int b) {
+  const auto [found, isNew] = pairs.try_emplace(pairKey(a, b));
+  PairState& state = found->second;
+  if (isNew) {
+    state.planes = separatingPlanes(outlines[a], outlines[b]);
+    state.last = state.planes.front();
+  }
+  return state;
+}
+
+double ContactFinder::Internals::bestSeparation(const PairState& state, const PlacedOutline& a,
+                                                const PlacedOutline& b) const {
+  double best = -std::numeric_limits<double>::infinity();
+  for (const SeparatingPlane& plane : state.planes) best = std::max(best, separation(plane, a, b));
+  return best;
+}
+
+bool ContactFinder::Internals::holds(const SeparatingPlane& plane, double limit, int a,
+                                     int b) const {
+  return separation(plane, end[a], end[b]) >= limit &&
+         separation(plane, start[a], start[b]) >= limit;
+}
+
+/// Notes how far pairs overlap where the run begins.
+void ContactFinder::Internals::keepOverlaps(const Poses& poses) {
+  place(poses, start);
+  end = start;
+  sweep();
+  for (const auto& [a, b] : boxes.overlapping()) {
+    PairState& state = stateOf(a, b);
+    state.slack = std::max(0.0, -bestSeparation(state, start[a], start[b]));
+  }
+}
+
+void ContactFinder::Internals::appendPair(int a, int b, std::vector<Contact>& contacts) {
+  PairState& state = stateOf(a, b);
+  const double limit = -tolerance - state.slack;
+  if (holds(state.last, limit, a, b)) return;
+  double bestStart = -std::numeric_limits<double>::infinity();
+  for (const SeparatingPlane& plane : state.planes) {
+    const double before = separation(plane, start[a], start[b]);
+    bestStart = std::max(bestStart, before);
+    if (before < limit || separation(plane, end[a], end[b]) < limit) continue;
+    state.last = plane;
+    return;
+  }
+  // Of the planes that held at the start, the one that is violated least.
+  const double startLimit = std::min(limit, bestStart);
+  double bestEnd = -std::numeric_limits<double>::infinity();
+  for (const SeparatingPlane& plane : state.planes) {
+    if (separation(plane, start[a], start[b]) < startLimit) continue;
+    const double after = separation(plane, end[a], end[b]);
+    if (after <= bestEnd) continue;
+    bestEnd = after;
+    state.last = plane;
+  }
+  const std::size_t before = contacts.size();
+  appendPlaneContacts(state.last, a, b, start[a], start[b], end[a], end[b],
+                      kReachInTolerances * tolerance - state.slack, contacts);
+  for (std::size_t c = before; c < contacts.size(); ++c) {
+    contacts[c].friction = environment.brickFriction;
+    contacts[c].slack = state.slack;
+  }
+}
+
+void ContactFinder::Internals::appendGround(int brick, std::vector<Contact>& contacts) {
+  const double height = environment.ground->height;
+  const PlacedOutline& placed = end[brick];
+  const bool violated =
+      std::any_of(placed.points.begin(), placed.points.end(),
+                  [&](const Vector3& point) { return point.z() < height - tolerance; });
+  if (!violated) return;
+  for (std::size_t p = 0; p < placed.points.size(); ++p) {
+    if (placed.points[p].z() > height + kReachInTolerances * tolerance) continue;
+    contacts.push_back({brick, kFixed, placed.outline->points[p], Vector3(0, 0, height),
+                        Vector3::UnitZ(), environment.ground->friction});
+  }
+}
+
+ContactFinder::ContactFinder(const std::vector<Brick>& bricks, const Poses& start,
+                             std::span<const Pivot> pivots, const Environment& environment,
+                             bool planar, double tolerance)
+    : internals_(std::make_unique<Internals>()) {
+  for (const Brick& brick : bricks) internals_->outlines.push_back(makeOutline(brick, planar));
+  for (const Pivot& pivot : pivots) {
+    const auto [a, b] = std::minmax(pivot.brickA, pivot.brickB);
+    internals_->joined.insert(pairKey(a, b));
+  }
+  internals_->environment = environment;
+  internals_->planar = planar;
+  internals_->tolerance = tolerance;
+  internals_->keepOverlaps(start);
+}
+
+ContactFinder::~ContactFinder() = default;
+
+bool ContactFinder::appendViolated(const Poses& start, const Poses& end,
+                                   std::vector<Contact>& contacts) {
+  Internals& in = *internals_;
+  in.place(start, in.start);
+  in.place(end, in.end);
+  const std::size_t before = contacts.size();
+  if (in.environment.contacts != ContactFilter::None) {
+    in.sweep();
+    for (const auto& [a, b] : in.boxes.overlapping()) {
+      const bool passed =
+          in.environment.contacts == ContactFilter::Unjoined && in.joined.contains(pairKey(a, b));
+      if (!passed) in.appendPair(a, b, contacts);
+    }
+  }
+  if (in.environment.ground && !in.planar) {
+    for (int i = 0; i < static_cast<int>(in.outlines.size()); ++i) in.appendGround(i, contacts);
+  }
+  return contacts.size() > before;
+}
+
+bool ContactFinder::isCurrent(const Poses& poses, const Contact& contact) const {
+  if (contact.brickB == kFixed) return true;
+  Internals& in = *internals_;
+  const auto [a, b] = std::minmax(contact.brickA, contact.brickB);
+  const Internals::PairState& state = in.stateOf(a, b);
+  PlacedOutline placedA, placedB;
+  placeOutline(in.outlines[a], poses[a], placedA);
+  placeOutline(in.outlines[b], poses[b], placedB);
+  const double turn = contact.brickA == a ? 1 : -1;
+  const Vector3 normal = turn * (poses[contact.brickB].rotation * contact.normal);
+  return std::none_of(state.planes.begin(), state.planes.end(), [&](const SeparatingPlane& plane) {
+    return plane.kind != SeparatingPlane::Kind::Edges &&
+           planeNormal(plane, placedA, placedB).dot(normal) < kSameDirection &&
+           separation(plane, placedA, placedB) >= -in.tolerance - state.slack;
+  });
+}
+
+}  // namespace kirireel
