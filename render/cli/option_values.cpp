@@ -1,0 +1,119 @@
+#include "render/cli/option_values.h"
+
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <string_view>
+
+namespace kirireel {
+namespace {
+
+constexpr int kMostGridCells = 100;
+
+template <typename T>
+std::optional<T> readWhole(std::string_view text) {
+  // from_chars knows no plus sign, people do.
+  if (text.starts_with('+')) text.remove_prefix(1);
+  T number{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+std::vector<std::string_view> split(std::string_view text, char separator) {
+  std::vector<std::string_view> parts;
+  for (;;) {
+    const std::size_t end = text.find(separator);
+    parts.push_back(text.substr(0, end));
+    if (end == std::string_view::npos) return parts;
+    text.remove_prefix(end + 1);
+  }
+}
+
+std::string describe(Range range, const char* kind) {
+  const Range all;
+  if (range.least == all.least && range.most == all.most) return kind;
+  if (range.most == all.most) return fmt::format("{} of at least {:g}", kind, range.least);
+  return fmt::format("{} from {:g} to {:g}", kind, range.least, range.most);
+}
+
+std::optional<std::pair<int, int>> readPair(std::string_view text) {
+  const std::vector<std::string_view> parts = split(text, 'x');
+  if (parts.size() != 2) return std::nullopt;
+  const std::optional<int> first = readWhole<int>(parts[0]);
+  const std::optional<int> second = readWhole<int>(parts[1]);
+  if (!first || !second) return std::nullopt;
+  return std::pair(*first, *second);
+}
+
+bool isBetween(int number, int least, int most) {
+  return number >= least && number <= most;
+}
+
+}  // namespace
+
+InputError valueError(const OptionValue& value, const std::string& wanted) {
+  return InputError(
+      fmt::format("error: {}: '{}' is not allowed; give {}", value.name, value.text, wanted));
+}
+
+double parseNumber(const OptionValue& value, Range range) {
+  const std::optional<double> number = readWhole<double>(value.text);
+  const bool fits =
+      number && std::isfinite(*number) && *number >= range.least && *number <= range.most;
+  if (!fits) throw valueError(value, describe(range, "a number"));
+  return *number;
+}
+
+long parseInteger(const OptionValue& value, Range range) {
+  const std::optional<long> number = readWhole<long>(value.text);
+  const bool fits = number && *number >= range.least && *number <= range.most;
+  if (!fits) throw valueError(value, describe(range, "a whole number"));
+  return *number;
+}
+
+FrameSize parseSize(const OptionValue& value) {
+  const auto pair = readPair(value.text);
+  const bool fits =
+      pair && isBetween(pair->first, 1, kMaxFrameSide) && isBetween(pair->second, 1, kMaxFrameSide);
+  if (!fits) {
+    throw valueError(value, fmt::format("WIDTHxHEIGHT in pixels, each from 1 to {}, as in 1280x720",
+                                        kMaxFrameSide));
+  }
+  return {pair->first, pair->second};
+}
+
+GridShape parseGrid(const OptionValue& value) {
+  const auto pair = readPair(value.text);
+  const bool fits = pair && isBetween(pair->first, 1, kMostGridCells) &&
+                    isBetween(pair->second, 1, kMostGridCells);
+  if (!fits) {
+    throw valueError(value,
+                     fmt::format("ROWSxCOLUMNS, each from 1 to {}, as in 3x3", kMostGridCells));
+  }
+  return {pair->first, pair->second};
+}
+
+Vector3 parseGravity(const OptionValue& value) {
+  const std::vector<std::string_view> parts = split(value.text, ',');
+  std::vector<double> numbers;
+  for (const std::string_view part : parts) {
+    const std::optional<double> number = readWhole<double>(part);
+    if (number && std::isfinite(*number)) numbers.push_back(*number);
+  }
+  const bool complete = numbers.size() == parts.size();
+  if (complete && numbers.size() == 1) return {0, 0, numbers[0]};
+  if (complete && numbers.size() == 3) return {numbers[0], numbers[1], numbers[2]};
+  throw valueError(value, "one number (along z) or three as X,Y,Z, in m/s^2, as in 0,0,-9.81");
+}
+
+std::string listWords(const std::vector<std::string>& words) {
+  std::string list;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (i > 0) list += i + 1 == words.size() ? " or " : ", ";
+    list += words[i];
+  }
+  return list;
+}
+
+}  // namespace kirireel

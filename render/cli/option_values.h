@@ -1,0 +1,73 @@
+/// Reads the values of options. Every function throws InputError that names the option, the value
+/// found and what is allowed.
+#pragma once
+
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "render/grid/grid.h"
+#include "render/picture/frame.h"
+#include "sim/base/error.h"
+#include "sim/base/geometry.h"
+
+namespace kirireel {
+
+/// An option as typed: its name and its value.
+struct OptionValue {
+  std::string name;  ///< with its hyphens
+  std::string text;
+};
+
+/// The numbers that an option accepts, ends included.
+struct Range {
+  double least = -std::numeric_limits<double>::max();
+  double most = std::numeric_limits<double>::max();
+};
+
+/// A finite number within the range.
+double parseNumber(const OptionValue& value, Range range);
+
+/// A whole number within the range (which must lie within the numbers of a long).
+long parseInteger(const OptionValue& value, Range range);
+
+/// "1280x720": a valid frame size.
+FrameSize parseSize(const OptionValue& value);
+
+/// "3x4": rows x columns, each 1 to 100.
+GridShape parseGrid(const OptionValue& value);
+
+/// "-9.81" (along z, as PyKirigami has it) or "0,0,-9.81".
+Vector3 parseGravity(const OptionValue& value);
+
+/// The error of a value that is not allowed: "--NAME: 'TEXT' is not allowed; give WANTED".
+InputError valueError(const OptionValue& value, const std::string& wanted);
+
+/// The words that an option accepts, with what each means.
+template <typename T>
+using Choices = std::vector<std::pair<std::string, T>>;
+
+/// "all, unjoined or none".
+std::string listWords(const std::vector<std::string>& words);
+
+/// The names of the choices, in order.
+template <typename T>
+std::vector<std::string> choiceNames(const Choices<T>& choices) {
+  std::vector<std::string> names;
+  for (const auto& choice : choices) names.push_back(choice.first);
+  return names;
+}
+
+/// What the value stands for among the choices.
+template <typename T>
+T parseChoice(const OptionValue& value, const Choices<T>& choices) {
+  for (const auto& [name, meaning] : choices) {
+    if (name == value.text) return meaning;
+  }
+  throw valueError(value, listWords(choiceNames(choices)));
+}
+
+}  // namespace kirireel

@@ -1,0 +1,15 @@
+/// Other programs' command lines, so that their users need not learn a new one.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace kirireel {
+
+/// The arguments with PyKirigami's spellings replaced by Kirireel's: underscores in the names of
+/// long options become hyphens, --brick_thickness or -bt becomes --thickness, --no_collision
+/// becomes --contacts=unjoined (which is what it does there), --model NAME becomes the model's own
+/// place, and --headless vanishes, for no window is ever opened. Values are left alone.
+std::vector<std::string> translatePeerSpellings(const std::vector<std::string>& arguments);
+
+}  // namespace kirireel

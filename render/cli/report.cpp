@@ -1,0 +1,68 @@
+#include "render/cli/report.h"
+
+#include <cstdio>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+namespace kirireel {
+namespace {
+
+std::string describeTarget(const Accuracy& accuracy) {
+  return fmt::format(
+      "target error {:.3g} m at the end ({:.3g} at the start; rigid tiles can reach {:.3g})\n",
+      accuracy.targetErrorEnd, accuracy.targetErrorStart, accuracy.rigidFloor);
+}
+
+std::string describeNeed(const char* name, const Need& need) {
+  return fmt::format("{} {} ({})", name, need.on ? "on" : "off", need.reason);
+}
+
+std::string describeCost(const RunSummary& summary) {
+  const DeployCost& deploy = summary.deployCost;
+  const RecordCost& record = summary.recordCost;
+  std::string text = fmt::format(
+      "{} steps in {:.2f} s, pictures {:.2f} s, video {:.2f} s; {:.1f} s in all\n", deploy.steps,
+      deploy.cpuSeconds, record.cpuSecondsRender, record.cpuSecondsEncode, record.wallSeconds);
+  if (deploy.unconvergedSteps > 0) {
+    text += fmt::format("{} steps did not resolve their contacts to tolerance\n",
+                        deploy.unconvergedSteps);
+  }
+  return text;
+}
+
+}  // namespace
+
+ProgressLine::ProgressLine() : isTerminal_(::isatty(STDERR_FILENO) == 1) {}
+
+ProgressLine::~ProgressLine() {
+  if (!shown_.empty()) fmt::print(stderr, "\n");
+}
+
+void ProgressLine::show(const Progress& progress) {
+  if (!isTerminal_) return;
+  const std::string line = fmt::format("{} {:3.0f}%", progress.stage, 100 * progress.share);
+  if (line == shown_) return;
+  // Back to the start of the line and clear it.
+  fmt::print(stderr, "\r\033[K{}", line);
+  std::fflush(stderr);
+  shown_ = line;
+}
+
+std::string describeRun(const Scene& scene, const RecordSettings& settings,
+                        const RunSummary& summary) {
+  const Accuracy& accuracy = summary.accuracy;
+  std::string text = fmt::format("{}: {} after {:.4g} s: {}\n", scene.model.name,
+                                 toString(summary.outcome), summary.endTime, summary.reason);
+  text += fmt::format("{} tiles, {} joints; {}; {}\n", scene.model.tiles.size(),
+                      scene.model.joints.size(), describeNeed("planar", summary.needs.planar),
+                      describeNeed("contacts", summary.needs.contacts));
+  if (scene.model.target) text += describeTarget(accuracy);
+  text += fmt::format("joint gap {:.3g} m at most, penetration {:.3g} m at most\n",
+                      accuracy.jointGapMax, accuracy.penetrationMax);
+  text += describeCost(summary);
+  text += fmt::format("in {}: {}\n", settings.folder.string(), fmt::join(summary.files, " "));
+  return text;
+}
+
+}  // namespace kirireel

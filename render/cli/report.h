@@ -1,0 +1,31 @@
+/// What a person reads while and after a run.
+#pragma once
+
+#include <string>
+
+#include "render/record/record.h"
+
+namespace kirireel {
+
+/// Keeps one line on standard error up to date, when that is a terminal; silent otherwise.
+class ProgressLine {
+ public:
+  ProgressLine();
+  /// Ends the line.
+  ~ProgressLine();
+  ProgressLine(const ProgressLine&) = delete;
+  ProgressLine& operator=(const ProgressLine&) = delete;
+
+  /// Redraws the line when what it says has changed.
+  void show(const Progress& progress);
+
+ private:
+  bool isTerminal_;
+  std::string shown_;
+};
+
+/// The summary in a few lines: outcome, accuracy, cost, files.
+std::string describeRun(const Scene& scene, const RecordSettings& settings,
+                        const RunSummary& summary);
+
+}  // namespace kirireel

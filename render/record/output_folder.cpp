@@ -1,0 +1,63 @@
+#include "render/record/output_folder.h"
+
+#include <regex>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "sim/base/error.h"
+#include "sim/base/pending_file.h"
+
+namespace kirireel {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool isRunFile(const fs::path& file) {
+  static const std::regex names(
+      "deployment\\.mp4|snapshots\\.png|(initial|final)\\.(obj|mtl|ply)|final_vertices\\.txt|"
+      "summary\\.json");
+  return std::regex_match(file.filename().string(), names);
+}
+
+bool isFrameFile(const fs::path& file) {
+  static const std::regex names("frame_[0-9]{5,}\\.png");
+  return std::regex_match(file.filename().string(), names);
+}
+
+void removeFiles(const fs::path& folder, bool (*isOurs)(const fs::path&)) {
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    if (!entry.is_directory() && isOurs(entry.path())) fs::remove(entry.path(), error);
+    if (error) {
+      throw OutputError(fmt::format("{}: error: an earlier run's file cannot be removed ({})",
+                                    entry.path().string(), error.message()));
+    }
+  }
+}
+
+}  // namespace
+
+fs::path frameFile(int number) {
+  return fs::path(output::kFrames) / fmt::format("frame_{:05}.png", number);
+}
+
+void makeFolder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (!error && fs::is_directory(folder)) return;
+  const std::string reason = error ? error.message() : "a file of that name is there";
+  throw OutputError(
+      fmt::format("{}: error: the folder cannot be made ({}); choose another with --out",
+                  folder.string(), reason));
+}
+
+void prepareOutputFolder(const fs::path& folder) {
+  makeFolder(folder);
+  // Made and dropped: checks that files can be written, before hours of simulation.
+  const PendingFile probe(folder / output::kSummary);
+  removeFiles(folder, isRunFile);
+  removeFiles(folder / output::kFrames, isFrameFile);
+}
+
+}  // namespace kirireel

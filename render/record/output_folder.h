@@ -1,0 +1,30 @@
+/// The folder that a run's files go into.
+#pragma once
+
+#include <filesystem>
+
+namespace kirireel {
+
+/// Names of the files that a run leaves.
+namespace output {
+inline constexpr const char* kVideo = "deployment.mp4";
+inline constexpr const char* kSnapshots = "snapshots.png";
+inline constexpr const char* kInitialMesh = "initial";  ///< .obj and .ply
+inline constexpr const char* kFinalMesh = "final";      ///< .obj and .ply
+inline constexpr const char* kFinalVertices = "final_vertices.txt";
+inline constexpr const char* kSummary = "summary.json";
+inline constexpr const char* kFrames = "frames";  ///< a folder
+}  // namespace output
+
+/// "frames/frame_00042.png".
+std::filesystem::path frameFile(int number);
+
+/// Makes the folder, checks that it can be written, and removes what an earlier run left under the
+/// names above, so that files of two runs never stand side by side. Nothing else is touched.
+/// Throws OutputError.
+void prepareOutputFolder(const std::filesystem::path& folder);
+
+/// Makes a folder and those above it. Throws OutputError with the system's reason.
+void makeFolder(const std::filesystem::path& folder);
+
+}  // namespace kirireel

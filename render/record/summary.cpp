@@ -1,0 +1,157 @@
+#include "render/record/summary.h"
+
+#include <nlohmann/json.hpp>
+
+#include "render/record/versions.h"
+
+namespace kirireel {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json onlyIf(bool exists, double figure) {
+  return exists ? Json(figure) : Json(nullptr);
+}
+
+Json needJson(const Need& need) {
+  return {{"on", need.on}, {"reason", need.reason}};
+}
+
+Json modelJson(const Model& model) {
+  return {{"name", model.name},
+          {"tiles", model.tiles.size()},
+          {"joints", model.joints.size()},
+          {"has_target", model.target.has_value()},
+          {"size", modelSize(model)},
+          {"tile_size", tileSize(model)}};
+}
+
+Json accuracyJson(const RunSummary& summary, bool hasTarget) {
+  const Accuracy& accuracy = summary.accuracy;
+  return {{"joint_gap_max", accuracy.jointGapMax},
+          {"joint_gap_mean", accuracy.jointGapMean},
+          {"joint_gap_end", accuracy.jointGapEnd},
+          {"joint_opening_max", accuracy.jointOpeningMax},
+          {"assembly_move", accuracy.assemblyMove},
+          {"target_error_start", onlyIf(hasTarget, accuracy.targetErrorStart)},
+          {"target_error_end", onlyIf(hasTarget, accuracy.targetErrorEnd)},
+          {"target_error_min", onlyIf(hasTarget, accuracy.targetErrorMin)},
+          {"rigid_floor", onlyIf(hasTarget, accuracy.rigidFloor)},
+          {"assembled_floor", onlyIf(summary.assembledFloor >= 0, summary.assembledFloor)},
+          {"penetration_max", accuracy.penetrationMax}};
+}
+
+Json costJson(const RunSummary& summary) {
+  return {{"steps", summary.deployCost.steps},
+          {"halved_steps", summary.deployCost.halvedSteps},
+          {"unconverged_steps", summary.deployCost.unconvergedSteps},
+          {"cpu_seconds_deploy", summary.deployCost.cpuSeconds},
+          {"cpu_seconds_render", summary.recordCost.cpuSecondsRender},
+          {"cpu_seconds_encode", summary.recordCost.cpuSecondsEncode},
+          {"wall_seconds", summary.recordCost.wallSeconds},
+          {"peak_memory_bytes", summary.recordCost.peakMemoryBytes}};
+}
+
+const char* contactsWord(ContactFilter filter) {
+  switch (filter) {
+    case ContactFilter::None:
+      return "none";
+    case ContactFilter::Unjoined:
+      return "unjoined";
+    case ContactFilter::All:
+      break;
+  }
+  return "all";
+}
+
+Json groundJson(const std::optional<Ground>& ground) {
+  if (!ground) return nullptr;
+  return {{"height", ground->height}, {"friction", ground->friction}};
+}
+
+Json environmentJson(const Environment& environment) {
+  const Vector3& gravity = environment.gravity;
+  return {{"gravity", {gravity.x(), gravity.y(), gravity.z()}},
+          {"ground", groundJson(environment.ground)},
+          {"contacts", contactsWord(environment.contacts)},
+          {"brick_friction", environment.brickFriction},
+          {"linear_damping", environment.linearDamping},
+          {"angular_damping", environment.angularDamping}};
+}
+
+Json springsJson(const TargetSpringSettings& springs) {
+  return {{"spring_stiffness", springs.springStiffness},
+          {"torque_stiffness", springs.torqueStiffness},
+          {"force_damping", springs.forceDamping},
+          {"torque_damping", springs.torqueDamping},
+          {"adaptive", springs.adaptive}};
+}
+
+Json solverJson(const SolverSettings& solver) {
+  return {{"solver", solver.kind == SolverKind::Direct ? "direct" : "bullet"},
+          {"timestep", solver.timestep},
+          {"substeps", solver.substeps ? Json(*solver.substeps) : Json(nullptr)},
+          {"iterations", solver.iterations},
+          {"planar", solver.planar ? Json(*solver.planar) : Json(nullptr)},
+          {"seed", solver.seed}};
+}
+
+Json viewJson(const std::optional<ViewAngles>& view) {
+  if (!view) return nullptr;
+  return {{"azimuth", view->azimuth}, {"elevation", view->elevation}};
+}
+
+Json pictureJson(const RecordSettings& settings) {
+  return {{"width", settings.size.width},
+          {"height", settings.size.height},
+          {"frames_per_second", settings.framesPerSecond},
+          {"view", viewJson(settings.view)},
+          {"grid_rows", settings.grid.rows},
+          {"grid_columns", settings.grid.columns},
+          {"snapshots", settings.spacing == SnapshotSpacing::Time ? "time" : "progress"}};
+}
+
+Json settingsJson(const Scene& scene, const RecordSettings& settings) {
+  return {{"thickness", scene.brick.thickness},
+          {"mass", scene.brick.mass == MassRule::Unit ? "unit" : "prism"},
+          {"density", scene.brick.density},
+          {"environment", environmentJson(scene.environment)},
+          {"springs", springsJson(scene.springs)},
+          {"solver", solverJson(scene.solver)},
+          {"duration", scene.stop.duration},
+          {"settle_speed", scene.stop.settleSpeed},
+          {"settle_time", scene.stop.settleTime},
+          {"pictures", pictureJson(settings)}};
+}
+
+Json versionsJson(const std::string& graphics) {
+  Json versions = Json::object();
+  for (const auto& [name, version] : allVersions()) versions[name] = version;
+  versions["opengl"] = graphics.empty() ? Json(nullptr) : Json(graphics);
+  return versions;
+}
+
+}  // namespace
+
+std::string summaryJson(const Scene& scene, const RecordSettings& settings,
+                        const RunSummary& summary) {
+  const Json json = {
+      {"outcome", toString(summary.outcome)},
+      {"reason", summary.reason},
+      {"end_time", summary.endTime},
+      {"video_frames", summary.videoFrames},
+      {"model", modelJson(scene.model)},
+      {"accuracy", accuracyJson(summary, scene.model.target.has_value())},
+      {"needs",
+       {{"planar", needJson(summary.needs.planar)},
+        {"contacts", needJson(summary.needs.contacts)},
+        {"ground", needJson(summary.needs.ground)}}},
+      {"settings", settingsJson(scene, settings)},
+      {"files", summary.files},
+      {"cost", costJson(summary)},
+      {"versions", versionsJson(summary.graphics)},
+  };
+  return json.dump(2) + "\n";
+}
+
+}  // namespace kirireel

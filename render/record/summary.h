@@ -1,0 +1,16 @@
+/// summary.json: what a run was, how accurate, and what it cost.
+#pragma once
+
+#include <string>
+
+#include "render/record/record.h"
+
+namespace kirireel {
+
+/// The text of summary.json, keys in a fixed order, ending in a newline. The same run gives the
+/// same text but for "cost" and "versions". Figures that do not exist (an error without a target)
+/// are null.
+std::string summaryJson(const Scene& scene, const RecordSettings& settings,
+                        const RunSummary& summary);
+
+}  // namespace kirireel

@@ -1,0 +1,225 @@
+#include "render/cli/command_line.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/base/error.h"
+
+namespace kirireel {
+namespace {
+
+using ::testing::HasSubstr;
+using Words = std::vector<std::string>;
+
+RecordOrder recordOrder(const Words& words) {
+  return std::get<RecordOrder>(parseCommandLine(words));
+}
+
+std::string messageOf(const Words& words) {
+  try {
+    parseCommandLine(words);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::string page(const Words& words) {
+  return std::get<PrintOrder>(parseCommandLine(words)).text;
+}
+
+TEST(CommandLine, RecordNeedsOnlyAModel) {
+  const RecordOrder order = recordOrder({"record", "data/fan"});
+  EXPECT_EQ(order.model, "data/fan");
+  EXPECT_TRUE(order.settings.video && order.settings.snapshots && order.settings.meshes);
+  EXPECT_FALSE(order.printJson);
+  EXPECT_EQ(order.settings.size, (FrameSize{1280, 720}));
+  EXPECT_EQ(order.settings.framesPerSecond, 60);
+  EXPECT_EQ(order.scene.springs.springStiffness, 100);
+  EXPECT_EQ(order.scene.solver.kind, SolverKind::Direct);
+}
+
+TEST(CommandLine, SimulatePaintsNothing) {
+  const RecordSettings settings = recordOrder({"simulate", "fan"}).settings;
+  EXPECT_FALSE(settings.video || settings.snapshots || settings.meshes || settings.frames);
+  EXPECT_THAT(messageOf({"simulate", "fan", "--size", "10x10"}),
+              HasSubstr("error: unknown option --size"));
+}
+
+TEST(CommandLine, ReadsEveryPhysicalOption) {
+  const Scene scene = recordOrder({"record",
+                                   "fan",
+                                   "--thickness",
+                                   "0.1",
+                                   "--mass",
+                                   "prism",
+                                   "--density",
+                                   "500",
+                                   "--spring-stiffness",
+                                   "25",
+                                   "--torque-stiffness",
+                                   "30",
+                                   "--force-damping",
+                                   "20",
+                                   "--torque-damping",
+                                   "3",
+                                   "--no-adaptive",
+                                   "--gravity",
+                                   "-9.81",
+                                   "--ground",
+                                   "--contacts",
+                                   "none",
+                                   "--brick-friction",
+                                   "0.2",
+                                   "--linear-damping",
+                                   "0.1",
+                                   "--angular-damping",
+                                   "0.2",
+                                   "--duration",
+                                   "3",
+                                   "--solver",
+                                   "bullet",
+                                   "--timestep",
+                                   "0.01",
+                                   "--substeps",
+                                   "7",
+                                   "--iterations",
+                                   "9",
+                                   "--planar",
+                                   "off",
+                                   "--seed",
+                                   "42"})
+                          .scene;
+  EXPECT_EQ(scene.brick.thickness, 0.1);
+  EXPECT_EQ(scene.brick.mass, MassRule::Prism);
+  EXPECT_EQ(scene.brick.density, 500);
+  EXPECT_EQ(scene.springs.springStiffness, 25);
+  EXPECT_EQ(scene.springs.torqueStiffness, 30);
+  EXPECT_EQ(scene.springs.forceDamping, 20);
+  EXPECT_EQ(scene.springs.torqueDamping, 3);
+  EXPECT_FALSE(scene.springs.adaptive);
+  EXPECT_EQ(scene.environment.gravity, Vector3(0, 0, -9.81));
+  ASSERT_TRUE(scene.environment.ground);
+  EXPECT_EQ(scene.environment.ground->friction, 0.5);
+  EXPECT_EQ(scene.environment.contacts, ContactFilter::None);
+  EXPECT_EQ(scene.environment.brickFriction, 0.2);
+  EXPECT_EQ(scene.environment.linearDamping, 0.1);
+  EXPECT_EQ(scene.environment.angularDamping, 0.2);
+  EXPECT_EQ(scene.stop.duration, 3);
+  EXPECT_EQ(scene.solver.kind, SolverKind::Bullet);
+  EXPECT_EQ(scene.solver.timestep, 0.01);
+  EXPECT_EQ(scene.solver.substeps, 7);
+  EXPECT_EQ(scene.solver.iterations, 9);
+  EXPECT_EQ(scene.solver.planar, false);
+  EXPECT_EQ(scene.solver.seed, 42U);
+}
+
+TEST(CommandLine, ReadsEveryPictureOption) {
+  const RecordSettings settings =
+      recordOrder({"record", "fan", "--out", "here", "--size", "640x360", "--fps", "30", "--grid",
+                   "2x4", "--view", "top", "--snapshots", "time", "--frames", "--no-video",
+                   "--no-snapshots", "--no-meshes"})
+          .settings;
+  EXPECT_EQ(settings.folder, "here");
+  EXPECT_EQ(settings.size, (FrameSize{640, 360}));
+  EXPECT_EQ(settings.framesPerSecond, 30);
+  EXPECT_EQ(settings.grid, (GridShape{2, 4}));
+  EXPECT_EQ(settings.view, kTopView);
+  EXPECT_EQ(settings.spacing, SnapshotSpacing::Time);
+  EXPECT_TRUE(settings.frames);
+  EXPECT_FALSE(settings.video || settings.snapshots || settings.meshes);
+}
+
+TEST(CommandLine, TakesPyKirigamisCommand) {
+  const RecordOrder peer =
+      recordOrder({"record", "--model", "square2disk", "--ground_plane", "--brick_thickness", "0.1",
+                   "--gravity", "-200", "--force_damping", "20", "--headless", "--no_collision"});
+  EXPECT_EQ(peer.model, "square2disk");
+  EXPECT_TRUE(peer.scene.environment.ground);
+  EXPECT_EQ(peer.scene.brick.thickness, 0.1);
+  EXPECT_EQ(peer.scene.environment.gravity.z(), -200);
+  EXPECT_EQ(peer.scene.springs.forceDamping, 20);
+  EXPECT_EQ(peer.scene.environment.contacts, ContactFilter::Unjoined);
+}
+
+TEST(CommandLine, LastOfTwoWins) {
+  EXPECT_EQ(recordOrder({"record", "fan", "--fps", "30", "--fps", "25"}).settings.framesPerSecond,
+            25);
+}
+
+TEST(CommandLine, GroundFrictionImpliesGround) {
+  for (const Words& words : {Words{"record", "fan", "--ground-friction", "0.3"},
+                             Words{"record", "fan", "--ground-friction", "0.3", "--ground"},
+                             Words{"record", "fan", "--ground", "--ground-friction", "0.3"}}) {
+    const auto ground = recordOrder(words).scene.environment.ground;
+    ASSERT_TRUE(ground);
+    EXPECT_EQ(ground->friction, 0.3);
+  }
+}
+
+TEST(CommandLine, GeneratesTessellations) {
+  const GenerateOrder order = std::get<GenerateOrder>(parseCommandLine(
+      {"generate", "tessellation", "here", "--columns", "3", "--rows", "2", "--length", "2",
+       "--width", "0.5", "--start-angle", "30", "--target-angle", "120", "--face", "bottom"}));
+  EXPECT_EQ(order.folder, "here");
+  EXPECT_EQ(order.shape.columns, 3);
+  EXPECT_EQ(order.shape.rows, 2);
+  EXPECT_EQ(order.shape.length, 2);
+  EXPECT_EQ(order.shape.width, 0.5);
+  EXPECT_NEAR(order.shape.startAngle, M_PI / 6, 1e-15);
+  EXPECT_NEAR(order.shape.targetAngle, 2 * M_PI / 3, 1e-15);
+  EXPECT_EQ(order.shape.face, JointFace::Bottom);
+}
+
+TEST(CommandLine, UnknownOptionSuggestsTheNearest) {
+  EXPECT_EQ(messageOf({"record", "fan", "--spring-stifness", "3"}),
+            "error: unknown option --spring-stifness, did you mean --spring-stiffness?; see "
+            "kirireel record --help");
+  EXPECT_EQ(messageOf({"record", "fan", "--purple"}),
+            "error: unknown option --purple; see kirireel record --help");
+}
+
+TEST(CommandLine, UnknownCommandSuggestsTheNearest) {
+  EXPECT_EQ(messageOf({"recrod", "fan"}),
+            "error: unknown command recrod, did you mean record?; see kirireel --help");
+  EXPECT_EQ(messageOf({"generate", "tesselation", "x"}),
+            "error: unknown command tesselation, did you mean tessellation?; see kirireel generate "
+            "--help");
+}
+
+TEST(CommandLine, MissingAndSurplusArgumentsAreErrors) {
+  EXPECT_EQ(messageOf({}),
+            "error: no command given; choose record, simulate or generate, see kirireel --help");
+  EXPECT_EQ(messageOf({"record"}),
+            "error: MODEL is missing, as in kirireel record MODEL; see kirireel record --help");
+  EXPECT_EQ(messageOf({"generate", "tessellation"}),
+            "error: FOLDER is missing, as in kirireel generate tessellation FOLDER; see kirireel "
+            "generate tessellation --help");
+  EXPECT_EQ(messageOf({"generate"}),
+            "error: no family given, as in kirireel generate tessellation FOLDER; see kirireel "
+            "generate --help");
+  EXPECT_EQ(messageOf({"record", "fan", "cylinder"}),
+            "error: 'cylinder' is one argument too many; see kirireel record --help");
+  EXPECT_EQ(messageOf({"record", "fan", "--fps"}),
+            "error: --fps needs a value; see kirireel record --help");
+}
+
+TEST(CommandLine, HelpTeaches) {
+  const std::string help = page({"record", "--help"});
+  for (const char* part :
+       {"Usage: kirireel record", "--thickness METRES", "(default 0.02)",
+        "Examples:", "kirireel record data/tessellation_4x4", "PyKirigami", "--headless"}) {
+    EXPECT_THAT(help, HasSubstr(part));
+  }
+  EXPECT_THAT(page({"--help"}), HasSubstr("simulate"));
+  EXPECT_THAT(page({"generate", "tessellation", "--help"}), HasSubstr("--target-angle DEGREES"));
+}
+
+TEST(CommandLine, VersionNamesTheLibraries) {
+  const std::string version = page({"--version"});
+  EXPECT_TRUE(version.starts_with("kirireel 0.1.0\n")) << version;
+  EXPECT_THAT(version, HasSubstr("bullet 3."));
+}
+
+}  // namespace
+}  // namespace kirireel

@@ -1,0 +1,98 @@
+#include "render/cli/option_values.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace kirireel {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// The message with which reading the value fails, or "" when it succeeds.
+template <typename Read>
+std::string messageOf(const Read& read) {
+  try {
+    read();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(OptionNumber, ReadsWhatPeopleType) {
+  const Range all;
+  EXPECT_EQ(parseNumber({"--x", "0.02"}, all), 0.02);
+  EXPECT_EQ(parseNumber({"--x", "-1e-3"}, all), -1e-3);
+  EXPECT_EQ(parseNumber({"--x", "+5"}, all), 5);
+  EXPECT_EQ(parseNumber({"--x", "1"}, {0, 1}), 1);
+}
+
+TEST(OptionNumber, RefusesEverythingElse) {
+  for (const char* text : {"", "abc", "1,5", "1 ", " 1", "nan", "inf", "1e999", "0x10", "5m"}) {
+    EXPECT_EQ(
+        messageOf([&] {
+          parseNumber({"--thickness", text}, {0, 10});
+        }),
+        fmt::format("error: --thickness: '{}' is not allowed; give a number from 0 to 10", text));
+  }
+}
+
+TEST(OptionNumber, SaysWhatIsAllowed) {
+  const double most = Range().most;
+  EXPECT_EQ(messageOf([&] {
+              parseNumber({"--mu", "-1"}, {0, most});
+            }),
+            "error: --mu: '-1' is not allowed; give a number of at least 0");
+  EXPECT_EQ(messageOf([&] {
+              parseInteger({"--fps", "2.5"}, {1, 240});
+            }),
+            "error: --fps: '2.5' is not allowed; give a whole number from 1 to 240");
+  EXPECT_EQ(messageOf([&] {
+              parseInteger({"--fps", "0"}, {1, 240});
+            }),
+            "error: --fps: '0' is not allowed; give a whole number from 1 to 240");
+}
+
+TEST(OptionSize, ReadsWidthAndHeight) {
+  EXPECT_EQ(parseSize({"--size", "640x480"}), (FrameSize{640, 480}));
+  for (const char* text : {"640", "640x", "x480", "0x480", "640x100000", "640x480x2", "640X480"}) {
+    EXPECT_EQ(messageOf([&] {
+                parseSize({"--size", text});
+              }),
+              fmt::format("error: --size: '{}' is not allowed; give WIDTHxHEIGHT in pixels, each "
+                          "from 1 to 16384, as in 1280x720",
+                          text));
+  }
+}
+
+TEST(OptionGrid, ReadsRowsAndColumns) {
+  EXPECT_EQ(parseGrid({"--grid", "2x5"}), (GridShape{2, 5}));
+  EXPECT_EQ(
+      messageOf([] {
+        parseGrid({"--grid", "0x3"});
+      }),
+      "error: --grid: '0x3' is not allowed; give ROWSxCOLUMNS, each from 1 to 100, as in 3x3");
+}
+
+TEST(OptionGravity, IsAlongZOrAVector) {
+  EXPECT_EQ(parseGravity({"--gravity", "-9.81"}), Vector3(0, 0, -9.81));
+  EXPECT_EQ(parseGravity({"--gravity", "1,-2,3"}), Vector3(1, -2, 3));
+  for (const char* text : {"", "down", "1,2", "1,2,3,4", "1,,3", "nan"}) {
+    EXPECT_THAT(messageOf([&] {
+                  parseGravity({"--gravity", text});
+                }),
+                HasSubstr("is not allowed; give one number (along z) or three as X,Y,Z"));
+  }
+}
+
+TEST(OptionChoice, NamesTheChoices) {
+  const Choices<int> choices = {{"all", 1}, {"unjoined", 2}, {"none", 3}};
+  EXPECT_EQ(parseChoice<int>({"--contacts", "unjoined"}, choices), 2);
+  EXPECT_EQ(messageOf([&] {
+              parseChoice<int>({"--contacts", "some"}, choices);
+            }),
+            "error: --contacts: 'some' is not allowed; give all, unjoined or none");
+}
+
+}  // namespace
+}  // namespace kirireel

@@ -1,0 +1,40 @@
+#include "render/cli/peer_spellings.h"
+
+#include <gtest/gtest.h>
+
+namespace kirireel {
+namespace {
+
+using Words = std::vector<std::string>;
+
+TEST(PeerSpellings, TranslateLongOptions) {
+  EXPECT_EQ(translatePeerSpellings({"--brick_thickness", "0.1", "--spring_stiffness=25"}),
+            (Words{"--thickness", "0.1", "--spring-stiffness=25"}));
+  EXPECT_EQ(translatePeerSpellings({"--ground_plane", "--num_substeps", "20"}),
+            (Words{"--ground", "--substeps", "20"}));
+}
+
+TEST(PeerSpellings, TranslateShortOptions) {
+  EXPECT_EQ(translatePeerSpellings({"-ss", "25", "-fd", "20", "-bt", "0.1", "-gp", "-gf", "0.3"}),
+            (Words{"--spring-stiffness", "25", "--force-damping", "20", "--thickness", "0.1",
+                   "--ground", "--ground-friction", "0.3"}));
+}
+
+TEST(PeerSpellings, ReadNoCollisionAsUnjoinedContacts) {
+  EXPECT_EQ(translatePeerSpellings({"--no_collision"}), (Words{"--contacts=unjoined"}));
+  EXPECT_EQ(translatePeerSpellings({"--filter_collision"}), (Words{"--contacts=unjoined"}));
+}
+
+TEST(PeerSpellings, PutTheModelInItsPlaceAndDropHeadless) {
+  EXPECT_EQ(translatePeerSpellings({"record", "--model", "fan", "--headless"}),
+            (Words{"record", "fan"}));
+  EXPECT_EQ(translatePeerSpellings({"record", "--model=fan"}), (Words{"record", "fan"}));
+}
+
+TEST(PeerSpellings, LeaveValuesAndOwnSpellingsAlone) {
+  const Words own = {"record", "my_model", "--out=a_b/c", "--gravity", "-9.81", "--thickness", "1"};
+  EXPECT_EQ(translatePeerSpellings(own), own);
+}
+
+}  // namespace
+}  // namespace kirireel

@@ -1,0 +1,172 @@
+// Every kind of bad input through the real program: one line on standard error, the right exit
+// code, and nothing left behind.
+#include <algorithm>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/mount.h>
+
+#include "tests/cli/run_program.h"
+
+namespace kirireel {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr const char* kSquares = "0 0 0 1 0 0 1 1 0 0 1 0\n1 0 0 2 0 0 2 1 0 1 1 0\n";
+constexpr const char* kJoint = "0 1 1 0 3\n";
+
+void expectOneLine(const ProgramEnd& end, int exitCode, const std::string& part) {
+  EXPECT_EQ(end.exitCode, exitCode) << end.err;
+  EXPECT_EQ(std::count(end.err.begin(), end.err.end(), '\n'), 1) << end.err;
+  EXPECT_TRUE(end.err.starts_with("kirireel: ")) << end.err;
+  EXPECT_THAT(end.err, HasSubstr(part));
+  EXPECT_EQ(end.out, "");
+}
+
+/// Records a model with these files; "absent" leaves one out.
+void expectRefused(const std::string& vertices, const std::string& joints,
+                   const std::string& part) {
+  const ScratchFolder scratch;
+  if (vertices != "absent") writeText(scratch / "vertices.txt", vertices);
+  if (joints != "absent") writeText(scratch / "constraints.txt", joints);
+  const auto out = scratch / "out";
+  const ProgramEnd end = runKirireel({"record", scratch.path().string(), "--out", out.string()});
+  expectOneLine(end, 2, part);
+  EXPECT_FALSE(std::filesystem::exists(out));
+}
+
+TEST(BadModel, MissingFile) {
+  expectRefused("absent", kJoint, "vertices.txt: error: ");
+  expectRefused(kSquares, "absent", "constraints.txt: error: ");
+}
+
+TEST(BadModel, EmptyFile) {
+  expectRefused("", kJoint, "vertices.txt: error: ");
+  expectRefused(kSquares, "", "constraints.txt: error: ");
+}
+
+TEST(BadModel, OddNumberOfCoordinates) {
+  expectRefused("0 0 0 1 0 0 1 1\n", kJoint, "vertices.txt:1:");
+}
+
+TEST(BadModel, Letters) {
+  expectRefused("0 0 0 1 0 0 1 one 0\n", kJoint, "vertices.txt:1:15: error: ");
+  expectRefused(kSquares, "0 1 1 a\n", "constraints.txt:1:7: error: ");
+}
+
+TEST(BadModel, NotANumberAndHugeNumbers) {
+  expectRefused("0 0 0 1 0 0 1 nan 0\n", kJoint, "vertices.txt:1:15: error: ");
+  expectRefused("0 0 0 1 0 0 1 1e300 0\n", kJoint, "vertices.txt:1:15: error: ");
+  expectRefused(kSquares, "0 1 99999999999999999999 0\n", "constraints.txt:1:5: error: ");
+}
+
+TEST(BadModel, IndexOutOfRange) {
+  expectRefused(kSquares, "0 1 7 0\n", "constraints.txt:1:5: error: ");
+  expectRefused(kSquares, "0 4 1 0\n", "constraints.txt:1:3: error: ");
+}
+
+TEST(BadModel, JointToItself) {
+  expectRefused(kSquares, "0 1 0 1\n", "constraints.txt:1");
+}
+
+TEST(BadModel, TileOfTwoVertices) {
+  expectRefused("0 0 0 1 0 0\n", kJoint, "vertices.txt:1");
+}
+
+TEST(BadModel, NoSuchFolder) {
+  expectOneLine(runKirireel({"record", "/no/such/model"}), 2, "/no/such/model: error: ");
+}
+
+TEST(BadCommandLine, EndsWithTwo) {
+  expectOneLine(runKirireel({"record", "fan", "--thicknes", "1"}), 2,
+                "unknown option --thicknes, did you mean --thickness?");
+  expectOneLine(runKirireel({"record", "fan", "--thickness", "-1"}), 2, "--thickness: '-1'");
+  expectOneLine(runKirireel({}), 2, "no command given");
+}
+
+TEST(BadCommandLine, OddVideoSizeIsRefusedBeforeTheRun) {
+  const ScratchFolder scratch;
+  const auto out = scratch / "out";
+  expectOneLine(runKirireel({"record", shippedModel("tessellation_4x4").string(), "--size",
+                             "641x480", "--out", out.string()}),
+                2, "--size 642x480");
+  EXPECT_FALSE(std::filesystem::exists(out));
+}
+
+TEST(BadOutput, FolderThatCannotBeMade) {
+  const ScratchFolder scratch;
+  writeText(scratch / "file", "not a folder");
+  const std::string model = shippedModel("tessellation_4x4").string();
+  const std::string inFile = (scratch / "file" / "out").string();
+  expectOneLine(runKirireel({"record", model, "--out", inFile}), 1,
+                inFile + ": error: the folder cannot be made (Not a directory)");
+  const std::string onFile = (scratch / "file").string();
+  expectOneLine(runKirireel({"record", model, "--out", onFile}), 1,
+                onFile + ": error: the folder cannot be made");
+  // Not even the superuser can make folders here.
+  expectOneLine(runKirireel({"record", model, "--out", "/proc/kirireel"}), 1,
+                "/proc/kirireel: error: the folder cannot be made");
+}
+
+/// Each output by itself; what else would be written first is switched off.
+const std::vector<std::vector<std::string>> kSingleOutputs = {
+    {"--no-meshes", "--no-snapshots"},
+    {"--no-meshes", "--no-video"},
+    {"--no-snapshots", "--no-video"},
+};
+
+std::vector<std::string> recordArguments(const std::filesystem::path& out,
+                                         const std::vector<std::string>& options) {
+  std::vector<std::string> arguments = {"record",     shippedModel("tessellation_4x4").string(),
+                                        "--out",      out.string(),
+                                        "--duration", "0.2",
+                                        "--size",     "640x480"};
+  arguments.insert(arguments.end(), options.begin(), options.end());
+  return arguments;
+}
+
+TEST(BadOutput, FileThatCannotGrowLeavesNothingHalfWritten) {
+  for (const auto& options : kSingleOutputs) {
+    const ScratchFolder scratch;
+    ProgramSetting setting;
+    setting.largestFile = 4000;  // above the end state's 2.6 kB, below every other file
+    const ProgramEnd end = runKirireel(recordArguments(scratch / "out", options), setting);
+    expectOneLine(end, 1, "File too large");
+    EXPECT_THAT(filesIn(scratch / "out"), testing::ElementsAre("final_vertices.txt"));
+  }
+}
+
+/// A small memory disk, where the system lets us mount one.
+class SmallDisk {
+ public:
+  explicit SmallDisk(const char* size)
+      : mounted_(::mount("tmpfs", folder_.path().c_str(), "tmpfs", 0,
+                         (std::string("size=") + size).c_str()) == 0) {}
+  ~SmallDisk() {
+    if (mounted_) ::umount(folder_.path().c_str());
+  }
+  SmallDisk(const SmallDisk&) = delete;
+  SmallDisk& operator=(const SmallDisk&) = delete;
+
+  bool isMounted() const { return mounted_; }
+  const std::filesystem::path& path() const { return folder_.path(); }
+
+ private:
+  ScratchFolder folder_;
+  bool mounted_;
+};
+
+TEST(BadOutput, FullDiskLeavesNothingHalfWritten) {
+  for (const auto& options : kSingleOutputs) {
+    const SmallDisk disk("8k");
+    if (!disk.isMounted()) GTEST_SKIP() << "mounting a small disk needs the superuser";
+    const ProgramEnd end = runKirireel(recordArguments(disk.path(), options));
+    expectOneLine(end, 1, "No space left on device");
+    EXPECT_THAT(filesIn(disk.path()), testing::ElementsAre("final_vertices.txt"));
+  }
+}
+
+}  // namespace
+}  // namespace kirireel

@@ -1,0 +1,206 @@
+// The whole job through the real program, judged by other programs.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/run_program.h"
+
+namespace kirireel {
+namespace {
+
+using Json = nlohmann::json;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+/// One recording that the tests below look at.
+class Recording : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new ScratchFolder;
+    end_ = runKirireel({"record", shippedModel("tessellation_4x4").string(), "--out", path(""),
+                        "--size", "320x240", "--fps", "30", "--grid", "2x2", "--frames"});
+    summary_ = Json::parse(readText(path("summary.json")), nullptr, /*allow_exceptions=*/false);
+  }
+  static void TearDownTestSuite() { delete folder_; }
+
+  static std::string path(const std::string& name) { return (*folder_ / name).string(); }
+
+  static inline ScratchFolder* folder_ = nullptr;
+  static inline ProgramEnd end_;
+  static inline Json summary_;
+};
+
+TEST_F(Recording, EndsWell) {
+  EXPECT_EQ(end_.exitCode, 0) << end_.err;
+  EXPECT_EQ(end_.err, "");  // no progress line where there is no terminal
+  EXPECT_THAT(end_.out, HasSubstr("tessellation_4x4: settled"));
+}
+
+TEST_F(Recording, LeavesEveryFileAndNoOther) {
+  const std::vector<std::string> files = filesIn(folder_->path());
+  for (const char* name :
+       {"deployment.mp4", "snapshots.png", "initial.obj", "initial.ply", "final.obj", "final.ply",
+        "final_vertices.txt", "summary.json", "frames/frame_00000.png"}) {
+    EXPECT_THAT(files, Contains(name));
+  }
+  std::vector<std::string> listed = summary_["files"];
+  std::sort(listed.begin(), listed.end());
+  EXPECT_EQ(files, listed);
+}
+
+TEST_F(Recording, VideoIsWhatPlayersExpect) {
+  const ProgramEnd probe =
+      runTool("ffprobe", {"-v", "error", "-count_frames", "-select_streams", "v:0", "-show_entries",
+                          "stream=codec_name,width,height,pix_fmt,color_range,color_space,"
+                          "r_frame_rate,nb_read_frames",
+                          "-of", "default=noprint_wrappers=1", path("deployment.mp4")});
+  ASSERT_EQ(probe.exitCode, 0) << "ffprobe is in the package ffmpeg: scripts/setup --with-tools";
+  for (const char* fact : {"codec_name=h264", "width=320", "height=240", "pix_fmt=yuv420p",
+                           "color_range=tv", "color_space=bt709", "r_frame_rate=30/1"}) {
+    EXPECT_THAT(probe.out, HasSubstr(fact));
+  }
+  const int frames = summary_["video_frames"];
+  EXPECT_THAT(probe.out, HasSubstr(fmt::format("nb_read_frames={}\n", frames)));
+  // One frame a sample, the first at time zero.
+  EXPECT_EQ(frames, 1 + static_cast<int>(std::lround(30 * double(summary_["end_time"]))));
+}
+
+TEST_F(Recording, LastFrameDecodesToTheLastPicture) {
+  const int frames = summary_["video_frames"];
+  const std::string last = path(fmt::format("frames/frame_{:05}.png", frames - 1));
+  const ProgramEnd psnr =
+      runTool("ffmpeg", {"-v", "info", "-i", path("deployment.mp4"), "-i", last, "-lavfi",
+                         fmt::format("[0:v]select=eq(n\\,{})[v];[1:v]scale=out_color_matrix=bt709:"
+                                     "out_range=tv,format=yuv420p[p];[v][p]psnr",
+                                     frames - 1),
+                         "-frames:v", "1", "-f", "null", "-"});
+  const std::size_t at = psnr.err.find("average:");
+  ASSERT_NE(at, std::string::npos) << psnr.err;
+  EXPECT_GT(std::stod(psnr.err.substr(at + 8)), 35) << psnr.err;
+}
+
+TEST_F(Recording, MeshesHoldEveryBrick) {
+  const ProgramEnd info = runTool("assimp", {"info", path("final.obj")});
+  ASSERT_EQ(info.exitCode, 0) << "assimp is in the package assimp-utils";
+  EXPECT_THAT(info.out, testing::ContainsRegex("Meshes: +16\n"));
+}
+
+TEST_F(Recording, SummaryHasTheKeysThatScriptsRelyOn) {
+  for (const char* key : {"joint_gap_max", "joint_gap_mean", "joint_gap_end", "joint_opening_max",
+                          "target_error_start", "target_error_end", "target_error_min",
+                          "rigid_floor", "assembled_floor", "penetration_max"}) {
+    EXPECT_TRUE(summary_["accuracy"].contains(key)) << key;
+  }
+  for (const char* key : {"steps", "cpu_seconds_deploy", "cpu_seconds_render", "cpu_seconds_encode",
+                          "wall_seconds", "peak_memory_bytes"}) {
+    EXPECT_GT(summary_["cost"][key], 0) << key;
+  }
+  for (const char* key : {"planar", "contacts", "ground"}) {
+    EXPECT_TRUE(summary_["needs"][key]["on"].is_boolean()) << key;
+    EXPECT_NE(summary_["needs"][key]["reason"], "") << key;
+  }
+  for (const char* key : {"outcome", "reason", "model", "settings", "versions", "files"}) {
+    EXPECT_TRUE(summary_.contains(key)) << key;
+  }
+  EXPECT_EQ(summary_["outcome"], "settled");
+}
+
+TEST_F(Recording, ReachesTheTargetWithClosedJoints) {
+  EXPECT_LT(summary_["accuracy"]["target_error_end"], 1e-4);  // 1.0e-7
+  EXPECT_LT(summary_["accuracy"]["joint_gap_max"], 1e-10);    // 1.0e-12
+}
+
+TEST_F(Recording, EndStateServesAsATarget) {
+  const ScratchFolder model;
+  for (const char* name : {"vertices.txt", "constraints.txt"}) {
+    std::filesystem::copy(shippedModel("tessellation_4x4") / name, model / name);
+  }
+  std::filesystem::copy(path("final_vertices.txt"), model / "target.txt");
+  const ProgramEnd end =
+      runKirireel({"simulate", model.path().string(), "--out", (model / "out").string()});
+  EXPECT_EQ(end.exitCode, 0) << end.err;
+}
+
+/// The summary but for what may differ between runs.
+Json lasting(const std::filesystem::path& folder) {
+  Json summary = Json::parse(readText(folder / "summary.json"));
+  summary.erase("cost");
+  return summary;
+}
+
+TEST(Record, TwoRunsLeaveTheSameBytes) {
+  const ScratchFolder first;
+  const ScratchFolder second;
+  for (const ScratchFolder* folder : {&first, &second}) {
+    const ProgramEnd end =
+        runKirireel({"record", shippedModel("tessellation_4x4").string(), "--out",
+                     folder->path().string(), "--size", "160x120", "--duration", "0.5"});
+    ASSERT_EQ(end.exitCode, 0) << end.err;
+  }
+  const std::vector<std::string> files = filesIn(first.path());
+  EXPECT_EQ(files, filesIn(second.path()));
+  for (const std::string& name : files) {
+    if (name == "summary.json") continue;
+    EXPECT_TRUE(readText(first / name) == readText(second / name)) << name;
+  }
+  EXPECT_EQ(lasting(first.path()), lasting(second.path()));
+}
+
+TEST(Record, ReplacesAnEarlierRunAndNothingElse) {
+  const ScratchFolder scratch;
+  for (const char* name : {"deployment.mp4", "final.obj", "notes.txt"}) {
+    writeText(scratch / name, "old");
+  }
+  const ProgramEnd end =
+      runKirireel({"record", shippedModel("tessellation_4x4").string(), "--out",
+                   scratch.path().string(), "--no-video", "--no-snapshots", "--no-meshes"});
+  EXPECT_EQ(end.exitCode, 0) << end.err;
+  EXPECT_THAT(filesIn(scratch.path()),
+              ElementsAre("final_vertices.txt", "notes.txt", "summary.json"));
+}
+
+TEST(Record, GoesToOutNameByDefault) {
+  const ScratchFolder scratch;
+  ProgramSetting setting;
+  setting.folder = scratch.path();
+  const ProgramEnd end =
+      runKirireel({"simulate", shippedModel("tessellation_4x4").string()}, setting);
+  EXPECT_EQ(end.exitCode, 0) << end.err;
+  EXPECT_THAT(filesIn(scratch / "out" / "tessellation_4x4"),
+              ElementsAre("final_vertices.txt", "summary.json"));
+}
+
+TEST(Record, JsonOnStandardOutputIsTheSummary) {
+  const ScratchFolder scratch;
+  const ProgramEnd end = runKirireel({"simulate", shippedModel("tessellation_4x4").string(),
+                                      "--out", scratch.path().string(), "--json"});
+  EXPECT_EQ(end.out, readText(scratch / "summary.json"));
+}
+
+TEST(Generate, MakesAModelThatRecords) {
+  const ScratchFolder scratch;
+  const std::string model = (scratch / "mine").string();
+  EXPECT_EQ(runKirireel({"generate", "tessellation", model, "--columns", "3", "--rows", "2"}).out,
+            model + ": 6 tiles, 7 joints\n");
+  const ProgramEnd end = runKirireel({"simulate", model, "--out", (scratch / "out").string()});
+  EXPECT_EQ(end.exitCode, 0) << end.err;
+}
+
+TEST(Generate, ShippedModelsComeFromIt) {
+  const ScratchFolder scratch;
+  const std::string model = (scratch / "tessellation_4x4").string();
+  ASSERT_EQ(runKirireel({"generate", "tessellation", model}).exitCode, 0);
+  for (const std::string& name : filesIn(model)) {
+    EXPECT_EQ(readText(scratch / "tessellation_4x4" / name),
+              readText(shippedModel("tessellation_4x4") / name))
+        << name;
+  }
+}
+
+}  // namespace
+}  // namespace kirireel

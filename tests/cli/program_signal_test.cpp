@@ -1,0 +1,64 @@
+// Requests to end, through the real program.
+#include <csignal>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/run_program.h"
+
+namespace kirireel {
+namespace {
+
+/// Waits until something of this name is in the folder, a minute at most.
+bool waitFor(const std::filesystem::path& file) {
+  for (int i = 0; i < 6000; ++i) {
+    if (std::filesystem::exists(file)) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return false;
+}
+
+/// Records into `out`, sends the signal once `sign` is there, and expects a video of what was done.
+void expectInterruptedVideo(int signal, const std::string& sign,
+                            const std::vector<std::string>& options) {
+  const ScratchFolder scratch;
+  const std::string out = (scratch / "out").string();
+  std::vector<std::string> arguments = {
+      "record", shippedModel("tessellation_4x4").string(), "--size", "320x240", "--out", out};
+  arguments.insert(arguments.end(), options.begin(), options.end());
+  RunningProgram program(arguments, {});
+  ASSERT_TRUE(waitFor(out + sign));
+  program.sendSignal(signal);
+  const ProgramEnd end = program.wait();
+  EXPECT_EQ(end.exitCode, 1) << end.err;
+  EXPECT_THAT(end.out, testing::HasSubstr("interrupted"));
+  const auto summary = nlohmann::json::parse(readText(out + "/summary.json"));
+  EXPECT_EQ(summary["outcome"], "interrupted");
+  const ProgramEnd probe =
+      runTool("ffprobe", {"-v", "error", "-count_frames", "-show_entries", "stream=nb_read_frames",
+                          "-of", "csv=p=0", out + "/deployment.mp4"});
+  EXPECT_EQ(probe.err, "");
+  EXPECT_EQ(std::stoi(probe.out), summary["video_frames"]);
+}
+
+// Too many frames to wait for: heavy damping keeps the bricks on their way for all of the time.
+const std::vector<std::string> kLongPainting = {"--fps", "240", "--force-damping", "1e6"};
+// Too many steps to wait for.
+const std::vector<std::string> kLongDeployment = {"--solver", "bullet", "--substeps", "10000"};
+
+TEST(Interrupt, WhilePaintingLeavesAPlayableVideo) {
+  expectInterruptedVideo(SIGINT, "/deployment.part.mp4", kLongPainting);
+}
+
+TEST(Interrupt, WhileDeployingLeavesAPlayableVideo) {
+  expectInterruptedVideo(SIGINT, "", kLongDeployment);
+}
+
+TEST(Terminate, IsTreatedAsAnInterrupt) {
+  expectInterruptedVideo(SIGTERM, "/deployment.part.mp4", kLongPainting);
+}
+
+}  // namespace
+}  // namespace kirireel

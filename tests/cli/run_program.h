@@ -1,0 +1,77 @@
+/// Runs the real kirireel in tests.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <sys/resource.h>
+#include <sys/types.h>
+
+namespace kirireel {
+
+/// What a finished program leaves.
+struct ProgramEnd {
+  int exitCode = -1;  ///< minus the signal's number when a signal ended it
+  std::string out;
+  std::string err;
+};
+
+/// How a program is run.
+struct ProgramSetting {
+  std::filesystem::path folder = ".";         ///< its current folder
+  std::optional<rlim_t> largestFile = {};     ///< bytes; writes beyond fail as on a full disk
+  std::string executable = KIRIREEL_PROGRAM;  ///< or another program, found on the path
+};
+
+/// A program that runs beside the test.
+class RunningProgram {
+ public:
+  RunningProgram(const std::vector<std::string>& arguments, const ProgramSetting& setting);
+  ~RunningProgram();
+  RunningProgram(const RunningProgram&) = delete;
+  RunningProgram& operator=(const RunningProgram&) = delete;
+
+  void sendSignal(int signal) const;
+  ProgramEnd wait();
+
+ private:
+  std::filesystem::path folder_;  ///< holds what the program prints
+  pid_t process_ = -1;
+};
+
+/// Runs kirireel to its end.
+ProgramEnd runKirireel(const std::vector<std::string>& arguments,
+                       const ProgramSetting& setting = {});
+
+/// Runs another program to its end; its exit code is 127 when there is no such program.
+ProgramEnd runTool(const std::string& name, const std::vector<std::string>& arguments);
+
+/// A fresh folder that vanishes with its owner.
+class ScratchFolder {
+ public:
+  ScratchFolder();
+  ~ScratchFolder();
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// The names of all files in a folder and below, sorted, relative to it.
+std::vector<std::string> filesIn(const std::filesystem::path& folder);
+
+/// The whole content of a file; "" when it cannot be read.
+std::string readText(const std::filesystem::path& file);
+
+void writeText(const std::filesystem::path& file, const std::string& text);
+
+/// A model folder that ships with the program.
+std::filesystem::path shippedModel(const std::string& name);
+
+}  // namespace kirireel

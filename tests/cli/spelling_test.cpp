@@ -1,0 +1,38 @@
+#include "render/cli/spelling.h"
+
+#include <gtest/gtest.h>
+
+namespace kirireel {
+namespace {
+
+TEST(EditDistance, CountsKnownCases) {
+  EXPECT_EQ(editDistance("kitten", "sitting"), 3);  // Levenshtein's own example
+  EXPECT_EQ(editDistance("", "abc"), 3);
+  EXPECT_EQ(editDistance("same", "same"), 0);
+}
+
+TEST(EditDistance, IsAMetric) {
+  const std::vector<std::string> words = {"--fps", "--out", "--grid", "--gravity", "--ground", ""};
+  for (const std::string& a : words) {
+    for (const std::string& b : words) {
+      EXPECT_EQ(editDistance(a, b), editDistance(b, a));
+      EXPECT_EQ(editDistance(a, b) == 0, a == b);
+      for (const std::string& c : words) {
+        EXPECT_LE(editDistance(a, c), editDistance(a, b) + editDistance(b, c));
+      }
+    }
+  }
+}
+
+TEST(Suggestion, NamesTheNearestWord) {
+  const std::vector<std::string> known = {"--thickness", "--timestep", "--torque-damping"};
+  EXPECT_EQ(suggestion("--thicknes", known), ", did you mean --thickness?");
+  EXPECT_EQ(suggestion("--time-step", known), ", did you mean --timestep?");
+}
+
+TEST(Suggestion, IsEmptyWhenNothingIsNear) {
+  EXPECT_EQ(suggestion("--colour", {"--thickness", "--fps"}), "");
+}
+
+}  // namespace
+}  // namespace kirireel
