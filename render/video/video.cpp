@@ -22,6 +22,10 @@ namespace {
 constexpr std::array kPresets = {"ultrafast", "superfast", "veryfast", "faster",   "fast",
                                  "medium",    "slow",      "slower",   "veryslow", "placebo"};
 
+// x264's macroblock tree (a bit-rate saving) reads unset memory, and so gives other bytes from run
+// to run, where a row of macroblocks is no whole number of its vectors: 8 macroblocks of 16 pixels.
+constexpr int kTreeWidth = 128;
+
 // libav's objects are freed through a pointer to their pointer.
 struct Free {
   void operator()(AVCodecContext* encoder) const { avcodec_free_context(&encoder); }
@@ -151,6 +155,7 @@ void VideoWriter::Internals::openEncoder() {
   encoder->flags |= AV_CODEC_FLAG_GLOBAL_HEADER | AV_CODEC_FLAG_BITEXACT;
   av_opt_set_int(encoder->priv_data, "crf", settings.crf, 0);
   av_opt_set(encoder->priv_data, "preset", settings.preset.c_str(), 0);
+  if (settings.size.width % kTreeWidth != 0) av_opt_set_int(encoder->priv_data, "mbtree", 0, 0);
   const int code = avcodec_open2(encoder.get(), codec, nullptr);
   if (code < 0) {
     throw OutputError(

@@ -7,6 +7,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <malloc.h>
 #include <sys/resource.h>
 
 #include "sim/base/error.h"
@@ -37,12 +38,13 @@ void fill(Frame& frame, int left, int top, int width, int height, Colour colour)
 }
 
 /// A disk with an antialiased rim, which moves with time over white: like a picture of bricks.
-Frame diskFrame(int index) {
-  Frame frame = makeFrame(kSize, {255, 255, 255, 255});
-  const double centreX = 60 + 5.0 * index;
-  for (int y = 0; y < kSize.height; ++y) {
-    for (int x = 0; x < kSize.width; ++x) {
-      const double inside = 50.5 - std::hypot(x - centreX, y - 90.0);
+Frame diskFrame(int index, FrameSize size = kSize) {
+  Frame frame = makeFrame(size, {255, 255, 255, 255});
+  const double radius = 0.28 * size.height;
+  const double centreX = (0.2 + 0.015 * index) * size.width;
+  for (int y = 0; y < size.height; ++y) {
+    for (int x = 0; x < size.width; ++x) {
+      const double inside = radius - std::hypot(x - centreX, y - 0.5 * size.height);
       const double cover = std::clamp(inside, 0.0, 1.0);
       const auto mix = [&](int colour) {
         return static_cast<std::uint8_t>(std::lround(255 + cover * (colour - 255)));
@@ -196,6 +198,20 @@ TEST(Video, StartsWithItsIndex) {
   EXPECT_LT(bytes.find("moov"), bytes.find("mdat"));
 }
 
+/// The bytes of a video that is encoded while new memory is filled with a pattern, so that an
+/// encoder which reads what nobody set shows it.
+std::string bytesWithMemoryOf(int pattern, FrameSize size, const std::string& preset) {
+  const TemporaryFolder folder;
+  ::mallopt(M_PERTURB, pattern);
+  VideoSettings settings = settingsOf(size);
+  settings.preset = preset;
+  VideoWriter writer(folder / "disk.mp4", settings);
+  for (int k = 0; k < 25; ++k) writer.write(diskFrame(k, size));
+  writer.finish();
+  ::mallopt(M_PERTURB, 0);
+  return bytesOf(folder / "disk.mp4");
+}
+
 TEST(Video, HasTheSameBytesInTwoRuns) {
   const TemporaryFolder folder;
   writeDiskVideo(folder / "first.mp4", 25);
@@ -203,6 +219,17 @@ TEST(Video, HasTheSameBytesInTwoRuns) {
   const std::string first = bytesOf(folder / "first.mp4");
   EXPECT_GT(first.size(), 1000U);
   EXPECT_TRUE(first == bytesOf(folder / "second.mp4"));
+}
+
+TEST(Video, HasTheSameBytesWhateverIsInMemory) {
+  for (const FrameSize size : {FrameSize{384, 216}, {320, 180}, {144, 96}, {600, 600}}) {
+    for (const char* preset : {"veryfast", "medium"}) {
+      SCOPED_TRACE(std::to_string(size.width) + " " + preset);
+      const std::string zeros = bytesWithMemoryOf(255, size, preset);
+      EXPECT_TRUE(zeros == bytesWithMemoryOf(85, size, preset));
+      EXPECT_TRUE(zeros == bytesWithMemoryOf(170, size, preset));
+    }
+  }
 }
 
 TEST(Video, LeavesNothingWhenAbandoned) {
