@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include "render/grid/label.h"
@@ -17,6 +19,44 @@ constexpr int kSmallestText = 9;
 /// Height of the strip under a picture, in ems of its text; the baseline's place in it.
 constexpr double kStripEms = 1.6;
 constexpr double kBaselineEms = 1.25;
+
+/// What stays around the models when pictures are trimmed, in heights of the trimmed picture.
+constexpr double kTrimMargin = 0.05;
+/// Least width of a trimmed picture, in its heights: room for a caption like "t = 12.34 s".
+constexpr double kLeastAspect = 0.45;
+
+/// Pixels from the top left corner; max is in the box.
+using PixelBox = Eigen::AlignedBox2i;
+
+PixelBox filledBox(const Frame& frame, Colour empty) {
+  PixelBox box;
+  for (int y = 0; y < frame.size.height; ++y) {
+    for (int x = 0; x < frame.size.width; ++x) {
+      if (frame.at(x, y) != empty) box.extend(Eigen::Vector2i(x, y));
+    }
+  }
+  return box;
+}
+
+/// The box with its margin and at least the width of a caption, within the picture.
+PixelBox withMargin(const PixelBox& box, FrameSize size) {
+  const int height = box.sizes().y() + 1;
+  const int margin = static_cast<int>(std::lround(kTrimMargin * height));
+  const int width = box.sizes().x() + 1;
+  const int missing = static_cast<int>(std::lround(kLeastAspect * height)) - width;
+  const Eigen::Vector2i growth(std::max(margin, (missing + 1) / 2), margin);
+  const PixelBox picture(Eigen::Vector2i(0, 0), Eigen::Vector2i(size.width - 1, size.height - 1));
+  return PixelBox(box.min() - growth, box.max() + growth).intersection(picture);
+}
+
+Frame cutOut(const Frame& frame, const PixelBox& box) {
+  Frame part{{box.sizes().x() + 1, box.sizes().y() + 1}, {}};
+  for (int y = box.min().y(); y <= box.max().y(); ++y) {
+    const auto row = frame.pixels.begin() + static_cast<std::ptrdiff_t>(frame.rowStart(y));
+    part.pixels.insert(part.pixels.end(), row + box.min().x() * 4, row + (box.max().x() + 1) * 4);
+  }
+  return part;
+}
 
 void requireFitting(const std::vector<GridPicture>& pictures, GridShape shape) {
   const int count = static_cast<int>(pictures.size());
@@ -84,6 +124,16 @@ Frame composeGrid(const std::vector<GridPicture>& pictures, GridShape shape,
     writer.draw(sheet, picture.caption, textLeft, baseline, style.text);
   }
   return sheet;
+}
+
+void trimAlike(std::vector<GridPicture>& pictures) {
+  PixelBox filled;
+  for (const GridPicture& picture : pictures) {
+    filled.extend(filledBox(picture.frame, pictures.front().frame.at(0, 0)));
+  }
+  if (filled.isEmpty()) return;
+  const PixelBox box = withMargin(filled, pictures.front().frame.size);
+  for (GridPicture& picture : pictures) picture.frame = cutOut(picture.frame, box);
 }
 
 std::string timeCaption(double seconds) {

@@ -23,6 +23,11 @@ struct GridPicture {
   std::string caption;  ///< printed centred under the picture, ASCII; may be empty
 };
 
+/// Cuts the empty margins that all pictures share, by the same box, so that models fill the sheet;
+/// a small margin stays, and a caption's width. Empty is what looks like the first picture's upper
+/// left pixel. The pictures must have one size.
+void trimAlike(std::vector<GridPicture>& pictures);
+
 /// The look of a grid. Lengths are in heights of one picture, so that grids of any size look alike.
 struct GridStyle {
   Colour background = {255, 255, 255};

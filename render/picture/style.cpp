@@ -24,7 +24,7 @@ Colour faceColour(const Vector3& normal, Colour base, const Style& style) {
 GroundPlate groundUnder(std::span<const Vector3> points, double height) {
   Eigen::AlignedBox2d box;
   for (const Vector3& point : points) box.extend(point.head<2>());
-  return {height, box.center(), 0.75 * box.sizes().maxCoeff()};
+  return {height, box.center(), 2.5 * box.sizes().maxCoeff()};
 }
 
 }  // namespace kirireel

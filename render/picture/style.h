@@ -48,7 +48,7 @@ struct Style {
 /// on sRGB bytes as they are. Alpha is the base's. normal: unit, outward, world axes.
 Colour faceColour(const Vector3& normal, Colour base, const Style& style);
 
-/// A ground plate around points at the given height, half as large again as what stands on it.
+/// A ground plate around points at the given height, five times as wide as what stands on it.
 GroundPlate groundUnder(std::span<const Vector3> points, double height);
 
 }  // namespace kirireel

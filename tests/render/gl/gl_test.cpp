@@ -1,0 +1,93 @@
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "render/gl/context.h"
+#include "render/gl/framebuffer.h"
+#include "render/gl/program.h"
+#include "sim/base/error.h"
+
+namespace kirireel {
+namespace {
+
+using ::testing::EndsWith;
+using ::testing::StartsWith;
+
+constexpr const char* kVertexShader = R"(#version 330 core
+void main() { gl_Position = vec4(0.0); }
+)";
+constexpr const char* kFragmentShader = R"(#version 330 core
+out vec4 colour;
+void main() { colour = vec4(1.0); }
+)";
+
+std::string messageOf(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const OutputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(ContextDeathTest, SaysWhatToDoWithoutOpenGl) {
+  // In a process of its own, because the driver remembers the first answer.
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const auto makeContext = [] {
+    // The driver then offers less than the version that is asked for.
+    ::setenv("MESA_GL_VERSION_OVERRIDE", "2.1", 1);
+    std::fputs(messageOf([] { const Context context; }).c_str(), stderr);
+    std::exit(0);
+  };
+  EXPECT_EXIT(makeContext(), ::testing::ExitedWithCode(0),
+              "error: cannot make an OpenGL 3.3 context off screen; check that the package "
+              "libosmesa6 is installed and that no MESA_ or GALLIUM_ variable is set in the "
+              "environment");
+}
+
+TEST(Context, LeavesTheUsersNumberOfThreads) {
+  ::setenv("LP_NUM_THREADS", "1", 1);
+  setRasterThreads(0);
+  EXPECT_STREQ(std::getenv("LP_NUM_THREADS"), "1");
+  ::unsetenv("LP_NUM_THREADS");
+  setRasterThreads(0);
+  EXPECT_STREQ(std::getenv("LP_NUM_THREADS"), "0");
+}
+
+TEST(Program, ReportsTheCompilersWordsInOneLine) {
+  const Context context;
+  EXPECT_NO_THROW(Program(kVertexShader, kFragmentShader));
+  const std::string message = messageOf([] {
+    const Program program(kVertexShader, "#version 330 core\nvoid main() { colour = 1.0; }\n");
+  });
+  EXPECT_THAT(message, StartsWith("error: the OpenGL driver refuses a shader ("));
+  EXPECT_THAT(message, ::testing::HasSubstr("colour"));
+  EXPECT_THAT(message, EndsWith("); install Debian's libosmesa6, version 22.3 or later"));
+  EXPECT_EQ(message.find('\n'), std::string::npos);
+}
+
+TEST(Program, ReportsShadersThatDoNotFitTogether) {
+  const Context context;
+  const std::string message = messageOf([] {
+    const Program program(kVertexShader,
+                          "#version 330 core\nin vec4 shade;\nout vec4 colour;\n"
+                          "void main() { colour = shade; }\n");
+  });
+  EXPECT_THAT(message, StartsWith("error: the OpenGL driver refuses a shader ("));
+}
+
+TEST(Framebuffer, RefusesMoreThanTheDriverHas) {
+  const Context context;
+  const std::string message =
+      messageOf([] { const Framebuffer buffer(20000, 10, Framebuffer::Depth::Tested); });
+  EXPECT_THAT(message, StartsWith("error: the OpenGL driver cannot draw 20000 x 10 samples"));
+  EXPECT_THAT(message, EndsWith("choose a smaller picture with --size"));
+}
+
+}  // namespace
+}  // namespace kirireel

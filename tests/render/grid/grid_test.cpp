@@ -1,0 +1,158 @@
+#include "render/grid/grid.h"
+
+#include <algorithm>
+#include <functional>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "sim/base/error.h"
+
+namespace kirireel {
+namespace {
+
+std::vector<GridPicture> colouredPictures(int count, FrameSize size) {
+  std::vector<GridPicture> pictures;
+  for (int k = 0; k < count; ++k) {
+    pictures.push_back({makeFrame(size, {static_cast<std::uint8_t>(10 * k), 100, 200}), "t"});
+  }
+  return pictures;
+}
+
+std::string messageOf(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(GridLayout, HasGapsAndCaptionsInProportion) {
+  GridStyle style;
+  style.gap = 0.1;
+  style.captionSize = 0.25;
+  const GridLayout layout = layOutGrid({160, 100}, {2, 3}, style);
+  EXPECT_EQ(layout.gap, 10);
+  EXPECT_EQ(layout.textSize, 25);
+  EXPECT_EQ(layout.captionHeight, 40);
+  EXPECT_EQ(layout.sheet, (FrameSize{10 + 3 * 170, 10 + 2 * 150}));
+  EXPECT_EQ(layout.left(2), 350);
+  EXPECT_EQ(layout.upper(1), 160);
+}
+
+TEST(GridLayout, KeepsCaptionsLegibleUnderTinyPictures) {
+  EXPECT_EQ(layOutGrid({32, 18}, {1, 1}).textSize, 9);
+}
+
+TEST(GridLayout, RefusesEmptyAndHugeShapes) {
+  EXPECT_EQ(messageOf([] {
+              layOutGrid({10, 10}, {0, 3});
+            }),
+            "error: a grid cannot have 0 x 3 cells; give at least one row and one column, for "
+            "example --grid 3x3");
+  GridStyle style;
+  style.gap = 0;
+  style.captionSize = 0;
+  EXPECT_EQ(messageOf([&] {
+              layOutGrid({1280, 720}, {2, 1000000}, style);
+            }),
+            "error: a grid of 2 x 1000000 pictures of 1280 x 720 pixels needs 1280000000 x 1468 "
+            "pixels and may have 16384 a side; choose fewer or smaller pictures with --grid or "
+            "--size");
+}
+
+TEST(Grid, FillsRowsFromTheLeftAndLeavesTheRestBlank) {
+  const std::vector<GridPicture> pictures = colouredPictures(5, {60, 40});
+  const GridShape shape{2, 3};
+  const GridLayout layout = layOutGrid({60, 40}, shape);
+  const Frame sheet = composeGrid(pictures, shape);
+  EXPECT_EQ(sheet.size, layout.sheet);
+  for (int cell = 0; cell < 6; ++cell) {
+    const int left = layout.left(cell % 3);
+    const int upper = layout.upper(cell / 3);
+    const Colour expected = cell < 5 ? pictures[cell].frame.at(0, 0) : Colour{255, 255, 255};
+    EXPECT_EQ(sheet.at(left, upper), expected) << cell;
+    EXPECT_EQ(sheet.at(left + 59, upper + 39), expected) << cell;
+    EXPECT_EQ(sheet.at(left - 1, upper), (Colour{255, 255, 255})) << cell;
+    EXPECT_EQ(sheet.at(left, upper + 40), (Colour{255, 255, 255})) << cell;
+  }
+}
+
+TEST(Grid, CentresCaptionsInTheStripUnderThePicture) {
+  std::vector<GridPicture> pictures = colouredPictures(1, {300, 200});
+  pictures[0].caption = timeCaption(1.25);
+  GridStyle style;
+  style.captionSize = 0.15;
+  const GridLayout layout = layOutGrid({300, 200}, {1, 1}, style);
+  const Frame sheet = composeGrid(pictures, {1, 1}, style);
+  int first = sheet.size.width, last = -1, upper = sheet.size.height, lower = -1;
+  for (int y = layout.upper(0) + 200; y < sheet.size.height; ++y) {
+    for (int x = 0; x < sheet.size.width; ++x) {
+      if (sheet.at(x, y) == style.background) continue;
+      first = std::min(first, x);
+      last = std::max(last, x);
+      upper = std::min(upper, y);
+      lower = std::max(lower, y);
+    }
+  }
+  EXPECT_NEAR((first + last) / 2.0, sheet.size.width / 2.0, 2);  // measured 0.5
+  EXPECT_GT(upper, layout.upper(0) + 200);
+  EXPECT_LT(lower, layout.upper(0) + 200 + layout.captionHeight);
+}
+
+TEST(Grid, RefusesPicturesThatDoNotFit) {
+  EXPECT_EQ(messageOf([] {
+              composeGrid({}, {1, 1});
+            }),
+            "error: a grid needs at least one picture; give it some");
+  EXPECT_EQ(messageOf([] {
+              composeGrid(colouredPictures(5, {9, 9}), {2, 2});
+            }),
+            "error: a grid of 2 x 2 has room for 4 pictures, not 5; change --grid");
+  std::vector<GridPicture> mixed = colouredPictures(2, {9, 9});
+  mixed[1].frame = makeFrame({9, 8}, {});
+  EXPECT_EQ(messageOf([&] {
+              composeGrid(mixed, {2, 2});
+            }),
+            "error: pictures of one grid must have one size, not 9 x 8 beside 9 x 9 pixels");
+}
+
+TEST(TrimAlike, KeepsWhatAnyPictureShows) {
+  const Colour white{255, 255, 255}, red{255, 0, 0};
+  std::vector<GridPicture> pictures(2, {makeFrame({400, 300}, white), ""});
+  pictures[0].frame.set(100, 80, red);
+  pictures[1].frame.set(299, 279, red);
+  trimAlike(pictures);
+  // The marks span 200 x 200 pixels, with a margin of a twentieth of that on each side.
+  EXPECT_EQ(pictures[0].frame.size, (FrameSize{220, 220}));
+  EXPECT_EQ(pictures[1].frame.size, (FrameSize{220, 220}));
+  EXPECT_EQ(pictures[0].frame.at(10, 10), red);
+  EXPECT_EQ(pictures[1].frame.at(209, 209), red);
+}
+
+TEST(TrimAlike, LeavesRoomForCaptionsUnderNarrowModels) {
+  std::vector<GridPicture> pictures(1, {makeFrame({400, 300}, {255, 255, 255}), ""});
+  for (int y = 50; y < 250; ++y) pictures[0].frame.set(200, y, {0, 0, 0});
+  trimAlike(pictures);
+  EXPECT_EQ(pictures[0].frame.size, (FrameSize{91, 220}));
+  EXPECT_EQ(pictures[0].frame.at(45, 10), (Colour{0, 0, 0}));
+}
+
+TEST(TrimAlike, LeavesEmptyAndFullPicturesAlone) {
+  std::vector<GridPicture> pictures(1, {makeFrame({40, 30}, {255, 255, 255}), ""});
+  trimAlike(pictures);
+  EXPECT_EQ(pictures[0].frame.size, (FrameSize{40, 30}));
+  pictures[0].frame.set(39, 0, {});
+  pictures[0].frame.set(0, 29, {});
+  trimAlike(pictures);
+  EXPECT_EQ(pictures[0].frame.size, (FrameSize{40, 30}));
+}
+
+TEST(TimeCaption, HasTwoDecimals) {
+  EXPECT_EQ(timeCaption(1.25), "t = 1.25 s");
+  EXPECT_EQ(timeCaption(0), "t = 0.00 s");
+}
+
+}  // namespace
+}  // namespace kirireel

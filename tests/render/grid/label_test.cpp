@@ -1,0 +1,75 @@
+#include "render/grid/label.h"
+
+#include <cstdlib>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include "sim/base/error.h"
+
+namespace kirireel {
+namespace {
+
+constexpr Colour kWhite{255, 255, 255};
+constexpr Colour kBlack{0, 0, 0};
+
+/// The box of all pixels that are not white.
+Eigen::AlignedBox2i inkBox(const Frame& frame) {
+  Eigen::AlignedBox2i box;
+  for (int y = 0; y < frame.size.height; ++y) {
+    for (int x = 0; x < frame.size.width; ++x) {
+      if (frame.at(x, y) != kWhite) box.extend(Eigen::Vector2i(x, y));
+    }
+  }
+  return box;
+}
+
+TEST(LabelWriter, StandsOnItsBaselineWithinItsWidth) {
+  Frame frame = makeFrame({200, 60}, kWhite);
+  const LabelWriter writer(32);
+  writer.draw(frame, "EHE", 20, 45, kBlack);
+  const Eigen::AlignedBox2i box = inkBox(frame);
+  EXPECT_EQ(box.max().y(), 44);  // the last row above the baseline
+  // Capitals of DejaVu Sans are 0.729 em high.
+  EXPECT_NEAR(box.sizes().y() + 1, 0.729 * 32, 1);
+  EXPECT_GE(box.min().x(), 20);
+  EXPECT_LT(box.max().x(), 20 + writer.width("EHE"));
+}
+
+TEST(LabelWriter, WidensWithTheText) {
+  const LabelWriter writer(20);
+  EXPECT_EQ(writer.width(""), 0);
+  EXPECT_NEAR(writer.width("mmmm"), 4 * writer.width("m"), 4);
+  EXPECT_NEAR(LabelWriter(40).width("t = 1.25 s"), 2 * writer.width("t = 1.25 s"), 5);
+}
+
+TEST(LabelWriter, CutsTextAtTheFrame) {
+  Frame frame = makeFrame({30, 20}, kWhite);
+  EXPECT_NO_THROW(LabelWriter(40).draw(frame, "Wide text", -20, 25, kBlack));
+  EXPECT_FALSE(inkBox(frame).isEmpty());
+}
+
+TEST(LabelWriter, WritesOnATransparentPicture) {
+  Frame frame = makeFrame({60, 60}, {255, 255, 255, 0});
+  LabelWriter(50).draw(frame, "H", 5, 50, kBlack);
+  const Eigen::AlignedBox2i box = inkBox(frame);
+  const int middle = (box.min().y() + box.max().y()) / 2;
+  EXPECT_EQ(frame.at(30 - 5, middle).alpha, 255);  // the bar of the H
+  EXPECT_EQ(frame.at(0, 0).alpha, 0);
+}
+
+TEST(LabelWriter, SaysHowToGetAFont) {
+  ::setenv("KIRIREEL_FONT", "/nowhere/font.ttf", 1);
+  try {
+    const LabelWriter writer(20);
+    ADD_FAILURE();
+  } catch (const OutputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "/nowhere/font.ttf: error: cannot be used as a font; install Debian's "
+                 "fonts-dejavu-core or set KIRIREEL_FONT to a TrueType file");
+  }
+  ::unsetenv("KIRIREEL_FONT");
+}
+
+}  // namespace
+}  // namespace kirireel

@@ -1,0 +1,260 @@
+#include "render/picture/painter.h"
+
+#include <cmath>
+#include <map>
+#include <memory>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "sim/base/error.h"
+#include "tests/render/picture/sample_bricks.h"
+#include "tests/support/program.h"
+
+namespace kirireel {
+namespace {
+
+/// Black, unlit, without outlines: a pixel's darkness is the part of it that bricks cover.
+Style silhouette() {
+  Style style;
+  style.top = style.bottom = style.side = Colour{0, 0, 0};
+  style.edgeWidth = 0;
+  return style;
+}
+
+/// Sum over the picture of the part of each pixel that is covered.
+double coveredPixels(const Frame& frame) {
+  double sum = 0;
+  for (std::size_t red = 0; red < frame.pixels.size(); red += 4) {
+    sum += (255 - frame.pixels[red]) / 255.0;
+  }
+  return sum;
+}
+
+/// A parallel view of `height` metres onto the point.
+Camera parallelCamera(const Vector3& centre, ViewAngles view, double height) {
+  const std::vector<Vector3> point = {centre};
+  CameraFit fit{view, 1, true};
+  Camera camera = fitCamera(point, fit);
+  camera.eye = centre + 50 * (camera.eye - centre).normalized();
+  camera.viewHeight = height;
+  camera.far = 100;
+  return camera;
+}
+
+Frame paintOnce(const SampleBricks& sample, FrameSize size, const Camera& camera,
+                const Style& style) {
+  return Painter(size, sample.bricks, style).paint(sample.poses, camera);
+}
+
+Camera fittedCamera(const SampleBricks& sample, FrameSize size, ViewAngles view) {
+  CameraFit fit;
+  fit.view = view;
+  fit.aspect = size.aspect();
+  return fitCamera(brickCorners(sample.bricks, sample.poses), fit);
+}
+
+TEST(Painter, CoversTheAreaOfABrickSeenFromAbove) {
+  SampleBricks sample = sampleBricks({rectangleTile(0, 0, 3, 2)}, 0.4);
+  for (const double angle : {0.0, 0.3, 0.8, 1.4}) {
+    sample.poses[0].rotation = rotationFromVector(Vector3(0, 0, angle));
+    const Camera camera = parallelCamera(sample.poses[0].position, kTopView, 5);
+    const Frame frame = paintOnce(sample, {400, 300}, camera, silhouette());
+    const double expected = 3 * 2 * std::pow(300 / 5.0, 2);
+    EXPECT_NEAR(coveredPixels(frame) / expected, 1, 0.005) << angle;  // measured 5e-4
+  }
+}
+
+TEST(Painter, CoversTheProjectedAreaOfABrickSeenFromACorner) {
+  // A box's shadow along d is the sum of face areas times |d . normal|.
+  const Vector3 sides(3, 2, 0.4);
+  const SampleBricks sample = sampleBricks({rectangleTile(0, 0, sides.x(), sides.y())}, sides.z());
+  const Vector3 faces(sides.y() * sides.z(), sides.x() * sides.z(), sides.x() * sides.y());
+  for (const ViewAngles view : {kIsometricView, kObliqueView, ViewAngles{0.3, 0.2}}) {
+    const Camera camera = parallelCamera(sample.poses[0].position, view, 5);
+    const Vector3 direction = (camera.eye - camera.centre).normalized();
+    const Frame frame = paintOnce(sample, {400, 300}, camera, silhouette());
+    const double expected = faces.dot(direction.cwiseAbs()) * std::pow(300 / 5.0, 2);
+    EXPECT_NEAR(coveredPixels(frame) / expected, 1, 0.005);  // measured 1e-3
+  }
+}
+
+TEST(Painter, CoversTheAreaAcrossThePartsOfALargePicture) {
+  const SampleBricks sample = sampleBricks({rectangleTile(0, 0, 4, 0.8)}, 0.4);
+  const Camera camera = parallelCamera(sample.poses[0].position, kTopView, 1);
+  const Frame frame = paintOnce(sample, {5000, 1000}, camera, silhouette());
+  EXPECT_NEAR(coveredPixels(frame) / (4000.0 * 800), 1, 1e-6);  // measured 0
+  // The seam between two parts lies within the brick and must not show.
+  for (int x = 500; x < 4500; ++x) ASSERT_EQ(frame.at(x, 500), (Colour{0, 0, 0})) << x;
+}
+
+TEST(Painter, GivesEveryFaceTheColourOfItsNormalAndLights) {
+  Style style;
+  style.edgeWidth = 0;
+  // One brick at a time, seen face on: the picture's middle is the face.
+  const SampleBricks cube = sampleBricks({rectangleTile(0, 0, 1, 1)}, 1);
+  SampleBricks sample = cube;
+  Painter painter({64, 64}, cube.bricks, style);
+  for (int k = 0; k < 40; ++k) {
+    const Quaternion turn = rotationFromVector(Vector3(0.37 * k, 1 - 0.21 * k, 0.13 * k));
+    sample.poses[0].rotation = turn;
+    for (const auto& [axis, base] : {std::pair<Vector3, Colour>{Vector3::UnitZ(), style.top},
+                                     {-Vector3::UnitZ(), style.bottom},
+                                     {Vector3::UnitX(), style.side},
+                                     {-Vector3::UnitY(), style.side}}) {
+      const Vector3 normal = turn * axis;
+      const ViewAngles view{std::atan2(normal.y(), normal.x()), std::asin(normal.z())};
+      const Camera camera = parallelCamera(cube.poses[0].position, view, 2.5);
+      EXPECT_EQ(painter.paint(sample.poses, camera).at(32, 32), faceColour(normal, base, style));
+    }
+  }
+}
+
+TEST(Painter, ShowsOnlyFaceColoursWithinFaces) {
+  // Seen from a corner, a brick shows three faces; all pixels that are not mixtures have one of
+  // three colours, or the background's.
+  Style style;
+  style.edgeWidth = 0;
+  const SampleBricks sample = sampleBricks({rectangleTile(0, 0, 1, 1)}, 1);
+  const FrameSize size{200, 200};
+  const Frame frame = paintOnce(sample, size, fittedCamera(sample, size, kIsometricView), style);
+  std::map<int, int> counts;
+  for (std::size_t k = 0; k < frame.pixels.size(); k += 4) {
+    ++counts[frame.pixels[k] << 16 | frame.pixels[k + 1] << 8 | frame.pixels[k + 2]];
+  }
+  const auto count = [&](Colour c) { return counts[c.red << 16 | c.green << 8 | c.blue]; };
+  const int flat = count(faceColour(Vector3::UnitZ(), style.top, style)) +
+                   count(faceColour(Vector3::UnitX(), style.side, style)) +
+                   count(faceColour(-Vector3::UnitY(), style.side, style)) +
+                   count(style.background);
+  EXPECT_GT(flat, 0.96 * 200 * 200);  // measured 0.986: the rest are edges
+}
+
+TEST(Painter, ShowsNoSeamBetweenFlushBricks) {
+  std::vector<Tile> tiles;
+  for (int k = 0; k < 16; ++k) tiles.push_back(rectangleTile(k % 4, k / 4, 1, 1));
+  const SampleBricks sample = sampleBricks(tiles, 0.3);
+  Style style;
+  style.edgeWidth = 0;
+  const Colour top = faceColour(Vector3::UnitZ(), style.top, style);
+  const FrameSize size{301, 203};
+  const Camera camera = fittedCamera(sample, size, kTopView);
+  const Frame frame = paintOnce(sample, size, camera, style);
+  for (int y = 20; y < 183; ++y) {
+    for (int x = 80; x < 220; ++x) ASSERT_EQ(frame.at(x, y), top) << x << ' ' << y;
+  }
+}
+
+TEST(Painter, DrawsOutlinesOnTheFaces) {
+  const SampleBricks sample = sampleBricks({rectangleTile(0, 0, 1, 1)}, 0.1);
+  Style style;
+  style.edgeWidth = 0.1;  // half of it, 0.05 of 200 pixels, within the face
+  const Camera camera = parallelCamera(sample.poses[0].position, kTopView, 2);
+  const Frame frame = paintOnce(sample, {200, 200}, camera, style);
+  // The face spans 50 to 150.
+  EXPECT_EQ(frame.at(49, 100), style.background);
+  EXPECT_EQ(frame.at(50, 100), style.edge);
+  EXPECT_EQ(frame.at(59, 100), style.edge);
+  EXPECT_EQ(frame.at(60, 100), faceColour(Vector3::UnitZ(), style.top, style));
+}
+
+TEST(Painter, LeavesColourOnSmallFaces) {
+  const SampleBricks sample = sampleBricks({rectangleTile(0, 0, 1, 1)}, 0.1);
+  Style style;
+  style.edgeWidth = 2;
+  const Camera camera = parallelCamera(sample.poses[0].position, kTopView, 2);
+  const Frame frame = paintOnce(sample, {200, 200}, camera, style);
+  EXPECT_EQ(frame.at(100, 100), faceColour(Vector3::UnitZ(), style.top, style));
+}
+
+TEST(Painter, LeavesATransparentBackgroundEmpty) {
+  const SampleBricks sample = sampleBricks({rectangleTile(0, 0, 1, 1)}, 0.1);
+  Style style = silhouette();
+  style.background.alpha = 0;
+  Camera camera = parallelCamera(sample.poses[0].position, kTopView, 2);
+  camera.eye.x() += 0.005;  // half a pixel: the brick's left and right borders split pixels
+  camera.centre.x() += 0.005;
+  const Frame frame = paintOnce(sample, {200, 200}, camera, style);
+  EXPECT_EQ(frame.at(10, 10).alpha, 0);
+  EXPECT_EQ(frame.at(100, 100), (Colour{0, 0, 0, 255}));
+  EXPECT_EQ(frame.at(49, 100), (Colour{0, 0, 0, 128}));  // brick's colour, half covered
+}
+
+TEST(Painter, DrawsTheGroundInItsColourFromAboveOnly) {
+  const SampleBricks sample = sampleBricks({rectangleTile(0, 0, 1, 1)}, 0.1);
+  Style style;
+  style.ground = groundUnder(brickCorners(sample.bricks, sample.poses), 0);
+  const Vector3 middle = sample.poses[0].position;
+  const Frame above = paintOnce(sample, {100, 100}, parallelCamera(middle, kTopView, 3), style);
+  EXPECT_EQ(above.at(5, 5), style.ground->colour);
+  EXPECT_EQ(above.at(50, 50), faceColour(Vector3::UnitZ(), style.top, style));
+  const ViewAngles fromBelow{kTopView.azimuth, -kTopView.elevation};
+  const Frame below = paintOnce(sample, {100, 100}, parallelCamera(middle, fromBelow, 3), style);
+  EXPECT_EQ(below.at(5, 5), style.background);
+  EXPECT_EQ(below.at(50, 50), faceColour(-Vector3::UnitZ(), style.bottom, style));
+}
+
+TEST(Painter, TurningBricksAndCameraTogetherKeepsTheOutline) {
+  // Metamorphic: a quarter turn of everything about the view's axis turns the picture.
+  const SampleBricks sample = sampleBricks({rectangleTile(0, 0, 1, 0.6)}, 0.2);
+  const Vector3 middle = sample.poses[0].position;
+  const Frame upright =
+      paintOnce(sample, {150, 150}, parallelCamera(middle, kTopView, 2), silhouette());
+  SampleBricks turned = sample;
+  turned.poses[0].rotation = rotationFromVector(Vector3(0, 0, M_PI / 2));
+  Camera camera = parallelCamera(middle, kTopView, 2);
+  camera.up = -Vector3::UnitX();
+  EXPECT_EQ(upright.pixels, paintOnce(turned, {150, 150}, camera, silhouette()).pixels);
+}
+
+TEST(Painter, PaintsTheSameBytesAgain) {
+  const SampleBricks sample = tumbledBricks();
+  const FrameSize size{320, 200};
+  const Camera camera = fittedCamera(sample, size, kIsometricView);
+  Painter painter(size, sample.bricks, {});
+  const Frame first = painter.paint(sample.poses, camera);
+  SampleBricks moved = sample;
+  for (Pose& pose : moved.poses) pose.position *= 1.5;
+  EXPECT_NE(painter.paint(moved.poses, camera).pixels, first.pixels);
+  EXPECT_EQ(painter.paint(sample.poses, camera).pixels, first.pixels);
+  EXPECT_EQ(paintOnce(sample, size, camera, {}).pixels, first.pixels);
+}
+
+TEST(Painter, SharesAThreadWithAnother) {
+  const SampleBricks sample = tumbledBricks();
+  const FrameSize size{160, 100};
+  const Camera camera = fittedCamera(sample, size, kIsometricView);
+  Painter first(size, sample.bricks, {});
+  auto second = std::make_unique<Painter>(FrameSize{80, 50}, sample.bricks, silhouette());
+  const Frame frame = first.paint(sample.poses, camera);
+  second->paint(sample.poses, camera);
+  EXPECT_EQ(first.paint(sample.poses, camera).pixels, frame.pixels);
+  second.reset();
+  EXPECT_EQ(first.paint(sample.poses, camera).pixels, frame.pixels);
+}
+
+/// What picture_hash prints under these settings of the environment.
+std::string hashUnder(const std::string& environment) {
+  return test::outputOf("env " + environment + " " PICTURE_HASH_PROGRAM);
+}
+
+TEST(Painter, PaintsTheSameBytesWithAnyNumberOfThreads) {
+  const std::string alone = hashUnder("LP_NUM_THREADS=0");
+  ASSERT_EQ(alone.size(), 17U);  // 16 digits and the line's end
+  EXPECT_EQ(hashUnder("LP_NUM_THREADS=0"), alone);
+  EXPECT_EQ(hashUnder("LP_NUM_THREADS=2"), alone);
+  EXPECT_EQ(hashUnder("LP_NATIVE_VECTOR_WIDTH=128"), alone);
+}
+
+TEST(Painter, RefusesAnEmptyPicture) {
+  EXPECT_THROW(Painter({0, 100}, {}, {}), InputError);
+  EXPECT_THROW(Painter({100, 20000}, {}, {}), InputError);
+}
+
+TEST(Painter, PaintsBackgroundWithoutBricks) {
+  const Frame frame = Painter({8, 8}, {}, {}).paint({}, {});
+  EXPECT_EQ(frame.pixels, makeFrame({8, 8}, {255, 255, 255}).pixels);
+}
+
+}  // namespace
+}  // namespace kirireel

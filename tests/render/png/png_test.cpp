@@ -1,0 +1,150 @@
+#include "render/png/png.h"
+
+#include <csignal>
+#include <cstdint>
+#include <random>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include "sim/base/error.h"
+#include "tests/support/files.h"
+#include "tests/support/program.h"
+
+namespace kirireel {
+namespace {
+
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+/// A picture in which every byte matters.
+Frame noise(FrameSize size, bool opaque) {
+  std::mt19937 random(5);
+  Frame frame = makeFrame(size, {});
+  for (std::uint8_t& byte : frame.pixels) byte = static_cast<std::uint8_t>(random());
+  if (opaque) {
+    for (std::size_t alpha = 3; alpha < frame.pixels.size(); alpha += 4) frame.pixels[alpha] = 255;
+  }
+  return frame;
+}
+
+/// The colour type in a PNG's header: 2 RGB, 6 RGBA.
+int colourType(const std::string& file) {
+  return file.at(25);
+}
+
+/// No file may grow beyond a limit while this lives: writing then fails as on a full disk.
+class FullDisk {
+ public:
+  explicit FullDisk(rlim_t bytes) : oldHandler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    ::getrlimit(RLIMIT_FSIZE, &old_);
+    const rlimit limit{bytes, old_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FullDisk() {
+    ::setrlimit(RLIMIT_FSIZE, &old_);
+    std::signal(SIGXFSZ, oldHandler_);
+  }
+  FullDisk(const FullDisk&) = delete;
+  FullDisk& operator=(const FullDisk&) = delete;
+
+ private:
+  void (*oldHandler_)(int);
+  rlimit old_ = {};
+};
+
+TEST(Png, ComesBackExactly) {
+  const test::TemporaryFolder folder;
+  for (const bool opaque : {true, false}) {
+    for (const FrameSize size : {FrameSize{1, 1}, {7, 3}, {640, 5}}) {
+      const Frame frame = noise(size, opaque);
+      writePng(frame, folder / "a.png");
+      const Frame back = readPng(folder / "a.png");
+      EXPECT_EQ(back.size, size);
+      EXPECT_EQ(back.pixels, frame.pixels);
+      EXPECT_EQ(colourType(test::bytesOf(folder / "a.png")), opaque ? 2 : 6);
+    }
+  }
+}
+
+TEST(Png, IsReadAlikeByAnotherDecoder) {
+  if (!test::hasProgram("ffmpeg")) GTEST_SKIP() << "ffmpeg is not installed";
+  const test::TemporaryFolder folder;
+  const Frame frame = noise({33, 21}, false);
+  writePng(frame, folder / "a.png");
+  const std::string decoded = test::outputOf("ffmpeg -v error -i " + (folder / "a.png").string() +
+                                             " -f rawvideo -pix_fmt rgba -");
+  EXPECT_EQ(decoded, std::string(frame.pixels.begin(), frame.pixels.end()));
+}
+
+TEST(Png, HasTheSameBytesEachTime) {
+  const test::TemporaryFolder folder;
+  writePng(noise({50, 40}, true), folder / "a.png");
+  writePng(noise({50, 40}, true), folder / "b.png");
+  EXPECT_EQ(test::bytesOf(folder / "a.png"), test::bytesOf(folder / "b.png"));
+}
+
+TEST(Png, NotesThePrintedResolution) {
+  const test::TemporaryFolder folder;
+  PngSettings settings;
+  settings.dotsPerInch = 254;
+  writePng(noise({2, 2}, true), folder / "a.png", settings);
+  // 254 dots an inch are 10000 (0x2710) a metre, unit 1.
+  const std::string chunk("pHYs\0\0\x27\x10\0\0\x27\x10\1", 13);
+  EXPECT_THAT(test::bytesOf(folder / "a.png"), HasSubstr(chunk));
+}
+
+TEST(Png, LeavesNothingOnAFullDisk) {
+  const test::TemporaryFolder folder;
+  const Frame frame = noise({400, 300}, true);
+  std::string message;
+  // The second limit lets all but the last bytes pass, which the library keeps until the end.
+  for (const rlim_t limit : {1000U, 360000U}) {
+    const FullDisk disk(limit);
+    try {
+      writePng(frame, folder / "a.png");
+      ADD_FAILURE();
+    } catch (const OutputError& error) {
+      EXPECT_EQ(std::string(error.what()),
+                (folder / "a.png").string() +
+                    ": error: cannot be written (File too large); free some space or choose "
+                    "another folder with --out");
+    }
+    EXPECT_TRUE(folder.isEmpty());
+  }
+}
+
+TEST(Png, NamesAFolderThatIsMissing) {
+  const test::TemporaryFolder folder;
+  try {
+    writePng(noise({2, 2}, true), folder / "none/a.png");
+    ADD_FAILURE();
+  } catch (const OutputError& error) {
+    EXPECT_THAT(error.what(), StartsWith((folder / "none").string() + ": error: "));
+  }
+}
+
+TEST(Png, RefusesToReadOtherFiles) {
+  const test::TemporaryFolder folder;
+  std::ofstream(folder / "text.png") << "This is not a picture at all.";
+  const auto messageFor = [&](const std::string& name) -> std::string {
+    try {
+      readPng(folder / name);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(
+      messageFor("none.png"),
+      (folder / "none.png").string() +
+          ": error: cannot be read as a picture (No such file or directory); give a PNG file");
+  EXPECT_THAT(messageFor("text.png"), StartsWith((folder / "text.png").string() + ": error: "));
+  EXPECT_THAT(messageFor("text.png"), EndsWith("give a PNG file"));
+}
+
+}  // namespace
+}  // namespace kirireel
