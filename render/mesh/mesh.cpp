@@ -1,0 +1,246 @@
+#include "render/mesh/mesh.h"
+
+#include <algorithm>
+#include <cassert>
+#include <charconv>
+#include <iterator>
+#include <memory>
+#include <string_view>
+
+#include <assimp/Exporter.hpp>
+#include <assimp/scene.h>
+#include <assimp/version.h>
+#include <fmt/format.h>
+
+#include "sim/base/error.h"
+#include "sim/base/pending_file.h"
+
+namespace kirireel {
+namespace {
+
+// assimp stores and prints coordinates in single precision and welds vertices that look equal. So
+// it is given the numbers of the corners for x, and its rows are filled with the coordinates after.
+
+using Face = std::vector<unsigned>;
+
+/// Whole numbers that a float holds exactly.
+constexpr std::size_t kMostCorners = 1U << 24U;
+
+/// The corners of all bricks in world axes: of each brick its bottom, then its top.
+std::vector<Vector3> worldCorners(const std::vector<Brick>& bricks, const Poses& poses) {
+  std::vector<Vector3> corners;
+  for (std::size_t k = 0; k < bricks.size(); ++k) {
+    for (const Vector3& point : bricks[k].bottom) corners.push_back(poses[k].apply(point));
+    for (const Vector3& point : bricks[k].top) corners.push_back(poses[k].apply(point));
+  }
+  assert(corners.size() <= kMostCorners);
+  return corners;
+}
+
+/// The outward faces of a brick of n sides whose first corner has this number.
+std::vector<Face> facesOf(unsigned n, unsigned first) {
+  Face bottom;
+  Face top;
+  for (unsigned k = 0; k < n; ++k) {
+    bottom.push_back(first + n - 1 - k);
+    top.push_back(first + n + k);
+  }
+  std::vector<Face> faces = {bottom, top};
+  for (unsigned k = 0; k < n; ++k) {
+    const unsigned next = (k + 1) % n;
+    faces.push_back({first + k, first + next, first + n + next, first + n + k});
+  }
+  return faces;
+}
+
+/// Fans; the faces are convex.
+std::vector<Face> triangulated(const std::vector<Face>& faces) {
+  std::vector<Face> triangles;
+  for (const Face& face : faces) {
+    for (std::size_t k = 2; k < face.size(); ++k) {
+      triangles.push_back({face[0], face[k - 1], face[k]});
+    }
+  }
+  return triangles;
+}
+
+aiVector3D numbered(unsigned corner) {
+  return {static_cast<float>(corner), 0, 0};
+}
+
+aiVector3D flatNormal(const Face& face, const std::vector<Vector3>& corners) {
+  const Vector3& middle = corners[face[1]];
+  const Vector3 normal = (corners[face[2]] - middle).cross(corners[face[0]] - middle).normalized();
+  return {static_cast<float>(normal.x()), static_cast<float>(normal.y()),
+          static_cast<float>(normal.z())};
+}
+
+// Arrays are raw because aiMesh and aiScene delete them.
+template <typename T>
+T* copied(const std::vector<T>& values) {
+  T* array = new T[values.size()];
+  std::ranges::copy(values, array);
+  return array;
+}
+
+/// Also sets mPrimitiveTypes, without which the exporters write broken rows.
+void setFaces(aiMesh& mesh, const std::vector<Face>& faces) {
+  mesh.mNumFaces = static_cast<unsigned>(faces.size());
+  mesh.mFaces = new aiFace[faces.size()];
+  for (std::size_t k = 0; k < faces.size(); ++k) {
+    mesh.mFaces[k].mNumIndices = static_cast<unsigned>(faces[k].size());
+    mesh.mFaces[k].mIndices = copied(faces[k]);
+    mesh.mPrimitiveTypes |=
+        faces[k].size() == 3 ? aiPrimitiveType_TRIANGLE : aiPrimitiveType_POLYGON;
+  }
+}
+
+/// Faces share vertices.
+std::unique_ptr<aiMesh> sharedMesh(unsigned corners, const std::vector<Face>& triangles) {
+  auto mesh = std::make_unique<aiMesh>();
+  std::vector<aiVector3D> vertices;
+  for (unsigned k = 0; k < corners; ++k) vertices.push_back(numbered(k));
+  mesh->mNumVertices = corners;
+  mesh->mVertices = copied(vertices);
+  setFaces(*mesh, triangles);
+  return mesh;
+}
+
+/// Each face has its own vertices, so that it can have its own normal.
+std::unique_ptr<aiMesh> flatMesh(const std::vector<Face>& faces,
+                                 const std::vector<Vector3>& corners) {
+  auto mesh = std::make_unique<aiMesh>();
+  std::vector<aiVector3D> vertices;
+  std::vector<aiVector3D> normals;
+  std::vector<Face> renumbered;
+  for (const Face& face : faces) {
+    const aiVector3D normal = flatNormal(face, corners);
+    Face& own = renumbered.emplace_back();
+    for (const unsigned corner : face) {
+      own.push_back(static_cast<unsigned>(vertices.size()));
+      vertices.push_back(numbered(corner));
+      normals.push_back(normal);
+    }
+  }
+  mesh->mNumVertices = static_cast<unsigned>(vertices.size());
+  mesh->mVertices = copied(vertices);
+  mesh->mNormals = copied(normals);
+  setFaces(*mesh, renumbered);
+  return mesh;
+}
+
+std::unique_ptr<aiScene> sceneOf(std::vector<std::unique_ptr<aiMesh>> meshes) {
+  auto scene = std::make_unique<aiScene>();
+  scene->mNumMaterials = 1;
+  scene->mMaterials = new aiMaterial* [1] { new aiMaterial };
+  scene->mNumMeshes = static_cast<unsigned>(meshes.size());
+  scene->mMeshes = new aiMesh*[meshes.size()];
+  scene->mRootNode = new aiNode("kirigami");
+  scene->mRootNode->mNumMeshes = scene->mNumMeshes;
+  scene->mRootNode->mMeshes = new unsigned[meshes.size()];
+  for (unsigned k = 0; k < scene->mNumMeshes; ++k) {
+    scene->mMeshes[k] = meshes[k].release();
+    scene->mRootNode->mMeshes[k] = k;
+  }
+  return scene;
+}
+
+std::string exported(const aiScene& scene, const char* format, const std::filesystem::path& path) {
+  Assimp::Exporter exporter;
+  const aiExportDataBlob* blob = exporter.ExportToBlob(&scene, format);
+  if (blob == nullptr) {
+    throw OutputError(fmt::format("{}: error: assimp cannot make this mesh ({})", path.string(),
+                                  exporter.GetErrorString()));
+  }
+  return {static_cast<const char*>(blob->data), blob->size};
+}
+
+/// Takes the first line, without its end, off the text.
+std::string_view takeLine(std::string_view& text) {
+  const std::size_t end = std::min(text.find('\n'), text.size());
+  const std::string_view line = text.substr(0, end);
+  text.remove_prefix(std::min(end + 1, text.size()));
+  return line;
+}
+
+/// Appends the coordinates of the corner whose number a row starts with, shortest digits that read
+/// back to the same doubles.
+void appendCorner(std::string& text, std::string_view row, const std::vector<Vector3>& corners) {
+  unsigned corner = 0;
+  std::from_chars(row.data(), row.data() + row.size(), corner);
+  const Vector3& point = corners.at(corner);
+  fmt::format_to(std::back_inserter(text), "{} {} {}\n", point.x(), point.y(), point.z());
+}
+
+std::string objText(const std::vector<Brick>& bricks, const std::vector<Vector3>& corners,
+                    const std::filesystem::path& path) {
+  std::vector<std::unique_ptr<aiMesh>> meshes;
+  unsigned first = 0;
+  for (const Brick& brick : bricks) {
+    const auto sides = static_cast<unsigned>(brick.bottom.size());
+    const std::string name = fmt::format("TILE_{:05}", meshes.size());
+    meshes.push_back(flatMesh(facesOf(sides, first), corners));
+    meshes.back()->mName = name;
+    first += 2 * sides;
+  }
+  const std::string numbers = exported(*sceneOf(std::move(meshes)), "objnomtl", path);
+  std::string text;
+  for (std::string_view rest = numbers; !rest.empty();) {
+    const std::string_view line = takeLine(rest);
+    if (line.starts_with("v ")) {
+      const std::size_t digits = line.find_first_not_of(' ', 1);
+      text += "v ";
+      appendCorner(text, line.substr(digits), corners);
+    } else {
+      text.append(line).append("\n");
+    }
+  }
+  return text;
+}
+
+std::string plyText(const std::vector<Brick>& bricks, const std::vector<Vector3>& corners,
+                    const std::filesystem::path& path) {
+  std::vector<Face> faces;
+  unsigned first = 0;
+  for (const Brick& brick : bricks) {
+    const auto sides = static_cast<unsigned>(brick.bottom.size());
+    std::ranges::copy(facesOf(sides, first), std::back_inserter(faces));
+    first += 2 * sides;
+  }
+  std::vector<std::unique_ptr<aiMesh>> meshes;
+  meshes.push_back(sharedMesh(first, triangulated(faces)));
+  const std::string numbers = exported(*sceneOf(std::move(meshes)), "ply", path);
+  constexpr std::string_view kFloat = "property float ";
+  std::string text;
+  std::string_view rest = numbers;
+  for (std::string_view line; line != "end_header" && !rest.empty();) {
+    line = takeLine(rest);
+    const bool isFloat = line.starts_with(kFloat);
+    if (isFloat) text += "property double ";
+    text.append(isFloat ? line.substr(kFloat.size()) : line).append("\n");
+  }
+  for (std::size_t k = 0; k < corners.size(); ++k) appendCorner(text, takeLine(rest), corners);
+  return text.append(rest);
+}
+
+}  // namespace
+
+void writeMesh(const std::filesystem::path& path, const std::vector<Brick>& bricks,
+               const Poses& poses) {
+  const std::string ending = path.extension().string();
+  if (ending != ".obj" && ending != ".ply") {
+    throw InputError(
+        fmt::format("{}: error: \"{}\" is no mesh format known here; let the name end "
+                    "in .obj or .ply",
+                    path.string(), ending));
+  }
+  const std::vector<Vector3> corners = worldCorners(bricks, poses);
+  writeTextFile(path,
+                ending == ".obj" ? objText(bricks, corners, path) : plyText(bricks, corners, path));
+}
+
+std::string meshLibraryVersion() {
+  return fmt::format("{}.{}.{}", aiGetVersionMajor(), aiGetVersionMinor(), aiGetVersionPatch());
+}
+
+}  // namespace kirireel

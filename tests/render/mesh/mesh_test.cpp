@@ -1,0 +1,337 @@
+#include "render/mesh/mesh.h"
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <sstream>
+
+#include <assimp/Importer.hpp>
+#include <assimp/scene.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/base/error.h"
+#include "sim/model/tessellation.h"
+#include "tests/support/files.h"
+#include "tests/support/program.h"
+
+namespace kirireel {
+namespace {
+
+using test::bytesOf;
+using test::TemporaryFolder;
+using ::testing::HasSubstr;
+
+/// Surfaces as this test's own readers see them.
+struct Surface {
+  std::vector<Vector3> vertices;
+  std::vector<std::vector<int>> faces;
+  std::vector<std::string> groups;  ///< of an OBJ
+  std::vector<Vector3> normals;     ///< of an OBJ
+  std::vector<int> faceNormals;     ///< of an OBJ: the normal of each face
+};
+
+Vector3 readVector(std::istream& row) {
+  std::string x;
+  std::string y;
+  std::string z;
+  row >> x >> y >> z;
+  return {std::strtod(x.c_str(), nullptr), std::strtod(y.c_str(), nullptr),
+          std::strtod(z.c_str(), nullptr)};
+}
+
+Surface readObj(const std::string& text) {
+  Surface surface;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream row(line);
+    std::string key;
+    row >> key;
+    if (key == "v") surface.vertices.push_back(readVector(row));
+    if (key == "vn") surface.normals.push_back(readVector(row));
+    if (key == "g") row >> surface.groups.emplace_back();
+    if (key != "f") continue;
+    surface.faces.emplace_back();
+    for (std::string corner; row >> corner;) {
+      surface.faces.back().push_back(std::stoi(corner) - 1);
+      if (surface.faces.back().size() > 1) continue;
+      surface.faceNormals.push_back(std::stoi(corner.substr(corner.find("//") + 2)) - 1);
+    }
+  }
+  return surface;
+}
+
+Surface readPly(const std::string& text) {
+  Surface surface;
+  std::istringstream lines(text);
+  std::size_t vertices = 0;
+  std::string line;
+  while (std::getline(lines, line) && line != "end_header") {
+    std::istringstream row(line);
+    std::string key;
+    std::string what;
+    row >> key >> what;
+    if (key == "element" && what == "vertex") row >> vertices;
+  }
+  while (std::getline(lines, line)) {
+    std::istringstream row(line);
+    if (surface.vertices.size() < vertices) {
+      surface.vertices.push_back(readVector(row));
+      continue;
+    }
+    std::size_t count = 0;
+    row >> count;
+    surface.faces.emplace_back(count);
+    for (int& vertex : surface.faces.back()) row >> vertex;
+  }
+  return surface;
+}
+
+/// How often faces run along each directed edge.
+std::map<std::pair<int, int>, int> directedEdges(const Surface& surface) {
+  std::map<std::pair<int, int>, int> uses;
+  for (const std::vector<int>& face : surface.faces) {
+    for (std::size_t k = 0; k < face.size(); ++k) ++uses[{face[k], face[(k + 1) % face.size()]}];
+  }
+  return uses;
+}
+
+/// Every edge has one face on each side, and these agree on what is outside.
+void expectClosed(const Surface& surface) {
+  const auto uses = directedEdges(surface);
+  for (const auto& [edge, count] : uses) {
+    EXPECT_EQ(count, 1);
+    EXPECT_TRUE(uses.contains({edge.second, edge.first}));
+  }
+}
+
+/// For each face, the number of the connected piece that it belongs to.
+std::vector<int> piecesOf(const Surface& surface) {
+  std::vector<int> parent(surface.vertices.size());
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](int vertex) {
+    while (parent[vertex] != vertex) vertex = parent[vertex];
+    return vertex;
+  };
+  for (const std::vector<int>& face : surface.faces) {
+    for (const int vertex : face) parent[root(vertex)] = root(face[0]);
+  }
+  std::map<int, int> numbers;
+  std::vector<int> pieces;
+  for (const std::vector<int>& face : surface.faces) {
+    const int next = static_cast<int>(numbers.size());
+    pieces.push_back(numbers.try_emplace(root(face[0]), next).first->second);
+  }
+  return pieces;
+}
+
+/// Volumes of the connected pieces by the divergence theorem; positive when outward. Distances are
+/// taken from each piece's own first vertex, so that far pieces lose no digits.
+std::vector<double> volumesOf(const Surface& surface) {
+  const std::vector<int> pieces = piecesOf(surface);
+  std::map<int, Vector3> origins;
+  std::map<int, double> volumes;
+  for (std::size_t f = 0; f < surface.faces.size(); ++f) {
+    const std::vector<int>& face = surface.faces[f];
+    const Vector3 origin = origins.try_emplace(pieces[f], surface.vertices[face[0]]).first->second;
+    for (std::size_t k = 2; k < face.size(); ++k) {
+      const Vector3 a = surface.vertices[face[0]] - origin;
+      const Vector3 b = surface.vertices[face[k - 1]] - origin;
+      const Vector3 c = surface.vertices[face[k]] - origin;
+      volumes[pieces[f]] += a.dot(b.cross(c)) / 6;
+    }
+  }
+  std::vector<double> sorted;
+  for (const auto& [piece, volume] : volumes) sorted.push_back(volume);
+  return sorted;
+}
+
+/// A hinged 2 x 2 tessellation, half open and turned in space, so that no coordinate is round.
+struct Layout {
+  std::vector<Brick> bricks;
+  Poses poses;
+};
+
+Layout hingedSquares() {
+  TessellationShape shape;
+  shape.columns = 2;
+  shape.rows = 2;
+  shape.startAngle = 0.7;
+  const Model model = makeTessellation(shape);
+  Layout layout;
+  layout.bricks = makeBricks(model.tiles, BrickRule{});
+  layout.poses = startPoses(model.tiles, layout.bricks);
+  const Pose turn{{10, -3, 1e-5}, rotationFromVector({0.3, -0.8, 1.7})};
+  for (Pose& pose : layout.poses) {
+    pose = {turn.apply(pose.position), turn.rotation * pose.rotation};
+  }
+  return layout;
+}
+
+/// A triangle, a square and a pentagon.
+Layout polygons() {
+  std::vector<Tile> tiles(3);
+  for (int k = 0; k < 3; ++k) {
+    for (int corner = 0; corner < 3 + k; ++corner) {
+      const double angle = 2 * 3.14159265358979323846 * corner / (3 + k);
+      tiles[k].vertices.emplace_back(std::cos(angle) + 1.5 * k, std::sin(angle), 0);
+    }
+  }
+  Layout layout;
+  layout.bricks = makeBricks(tiles, BrickRule{});
+  layout.poses = startPoses(tiles, layout.bricks);
+  return layout;
+}
+
+std::string written(const Layout& layout, const std::string& name) {
+  const TemporaryFolder folder;
+  writeMesh(folder / name, layout.bricks, layout.poses);
+  return bytesOf(folder / name);
+}
+
+bool earlier(const Vector3& a, const Vector3& b) {
+  return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
+}
+
+void expectExactBricks(const Surface& surface, const Layout& layout) {
+  std::vector<Vector3> corners;
+  for (std::size_t k = 0; k < layout.bricks.size(); ++k) {
+    for (const auto* face : {&layout.bricks[k].bottom, &layout.bricks[k].top}) {
+      for (const Vector3& point : *face) corners.push_back(layout.poses[k].apply(point));
+    }
+  }
+  std::vector<Vector3> read = surface.vertices;
+  std::ranges::sort(corners, earlier);
+  std::ranges::sort(read, earlier);
+  EXPECT_EQ(read, corners);  // to the last bit
+
+  expectClosed(surface);
+  const std::vector<double> volumes = volumesOf(surface);
+  ASSERT_EQ(volumes.size(), layout.bricks.size());
+  for (std::size_t k = 0; k < volumes.size(); ++k) {
+    // Measured: 5e-15 of it.
+    EXPECT_NEAR(volumes[k] / layout.bricks[k].volume, 1, 1e-12);
+  }
+}
+
+TEST(Mesh, ObjHoldsClosedOutwardExactBricks) {
+  for (const Layout& layout : {hingedSquares(), polygons()}) {
+    expectExactBricks(readObj(written(layout, "state.obj")), layout);
+  }
+}
+
+TEST(Mesh, PlyHoldsClosedOutwardExactBricks) {
+  for (const Layout& layout : {hingedSquares(), polygons()}) {
+    expectExactBricks(readPly(written(layout, "state.ply")), layout);
+  }
+}
+
+TEST(Mesh, ObjNamesEachTile) {
+  const Surface surface = readObj(written(hingedSquares(), "state.obj"));
+  EXPECT_EQ(surface.groups,
+            (std::vector<std::string>{"TILE_00000", "TILE_00001", "TILE_00002", "TILE_00003"}));
+  EXPECT_EQ(surface.faces.size(), 4U * 6U);
+}
+
+TEST(Mesh, ObjHasTheNormalOfEachFace) {
+  const Surface surface = readObj(written(polygons(), "state.obj"));
+  ASSERT_EQ(surface.faceNormals.size(), surface.faces.size());
+  for (std::size_t k = 0; k < surface.faces.size(); ++k) {
+    const std::vector<int>& face = surface.faces[k];
+    const Vector3 across = (surface.vertices[face[1]] - surface.vertices[face[0]])
+                               .cross(surface.vertices[face[2]] - surface.vertices[face[0]]);
+    // Measured: 2.5e-8; normals are in single precision.
+    EXPECT_LT((surface.normals[surface.faceNormals[k]] - across.normalized()).norm(), 1e-6);
+  }
+}
+
+TEST(Mesh, PlyIsTriangulatedInDoublePrecision) {
+  const std::string text = written(polygons(), "state.ply");
+  EXPECT_THAT(text, HasSubstr("property double x\nproperty double y\nproperty double z\n"));
+  EXPECT_THAT(text, ::testing::Not(HasSubstr("float")));
+  const Surface surface = readPly(text);
+  EXPECT_EQ(surface.faces.size(), 8U + 12U + 16U);
+  for (const std::vector<int>& face : surface.faces) EXPECT_EQ(face.size(), 3U);
+}
+
+TEST(Mesh, IsReadBackByAssimp) {
+  const Layout layout = hingedSquares();
+  const TemporaryFolder folder;
+  for (const auto& [name, meshes] : {std::pair{"state.obj", 4U}, std::pair{"state.ply", 1U}}) {
+    writeMesh(folder / name, layout.bricks, layout.poses);
+    Assimp::Importer importer;
+    const aiScene* scene = importer.ReadFile((folder / name).string(), 0);
+    ASSERT_NE(scene, nullptr) << importer.GetErrorString();
+    EXPECT_EQ(scene->mNumMeshes, meshes);
+  }
+}
+
+TEST(Mesh, IsCountedByTheAssimpProgram) {
+  if (!test::hasProgram("assimp")) GTEST_SKIP() << "install assimp-utils to judge meshes by it";
+  const Layout layout = hingedSquares();
+  const TemporaryFolder folder;
+  const auto counts = [&](const std::string& name) {
+    writeMesh(folder / name, layout.bricks, layout.poses);
+    const std::string info = test::outputOf("assimp info '" + (folder / name).string() + "' --raw");
+    const auto numberAfter = [&](const std::string& label) {
+      const std::size_t place = info.find(label);
+      return place == std::string::npos ? -1 : std::stoi(info.substr(place + label.size()));
+    };
+    return std::pair{numberAfter("Meshes:"), numberAfter("Faces:")};
+  };
+  EXPECT_EQ(counts("state.obj"), (std::pair{4, 24}));
+  EXPECT_EQ(counts("state.ply"), (std::pair{1, 48}));
+}
+
+TEST(Mesh, HasTheSameBytesTwice) {
+  for (const char* name : {"state.obj", "state.ply"}) {
+    EXPECT_EQ(written(hingedSquares(), name), written(hingedSquares(), name));
+  }
+}
+
+TEST(Mesh, SaysWhichEndingsItKnows) {
+  const Layout layout = polygons();
+  const TemporaryFolder folder;
+  for (const auto& [name, ending] :
+       {std::pair{"state.stl", ".stl"}, std::pair{"state", ""}, std::pair{"state.OBJ", ".OBJ"}}) {
+    const std::filesystem::path path = folder / name;
+    try {
+      writeMesh(path, layout.bricks, layout.poses);
+      ADD_FAILURE() << "nothing was thrown";
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.what(), path.string() + ": error: \"" + ending +
+                                  "\" is no mesh format known here; let the name end in .obj or "
+                                  ".ply");
+    }
+  }
+  EXPECT_TRUE(folder.isEmpty());
+}
+
+TEST(Mesh, LeavesNothingWhereItCannotWrite) {
+  const Layout layout = polygons();
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder / "missing" / "state.obj";
+  try {
+    writeMesh(path, layout.bricks, layout.poses);
+    ADD_FAILURE() << "nothing was thrown";
+  } catch (const OutputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr(path.parent_path().string() + ": error: "));
+    EXPECT_THAT(error.what(), HasSubstr("No such file or directory"));
+  }
+  EXPECT_TRUE(folder.isEmpty());
+}
+
+TEST(Mesh, SaysThatAssimpCannot) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder / "empty.ply";
+  try {
+    writeMesh(path, {}, {});
+    ADD_FAILURE() << "nothing was thrown";
+  } catch (const OutputError& error) {
+    EXPECT_EQ(error.what(), path.string() + ": error: assimp cannot make this mesh ()");
+  }
+  EXPECT_TRUE(folder.isEmpty());
+}
+
+}  // namespace
+}  // namespace kirireel
