@@ -74,9 +74,10 @@ TEST(Program, ReportsTheCompilersWordsInOneLine) {
 TEST(Program, ReportsShadersThatDoNotFitTogether) {
   const Context context;
   const std::string message = messageOf([] {
-    const Program program(kVertexShader,
-                          "#version 330 core\nin vec4 shade;\nout vec4 colour;\n"
-                          "void main() { colour = shade; }\n");
+    const Program program(
+        "#version 330 core\nout vec2 shade;\nvoid main() { shade = vec2(0.0); gl_Position = "
+        "vec4(0.0); }\n",
+        "#version 330 core\nin vec4 shade;\nout vec4 colour;\nvoid main() { colour = shade; }\n");
   });
   EXPECT_THAT(message, StartsWith("error: the OpenGL driver refuses a shader ("));
 }
