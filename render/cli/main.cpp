@@ -33,7 +33,7 @@ Model readModel(const std::filesystem::path& folder) {
   std::vector<std::string> warnings;
   Model model = readModelFolder(folder, warnings);
   for (const std::string& warning : warnings) {
-    fmt::print(stderr, "kirireel: warning: {}\n", warning);
+    fmt::print(stderr, "kirireel: {}\n", warning);
   }
   alignStartToTarget(model);
   return model;

@@ -1,0 +1,168 @@
+#include "render/record/record.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "render/png/png.h"
+#include "render/record/album.h"
+#include "render/record/summary.h"
+#include "sim/base/error.h"
+#include "sim/model/tessellation.h"
+
+namespace kirireel {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+Scene tessellationScene() {
+  Scene scene;
+  scene.model = makeTessellation({});
+  scene.stop.duration = 0.4;
+  return scene;
+}
+
+class RecordTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern = (fs::temp_directory_path() / "kirireel_test_XXXXXX").string();
+    settings_.folder = ::mkdtemp(pattern.data());
+    settings_.size = {96, 64};
+    settings_.grid = {1, 2};
+    settings_.framesPerSecond = 20;
+  }
+  void TearDown() override { fs::remove_all(settings_.folder); }
+
+  std::string messageOfRecording() {
+    try {
+      record(tessellationScene(), settings_, proceed_);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  RecordSettings settings_;
+  ProgressObserver proceed_ = [](const Progress&) { return true; };
+};
+
+TEST_F(RecordTest, PaintsAFrameForEachSample) {
+  settings_.frames = true;
+  const RunSummary summary = record(tessellationScene(), settings_, proceed_);
+  EXPECT_EQ(summary.videoFrames, 9);  // 0.4 s at 20 a second, and the start
+  EXPECT_THAT(summary.files, Contains("frames/frame_00008.png"));
+  EXPECT_THAT(summary.files, Not(Contains("frames/frame_00009.png")));
+  EXPECT_GT(summary.recordCost.peakMemoryBytes, 1 << 20);
+}
+
+TEST_F(RecordTest, ReportsProgressOfBothStagesToTheEnd) {
+  std::vector<double> deploying;
+  std::vector<double> painting;
+  record(tessellationScene(), settings_, [&](const Progress& progress) {
+    (std::string(progress.stage) == "deploying" ? deploying : painting).push_back(progress.share);
+    return true;
+  });
+  EXPECT_TRUE(std::is_sorted(deploying.begin(), deploying.end()));
+  EXPECT_TRUE(std::is_sorted(painting.begin(), painting.end()));
+  EXPECT_NEAR(deploying.back(), 1, 1e-12);
+  EXPECT_EQ(painting.back(), 1);
+}
+
+TEST_F(RecordTest, InterruptedWhileDeployingKeepsWhatWasDone) {
+  int samples = 0;
+  const RunSummary summary = record(tessellationScene(), settings_, [&](const Progress& progress) {
+    return std::string(progress.stage) == "painting" || ++samples < 4;
+  });
+  EXPECT_EQ(summary.outcome, Outcome::Interrupted);
+  EXPECT_EQ(summary.videoFrames, 4);
+  EXPECT_TRUE(fs::exists(settings_.folder / "deployment.mp4"));
+}
+
+TEST_F(RecordTest, InterruptedWhilePaintingEndsTheVideoThere) {
+  const RunSummary summary = record(tessellationScene(), settings_, [](const Progress& progress) {
+    return std::string(progress.stage) == "deploying" || progress.share < 0.3;
+  });
+  EXPECT_EQ(summary.outcome, Outcome::Interrupted);
+  EXPECT_EQ(summary.reason, "stopped while painting; the video ends at 0.1 s");
+  EXPECT_EQ(summary.videoFrames, 3);
+}
+
+TEST_F(RecordTest, WithoutPicturesNeedsNoGraphics) {
+  settings_.video = settings_.snapshots = settings_.meshes = false;
+  const RunSummary summary = record(tessellationScene(), settings_, proceed_);
+  EXPECT_EQ(summary.graphics, "");
+  EXPECT_THAT(summaryJson(tessellationScene(), settings_, summary), HasSubstr("\"opengl\": null"));
+  EXPECT_THAT(summary.files, testing::ElementsAre("final_vertices.txt", "summary.json"));
+}
+
+TEST_F(RecordTest, ErrorsThatDoNotExistAreNull) {
+  Scene scene = tessellationScene();
+  scene.model.target.reset();
+  settings_.video = settings_.snapshots = settings_.meshes = false;
+  const RunSummary summary = record(scene, settings_, proceed_);
+  const std::string json = summaryJson(scene, settings_, summary);
+  EXPECT_THAT(json, HasSubstr("\"target_error_end\": null"));
+  EXPECT_THAT(json, HasSubstr("\"rigid_floor\": null"));
+}
+
+TEST_F(RecordTest, DivergedRunLeavesItsFilesAndSaysSo) {
+  Scene scene = tessellationScene();
+  // The explicit baseline with a stiffness far beyond its step.
+  scene.solver.kind = SolverKind::Bullet;
+  scene.solver.substeps = 1;
+  scene.springs.springStiffness = 1e9;
+  scene.springs.torqueStiffness = 1e9;
+  const RunSummary summary = record(scene, settings_, proceed_);
+  EXPECT_EQ(summary.outcome, Outcome::Diverged);
+  EXPECT_THAT(summary.reason, HasSubstr("left all bounds"));
+  for (const char* name : {"deployment.mp4", "snapshots.png", "final.obj", "summary.json"}) {
+    EXPECT_TRUE(fs::exists(settings_.folder / name)) << name;
+  }
+}
+
+TEST_F(RecordTest, RefusesSettingsOutOfRangeBeforeTheRun) {
+  settings_.framesPerSecond = 0;
+  EXPECT_THAT(messageOfRecording(), HasSubstr("0"));
+  settings_.framesPerSecond = 30;
+  settings_.size = {97, 64};
+  EXPECT_THAT(messageOfRecording(), HasSubstr("--size 98x64"));
+  settings_.size = {0, 64};
+  EXPECT_NE(messageOfRecording(), "");
+  settings_.size = {8000, 8000};
+  settings_.grid = {10, 10};
+  EXPECT_NE(messageOfRecording(), "");
+}
+
+/// Whether the outermost rows and columns of a picture hold nothing but the background.
+bool hasFreeBorder(const Frame& frame) {
+  const Colour background = frame.at(0, 0);
+  for (int x = 0; x < frame.size.width; ++x) {
+    if (frame.at(x, 0) != background || frame.at(x, frame.size.height - 1) != background)
+      return false;
+  }
+  for (int y = 0; y < frame.size.height; ++y) {
+    if (frame.at(0, y) != background || frame.at(frame.size.width - 1, y) != background)
+      return false;
+  }
+  return true;
+}
+
+TEST_F(RecordTest, CameraShowsEveryFrameWhole) {
+  settings_.frames = true;
+  for (const ViewAngles view : {kTopView, kFrontView, kIsometricView}) {
+    settings_.view = view;
+    const RunSummary summary = record(tessellationScene(), settings_, proceed_);
+    for (const std::string& file : summary.files) {
+      if (!file.starts_with("frames/")) continue;
+      EXPECT_TRUE(hasFreeBorder(readPng(settings_.folder / file))) << file;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace kirireel
