@@ -50,10 +50,12 @@ PixelBox withMargin(const PixelBox& box, FrameSize size) {
 }
 
 Frame cutOut(const Frame& frame, const PixelBox& box) {
+  const std::ptrdiff_t first = std::ptrdiff_t{4} * box.min().x();
+  const std::ptrdiff_t end = std::ptrdiff_t{4} * (box.max().x() + 1);
   Frame part{{box.sizes().x() + 1, box.sizes().y() + 1}, {}};
   for (int y = box.min().y(); y <= box.max().y(); ++y) {
     const auto row = frame.pixels.begin() + static_cast<std::ptrdiff_t>(frame.rowStart(y));
-    part.pixels.insert(part.pixels.end(), row + box.min().x() * 4, row + (box.max().x() + 1) * 4);
+    part.pixels.insert(part.pixels.end(), row + first, row + end);
   }
   return part;
 }

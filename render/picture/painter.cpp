@@ -222,6 +222,7 @@ class VertexBuffer {
   static void attribute(GLuint location, GLint channels, GLenum type, GLboolean normalised,
                         std::size_t offset) {
     glEnableVertexAttribArray(location);
+    // OpenGL takes the offset as a pointer. NOLINTNEXTLINE(performance-no-int-to-ptr)
     glVertexAttribPointer(location, channels, type, normalised, sizeof(Vertex),
                           reinterpret_cast<const void*>(offset));
   }

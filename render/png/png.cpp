@@ -1,6 +1,7 @@
 #include "render/png/png.h"
 
 #include <cerrno>
+#include <cmath>
 #include <csetjmp>
 #include <cstdio>
 #include <cstring>
@@ -68,7 +69,7 @@ void writeHeader(png_structp png, png_infop info, const Frame& frame, bool opaqu
   png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
   if (settings.dotsPerInch.has_value()) {
     const auto dotsPerMetre =
-        static_cast<png_uint_32>(*settings.dotsPerInch / kMetresPerInch + 0.5);
+        static_cast<png_uint_32>(std::lround(*settings.dotsPerInch / kMetresPerInch));
     png_set_pHYs(png, info, dotsPerMetre, dotsPerMetre, PNG_RESOLUTION_METER);
   }
   png_set_compression_level(png, settings.compressionLevel);
@@ -131,6 +132,8 @@ Frame readPng(const std::filesystem::path& path) {
                                path.string(), reason));
 }
 
-std::string pngLibraryVersion() { return png_get_libpng_ver(nullptr); }
+std::string pngLibraryVersion() {
+  return png_get_libpng_ver(nullptr);
+}
 
 }  // namespace kirireel
