@@ -225,8 +225,8 @@ DeploymentResult Run::finish(const SampleObserver& observer) {
   while (goOn && result_.trajectory.samples.back().time < scene_.stop.duration - 0.5 * step_) {
     goOn = advanceSample();
     if (goOn && observer) goOn = observer(result_.trajectory.samples.back());
-    if (!goOn && !ended_) end(Outcome::Interrupted, "ended early by the caller");
   }
+  if (!goOn && !ended_) end(Outcome::Interrupted, "ended early by the caller");
   if (!ended_)
     end(Outcome::OutOfTime, fmt::format("still moving after {:.4g} s", scene_.stop.duration));
   if (stepCount_ > 0) result_.accuracy.jointGapMean = gapSum_ / static_cast<double>(stepCount_);
