@@ -1,0 +1,111 @@
+#include "sim/scene/scene.h"
+
+#include <gtest/gtest.h>
+
+#include "sim/model/tessellation.h"
+
+namespace kirireel {
+namespace {
+
+Scene sheetScene() {
+  Scene scene;
+  scene.model = makeTessellation({});
+  return scene;
+}
+
+void expectNeed(const Need& need, bool on, const std::string& reason) {
+  EXPECT_EQ(need.on, on);
+  EXPECT_EQ(need.reason, reason);
+}
+
+TEST(SceneNeeds, FlatStartAndTargetArePlanar) {
+  Scene scene = sheetScene();
+  expectNeed(sceneNeeds(scene).planar, true, "start and target lie in horizontal planes");
+  scene.model.target.reset();
+  expectNeed(sceneNeeds(scene).planar, true, "the start lies in a horizontal plane");
+}
+
+TEST(SceneNeeds, OneTiltedTileIsNotPlanar) {
+  Scene scene = sheetScene();
+  scene.model.tiles[3].vertices[2].z() += 1e-6;
+  expectNeed(sceneNeeds(scene).planar, false, "the start is not flat");
+  scene = sheetScene();
+  (*scene.model.target)[3].vertices[2].z() += 1e-6;
+  expectNeed(sceneNeeds(scene).planar, false, "the target is not flat");
+}
+
+TEST(SceneNeeds, RoundingIsFlat) {
+  Scene scene = sheetScene();
+  scene.model.tiles[3].vertices[2].z() += 1e-12;
+  EXPECT_TRUE(sceneNeeds(scene).planar.on);
+}
+
+TEST(SceneNeeds, GravityIsPlanarOnlyOnTheGround) {
+  Scene scene = sheetScene();
+  scene.environment.gravity = {0, 0, -10};
+  expectNeed(sceneNeeds(scene).planar, false, "gravity pulls out of the plane");
+  scene.environment.ground = Ground{};
+  EXPECT_TRUE(sceneNeeds(scene).planar.on);
+  scene.environment.gravity = {0, 0, 10};
+  expectNeed(sceneNeeds(scene).planar, false, "gravity pulls out of the plane");
+  scene.environment.gravity = {0.1, 0, -10};
+  expectNeed(sceneNeeds(scene).planar, false, "gravity is not vertical");
+}
+
+TEST(SceneNeeds, TheUserCanOverrideThePlane) {
+  Scene scene = sheetScene();
+  scene.solver.planar = false;
+  expectNeed(sceneNeeds(scene).planar, false, "asked for");
+  scene.model.tiles[0].vertices[0].z() = 1;
+  scene.solver.planar = true;
+  expectNeed(sceneNeeds(scene).planar, true, "asked for");
+}
+
+TEST(SceneNeeds, ContactsFollowTheFilter) {
+  Scene scene = sheetScene();
+  expectNeed(sceneNeeds(scene).contacts, true, "all bricks may touch");
+  scene.environment.contacts = ContactFilter::Unjoined;
+  expectNeed(sceneNeeds(scene).contacts, true, "unjoined bricks may touch");
+  scene.environment.contacts = ContactFilter::None;
+  expectNeed(sceneNeeds(scene).contacts, false, "contacts are switched off");
+}
+
+TEST(SceneNeeds, ASingleBrickTouchesNone) {
+  Scene scene;
+  scene.model = makeTessellation({1, 1});
+  expectNeed(sceneNeeds(scene).contacts, false, "a single brick");
+}
+
+TEST(SceneNeeds, GroundIsAContactOnlyInSpace) {
+  Scene scene = sheetScene();
+  expectNeed(sceneNeeds(scene).ground, false, "no ground");
+  scene.environment.ground = Ground{};
+  expectNeed(sceneNeeds(scene).ground, false,
+             "planar: gravity is the normal load, only friction is modelled");
+  scene.solver.planar = false;
+  expectNeed(sceneNeeds(scene).ground, true, "bricks may touch the ground");
+}
+
+TEST(LowestPoint, OfAModelIsOverStartAndTarget) {
+  Model model = makeTessellation({});
+  EXPECT_EQ(lowestPoint(model), 0);
+  model.tiles[2].vertices[1].z() = -0.5;
+  EXPECT_EQ(lowestPoint(model), -0.5);
+  (*model.target)[5].vertices[0].z() = -2;
+  EXPECT_EQ(lowestPoint(model), -2);
+  model.target.reset();
+  EXPECT_EQ(lowestPoint(model), -0.5);
+}
+
+TEST(LowestPoint, OfASceneCountsTheThickness) {
+  // A tile that faces down is thickened downwards.
+  Scene scene;
+  scene.model.tiles = {{{{0, 0, 3}, {0, 1, 3}, {1, 1, 3}, {1, 0, 3}}}};
+  scene.brick.thickness = 0.25;
+  EXPECT_NEAR(lowestPoint(scene), 2.75, 1e-15);
+  scene.model.target = {{{{{0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}}}}};
+  EXPECT_NEAR(lowestPoint(scene), 1, 1e-15);
+}
+
+}  // namespace
+}  // namespace kirireel
