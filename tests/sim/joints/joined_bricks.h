@@ -1,0 +1,70 @@
+/// Bricks with their joints and their motion, for tests of the joint solver.
+#pragma once
+
+#include <random>
+
+#include "sim/actuation/environment_load.h"
+#include "sim/actuation/target_springs.h"
+#include "sim/brick/brick.h"
+#include "sim/joints/joint_solver.h"
+#include "sim/model/tessellation.h"
+
+namespace kirireel::test {
+
+/// What a joint solver works on, at rest in the model's start.
+struct JoinedBricks {
+  explicit JoinedBricks(const Model& start, double thickness = 0.02)
+      : model(start),
+        bricks(makeBricks(start.tiles, {thickness, MassRule::Unit, 1})),
+        pivots(makePivots(start.joints, bricks)),
+        motion{startPoses(start.tiles, bricks), std::vector<Velocity>(bricks.size())} {}
+
+  std::unique_ptr<JointSolver> solver(bool planar) const {
+    return makeJointSolver(bricks, pivots, {planar, tileSize(model), {}});
+  }
+
+  Model model;
+  std::vector<Brick> bricks;
+  std::vector<Pivot> pivots;
+  Motion motion;
+};
+
+/// An opened sheet of unit squares, whose target is half open.
+inline Model openSheet(int side, double startAngle) {
+  TessellationShape shape;
+  shape.columns = shape.rows = side;
+  shape.startAngle = startAngle;
+  return makeTessellation(shape);
+}
+
+/// Target springs and the environment's damping, as a deployment has them.
+inline LoadSource springLoads(const JoinedBricks& sheet, const TargetSprings& springs,
+                              const Environment& environment) {
+  return [&](const Poses& poses, std::vector<Load>& loads) {
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      loads[i] = springs.load(static_cast<int>(i), poses[i], 1);
+      addEnvironmentLoad(environment, sheet.bricks[i], poses[i], loads[i]);
+    }
+  };
+}
+
+/// Loads that push nothing.
+inline void noLoads(const Poses&, std::vector<Load>& loads) {
+  std::fill(loads.begin(), loads.end(), Load{});
+}
+
+/// Uniform in [-1, 1], the same on every machine.
+class Numbers {
+ public:
+  explicit Numbers(unsigned seed) : generator_(seed) {}
+  double next() { return static_cast<double>(generator_()) / 2147483647.5 - 1; }
+  Vector3 vector() {
+    const double x = next(), y = next(), z = next();
+    return {x, y, z};
+  }
+
+ private:
+  std::mt19937 generator_;
+};
+
+}  // namespace kirireel::test
