@@ -1,0 +1,50 @@
+// Models that other people made, where they stand beside the repository; skipped where they do not.
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/run_program.h"
+
+namespace kirireel {
+namespace {
+
+/// A model, its options, and the target error at which PyKirigami ends on it.
+struct PublishedModel {
+  std::string name;
+  std::vector<std::string> options;
+  double peerError = 0;
+};
+
+void PrintTo(const PublishedModel& model, std::ostream* stream) {
+  *stream << model.name;
+}
+
+class PublishedModels : public testing::TestWithParam<PublishedModel> {};
+
+TEST_P(PublishedModels, EndNearerToTheTargetThanThePeer) {
+  const PublishedModel& model = GetParam();
+  const auto folder =
+      std::filesystem::path(KIRIREEL_SOURCE_DIR).parent_path() / "shared/models" / model.name;
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not there";
+  const ScratchFolder scratch;
+  std::vector<std::string> arguments = {"simulate", folder.string(), "--contacts",
+                                        "none",     "--out",         scratch.path().string()};
+  arguments.insert(arguments.end(), model.options.begin(), model.options.end());
+  const ProgramEnd end = runKirireel(arguments);
+  EXPECT_EQ(end.exitCode, 0) << end.out << end.err;
+  const auto accuracy = nlohmann::json::parse(readText(scratch / "summary.json"))["accuracy"];
+  EXPECT_LT(accuracy["target_error_end"], model.peerError);
+  EXPECT_LT(accuracy["joint_gap_max"], 1e-9);  // 5.6e-11 on the cylinder, 1e-12 on the others
+}
+
+// Ends measured: 6.0e-7, 1.6e-4, 2.7e-4, 8.7e-3, 3.3e-6.
+INSTANTIATE_TEST_SUITE_P(
+    Command, PublishedModels,
+    testing::Values(PublishedModel{"cylinder", {"--force-damping", "80"}, 0.020},
+                    PublishedModel{"partialSphere", {}, 0.151},
+                    PublishedModel{
+                        "mobius", {"--spring-stiffness", "25", "--thickness", "0.005"}, 0.333},
+                    PublishedModel{"square2disk", {"--spring-stiffness", "25"}, 0.105},
+                    PublishedModel{"tess_m10_n10", {"--ground"}, 0.19}));
+
+}  // namespace
+}  // namespace kirireel
