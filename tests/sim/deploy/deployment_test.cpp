@@ -1,0 +1,188 @@
+#include "sim/deploy/deployment.h"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/base/error.h"
+#include "sim/model/folder.h"
+#include "sim/model/tessellation.h"
+
+namespace kirireel {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// A 3 x 3 sheet without contacts: the quickest scene that does all.
+Scene smallScene() {
+  Scene scene;
+  TessellationShape shape;
+  shape.columns = shape.rows = 3;
+  scene.model = makeTessellation(shape);
+  scene.environment.contacts = ContactFilter::None;
+  return scene;
+}
+
+Scene shippedScene() {
+  Scene scene;
+  std::vector<std::string> warnings;
+  scene.model = readModelFolder(KIRIREEL_SOURCE_DIR "/data/tessellation_4x4", warnings);
+  return scene;
+}
+
+TEST(Deploy, TheShippedSheetSettlesAtItsTarget) {
+  const DeploymentResult result = deploy(shippedScene(), 1.0 / 60, nullptr);
+  EXPECT_EQ(result.outcome, Outcome::Settled) << result.reason;
+  EXPECT_THAT(result.reason, HasSubstr("from the target"));
+  EXPECT_LT(result.accuracy.jointGapMax, 1e-10);    // measured 1e-12
+  EXPECT_LT(result.accuracy.targetErrorEnd, 1e-3);  // measured 7e-7
+  EXPECT_LT(result.accuracy.penetrationMax, 1e-6);  // measured 1e-13
+  EXPECT_EQ(result.cost.unconvergedSteps, 0);
+  EXPECT_TRUE(result.needs.planar.on);
+}
+
+TEST(Deploy, BulletSettlesItToo) {
+  Scene scene = shippedScene();
+  scene.solver.kind = SolverKind::Bullet;
+  scene.environment.contacts = ContactFilter::None;
+  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_EQ(result.outcome, Outcome::Settled) << result.reason;
+  EXPECT_LT(result.accuracy.jointGapMax, 1e-3);     // measured 9e-5
+  EXPECT_LT(result.accuracy.targetErrorEnd, 1e-2);  // measured 1e-6
+}
+
+TEST(Deploy, AccuracyDescribesTheSamples) {
+  const DeploymentResult result = deploy(smallScene(), 1.0 / 60, nullptr);
+  const std::vector<Sample>& samples = result.trajectory.samples;
+  const Accuracy& accuracy = result.accuracy;
+  EXPECT_EQ(accuracy.targetErrorStart, samples.front().targetError);
+  EXPECT_EQ(accuracy.targetErrorEnd, samples.back().targetError);
+  EXPECT_EQ(accuracy.jointGapEnd, samples.back().jointGap);
+  EXPECT_LE(accuracy.targetErrorMin, samples.back().targetError);
+  EXPECT_LE(accuracy.jointGapMean, accuracy.jointGapMax);
+  EXPECT_LE(samples.back().jointGap, accuracy.jointGapMax);
+  EXPECT_LT(accuracy.rigidFloor, 1e-14);
+  EXPECT_EQ(result.trajectory.bricks.size(), 9U);
+  for (const Sample& sample : samples) EXPECT_EQ(sample.poses.size(), 9U);
+  EXPECT_GT(result.cost.cpuSeconds, 0);
+}
+
+TEST(Deploy, SamplesAreEquallySpacedAndStepsDivideThem) {
+  for (const double rate : {60.0, 25.0, 7.0, 1000.0}) {
+    Scene scene = smallScene();
+    scene.stop.duration = 0.5;
+    const DeploymentResult result = deploy(scene, 1 / rate, nullptr);
+    const std::vector<Sample>& samples = result.trajectory.samples;
+    ASSERT_GE(samples.size(), 2U);
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      EXPECT_NEAR(samples[i].time, static_cast<double>(i) / rate, 1e-13);
+    }
+    // The longest step up to 1/240 s that goes into the interval a whole number of times.
+    const long stepsPerSample = std::lround(std::ceil(240 / rate - 1e-9));
+    const long plain = stepsPerSample * (static_cast<long>(samples.size()) - 1);
+    EXPECT_EQ(result.cost.steps - result.cost.halvedSteps, plain) << rate;
+  }
+}
+
+TEST(Deploy, RunsForItsDuration) {
+  Scene scene = smallScene();
+  scene.stop.duration = 0.2;
+  const DeploymentResult result = deploy(scene, 0.05, nullptr);
+  EXPECT_EQ(result.outcome, Outcome::OutOfTime);
+  EXPECT_EQ(result.reason, "still moving after 0.2 s");
+  EXPECT_NEAR(result.trajectory.samples.back().time, 0.2, 1e-12);
+}
+
+TEST(Deploy, AnUnreachableTargetLocks) {
+  Scene scene = smallScene();
+  for (Tile& tile : *scene.model.target) {
+    for (Vector3& vertex : tile.vertices) vertex *= 1.2;  // the tiles do not grow with it
+  }
+  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_EQ(result.outcome, Outcome::Locked) << result.reason;
+  EXPECT_THAT(result.reason, HasSubstr("short of the target"));
+  EXPECT_GT(result.accuracy.targetErrorEnd, result.accuracy.rigidFloor);
+}
+
+TEST(Deploy, WithoutTargetItSettlesWhereItStands) {
+  Scene scene = smallScene();
+  scene.model.target.reset();
+  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_EQ(result.outcome, Outcome::Settled);
+  EXPECT_EQ(result.reason, "everything came to rest; there is no target");
+  EXPECT_EQ(result.accuracy.targetErrorEnd, 0);
+}
+
+TEST(Deploy, TheObserverSeesEverySampleAndCanEndTheRun) {
+  std::size_t seen = 0;
+  const DeploymentResult result =
+      deploy(smallScene(), 1.0 / 60, [&](const Sample&) { return ++seen < 5; });
+  EXPECT_EQ(result.outcome, Outcome::Interrupted);
+  EXPECT_EQ(result.reason, "ended early by the caller");
+  EXPECT_EQ(seen, 5U);
+  EXPECT_EQ(result.trajectory.samples.size(), 5U);
+}
+
+TEST(Deploy, ExplicitJointsUnderAbsurdStiffnessDiverge) {
+  Scene scene = smallScene();
+  scene.solver.kind = SolverKind::Bullet;
+  scene.springs.springStiffness = scene.springs.torqueStiffness = 1e9;
+  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_EQ(result.outcome, Outcome::Diverged);
+  EXPECT_THAT(result.reason, HasSubstr("a brick left all bounds at "));
+  EXPECT_THAT(result.reason, HasSubstr("try a shorter --timestep or more damping"));
+}
+
+TEST(Deploy, ExactJointsBearTheSameStiffness) {
+  Scene scene = smallScene();
+  scene.springs.springStiffness = scene.springs.torqueStiffness = 1e9;
+  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_EQ(result.outcome, Outcome::Settled) << result.reason;
+  EXPECT_LT(result.accuracy.jointGapMax, 1e-10);  // measured 4e-13
+}
+
+TEST(Deploy, ClosesAnOpenStartAndTellsHowFarThatWent) {
+  Scene scene = smallScene();
+  for (Vector3& vertex : scene.model.tiles[4].vertices) vertex.x() += 1e-3;
+  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_GT(result.accuracy.assemblyMove, 1e-4);
+  EXPECT_LT(result.accuracy.assemblyMove, 2e-3);
+  EXPECT_LT(result.trajectory.samples.front().jointGap, 1e-10);
+  EXPECT_EQ(deploy(smallScene(), 1.0 / 60, nullptr).accuracy.assemblyMove, 0);
+}
+
+std::string errorOf(const Scene& scene, double interval) {
+  try {
+    deploy(scene, interval, nullptr);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "none";
+}
+
+TEST(Deploy, RefusesTimesThatMakeNoSense) {
+  EXPECT_EQ(errorOf(smallScene(), 0),
+            "the time between samples is 0, but must be a positive number of seconds");
+  Scene scene = smallScene();
+  scene.solver.timestep = -0.5;
+  EXPECT_EQ(errorOf(scene, 0.1), "the timestep is -0.5, but must be a positive number of seconds");
+  scene = smallScene();
+  scene.stop.duration = NAN;
+  EXPECT_EQ(errorOf(scene, 0.1), "the duration is nan, but must be a positive number of seconds");
+}
+
+TEST(Deploy, RefusesAModelWithoutTiles) {
+  EXPECT_EQ(errorOf({}, 0.1), "the model has no tiles; add one to vertices.txt");
+}
+
+TEST(Outcome, HasAName) {
+  EXPECT_EQ(toString(Outcome::Settled), "settled");
+  EXPECT_EQ(toString(Outcome::Locked), "locked");
+  EXPECT_EQ(toString(Outcome::OutOfTime), "out_of_time");
+  EXPECT_EQ(toString(Outcome::Diverged), "diverged");
+  EXPECT_EQ(toString(Outcome::Interrupted), "interrupted");
+}
+
+}  // namespace
+}  // namespace kirireel

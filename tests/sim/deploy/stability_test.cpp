@@ -1,0 +1,78 @@
+/// No stiffness, damping, step or thickness makes a run diverge or its energy grow.
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "sim/model/alignment.h"
+#include "sim/model/folder.h"
+#include "sim/model/tessellation.h"
+#include "tests/support/stepped_scene.h"
+
+namespace kirireel {
+namespace {
+
+constexpr double kStiffnesses[] = {1, 25, 100, 200, 2000};
+constexpr double kDampings[] = {0.1, 2, 10, 50, 100};
+constexpr double kStepRates[] = {960, 240, 60, 30};
+constexpr double kThicknesses[] = {0.001, 0.02, 0.2, 2};
+
+/// Every stiffness with every damping, steps and thicknesses taken in turn so that each meets each.
+void expectStable(Scene scene, int steps) {
+  alignStartToTarget(scene.model);
+  for (int s = 0; s < 5; ++s) {
+    for (int d = 0; d < 5; ++d) {
+      const double rate = kStepRates[(s + d) % 4];
+      scene.springs.springStiffness = kStiffnesses[s];
+      scene.springs.forceDamping = kDampings[d];
+      scene.solver.timestep = 1 / rate;
+      scene.brick.thickness = kThicknesses[(s + 2 * d + s / 2) % 4];
+      SCOPED_TRACE(fmt::format("k_f {}, mu_v {}, step 1/{}, thickness {}", kStiffnesses[s],
+                               kDampings[d], rate, scene.brick.thickness));
+      const test::Stability result = test::watchStability(scene, steps);
+      EXPECT_TRUE(result.finite);
+      EXPECT_LT(result.growth, 1e-12);  // measured 4e-16
+      EXPECT_LT(result.gap, 1e-10);     // measured 2e-12
+      EXPECT_EQ(result.unconverged, 0);
+    }
+  }
+}
+
+Scene sheet(bool planar, ContactFilter contacts) {
+  Scene scene;
+  scene.model = makeTessellation({});
+  scene.solver.planar = planar;
+  scene.environment.contacts = contacts;
+  return scene;
+}
+
+TEST(Stability, OfASheetInThePlane) {
+  expectStable(sheet(true, ContactFilter::None), 120);
+}
+
+TEST(Stability, OfASheetInSpace) {
+  expectStable(sheet(false, ContactFilter::None), 120);
+}
+
+TEST(Stability, OfASheetWithContacts) {
+  expectStable(sheet(true, ContactFilter::All), 60);
+}
+
+class StabilityOfModel : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(StabilityOfModel, HoldsWithoutContacts) {
+  const std::filesystem::path folder =
+      std::filesystem::path(KIRIREEL_SOURCE_DIR) / "../shared/models" / GetParam();
+  if (!exists(folder)) GTEST_SKIP() << folder << " is not here";
+  Scene scene;
+  std::vector<std::string> warnings;
+  scene.model = readModelFolder(folder, warnings);
+  scene.environment.contacts = ContactFilter::None;
+  expectStable(scene, 60);
+}
+
+INSTANTIATE_TEST_SUITE_P(Published, StabilityOfModel,
+                         ::testing::Values("square2disk", "partialSphere"));
+
+}  // namespace
+}  // namespace kirireel
