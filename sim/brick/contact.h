@@ -10,27 +10,38 @@ namespace kirireel {
 /// Index of "something that does not move" (the ground) in a contact.
 inline constexpr int kFixed = -1;
 
-/// A point of brick A that may not pass a plane of brick B. Both are kept in their bricks' axes, so
-/// that the gap is exact at any later pose, not only where the contact was found.
+/// A point of brick A that may not pass a plane of brick B, or an edge of A that may not pass an
+/// edge of B. All is kept in the bricks' axes, so that the gap is exact at any later pose, not only
+/// where the contact was found.
 struct Contact {
   int brickA = 0;
   int brickB = kFixed;  ///< or kFixed
   Vector3 pointA;       ///< on brick A, in its axes
-  Vector3 pointB;       ///< on the plane, in the axes of brick B, or of the world
-  Vector3 normal;       ///< unit, from B towards A, in the axes of brick B, or of the world
-  double friction = 0;  ///< Coulomb coefficient of the pair
-  double slack = 0;     ///< overlap that the pair had at the start and may keep, metres
+  Vector3 pointB;       ///< on the plane or edge, in the axes of brick B, or of the world
+  Vector3 normal;  ///< of the plane, unit, towards A, in the axes of B, or of the world; or the
+                   ///< direction of B's edge
+  bool isEdge = false;
+  Vector3 edgeA = Vector3::Zero();  ///< direction of A's edge, in its axes: edgeA x B's edge points
+                                    ///< from B towards A
+  double friction = 0;              ///< Coulomb coefficient of the pair
+  double slack = 0;                 ///< overlap that the pair had at the start and may keep, metres
 };
 
-/// Signed distance of the point from the plane at the given poses plus the slack, metres; negative
-/// where the contact is violated.
+/// The contact's unit normal from B towards A at the given poses, world axes.
+inline Vector3 contactNormal(const Contact& contact, const Poses& poses) {
+  if (contact.brickB == kFixed) return contact.normal;
+  const Vector3 ofB = poses[contact.brickB].rotation * contact.normal;
+  if (!contact.isEdge) return ofB;
+  return (poses[contact.brickA].rotation * contact.edgeA).cross(ofB).normalized();
+}
+
+/// Signed distance of the point from the plane, or of the edges, at the given poses plus the slack,
+/// metres; negative where the contact is violated.
 inline double contactGap(const Contact& contact, const Poses& poses) {
-  const Vector3 point = poses[contact.brickA].apply(contact.pointA);
-  if (contact.brickB == kFixed) {
-    return contact.normal.dot(point - contact.pointB) + contact.slack;
-  }
-  const Pose& pose = poses[contact.brickB];
-  return (pose.rotation * contact.normal).dot(point - pose.apply(contact.pointB)) + contact.slack;
+  const Vector3 pointA = poses[contact.brickA].apply(contact.pointA);
+  const Vector3 pointB =
+      contact.brickB == kFixed ? contact.pointB : poses[contact.brickB].apply(contact.pointB);
+  return contactNormal(contact, poses).dot(pointA - pointB) + contact.slack;
 }
 
 /// Tells a solver what its bricks run into.
@@ -38,14 +49,17 @@ class ContactSource {
  public:
   virtual ~ContactSource() = default;
 
-  /// Appends the contacts that a move from `start` to `end` violates. The bricks do not overlap at
-  /// `start` beyond rounding (or the overlap they began with). Returns whether any was appended.
-  virtual bool appendViolated(const Poses& start, const Poses& end,
-                              std::vector<Contact>& contacts) = 0;
+  /// Tells where a step starts. The bricks do not overlap there beyond rounding (or beyond the
+  /// overlap that they began with).
+  virtual void startStep(const Poses& start) = 0;
+
+  /// Appends contacts that the move from the start to `end` violates and that were not given since
+  /// the step started. Returns the largest overlap at `end`, metres.
+  virtual double appendViolated(const Poses& end, std::vector<Contact>& contacts) = 0;
 
   /// Whether a contact that carried load in the last step still is the only thing that keeps its
-  /// bricks apart at `poses`, so that the next step may start with it.
-  virtual bool isCurrent(const Poses& poses, const Contact& contact) const = 0;
+  /// bricks apart at the start of the step, so that the step may begin with it.
+  virtual bool isCurrent(const Contact& contact) const = 0;
 };
 
 }  // namespace kirireel

@@ -75,6 +75,7 @@ class Run {
   int stepsPerSample_;
   double step_;
   double size_;
+  double tileSize_;
   long stepCount_ = 0;
   double gapSum_ = 0;
   double restTime_ = 0;
@@ -92,7 +93,8 @@ Run::Run(const Scene& scene, double sampleInterval)
       stiffness_(scene.springs.adaptive && scene.model.target.has_value()),
       stepsPerSample_(static_cast<int>(std::ceil(sampleInterval / scene.solver.timestep - 1e-9))),
       step_(sampleInterval / stepsPerSample_),
-      size_(modelSize(scene.model)) {
+      size_(modelSize(scene.model)),
+      tileSize_(tileSize(scene.model)) {
   if (scene.model.target) {
     springs_.emplace(bricks_, *scene.model.target, scene.model.pulledTiles, scene.springs);
   }
@@ -159,7 +161,7 @@ void Run::observeStep() {
 void Run::updateRest() {
   double fastest = 0;
   for (const Velocity& velocity : motion_.velocities) {
-    const double speed = velocity.linear.norm() + velocity.angular.norm() * tileSize(scene_.model);
+    const double speed = velocity.linear.norm() + velocity.angular.norm() * tileSize_;
     fastest = std::max(fastest, speed);
   }
   restTime_ = fastest < scene_.stop.settleSpeed * size_ ? restTime_ + step_ : 0;
@@ -182,7 +184,7 @@ void Run::end(Outcome outcome, std::string reason) {
 
 void Run::endAtRest() {
   const double error = currentTargetError();
-  const double reachable = result_.accuracy.rigidFloor + kLockedShare * tileSize(scene_.model);
+  const double reachable = result_.accuracy.rigidFloor + kLockedShare * tileSize_;
   if (!scene_.model.target) {
     end(Outcome::Settled, "everything came to rest; there is no target");
   } else if (error <= reachable) {

@@ -1,13 +1,16 @@
 #include "sim/deploy/direct_dynamics.h"
 
+#include <algorithm>
+
 #include "sim/actuation/environment_load.h"
 
 namespace kirireel {
 
 namespace {
 
-// Overlaps below this part of a tile count as none.
-constexpr double kContactTolerance = 1e-7;
+// Overlaps below this part of a tile, and of the thickness, count as none.
+constexpr double kTilePart = 1e-5;
+constexpr double kThicknessPart = 2e-3;
 
 }  // namespace
 
@@ -19,9 +22,9 @@ DirectDynamics::DirectDynamics(const Scene& scene, const Needs& needs,
                               {needs.planar.on, tileSize(scene.model), {}})),
       substeps_(scene.solver.substeps.value_or(1)) {
   if (!needs.contacts.on && !needs.ground.on) return;
-  contacts_ = std::make_unique<ContactFinder>(bricks, start, makePivots(scene.model.joints, bricks),
-                                              scene.environment, needs.planar.on,
-                                              kContactTolerance * tileSize(scene.model));
+  contacts_ = std::make_unique<ContactFinder>(
+      bricks, start, makePivots(scene.model.joints, bricks), scene.environment, needs.planar.on,
+      std::min(kTilePart * tileSize(scene.model), kThicknessPart * scene.brick.thickness));
 }
 
 StepReport DirectDynamics::advance(Motion& motion, double step, const LoadSource& actuation) {

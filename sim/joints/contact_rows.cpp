@@ -6,12 +6,23 @@
 namespace kirireel {
 namespace {
 
-// An overlap at the start of a step is taken back by this part a step, not at once.
-constexpr double kRecovery = 0.2;
-
 std::array<Vector3, 2> tangentsOf(const Vector3& normal) {
   const Vector3 first = normal.unitOrthogonal();
   return {first, normal.cross(first)};
+}
+
+/// Adds what turning edges contribute: the normal of two edges turns with both bricks,
+///   d(a x b . d) = w_A . (a x (b x d)) + w_B . (b x (d x a)).
+template <int D>
+void addTurningNormal(ContactRow<D>& row, const Poses& poses) {
+  const Contact& contact = row.contact;
+  const Vector3 a = poses[contact.brickA].rotation * contact.edgeA;
+  const Vector3 b = poses[contact.brickB].rotation * contact.normal;
+  const Vector3 d =
+      poses[contact.brickA].apply(contact.pointA) - poses[contact.brickB].apply(contact.pointB);
+  const double length = a.cross(b).norm();
+  row.normalA += Coordinates<D>::turning(a.cross(b.cross(d)) / length);
+  row.normalB += Coordinates<D>::turning(b.cross(d.cross(a)) / length);
 }
 
 }  // namespace
@@ -70,15 +81,17 @@ void placeRow(ContactRow<D>& row, const Poses& poses) {
   const Contact& contact = row.contact;
   const Pose& poseA = poses[contact.brickA];
   const Vector3 armA = poseA.rotation * contact.pointA;
-  Vector3 normal = contact.normal;
+  const Vector3 normal = contactNormal(contact, poses);
   Vector3 armB = Vector3::Zero();
   if (contact.brickB != kFixed) {
-    // The plane turns with B, so B's arm too goes to A's point.
-    normal = poses[contact.brickB].rotation * contact.normal;
-    armB = poseA.position + armA - poses[contact.brickB].position;
+    // A plane of B turns with B, so B's arm too goes to A's point.
+    const Pose& poseB = poses[contact.brickB];
+    armB = contact.isEdge ? Vector3(poseB.rotation * contact.pointB)
+                          : Vector3(poseA.position + armA - poseB.position);
   }
   row.normalA = Coordinates<D>::pointVelocity(armA, normal);
   row.normalB = -Coordinates<D>::pointVelocity(armB, normal);
+  if (contact.isEdge) addTurningNormal(row, poses);
   const std::array<Vector3, 2> tangents = tangentsOf(normal);
   for (int k = 0; k < ContactRow<D>::kTangents; ++k) {
     row.tangentA.row(k) = Coordinates<D>::pointVelocity(armA, tangents[k]);
@@ -87,20 +100,21 @@ void placeRow(ContactRow<D>& row, const Poses& poses) {
 }
 
 template <int D>
-ContactRow<D> makeContactRow(const Contact& contact, const Poses& poses, double step) {
+ContactRow<D> makeContactRow(const Contact& contact, const Poses& poses, double step,
+                             double recovery) {
   ContactRow<D> row;
   row.contact = contact;
   placeRow(row, poses);
   const double gap = contactGap(contact, poses);
-  row.aim = gap < 0 ? (1 - kRecovery) * gap : 0;
-  row.bias = (gap - row.aim) / step;
+  row.aim = std::min(0.0, gap + recovery);
+  row.bias = std::max(0.0, gap) / step;
   return row;
 }
 
 template struct ContactRow<3>;
 template struct ContactRow<6>;
-template ContactRow<3> makeContactRow<3>(const Contact&, const Poses&, double);
-template ContactRow<6> makeContactRow<6>(const Contact&, const Poses&, double);
+template ContactRow<3> makeContactRow<3>(const Contact&, const Poses&, double, double);
+template ContactRow<6> makeContactRow<6>(const Contact&, const Poses&, double, double);
 template void placeRow<3>(ContactRow<3>&, const Poses&);
 template void placeRow<6>(ContactRow<6>&, const Poses&);
 

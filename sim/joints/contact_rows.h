@@ -24,8 +24,8 @@ struct ContactRow {
   bool hasNormal = true;  ///< false for supports, which only rub
   RowVector normalA, normalB;
   TangentRows tangentA, tangentB;
-  double bias = 0;        ///< (gap - gap aimed at) / step, m/s
-  double aim = 0;         ///< gap to be reached at the end of the step where it pushes, metres
+  double bias = 0;        ///< gap / step, m/s; 0 where they overlap
+  double aim = 0;         ///< gap that closing aims at where the contact pushes, metres
   double multiplier = 0;  ///< normal impulse, from 0
   Tangent slipMultiplier = Tangent::Zero();  ///< tangential impulse on A
   double slipBound = 0;                      ///< largest tangential impulse
@@ -50,9 +50,12 @@ struct ContactRow {
   bool rubs() const { return slipBound > 0; }
 };
 
-/// The row of a contact at the poses where a step of `step` seconds starts.
+/// The row of a contact at the poses where a step of `step` seconds starts. An overlap there
+/// may stay while the bricks move (taking it back by speed would add energy); closing aims at
+/// `recovery` metres less of it.
 template <int D>
-ContactRow<D> makeContactRow(const Contact& contact, const Poses& poses, double step);
+ContactRow<D> makeContactRow(const Contact& contact, const Poses& poses, double step,
+                             double recovery);
 
 /// Sets the row's directions for its contact at these poses.
 template <int D>

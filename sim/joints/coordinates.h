@@ -69,6 +69,17 @@ struct Coordinates {
     return row;
   }
 
+  /// The row that takes the angular velocity along a vector.
+  static RowVector turning(const Vector3& vector) {
+    RowVector row = RowVector::Zero();
+    if constexpr (D == 6) {
+      row.template tail<3>() = vector.transpose();
+    } else {
+      row[2] = vector.z();
+    }
+    return row;
+  }
+
   static Gap gap(const Vector3& difference) { return difference.head<kJointRows>(); }
 
   static Vector pack(const Velocity& velocity) {

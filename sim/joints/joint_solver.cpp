@@ -3,21 +3,26 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/joints/step_system.h"
+#include "sim/joints/step_program.h"
 
 namespace kirireel {
 namespace {
 
 // All lengths are in length scales, all speeds in length scales a second.
-constexpr double kGapTolerance = 1e-12;    // closing aims at this
-constexpr double kGapAccepted = 1e-10;     // and a step is good below this
-constexpr double kSpeedTolerance = 1e-10;  // of joint rows, relative to the fastest brick
-constexpr double kJumpShare = 0.3;         // closing may move this part of what the step moved
+constexpr double kGapTolerance = 1e-12;          // closing aims at this
+constexpr double kGapAccepted = 1e-10;           // and a step is good below this
+constexpr double kOverlapTolerance = 1e-9;       // overlap of a contact in work that counts as none
+constexpr double kSpeedTolerance = 1e-10;        // of joint rows, relative to the fastest brick
+constexpr double kContactSpeedTolerance = 1e-7;  // of contact rows, likewise
+constexpr double kSlow = 1e-3;                   // below this speed tolerances shrink no more
+constexpr double kJumpShare = 0.3;  // closing may move this part of what the step moved
 constexpr double kJumpFloor = 1e-9;
+constexpr double kRecovery = 2e-6;         // overlap taken back in a step
+constexpr double kOverlapAccepted = 4e-5;  // at the end of a step
 constexpr int kHalvings = 8;
 constexpr int kMultiplierRounds = 6;
-constexpr int kNewtonRounds = 40;
 constexpr int kClosingRounds = 12;
+constexpr int kOverlapRounds = 3;
 constexpr int kContactRounds = 25;
 constexpr int kAssemblyRounds = 100;
 
@@ -26,12 +31,10 @@ class Stepper : public JointSolver {
  public:
   Stepper(const std::vector<Brick>& bricks, std::span<const Pivot> pivots,
           const JointSolverSettings& settings)
-      : bricks_(bricks),
-        settings_(settings),
-        system_(bricks, pivots),
-        loads_(bricks.size()),
-        u_(Vector::Zero(D * bricks.size())),
-        jointMultipliers_(Vector::Zero(system_.jointRowCount())) {}
+      : bricks_(bricks), settings_(settings), system_(bricks, pivots), loads_(bricks.size()) {
+    program_.multipliers = Vector::Zero(system_.jointRowCount());
+    program_.x = Vector::Zero(D * bricks.size());
+  }
 
   StepReport advance(Motion& motion, double step, const LoadSource& loads,
                      ContactSource* contacts) override;
@@ -44,18 +47,18 @@ class Stepper : public JointSolver {
 
   void advanceHalving(Motion& motion, double step, int level);
   bool tryStep(const Motion& start, double step);
-  bool solveContactRounds(const Motion& start, double step);
-  void startRows(const Motion& start, double step);
+  bool solveContactRounds(const Poses& start, double step);
+  void startRows(const Poses& start, double step);
   void addSupports(const Poses& poses, double step);
-  bool solveVelocities();
-  bool minimize();
-  Vector gradient(const Vector& u) const;
-  bool setContactStates(const Vector& u);
-  double lineSearch(const Vector& du, const Vector& slope) const;
-  double updateMultipliers();
-  bool closeJoints(double step);
-  Vector closingMove() const;
+  bool solveVelocities(const Poses& start);
+  bool moveAndClose(const Poses& start, double step);
+  bool closeJoints(const std::vector<Row>& contacts, double step);
+  Vector closingMove(const std::vector<Row>& contacts, bool withOverlaps) const;
+  double overlap(const Row& row) const;
+  bool anyOverlap(const std::vector<Row>& contacts) const;
   double largestGap() const;
+  double jointSpeed() const;
+  void displace(const Vector& move);
   double norm(const Vector& move) const;
   void finishStep(Motion& motion) const;
   void keepMultipliers();
@@ -69,11 +72,9 @@ class Stepper : public JointSolver {
 
   // The step in work.
   std::vector<Load> loads_;
-  Vector u_;
-  Vector jointMultipliers_;  // warm from step to step
-  Poses poses_;
-  std::vector<Row> rows_;
-  std::vector<Row> kept_;      // rows that carried load at the end of the last step
+  Poses poses_;                // at its end
+  StepProgram<D> program_;     // for its velocities; joint multipliers are warm from step to step
+  std::vector<Row> kept_;      // contacts that carried load at the end of the last step
   std::vector<Row> supports_;  // likewise
 };
 
@@ -108,48 +109,47 @@ template <int D>
 bool Stepper<D>::tryStep(const Motion& start, double step) {
   (*loadSource_)(start.poses, loads_);
   system_.setStep(start, loads_, step);
-  system_.placeJoints(start.poses);
+  program_.force = system_.force();
+  program_.offset = Vector::Zero(system_.jointRowCount());
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
-    u_.segment<D>(D * i) = Space::pack(start.velocities[i]);
+    program_.x.template segment<D>(D * i) = Space::pack(start.velocities[i]);
   }
-  startRows(start, step);
-  return solveContactRounds(start, step);
+  startRows(start.poses, step);
+  return solveContactRounds(start.poses, step);
 }
 
 /// Solves the step, looks what it runs into, and solves again with that until nothing is new.
 template <int D>
-bool Stepper<D>::solveContactRounds(const Motion& start, double step) {
+bool Stepper<D>::solveContactRounds(const Poses& start, double step) {
   for (int round = 0; round < kContactRounds; ++round) {
-    const bool solved = solveVelocities();
-    poses_ = start.poses;
-    for (std::size_t i = 0; i < bricks_.size(); ++i) {
-      Space::displace(poses_[i], step * u_.segment<D>(D * i));
-    }
-    const bool closed = closeJoints(step);
-    if (!solved || !closed) return false;
+    if (!solveVelocities(start)) return false;
+    if (!moveAndClose(start, step)) return false;
     if (!contactSource_) return true;
     std::vector<Contact> found;
-    if (!contactSource_->appendViolated(start.poses, poses_, found)) return true;
+    const double overlap = contactSource_->appendViolated(poses_, found);
+    if (found.empty()) return overlap <= kOverlapAccepted * settings_.lengthScale;
     for (const Contact& contact : found) {
-      rows_.push_back(makeContactRow<D>(contact, start.poses, step));
+      program_.contacts.push_back(
+          makeContactRow<D>(contact, start, step, kRecovery * settings_.lengthScale));
     }
-    system_.placeJoints(start.poses);
   }
   return false;
 }
 
 template <int D>
-void Stepper<D>::startRows(const Motion& start, double step) {
-  rows_.clear();
-  addSupports(start.poses, step);
+void Stepper<D>::startRows(const Poses& start, double step) {
+  program_.contacts.clear();
+  addSupports(start, step);
   if (!contactSource_) return;
+  contactSource_->startStep(start);
+  const double recovery = kRecovery * settings_.lengthScale;
   for (const Row& old : kept_) {
-    if (!contactSource_->isCurrent(start.poses, old.contact)) continue;
-    Row row = makeContactRow<D>(old.contact, start.poses, step);
+    if (!contactSource_->isCurrent(old.contact)) continue;
+    Row row = makeContactRow<D>(old.contact, start, step, recovery);
     row.multiplier = old.multiplier;
     row.slipMultiplier = old.slipMultiplier;
     row.slipBound = old.contact.friction * old.multiplier;
-    rows_.push_back(row);
+    program_.contacts.push_back(row);
   }
 }
 
@@ -158,168 +158,117 @@ void Stepper<D>::addSupports(const Poses& poses, double step) {
   for (std::size_t s = 0; s < settings_.supports.size(); ++s) {
     const Support& support = settings_.supports[s];
     Row row;
-    row.contact = {support.brick, kFixed, support.point, Vector3::Zero(), Vector3::UnitZ(), 0};
+    row.contact = {support.brick, kFixed, support.point, Vector3::Zero(), Vector3::UnitZ()};
     row.hasNormal = false;
     row.slipBound = support.largestForce * step;
     if (s < supports_.size()) row.slipMultiplier = supports_[s].slipMultiplier;
     placeRow(row, poses);
-    rows_.push_back(row);
+    program_.contacts.push_back(row);
   }
 }
 
-/// Minimises 1/2 u^T A u - f^T u under joints and contacts, by the method of multipliers.
+/// Finds the velocities of the step under the contacts at hand.
 template <int D>
-bool Stepper<D>::solveVelocities() {
-  for (Row& row : rows_) row.active = false;
-  setContactStates(u_);
-  if (!system_.factor(rows_)) return false;
+bool Stepper<D>::solveVelocities(const Poses& start) {
+  system_.placeJoints(start);
+  setContactStates(program_, system_.rho());
+  if (!system_.factor(program_.contacts)) return false;
+  const double slow = kSlow * settings_.lengthScale;
   for (int round = 0; round < kMultiplierRounds; ++round) {
-    if (!minimize()) return false;
-    const double violation = updateMultipliers();
-    const double speed =
-        std::max(u_.template lpNorm<Eigen::Infinity>(), 1e-3 * settings_.lengthScale);
-    if (violation <= kSpeedTolerance * speed) return true;
+    const double contactChange = solveRound(system_, program_, slow);
+    if (contactChange < 0) return false;
+    const double speed = std::max(program_.x.template lpNorm<Eigen::Infinity>(), slow);
+    const bool jointsKept = jointSpeed() <= kSpeedTolerance * speed;
+    if (jointsKept && contactChange <= kContactSpeedTolerance * speed) break;
   }
-  return true;  // judged by the gap after closing
+  return true;  // the rest is judged by the gap after closing
 }
 
-/// Semismooth Newton on the augmented Lagrangian for fixed multipliers.
+/// Moves to the step's end and closes the joints there: with the contacts that push held, or, where
+/// that fails (compact states leave them no room), without. Returns whether the joints closed
+/// without a jump to another branch.
 template <int D>
-bool Stepper<D>::minimize() {
-  bool wholeStep = false;
-  for (int round = 0; round < kNewtonRounds; ++round) {
-    const bool changed = setContactStates(u_);
-    // While no contact changes state the function is quadratic and a whole step is its minimum.
-    if (wholeStep && !changed) return true;
-    if (changed && !system_.factor(rows_)) return false;
-    const Vector slope = gradient(u_);
-    Vector du = -slope;
-    system_.solveInPlace(du);
-    const double length = rows_.empty() ? 1.0 : lineSearch(du, slope);
-    u_ += length * du;
-    wholeStep = length == 1.0;
-    if (rows_.empty()) return true;
-    if (wholeStep && norm(du) <= kSpeedTolerance * (norm(u_) + settings_.lengthScale)) return true;
-  }
-  return false;
+bool Stepper<D>::moveAndClose(const Poses& start, double step) {
+  poses_ = start;
+  displace(step * program_.x);
+  if (closeJoints(program_.contacts, step)) return true;
+  if (program_.contacts.empty()) return false;
+  poses_ = start;
+  displace(step * program_.x);
+  system_.placeJoints(start);
+  return system_.factor({}) && closeJoints({}, step);
 }
 
+/// Gauss-Newton on the joints' gaps, on the factor at hand: the smallest move by A in which the
+/// contacts that push hold their gaps. The first rounds also take overlaps back.
 template <int D>
-Eigen::VectorXd Stepper<D>::gradient(const Vector& u) const {
-  Vector result = system_.unbalance(u);
-  const Vector impulse = jointMultipliers_ - system_.kappa() * system_.jointVelocity(u);
-  system_.addJointImpulse(-1.0, impulse, result);
-  for (const Row& row : rows_) {
-    const double normal = row.trialImpulse(u, system_.rho());
-    if (normal > 0) row.addNormal(-normal, result);
-    if (row.rubs()) row.addTangent(-row.trialSlipImpulse(u, system_.rho(), nullptr), result);
-  }
-  return result;
-}
-
-/// Sets which contacts push and how they slip at u. Returns whether any state changed.
-template <int D>
-bool Stepper<D>::setContactStates(const Vector& u) {
-  bool changed = false;
-  for (Row& row : rows_) {
-    const bool active = row.trialImpulse(u, system_.rho()) > 0;
-    changed = changed || active != row.active;
-    row.active = active;
-    if (!row.rubs()) continue;
-    typename Row::TangentMatrix stiffness;
-    row.trialSlipImpulse(u, system_.rho(), &stiffness);
-    changed = changed || stiffness != row.slipStiffness;
-    row.slipStiffness = stiffness;
-  }
-  return changed;
-}
-
-/// A step length at which the convex function no longer falls steeply along du: the whole step, or
-/// where its slope changes sign.
-template <int D>
-double Stepper<D>::lineSearch(const Vector& du, const Vector& slope) const {
-  const double first = slope.dot(du);
-  double low = 0;
-  double high = 1;
-  double length = 1;
-  for (int round = 0; round < 30; ++round) {
-    const double here = gradient(u_ + length * du).dot(du);
-    if (here <= -0.1 * first) {  // first is negative: not yet clearly uphill
-      if (length == 1.0 || here >= 0.5 * first) return length;
-      low = length;
-    } else {
-      high = length;
-    }
-    length = 0.5 * (low + high);
-  }
-  return length;
-}
-
-/// Moves the multipliers; returns the largest violation of a row, m/s.
-template <int D>
-double Stepper<D>::updateMultipliers() {
-  double violation = 0;
-  if (system_.hasJoints()) {
-    const Vector velocity = system_.jointVelocity(u_);
-    jointMultipliers_ -= system_.kappa() * velocity;
-    violation = velocity.template lpNorm<Eigen::Infinity>();
-  }
-  for (Row& row : rows_) {
-    const double multiplier = row.trialImpulse(u_, system_.rho());
-    violation = std::max(violation, std::abs(multiplier - row.multiplier) / system_.rho());
-    row.multiplier = multiplier;
-    if (row.rubs()) row.slipMultiplier = row.trialSlipImpulse(u_, system_.rho(), nullptr);
-  }
-  return violation;
-}
-
-/// Gauss-Newton on the joints' gaps and on the contacts that push, on the factor at hand. Returns
-/// whether the step stayed on its branch and closed.
-template <int D>
-bool Stepper<D>::closeJoints(double step) {
+bool Stepper<D>::closeJoints(const std::vector<Row>& contacts, double step) {
   const double scale = settings_.lengthScale;
-  double gap = largestGap();
+  const double allowed = kJumpShare * step * norm(program_.x) + kJumpFloor * scale;
   double moved = 0;
+  double gap = largestGap();
   bool refactored = false;
-  for (int round = 0; round < kClosingRounds && gap > kGapTolerance * scale; ++round) {
-    const Vector move = closingMove();
-    for (std::size_t i = 0; i < bricks_.size(); ++i) {
-      Space::displace(poses_[i], move.segment<D>(D * i));
-    }
+  for (int round = 0; round < kClosingRounds && moved <= allowed; ++round) {
+    const bool overlapping = round < kOverlapRounds && anyOverlap(contacts);
+    if (gap <= kGapTolerance * scale && !overlapping) break;
+    const Vector move = closingMove(contacts, overlapping);
+    displace(move);
     moved += norm(move);
     const double before = gap;
     gap = largestGap();
     if (!std::isfinite(gap)) return false;
-    if (gap <= 0.1 * before) continue;
-    if (gap < 0.1 * kGapAccepted * scale && refactored) break;
+    if (gap <= std::max(0.1 * before, kGapTolerance * scale) || overlapping) continue;
+    if (gap <= 0.1 * kGapAccepted * scale && refactored) break;
     system_.placeJoints(poses_);
-    if (!system_.factor(rows_)) return false;
+    if (!system_.factor(contacts)) return false;
     refactored = true;
   }
-  return gap <= kGapAccepted * scale && moved <= kJumpShare * step * norm(u_) + kJumpFloor * scale;
+  return gap <= kGapAccepted * scale && moved <= allowed;
 }
 
 template <int D>
-Eigen::VectorXd Stepper<D>::closingMove() const {
-  Vector move = Vector::Zero(u_.size());
+Eigen::VectorXd Stepper<D>::closingMove(const std::vector<Row>& contacts, bool withOverlaps) const {
+  Vector move = Vector::Zero(program_.x.size());
   system_.addJointImpulse(-system_.kappa(), system_.jointGaps(poses_), move);
-  for (const Row& row : rows_) {
-    if (!row.active) continue;
-    row.addNormal(-system_.rho() * (contactGap(row.contact, poses_) - row.aim), move);
+  if (withOverlaps) {
+    for (const Row& row : contacts) {
+      if (row.active) row.addNormal(system_.rho() * overlap(row), move);
+    }
   }
   system_.solveInPlace(move);
   return move;
 }
 
-/// The largest gap of a joint, or overlap beyond the aim of a contact that pushes.
+/// How far a contact falls short of the gap that it aims at, metres.
+template <int D>
+double Stepper<D>::overlap(const Row& row) const {
+  return std::max(0.0, row.aim - contactGap(row.contact, poses_));
+}
+
+template <int D>
+bool Stepper<D>::anyOverlap(const std::vector<Row>& contacts) const {
+  return std::any_of(contacts.begin(), contacts.end(), [&](const Row& row) {
+    return row.active && overlap(row) > kOverlapTolerance * settings_.lengthScale;
+  });
+}
+
 template <int D>
 double Stepper<D>::largestGap() const {
-  double gap =
-      system_.hasJoints() ? system_.jointGaps(poses_).template lpNorm<Eigen::Infinity>() : 0;
-  for (const Row& row : rows_) {
-    if (row.active) gap = std::max(gap, row.aim - contactGap(row.contact, poses_));
+  return system_.hasJoints() ? system_.jointGaps(poses_).template lpNorm<Eigen::Infinity>() : 0;
+}
+
+/// The largest component of J x in the velocities' program.
+template <int D>
+double Stepper<D>::jointSpeed() const {
+  if (!system_.hasJoints()) return 0;
+  return system_.jointVelocity(program_.x).template lpNorm<Eigen::Infinity>();
+}
+
+template <int D>
+void Stepper<D>::displace(const Vector& move) {
+  for (std::size_t i = 0; i < bricks_.size(); ++i) {
+    Space::displace(poses_[i], move.segment<D>(D * i));
   }
-  return gap;
 }
 
 /// Length of a move of all bricks, turns counted at one length scale from the centre.
@@ -338,7 +287,7 @@ template <int D>
 void Stepper<D>::keepMultipliers() {
   kept_.clear();
   supports_.clear();
-  for (const Row& row : rows_) {
+  for (const Row& row : program_.contacts) {
     if (!row.hasNormal) {
       supports_.push_back(row);
     } else if (row.multiplier > 0) {
@@ -351,7 +300,7 @@ void Stepper<D>::keepMultipliers() {
 template <int D>
 void Stepper<D>::finishStep(Motion& motion) const {
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
-    Velocity velocity = Space::unpack(u_.segment<D>(D * i));
+    Velocity velocity = Space::unpack(program_.x.template segment<D>(D * i));
     if constexpr (D == 6) {
       const Quaternion& before = motion.poses[i].rotation;
       const Quaternion& after = poses_[i].rotation;
@@ -366,21 +315,20 @@ void Stepper<D>::finishStep(Motion& motion) const {
 
 template <int D>
 double Stepper<D>::assemble(Poses& poses) {
-  rows_.clear();
+  const double scale = settings_.lengthScale;
   poses_ = poses;
   double gap = largestGap();
-  for (int round = 0; round < kAssemblyRounds && gap > kGapTolerance * settings_.lengthScale;
-       ++round) {
+  for (int round = 0; round < kAssemblyRounds && gap > kGapTolerance * scale; ++round) {
     system_.setMasses(poses_);
     system_.placeJoints(poses_);
-    if (!system_.factor(rows_)) break;
-    const Vector move = closingMove();
-    for (std::size_t i = 0; i < bricks_.size(); ++i) {
-      Space::displace(poses_[i], move.segment<D>(D * i));
-    }
+    if (!system_.factor({})) break;
+    Vector move = Vector::Zero(D * bricks_.size());
+    system_.addJointImpulse(-system_.kappa(), system_.jointGaps(poses_), move);
+    system_.solveInPlace(move);
+    displace(move);
     const double before = gap;
     gap = largestGap();
-    if (gap > 0.9 * before && gap < kGapAccepted * settings_.lengthScale) break;
+    if (gap > 0.9 * before && gap < kGapAccepted * scale) break;
   }
   poses = poses_;
   return gap;

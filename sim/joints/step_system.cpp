@@ -5,10 +5,12 @@
 namespace kirireel {
 namespace {
 
-// Weights of the joint and contact rows in H, relative to the mean of A's translational part: 1e6
-// stalls near singular states and 1e8 leaves gaps on large models; from 1e12 on rounding shows.
+// Weight of the joint rows in H, relative to the mean of A's translational part: 1e6 stalls near
+// singular states and 1e8 leaves gaps on large models; from 1e12 on rounding shows.
 constexpr double kJointWeight = 1e10;
-constexpr double kContactWeight = 1e9;
+// The contact rows' weight is far smaller, so that Newton's line search can step over the kinks of
+// many contacts at once; their multipliers do the rest in two or three rounds.
+constexpr double kContactWeight = 1e5;
 
 Matrix3 worldInertia(const Brick& brick, const Pose& pose) {
   const Matrix3 R = pose.rotation.toRotationMatrix();
@@ -134,10 +136,10 @@ bool StepSystem<D>::factor(const std::vector<ContactRow<D>>& contacts) {
 }
 
 template <int D>
-Eigen::VectorXd StepSystem<D>::unbalance(const Vector& u) const {
-  Vector result(u.size());
+Eigen::VectorXd StepSystem<D>::timesA(const Vector& x) const {
+  Vector result(x.size());
   for (int i = 0; i < brickCount(); ++i) {
-    result.segment<D>(D * i) = A_[i] * u.segment<D>(D * i) - f_.segment<D>(D * i);
+    result.segment<D>(D * i) = A_[i] * x.segment<D>(D * i);
   }
   return result;
 }

@@ -41,8 +41,10 @@ class StepSystem {
   bool factor(const std::vector<ContactRow<D>>& contacts);
   void solveInPlace(Vector& right) const { matrix_.solveInPlace(right); }
 
-  /// A u - f.
-  Vector unbalance(const Vector& u) const;
+  /// A x.
+  Vector timesA(const Vector& x) const;
+  /// f.
+  const Vector& force() const { return f_; }
   /// J u.
   Vector jointVelocity(const Vector& u) const;
   /// Adds scale * J^T multipliers.

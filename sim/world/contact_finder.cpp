@@ -14,9 +14,9 @@ namespace {
 
 static_assert(sizeof(btScalar) == sizeof(double), "link Bullet's float64 libraries");
 
-// A contact's neighbours on the same plane are taken along when they are this near, in tolerances:
-// they are likely to be next.
-constexpr double kReachInTolerances = 1e3;
+// Overlaps left by a failed step are taken back bit by bit, and may meanwhile grow by this part of
+// the tolerance.
+constexpr double kWorsening = 0.1;
 // Two planes whose normals agree to this cosine count as the same.
 constexpr double kSameDirection = 0.999;
 
@@ -78,12 +78,17 @@ class SweptBoxes {
 struct ContactFinder::Internals {
   struct PairState {
     std::vector<SeparatingPlane> planes;
-    SeparatingPlane last;  // that kept the pair apart when last looked at
-    double slack = 0;      // overlap kept from the start of the run
+    SeparatingPlane last;                // that kept the pair apart when last looked at
+    std::vector<SeparatingPlane> given;  // whose contacts were given in this step
+    long givenStep = -1;
+    double slack = 0;  // overlap kept from the start of the run
   };
 
-  void appendPair(int a, int b, std::vector<Contact>& contacts);
-  void appendGround(int brick, std::vector<Contact>& contacts);
+  double appendPair(int a, int b, std::vector<Contact>& contacts);
+  bool canGive(PairState& state, const SeparatingPlane& plane, int a, int b);
+  void givePlane(PairState& state, const SeparatingPlane& plane, int a, int b,
+                 std::vector<Contact>& contacts);
+  double appendGround(int brick, std::vector<Contact>& contacts);
   PairState& stateOf(int a, int b);
   double bestSeparation(const PairState& state, const PlacedOutline& a,
                         const PlacedOutline& b) const;
@@ -97,6 +102,7 @@ struct ContactFinder::Internals {
   Environment environment;
   bool planar = false;
   double tolerance = 0;
+  long step = 0;
   SweptBoxes boxes;
   std::unordered_map<Key, PairState> pairs;
   std::vector<PlacedOutline> start, end;
@@ -150,49 +156,70 @@ void ContactFinder::Internals::keepOverlaps(const Poses& poses) {
   }
 }
 
-void ContactFinder::Internals::appendPair(int a, int b, std::vector<Contact>& contacts) {
+double ContactFinder::Internals::appendPair(int a, int b, std::vector<Contact>& contacts) {
   PairState& state = stateOf(a, b);
   const double limit = -tolerance - state.slack;
-  if (holds(state.last, limit, a, b)) return;
-  double bestStart = -std::numeric_limits<double>::infinity();
+  if (holds(state.last, limit, a, b)) return 0;
+  std::vector<double> before;
   for (const SeparatingPlane& plane : state.planes) {
-    const double before = separation(plane, start[a], start[b]);
-    bestStart = std::max(bestStart, before);
-    if (before < limit || separation(plane, end[a], end[b]) < limit) continue;
-    state.last = plane;
-    return;
+    before.push_back(separation(plane, start[a], start[b]));
   }
-  // Of the planes that held at the start, the one that is violated least.
-  const double startLimit = std::min(limit, bestStart);
-  double bestEnd = -std::numeric_limits<double>::infinity();
-  for (const SeparatingPlane& plane : state.planes) {
-    if (separation(plane, start[a], start[b]) < startLimit) continue;
+  const double bestBefore = *std::max_element(before.begin(), before.end());
+  const double held = std::min(limit, bestBefore);
+  const double wanted = std::min(limit, bestBefore - kWorsening * tolerance);
+  const SeparatingPlane* best = nullptr;
+  double bestAfter = -std::numeric_limits<double>::infinity();
+  double bestGiven = bestAfter;
+  for (std::size_t p = 0; p < state.planes.size(); ++p) {
+    const SeparatingPlane& plane = state.planes[p];
+    if (before[p] < held) continue;
     const double after = separation(plane, end[a], end[b]);
-    if (after <= bestEnd) continue;
-    bestEnd = after;
-    state.last = plane;
+    if (after >= wanted) {
+      state.last = plane;
+      return 0;
+    }
+    bestAfter = std::max(bestAfter, after);
+    if (after <= bestGiven || !canGive(state, plane, a, b)) continue;
+    bestGiven = after;
+    best = &plane;
   }
-  const std::size_t before = contacts.size();
-  appendPlaneContacts(state.last, a, b, start[a], start[b], end[a], end[b],
-                      kReachInTolerances * tolerance - state.slack, contacts);
-  for (std::size_t c = before; c < contacts.size(); ++c) {
+  // No plane kept the pair apart: take the one that is violated least.
+  if (best) givePlane(state, *best, a, b, contacts);
+  return std::max(0.0, -bestAfter - state.slack);
+}
+
+/// Whether contacts on this plane would be new and could hold.
+bool ContactFinder::Internals::canGive(PairState& state, const SeparatingPlane& plane, int a,
+                                       int b) {
+  if (state.givenStep != step) state.given.clear();
+  state.givenStep = step;
+  if (std::find(state.given.begin(), state.given.end(), plane) != state.given.end()) return false;
+  return canCarry(plane, start[a], start[b]);
+}
+
+void ContactFinder::Internals::givePlane(PairState& state, const SeparatingPlane& plane, int a,
+                                         int b, std::vector<Contact>& contacts) {
+  state.last = plane;
+  state.given.push_back(plane);
+  const std::size_t first = contacts.size();
+  appendPlaneContacts(plane, a, b, start[a], start[b], contacts);
+  for (std::size_t c = first; c < contacts.size(); ++c) {
     contacts[c].friction = environment.brickFriction;
     contacts[c].slack = state.slack;
   }
 }
 
-void ContactFinder::Internals::appendGround(int brick, std::vector<Contact>& contacts) {
+double ContactFinder::Internals::appendGround(int brick, std::vector<Contact>& contacts) {
   const double height = environment.ground->height;
   const PlacedOutline& placed = end[brick];
-  const bool violated =
-      std::any_of(placed.points.begin(), placed.points.end(),
-                  [&](const Vector3& point) { return point.z() < height - tolerance; });
-  if (!violated) return;
-  for (std::size_t p = 0; p < placed.points.size(); ++p) {
-    if (placed.points[p].z() > height + kReachInTolerances * tolerance) continue;
-    contacts.push_back({brick, kFixed, placed.outline->points[p], Vector3(0, 0, height),
-                        Vector3::UnitZ(), environment.ground->friction});
+  const auto below = [](const Vector3& x, const Vector3& y) { return x.z() < y.z(); };
+  const double lowest = std::min_element(placed.points.begin(), placed.points.end(), below)->z();
+  if (lowest >= height - tolerance) return 0;
+  for (const Vector3& point : placed.outline->points) {
+    contacts.push_back({brick, kFixed, point, Vector3(0, 0, height), Vector3::UnitZ()});
+    contacts.back().friction = environment.ground->friction;
   }
+  return height - lowest;
 }
 
 ContactFinder::ContactFinder(const std::vector<Brick>& bricks, const Poses& start,
@@ -212,36 +239,44 @@ ContactFinder::ContactFinder(const std::vector<Brick>& bricks, const Poses& star
 
 ContactFinder::~ContactFinder() = default;
 
-bool ContactFinder::appendViolated(const Poses& start, const Poses& end,
-                                   std::vector<Contact>& contacts) {
+void ContactFinder::startStep(const Poses& start) {
+  internals_->place(start, internals_->start);
+  ++internals_->step;
+}
+
+double ContactFinder::appendViolated(const Poses& end, std::vector<Contact>& contacts) {
   Internals& in = *internals_;
-  in.place(start, in.start);
   in.place(end, in.end);
-  const std::size_t before = contacts.size();
+  double overlap = 0;
   if (in.environment.contacts != ContactFilter::None) {
     in.sweep();
     for (const auto& [a, b] : in.boxes.overlapping()) {
       const bool passed =
           in.environment.contacts == ContactFilter::Unjoined && in.joined.contains(pairKey(a, b));
-      if (!passed) in.appendPair(a, b, contacts);
+      if (!passed) overlap = std::max(overlap, in.appendPair(a, b, contacts));
     }
   }
   if (in.environment.ground && !in.planar) {
-    for (int i = 0; i < static_cast<int>(in.outlines.size()); ++i) in.appendGround(i, contacts);
+    for (int i = 0; i < static_cast<int>(in.outlines.size()); ++i) {
+      overlap = std::max(overlap, in.appendGround(i, contacts));
+    }
   }
-  return contacts.size() > before;
+  return overlap;
 }
 
-bool ContactFinder::isCurrent(const Poses& poses, const Contact& contact) const {
+bool ContactFinder::isCurrent(const Contact& contact) const {
   if (contact.brickB == kFixed) return true;
   Internals& in = *internals_;
   const auto [a, b] = std::minmax(contact.brickA, contact.brickB);
   const Internals::PairState& state = in.stateOf(a, b);
-  PlacedOutline placedA, placedB;
-  placeOutline(in.outlines[a], poses[a], placedA);
-  placeOutline(in.outlines[b], poses[b], placedB);
+  const PlacedOutline& placedA = in.start[a];
+  const PlacedOutline& placedB = in.start[b];
+  const Poses poses = {in.start[contact.brickA].pose, in.start[contact.brickB].pose};
+  Contact pair = contact;
+  pair.brickA = 0;
+  pair.brickB = 1;
   const double turn = contact.brickA == a ? 1 : -1;
-  const Vector3 normal = turn * (poses[contact.brickB].rotation * contact.normal);
+  const Vector3 normal = turn * contactNormal(pair, poses);
   return std::none_of(state.planes.begin(), state.planes.end(), [&](const SeparatingPlane& plane) {
     return plane.kind != SeparatingPlane::Kind::Edges &&
            planeNormal(plane, placedA, placedB).dot(normal) < kSameDirection &&

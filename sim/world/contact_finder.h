@@ -27,9 +27,9 @@ class ContactFinder : public ContactSource {
                 const Environment& environment, bool planar, double tolerance);
   ~ContactFinder() override;
 
-  bool appendViolated(const Poses& start, const Poses& end,
-                      std::vector<Contact>& contacts) override;
-  bool isCurrent(const Poses& poses, const Contact& contact) const override;
+  void startStep(const Poses& start) override;
+  double appendViolated(const Poses& end, std::vector<Contact>& contacts) override;
+  bool isCurrent(const Contact& contact) const override;
 
  private:
   struct Internals;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 
 namespace kirireel {
@@ -11,6 +12,8 @@ using Kind = SeparatingPlane::Kind;
 
 // Below this sine two edges count as parallel and span no plane.
 constexpr double kParallel = 1e-4;
+// This part of an edge's length from its end counts as the end.
+constexpr double kEndPart = 1e-6;
 
 double lowest(const std::vector<Vector3>& points, const Vector3& direction) {
   double low = std::numeric_limits<double>::infinity();
@@ -48,36 +51,64 @@ std::array<double, 2> nearestOnLines(const Vector3& fromA, const Vector3& wayA,
 }
 
 /// Contacts of one body's points against a face of the other.
-void appendFaceContacts(int pointBrick, int faceBrick, int face, const PlacedOutline& endPoints,
-                        const PlacedOutline& endFace, double reach,
-                        std::vector<Contact>& contacts) {
-  const Outline& faces = *endFace.outline;
-  const int facePoint = faces.facePoints[face];
-  const Vector3& normal = endFace.normals[face];
-  for (std::size_t p = 0; p < endPoints.points.size(); ++p) {
-    if (normal.dot(endPoints.points[p] - endFace.points[facePoint]) > reach) continue;
-    contacts.push_back({pointBrick, faceBrick, endPoints.outline->points[p],
-                        faces.points[facePoint], faces.normals[face]});
+void appendFaceContacts(int pointBrick, int faceBrick, int face, const Outline& points,
+                        const Outline& faces, std::vector<Contact>& contacts) {
+  for (const Vector3& point : points.points) {
+    contacts.push_back(
+        {pointBrick, faceBrick, point, faces.points[faces.facePoints[face]], faces.normals[face]});
   }
 }
 
-/// The contact of an edge of A against an edge of B, where they pass each other most closely.
-void appendEdgeContact(const SeparatingPlane& plane, int brickA, int brickB,
-                       const PlacedOutline& startA, const PlacedOutline& startB,
-                       std::vector<Contact>& contacts) {
-  const Vector3 normal = planeNormal(plane, startA, startB);
-  const Outline::Edge edgeA = farthestEdge(startA, plane.a, -normal);
-  const Outline::Edge edgeB = farthestEdge(startB, plane.b, normal);
-  const auto [s, t] = nearestOnLines(
-      startA.points[edgeA.from], startA.points[edgeA.to] - startA.points[edgeA.from],
-      startB.points[edgeB.from], startB.points[edgeB.to] - startB.points[edgeB.from]);
-  const auto along = [](const Outline& outline, const Outline::Edge& edge, double part) {
-    return Vector3(outline.points[edge.from] +
-                   part * (outline.points[edge.to] - outline.points[edge.from]));
-  };
-  contacts.push_back({brickA, brickB, along(*startA.outline, edgeA, std::clamp(s, 0.0, 1.0)),
-                      along(*startB.outline, edgeB, std::clamp(t, 0.0, 1.0)),
-                      startB.pose.rotation.conjugate() * normal});
+/// Where the edges that span a plane pass each other most closely.
+struct Crossing {
+  Outline::Edge edgeA, edgeB;
+  std::array<double, 2> parts;  // of the way along A's and B's edge
+};
+
+Crossing crossingOf(const SeparatingPlane& plane, const PlacedOutline& a, const PlacedOutline& b) {
+  const Vector3 normal = planeNormal(plane, a, b);
+  Crossing crossing{farthestEdge(a, plane.a, -normal), farthestEdge(b, plane.b, normal), {}};
+  const auto& [edgeA, edgeB, parts] = crossing;
+  crossing.parts = nearestOnLines(a.points[edgeA.from], a.points[edgeA.to] - a.points[edgeA.from],
+                                  b.points[edgeB.from], b.points[edgeB.to] - b.points[edgeB.from]);
+  return crossing;
+}
+
+bool isEnd(double part) {
+  return std::abs(part) < kEndPart || std::abs(part - 1) < kEndPart;
+}
+
+/// The point a part of the way along an edge.
+Vector3 along(const std::vector<Vector3>& points, const Outline::Edge& edge, double part) {
+  return points[edge.from] + part * (points[edge.to] - points[edge.from]);
+}
+
+void appendEdgeContacts(const SeparatingPlane& plane, int brickA, int brickB,
+                        const PlacedOutline& a, const PlacedOutline& b,
+                        std::vector<Contact>& contacts) {
+  const Crossing crossing = crossingOf(plane, a, b);
+  const std::vector<Vector3>& pointsA = a.outline->points;
+  const std::vector<Vector3>& pointsB = b.outline->points;
+  Contact contact{brickA, brickB, along(pointsA, crossing.edgeA, crossing.parts[0]),
+                  along(pointsB, crossing.edgeB, crossing.parts[1]),
+                  b.outline->directions[plane.b]};
+  contact.isEdge = true;
+  contact.edgeA = plane.sign * a.outline->directions[plane.a];
+  if (!isEnd(crossing.parts[0]) || !isEnd(crossing.parts[1])) {
+    contacts.push_back(contact);
+    return;
+  }
+  // The edges themselves cannot part: the other points must stay on their sides.
+  for (int p = 0; p < static_cast<int>(pointsA.size()); ++p) {
+    if (p == crossing.edgeA.from || p == crossing.edgeA.to) continue;
+    contacts.push_back(contact);
+    contacts.back().pointA = pointsA[p];
+  }
+  for (int p = 0; p < static_cast<int>(pointsB.size()); ++p) {
+    if (p == crossing.edgeB.from || p == crossing.edgeB.to) continue;
+    contacts.push_back(contact);
+    contacts.back().pointB = pointsB[p];
+  }
 }
 
 }  // namespace
@@ -163,17 +194,23 @@ double separation(const SeparatingPlane& plane, const PlacedOutline& a, const Pl
   return lowest(a.points, normal) + lowest(b.points, -normal);
 }
 
+bool canCarry(const SeparatingPlane& plane, const PlacedOutline& a, const PlacedOutline& b) {
+  if (plane.kind != Kind::Edges) return true;
+  const auto [edgeA, edgeB, parts] = crossingOf(plane, a, b);
+  const auto within = [](double part) { return part > -kEndPart && part < 1 + kEndPart; };
+  return within(parts[0]) && within(parts[1]);
+}
+
 void appendPlaneContacts(const SeparatingPlane& plane, int brickA, int brickB,
-                         const PlacedOutline& startA, const PlacedOutline& startB,
-                         const PlacedOutline& endA, const PlacedOutline& endB, double reach,
+                         const PlacedOutline& a, const PlacedOutline& b,
                          std::vector<Contact>& contacts) {
   switch (plane.kind) {
     case Kind::FaceOfA:
-      return appendFaceContacts(brickB, brickA, plane.a, endB, endA, reach, contacts);
+      return appendFaceContacts(brickB, brickA, plane.a, *b.outline, *a.outline, contacts);
     case Kind::FaceOfB:
-      return appendFaceContacts(brickA, brickB, plane.b, endA, endB, reach, contacts);
+      return appendFaceContacts(brickA, brickB, plane.b, *a.outline, *b.outline, contacts);
     case Kind::Edges:
-      return appendEdgeContact(plane, brickA, brickB, startA, startB, contacts);
+      return appendEdgeContacts(plane, brickA, brickB, a, b, contacts);
   }
 }
 

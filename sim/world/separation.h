@@ -60,11 +60,15 @@ Vector3 planeNormal(const SeparatingPlane& plane, const PlacedOutline& a, const 
 /// minus infinity where the plane does not exist.
 double separation(const SeparatingPlane& plane, const PlacedOutline& a, const PlacedOutline& b);
 
-/// The contacts that keep A and B (brick numbers as given) on their sides of a plane: one for each
-/// point whose gap at `endA`, `endB` is below `reach`. `startA`, `startB` fix where the plane lies.
+/// Whether contacts can keep A and B on their sides of a plane: not where the two edges that span
+/// it pass each other beyond their ends.
+bool canCarry(const SeparatingPlane& plane, const PlacedOutline& a, const PlacedOutline& b);
+
+/// The contacts that keep A and B (brick numbers as given) on their sides of a plane: every point
+/// of one against a face of the other, or the two edges that span the plane where they pass each
+/// other most closely.
 void appendPlaneContacts(const SeparatingPlane& plane, int brickA, int brickB,
-                         const PlacedOutline& startA, const PlacedOutline& startB,
-                         const PlacedOutline& endA, const PlacedOutline& endB, double reach,
+                         const PlacedOutline& a, const PlacedOutline& b,
                          std::vector<Contact>& contacts);
 
 }  // namespace kirireel

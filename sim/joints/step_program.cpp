@@ -1,0 +1,110 @@
+#include "sim/joints/step_program.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kirireel {
+namespace {
+
+constexpr double kNewtonTolerance = 1e-7;  // of a Newton step; rounding is 1e-10 to 1e-8
+constexpr int kNewtonRounds = 60;
+constexpr int kBoldRounds = 8;  // whole steps at first: most often they settle the contacts' states
+constexpr int kSearchRounds = 30;
+
+/// Derivative of the augmented Lagrangian at x.
+template <int D>
+Eigen::VectorXd gradient(const StepSystem<D>& system, const StepProgram<D>& program,
+                         const Eigen::VectorXd& x) {
+  Eigen::VectorXd result = system.timesA(x) - program.force;
+  const Eigen::VectorXd impulse =
+      program.multipliers - system.kappa() * (system.jointVelocity(x) + program.offset);
+  system.addJointImpulse(-1.0, impulse, result);
+  for (const ContactRow<D>& row : program.contacts) {
+    const double normal = row.trialImpulse(x, system.rho());
+    if (normal > 0) row.addNormal(-normal, result);
+    if (row.rubs()) row.addTangent(-row.trialSlipImpulse(x, system.rho(), nullptr), result);
+  }
+  return result;
+}
+
+/// A step length at which the convex function no longer falls steeply along dx: the whole step, or
+/// near where its slope changes sign.
+template <int D>
+double lineSearch(const StepSystem<D>& system, const StepProgram<D>& program,
+                  const Eigen::VectorXd& dx, double firstSlope) {
+  double low = 0;
+  double high = 1;
+  double length = 1;
+  for (int round = 0; round < kSearchRounds; ++round) {
+    const double slope = gradient<D>(system, program, program.x + length * dx).dot(dx);
+    const bool uphill = slope > -0.1 * firstSlope;
+    if (!uphill && (length == 1.0 || slope >= 0.5 * firstSlope)) return length;
+    (uphill ? high : low) = length;
+    length = 0.5 * (low + high);
+  }
+  return length;
+}
+
+template <int D>
+bool minimize(StepSystem<D>& system, StepProgram<D>& program, double slow) {
+  for (int round = 0; round < kNewtonRounds; ++round) {
+    const Eigen::VectorXd slope = gradient(system, program, program.x);
+    Eigen::VectorXd dx = -slope;
+    system.solveInPlace(dx);
+    // Close to the minimum the slope along dx is lost in rounding, and a whole step is right.
+    const double speed = std::max(program.x.template lpNorm<Eigen::Infinity>(), slow);
+    const bool near = dx.template lpNorm<Eigen::Infinity>() <= kNewtonTolerance * speed;
+    const bool smooth = program.contacts.empty() || near;
+    const bool bold = smooth || round < kBoldRounds;
+    const double length = bold ? 1.0 : lineSearch(system, program, dx, slope.dot(dx));
+    program.x += length * dx;
+    if (smooth) return true;
+    // While no contact changes state the function is quadratic and a whole step is its minimum.
+    const bool changed = setContactStates(program, system.rho());
+    if (!changed && length == 1.0) return true;
+    if (changed && !system.factor(program.contacts)) return false;
+  }
+  return false;
+}
+
+}  // namespace
+
+template <int D>
+bool setContactStates(StepProgram<D>& program, double rho) {
+  bool changed = false;
+  for (ContactRow<D>& row : program.contacts) {
+    const bool active = row.trialImpulse(program.x, rho) > 0;
+    changed = changed || active != row.active;
+    row.active = active;
+    if (!row.rubs()) continue;
+    typename ContactRow<D>::TangentMatrix stiffness;
+    row.trialSlipImpulse(program.x, rho, &stiffness);
+    changed = changed || stiffness != row.slipStiffness;
+    row.slipStiffness = stiffness;
+  }
+  return changed;
+}
+
+template <int D>
+double solveRound(StepSystem<D>& system, StepProgram<D>& program, double slow) {
+  if (!minimize(system, program, slow)) return -1;
+  program.multipliers -= system.kappa() * (system.jointVelocity(program.x) + program.offset);
+  double change = 0;
+  for (ContactRow<D>& row : program.contacts) {
+    const double normal = row.trialImpulse(program.x, system.rho());
+    change = std::max(change, std::abs(normal - row.multiplier) / system.rho());
+    row.multiplier = normal;
+    if (!row.rubs()) continue;
+    const auto slip = row.trialSlipImpulse(program.x, system.rho(), nullptr);
+    change = std::max(change, (slip - row.slipMultiplier).norm() / system.rho());
+    row.slipMultiplier = slip;
+  }
+  return change;
+}
+
+template bool setContactStates<3>(StepProgram<3>&, double);
+template bool setContactStates<6>(StepProgram<6>&, double);
+template double solveRound<3>(StepSystem<3>&, StepProgram<3>&, double);
+template double solveRound<6>(StepSystem<6>&, StepProgram<6>&, double);
+
+}  // namespace kirireel

@@ -1,0 +1,34 @@
+/// The quadratic program that both halves of a step are: finding velocities, and closing joints.
+#pragma once
+
+#include <vector>
+
+#include "sim/joints/contact_rows.h"
+#include "sim/joints/step_system.h"
+
+namespace kirireel {
+
+/// Minimise 1/2 x^T A x - f^T x over velocities x with J x + offset = 0, and with the contact rows'
+/// inequalities and friction.
+template <int D>
+struct StepProgram {
+  Eigen::VectorXd x;            ///< the start of the search, then its end
+  Eigen::VectorXd force;        ///< f
+  Eigen::VectorXd multipliers;  ///< of the joint rows
+  Eigen::VectorXd offset;       ///< of the joint rows, m/s
+  std::vector<ContactRow<D>> contacts;
+};
+
+/// One round of the method of multipliers: minimises the augmented Lagrangian for the multipliers
+/// at hand by semismooth Newton (the contacts' states decide which quadratic piece is in force),
+/// then moves the multipliers. The system must be factored for the contacts' states on entry.
+/// `slow` is a speed to which tolerances refer besides that of x. Returns false when the search
+/// does not end.
+template <int D>
+double solveRound(StepSystem<D>& system, StepProgram<D>& program, double slow);
+
+/// Sets which contacts push and how they slip at x. Returns whether any state changed.
+template <int D>
+bool setContactStates(StepProgram<D>& program, double rho);
+
+}  // namespace kirireel
