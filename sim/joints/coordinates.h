@@ -17,6 +17,9 @@ struct Coordinates {
   using RowVector = Eigen::Matrix<double, 1, D>;
   using Gap = Eigen::Matrix<double, kJointRows, 1>;
 
+  /// Whether coordinate k of a brick is a turn.
+  static constexpr bool isTurn(int k) { return D == 6 ? k >= 3 : k == 2; }
+
   static Vector restrict(const Vector6& v) {
     if constexpr (D == 6)
       return v;

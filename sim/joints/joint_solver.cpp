@@ -14,6 +14,7 @@ constexpr double kGapAccepted = 1e-10;           // and a step is good below thi
 constexpr double kOverlapTolerance = 1e-9;       // overlap of a contact in work that counts as none
 constexpr double kSpeedTolerance = 1e-10;        // of joint rows, relative to the fastest brick
 constexpr double kContactSpeedTolerance = 1e-7;  // of contact rows, likewise
+constexpr double kChangeTolerance = 1e-6;        // of all rows in a round: the next would gain 1e-4
 constexpr double kSlow = 1e-3;                   // below this speed tolerances shrink no more
 constexpr double kJumpShare = 0.3;  // closing may move this part of what the step moved
 constexpr double kJumpFloor = 1e-9;
@@ -31,7 +32,10 @@ class Stepper : public JointSolver {
  public:
   Stepper(const std::vector<Brick>& bricks, std::span<const Pivot> pivots,
           const JointSolverSettings& settings)
-      : bricks_(bricks), settings_(settings), system_(bricks, pivots), loads_(bricks.size()) {
+      : bricks_(bricks),
+        settings_(settings),
+        system_(bricks, pivots, settings.lengthScale),
+        loads_(bricks.size()) {
     program_.multipliers = Vector::Zero(system_.jointRowCount());
     program_.x = Vector::Zero(D * bricks.size());
   }
@@ -175,11 +179,12 @@ bool Stepper<D>::solveVelocities(const Poses& start) {
   if (!system_.factor(program_.contacts)) return false;
   const double slow = kSlow * settings_.lengthScale;
   for (int round = 0; round < kMultiplierRounds; ++round) {
-    const double contactChange = solveRound(system_, program_, slow);
-    if (contactChange < 0) return false;
-    const double speed = std::max(program_.x.template lpNorm<Eigen::Infinity>(), slow);
-    const bool jointsKept = jointSpeed() <= kSpeedTolerance * speed;
-    if (jointsKept && contactChange <= kContactSpeedTolerance * speed) break;
+    const RoundReport report = solveRound(system_, program_, slow);
+    if (!report.found) return false;
+    const double speed = std::max(system_.largestSpeed(program_.x), slow);
+    const bool refined = report.change <= kChangeTolerance * speed &&
+                         report.contactChange <= kContactSpeedTolerance * speed;
+    if (refined && jointSpeed() <= kSpeedTolerance * speed) break;
   }
   return true;  // the rest is judged by the gap after closing
 }

@@ -46,25 +46,25 @@ double lineSearch(const StepSystem<D>& system, const StepProgram<D>& program,
 }
 
 template <int D>
-bool minimize(StepSystem<D>& system, StepProgram<D>& program, double slow) {
+RoundReport minimize(StepSystem<D>& system, StepProgram<D>& program, double slow) {
   for (int round = 0; round < kNewtonRounds; ++round) {
     const Eigen::VectorXd slope = gradient(system, program, program.x);
     Eigen::VectorXd dx = -slope;
     system.solveInPlace(dx);
     // Close to the minimum the slope along dx is lost in rounding, and a whole step is right.
-    const double speed = std::max(program.x.template lpNorm<Eigen::Infinity>(), slow);
-    const bool near = dx.template lpNorm<Eigen::Infinity>() <= kNewtonTolerance * speed;
-    const bool smooth = program.contacts.empty() || near;
+    const double speed = std::max(system.largestSpeed(program.x), slow);
+    const double change = system.largestSpeed(dx);
+    const bool smooth = program.contacts.empty() || change <= kNewtonTolerance * speed;
     const bool bold = smooth || round < kBoldRounds;
     const double length = bold ? 1.0 : lineSearch(system, program, dx, slope.dot(dx));
     program.x += length * dx;
-    if (smooth) return true;
+    if (smooth) return {true, change, 0};
     // While no contact changes state the function is quadratic and a whole step is its minimum.
     const bool changed = setContactStates(program, system.rho());
-    if (!changed && length == 1.0) return true;
-    if (changed && !system.factor(program.contacts)) return false;
+    if (!changed && length == 1.0) return {true, change, 0};
+    if (changed && !system.factor(program.contacts)) break;
   }
-  return false;
+  return {};
 }
 
 }  // namespace
@@ -86,10 +86,11 @@ bool setContactStates(StepProgram<D>& program, double rho) {
 }
 
 template <int D>
-double solveRound(StepSystem<D>& system, StepProgram<D>& program, double slow) {
-  if (!minimize(system, program, slow)) return -1;
+RoundReport solveRound(StepSystem<D>& system, StepProgram<D>& program, double slow) {
+  RoundReport report = minimize(system, program, slow);
+  if (!report.found) return report;
   program.multipliers -= system.kappa() * (system.jointVelocity(program.x) + program.offset);
-  double change = 0;
+  double& change = report.contactChange;
   for (ContactRow<D>& row : program.contacts) {
     const double normal = row.trialImpulse(program.x, system.rho());
     change = std::max(change, std::abs(normal - row.multiplier) / system.rho());
@@ -99,12 +100,12 @@ double solveRound(StepSystem<D>& system, StepProgram<D>& program, double slow) {
     change = std::max(change, (slip - row.slipMultiplier).norm() / system.rho());
     row.slipMultiplier = slip;
   }
-  return change;
+  return report;
 }
 
 template bool setContactStates<3>(StepProgram<3>&, double);
 template bool setContactStates<6>(StepProgram<6>&, double);
-template double solveRound<3>(StepSystem<3>&, StepProgram<3>&, double);
-template double solveRound<6>(StepSystem<6>&, StepProgram<6>&, double);
+template RoundReport solveRound<3>(StepSystem<3>&, StepProgram<3>&, double);
+template RoundReport solveRound<6>(StepSystem<6>&, StepProgram<6>&, double);
 
 }  // namespace kirireel

@@ -19,13 +19,19 @@ struct StepProgram {
   std::vector<ContactRow<D>> contacts;
 };
 
-/// One round of the method of multipliers: minimises the augmented Lagrangian for the multipliers
-/// at hand by semismooth Newton (the contacts' states decide which quadratic piece is in force),
-/// then moves the multipliers. The system must be factored for the contacts' states on entry.
-/// `slow` is a speed to which tolerances refer besides that of x. Returns false when the search
-/// does not end.
+/// How far a round of the method of multipliers was from the end.
+struct RoundReport {
+  bool found = false;        ///< whether the minimum for the multipliers at hand was found
+  double change = 0;         ///< of x in the last Newton step, m/s
+  double contactChange = 0;  ///< by how much contact rows still were off, m/s
+};
+
+/// One round: minimises the augmented Lagrangian for the multipliers at hand by semismooth Newton
+/// (the contacts' states decide which quadratic piece is in force), then moves the multipliers. The
+/// system must be factored for the contacts' states on entry. `slow` is a speed to which tolerances
+/// refer besides that of x.
 template <int D>
-double solveRound(StepSystem<D>& system, StepProgram<D>& program, double slow);
+RoundReport solveRound(StepSystem<D>& system, StepProgram<D>& program, double slow);
 
 /// Sets which contacts push and how they slip at x. Returns whether any state changed.
 template <int D>

@@ -1,6 +1,7 @@
 #include "sim/joints/step_system.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace kirireel {
 namespace {
@@ -20,8 +21,13 @@ Matrix3 worldInertia(const Brick& brick, const Pose& pose) {
 }  // namespace
 
 template <int D>
-StepSystem<D>::StepSystem(const std::vector<Brick>& bricks, std::span<const Pivot> pivots)
-    : bricks_(bricks), edgesAt_(bricks.size()), A_(bricks.size()), f_(D * bricks.size()) {
+StepSystem<D>::StepSystem(const std::vector<Brick>& bricks, std::span<const Pivot> pivots,
+                          double lengthScale)
+    : bricks_(bricks),
+      lengthScale_(lengthScale),
+      edgesAt_(bricks.size()),
+      A_(bricks.size()),
+      f_(D * bricks.size()) {
   for (const Pivot& pivot : pivots) {
     // In the plane both faces' pivots coincide.
     const bool again = D == 3 && !pivots_.empty() && pivots_.back().joint == pivot.joint;
@@ -142,6 +148,16 @@ Eigen::VectorXd StepSystem<D>::timesA(const Vector& x) const {
     result.segment<D>(D * i) = A_[i] * x.segment<D>(D * i);
   }
   return result;
+}
+
+template <int D>
+double StepSystem<D>::largestSpeed(const Vector& x) const {
+  double largest = 0;
+  for (int i = 0; i < D * brickCount(); ++i) {
+    const double scale = Space::isTurn(i % D) ? lengthScale_ : 1.0;
+    largest = std::max(largest, scale * std::abs(x[i]));
+  }
+  return largest;
 }
 
 template <int D>

@@ -24,7 +24,8 @@ class StepSystem {
   using Block = typename Space::Block;
   using Vector = Eigen::VectorXd;
 
-  StepSystem(const std::vector<Brick>& bricks, std::span<const Pivot> pivots);
+  /// `lengthScale` in metres makes turning and moving comparable.
+  StepSystem(const std::vector<Brick>& bricks, std::span<const Pivot> pivots, double lengthScale);
 
   int brickCount() const { return static_cast<int>(bricks_.size()); }
   int jointRowCount() const { return Space::kJointRows * static_cast<int>(pivots_.size()); }
@@ -45,6 +46,8 @@ class StepSystem {
   Vector timesA(const Vector& x) const;
   /// f.
   const Vector& force() const { return f_; }
+  /// The largest component of a velocity of all bricks, turns counted at one length scale, m/s.
+  double largestSpeed(const Vector& x) const;
   /// J u.
   Vector jointVelocity(const Vector& u) const;
   /// Adds scale * J^T multipliers.
@@ -68,6 +71,7 @@ class StepSystem {
   void addContactToMatrix(const ContactRow<D>& row);
 
   const std::vector<Brick>& bricks_;
+  double lengthScale_;
   std::vector<Pivot> pivots_;
   std::vector<std::pair<int, int>>
       edges_;  // sorted pairs; joints first, then contacts as they come
