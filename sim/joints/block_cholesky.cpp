@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include <Eigen/Cholesky>
+#include "sim/joints/dense_kernels.h"
 
 namespace kirireel {
 
@@ -13,9 +13,11 @@ void BlockCholesky<D>::analyze(int nodeCount, const std::vector<std::pair<int, i
   diagonal_.assign(nodeCount, Block::Zero());
   offDiagonal_.assign(edges.size(), Block::Zero());
   std::size_t size = 0;
+  largestBelow_ = 0;
   panelStart_.clear();
   for (const Supernode& node : plan_.supernodes) {
     panelStart_.push_back(size);
+    largestBelow_ = std::max(largestBelow_, static_cast<int>(node.rows.size()));
     size += D * D * node.columnCount * (node.columnCount + node.rows.size());
   }
   panels_.assign(size, 0.0);
@@ -81,12 +83,6 @@ typename BlockCholesky<D>::MatrixMap BlockCholesky<D>::panel(int supernode) {
 }
 
 template <int D>
-typename BlockCholesky<D>::ConstMatrixMap BlockCholesky<D>::panel(int supernode) const {
-  return {panels_.data() + panelStart_[supernode], frontRows(supernode),
-          D * plan_.supernodes[supernode].columnCount};
-}
-
-template <int D>
 bool BlockCholesky<D>::factor() {
   for (int s = 0; s < static_cast<int>(plan_.supernodes.size()); ++s) {
     assemble(s);
@@ -142,20 +138,9 @@ void BlockCholesky<D>::addChildren(int supernode) {
 
 template <int D>
 bool BlockCholesky<D>::eliminate(int supernode) {
-  const Supernode& node = plan_.supernodes[supernode];
-  const int columns = D * node.columnCount;
-  const int rows = D * static_cast<int>(node.rows.size());
-  MatrixMap front = panel(supernode);
-  auto pivotBlock = front.topRows(columns);
-  if (Eigen::internal::llt_inplace<double, Eigen::Lower>::blocked(pivotBlock) >= 0) return false;
-  if (rows == 0) return true;
-  auto below = front.bottomRows(rows);
-  pivotBlock.template triangularView<Eigen::Lower>()
-      .transpose()
-      .template solveInPlace<Eigen::OnTheRight>(below);
-  MatrixMap update(updates_[supernode].data(), rows, rows);
-  update.template selfadjointView<Eigen::Lower>().rankUpdate(below, -1.0);
-  return true;
+  return denseKernels().eliminate(panels_.data() + panelStart_[supernode], frontRows(supernode),
+                                  D * plan_.supernodes[supernode].columnCount,
+                                  updates_[supernode].data());
 }
 
 template <int D>
@@ -165,27 +150,23 @@ void BlockCholesky<D>::solveInPlace(Eigen::VectorXd& right) const {
   for (int node = 0; node < count; ++node) {
     x.segment<D>(D * plan_.place[node]) = right.segment<D>(D * node);
   }
-  Eigen::VectorXd below;
+  const DenseKernels& kernels = denseKernels();
+  Eigen::VectorXd below(D * largestBelow_);
   for (int s = 0; s < static_cast<int>(plan_.supernodes.size()); ++s) {
     const Supernode& node = plan_.supernodes[s];
-    const ConstMatrixMap front = panel(s);
-    auto top = x.segment(D * node.firstColumn, D * node.columnCount);
-    front.topRows(top.size()).template triangularView<Eigen::Lower>().solveInPlace(top);
-    below.noalias() = front.bottomRows(D * node.rows.size()) * top;
+    kernels.solveForward(panels_.data() + panelStart_[s], frontRows(s), D * node.columnCount,
+                         x.data() + D * node.firstColumn, below.data());
     for (std::size_t r = 0; r < node.rows.size(); ++r) {
       x.segment<D>(D * node.rows[r]) -= below.segment<D>(D * r);
     }
   }
   for (int s = static_cast<int>(plan_.supernodes.size()) - 1; s >= 0; --s) {
     const Supernode& node = plan_.supernodes[s];
-    const ConstMatrixMap front = panel(s);
-    auto top = x.segment(D * node.firstColumn, D * node.columnCount);
-    below.resize(D * node.rows.size());
     for (std::size_t r = 0; r < node.rows.size(); ++r) {
       below.segment<D>(D * r) = x.segment<D>(D * node.rows[r]);
     }
-    top.noalias() -= front.bottomRows(below.size()).transpose() * below;
-    front.topRows(top.size()).template triangularView<Eigen::Lower>().transpose().solveInPlace(top);
+    kernels.solveBackward(panels_.data() + panelStart_[s], frontRows(s), D * node.columnCount,
+                          x.data() + D * node.firstColumn, below.data());
   }
   for (int node = 0; node < count; ++node) {
     right.segment<D>(D * node) = x.segment<D>(D * plan_.place[node]);

@@ -58,7 +58,6 @@ class BlockCholesky {
   bool eliminate(int supernode);
   int frontRows(int supernode) const;
   MatrixMap panel(int supernode);
-  ConstMatrixMap panel(int supernode) const;
 
   Elimination plan_;
   std::vector<std::pair<int, int>> edges_;
@@ -66,6 +65,7 @@ class BlockCholesky {
   std::vector<Block, Eigen::aligned_allocator<Block>> offDiagonal_;
   std::vector<std::vector<Entry>> diagonalEntries_;  // one list a supernode
   std::vector<std::vector<Entry>> edgeEntries_;
+  int largestBelow_ = 0;  // rows below any panel, in blocks
   std::vector<std::size_t> panelStart_;
   std::vector<double> panels_;                // the factor: one panel a supernode, column-major
   std::vector<std::vector<double>> updates_;  // Schur complements that wait for their parents

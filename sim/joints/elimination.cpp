@@ -13,7 +13,7 @@ using Graph = std::vector<std::vector<int>>;
 
 // A merge may leave this many zero blocks for each block of the merged panel, zeros counted over
 // the whole chain of merges; small fronts may be fuller of zeros, since their overhead dominates.
-constexpr double kZeroShare = 0.12;
+constexpr double kZeroShare = 0.08;
 constexpr int kSmallFront = 4;
 constexpr double kSmallZeroShare = 0.35;
 

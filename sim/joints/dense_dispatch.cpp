@@ -1,0 +1,13 @@
+#include "sim/joints/dense_kernels.h"
+
+namespace kirireel {
+
+const DenseKernels& denseKernels() {
+#ifdef KIRIREEL_HAS_AVX2_KERNELS
+  static const bool newer = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+  if (newer) return avx2::kKernels;
+#endif
+  return baseline::kKernels;
+}
+
+}  // namespace kirireel
