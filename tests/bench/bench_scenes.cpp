@@ -1,0 +1,114 @@
+#include "tests/bench/bench_scenes.h"
+
+#include <algorithm>
+
+#include "sim/model/alignment.h"
+#include "sim/model/folder.h"
+
+namespace kirireel::bench {
+namespace {
+
+/// The flags that PyKirigami's pages give for its models.
+void applyAuthorsSettings(const std::string& name, Scene& scene) {
+  if (name == "square2disk") {
+    scene.springs.springStiffness = 25;
+    scene.environment.gravity = {0, 0, -10};
+    scene.environment.ground = Ground{lowestPoint(scene.model), 0.5};
+  } else if (name == "tess_m10_n10" || name == "demo_nonrigid") {
+    scene.environment.ground = Ground{lowestPoint(scene.model), 0.5};
+  } else if (name == "cylinder") {
+    scene.springs.forceDamping = 80;
+  } else if (name == "mobius") {
+    scene.springs.springStiffness = 25;
+    scene.brick.thickness = 0.005;
+  } else if (name == "sphere-to-saddle") {
+    scene.brick.thickness = 0.001;
+  }
+}
+
+double openingAngle(const Poses& poses) {
+  const Quaternion relative = poses[0].rotation.conjugate() * poses[1].rotation;
+  return 2 * std::atan2(relative.vec().norm(), std::abs(relative.w()));
+}
+
+std::vector<Vector3> verticesOf(const std::vector<Tile>& tiles) {
+  std::vector<Vector3> vertices;
+  for (const Tile& tile : tiles) {
+    vertices.insert(vertices.end(), tile.vertices.begin(), tile.vertices.end());
+  }
+  return vertices;
+}
+
+double distanceFromExact(int side, double angle, const std::vector<Brick>& bricks,
+                         const Poses& poses) {
+  TessellationShape shape;
+  shape.columns = shape.rows = side;
+  const std::vector<Vector3> found = verticesOf(bottomTiles(bricks, poses));
+  const std::vector<Vector3> exact = verticesOf(tessellationTiles(shape, angle));
+  const RigidMotion fit = bestRigidMotion(exact, found);
+  double largest = 0;
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    largest = std::max(largest, (fit.apply(exact[k]) - found[k]).norm());
+  }
+  return largest;
+}
+
+}  // namespace
+
+std::vector<NamedScene> modelScenes(const std::filesystem::path& folder) {
+  std::vector<NamedScene> scenes;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (!exists(entry.path() / "vertices.txt")) continue;
+    NamedScene named{entry.path().filename(), {}};
+    std::vector<std::string> warnings;
+    named.scene.model = readModelFolder(entry.path(), warnings);
+    alignStartToTarget(named.scene.model);
+    applyAuthorsSettings(named.name, named.scene);
+    scenes.push_back(std::move(named));
+  }
+  std::sort(scenes.begin(), scenes.end(),
+            [](const NamedScene& a, const NamedScene& b) { return a.name < b.name; });
+  return scenes;
+}
+
+Scene sheetScene(int side, bool planar, SolverKind kind, JointFace face) {
+  Scene scene;
+  TessellationShape shape;
+  shape.columns = shape.rows = side;
+  shape.face = face;
+  scene.model = makeTessellation(shape);
+  scene.environment.contacts = ContactFilter::None;
+  scene.solver.planar = planar;
+  scene.solver.kind = kind;
+  return scene;
+}
+
+double millisecondsPerStep(const Scene& scene, int steps) {
+  test::SteppedScene run(scene);
+  const bool bullet = scene.solver.kind == SolverKind::Bullet;
+  int done = 0;
+  while (done < steps && !(bullet && done >= 3 && run.seconds() > 0.5)) {
+    run.advance();
+    ++done;
+  }
+  return 1e3 * run.seconds() / done;
+}
+
+MotionError motionError(const Scene& scene, int side, double seconds) {
+  test::SteppedScene run(scene);
+  MotionError error;
+  const long steps = std::lround(seconds / scene.solver.timestep);
+  for (long step = 0; step < steps; ++step) {
+    run.advance();
+    error.lastAngle = openingAngle(run.motion().poses);
+    error.gap = std::max(error.gap, run.gap());
+    const bool compact = error.lastAngle < 0.04;
+    error.compactSamples += compact ? 1 : 0;
+    double& largest = compact ? error.compact : error.open;
+    largest = std::max(largest,
+                       distanceFromExact(side, error.lastAngle, run.bricks(), run.motion().poses));
+  }
+  return error;
+}
+
+}  // namespace kirireel::bench

@@ -1,0 +1,67 @@
+#include <fmt/format.h>
+
+#include "tests/bench/joint_tables.h"
+
+namespace kirireel::bench {
+namespace {
+
+/// What one solver makes of a model with brick contact.
+struct ContactRun {
+  double milliseconds = 0;  // a step
+  double penetration = 0;   // largest, in tile sizes
+  double gap = 0;           // largest, in model sizes
+  double error = 0;         // at the end, metres
+  double simulated = 0;     // seconds
+  StepReport report;
+};
+
+ContactRun runContacts(Scene scene, SolverKind kind, double seconds) {
+  scene.solver.kind = kind;
+  test::SteppedScene run(scene);
+  ContactRun result;
+  const int steps = static_cast<int>(std::lround(seconds / scene.solver.timestep));
+  int done = 0;
+  while (done < steps && run.seconds() < kRunBudget) {
+    run.advance();
+    ++done;
+    result.gap = std::max(result.gap, run.gap());
+    if (done % 4 != 0) continue;
+    const double depth = deepestPenetration(run.bricks(), run.motion().poses).depth;
+    result.penetration = std::max(result.penetration, depth);
+  }
+  result.milliseconds = 1e3 * run.seconds() / done;
+  result.simulated = done * scene.solver.timestep;
+  result.penetration /= tileSize(scene.model);
+  result.gap /= modelSize(scene.model);
+  result.report = run.report();
+  if (scene.model.target) {
+    result.error = targetError(*scene.model.target, run.bricks(), run.motion().poses);
+  }
+  return result;
+}
+
+}  // namespace
+
+void printContactTable(const std::vector<NamedScene>& models) {
+  fmt::print(
+      "\nWith brick contact, up to 2 s at 1/240 s (Bullet: 20 x 50; pen in tiles, gap in model "
+      "sizes)\n");
+  fmt::print("{:<28}{:>6}{:>9}{:>9}{:>8}{:>10}{:>10}{:>10}{:>10}{:>10}{:>10}{:>8}{:>8}\n", "model",
+             "to s", "ms", "bullet", "ratio", "pen", "bullet", "gap", "bullet", "error", "bullet",
+             "halved", "unconv");
+  for (const auto& [name, scene] : models) {
+    const ContactRun direct = runContacts(scene, SolverKind::Direct, 2);
+    const ContactRun bullet = runContacts(scene, SolverKind::Bullet, 2);
+    fmt::print(
+        "{:<28}{:>6.2f}{:>9.3f}{:>9.2f}{:>8.1f}{:>10.1e}{:>10.1e}{:>10.1e}{:>10.1e}{:>10.2e}{:>10."
+        "2e}"
+        "{:>8}{:>8}\n",
+        name, direct.simulated, direct.milliseconds, bullet.milliseconds,
+        bullet.milliseconds / direct.milliseconds, direct.penetration, bullet.penetration,
+        direct.gap, bullet.gap, direct.error, bullet.error, direct.report.halved,
+        direct.report.unconverged);
+    std::fflush(stdout);
+  }
+}
+
+}  // namespace kirireel::bench
