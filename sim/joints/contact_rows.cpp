@@ -12,7 +12,8 @@ std::array<Vector3, 2> tangentsOf(const Vector3& normal) {
 }
 
 /// Adds what turning edges contribute: the normal of two edges turns with both bricks,
-///   d(a x b . d) = w_A . (a x (b x d)) + w_B . (b x (d x a)).
+///   d(a x b . d) = w_A . (a x (b x d)) + w_B . (b x (d x a)),
+/// and only what of d lies across the normal counts, since the normal keeps its length.
 template <int D>
 void addTurningNormal(ContactRow<D>& row, const Poses& poses) {
   const Contact& contact = row.contact;

@@ -13,6 +13,18 @@ namespace {
 using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 
+// Below this many columns plain column operations beat Eigen's blocked triangular solve.
+constexpr int kNarrow = 25;
+
+/// lower = lower * pivot^-T, column by column.
+template <typename Pivot, typename Lower>
+void divideNarrow(const Pivot& pivot, Lower& lower) {
+  for (int j = 0; j < lower.cols(); ++j) {
+    for (int k = 0; k < j; ++k) lower.col(j) -= pivot(j, k) * lower.col(k);
+    lower.col(j) *= 1.0 / pivot(j, j);
+  }
+}
+
 bool eliminate(double* panel, int rows, int columns, double* update) {
   Eigen::Map<Matrix> front(panel, rows, columns);
   auto pivot = front.topRows(columns);
@@ -20,7 +32,11 @@ bool eliminate(double* panel, int rows, int columns, double* update) {
   const int below = rows - columns;
   if (below == 0) return true;
   auto lower = front.bottomRows(below);
-  pivot.triangularView<Eigen::Lower>().transpose().solveInPlace<Eigen::OnTheRight>(lower);
+  if (columns < kNarrow) {
+    divideNarrow(pivot, lower);
+  } else {
+    pivot.triangularView<Eigen::Lower>().transpose().solveInPlace<Eigen::OnTheRight>(lower);
+  }
   Eigen::Map<Matrix> schur(update, below, below);
   schur.selfadjointView<Eigen::Lower>().rankUpdate(lower, -1.0);
   return true;

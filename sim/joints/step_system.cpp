@@ -93,12 +93,14 @@ void StepSystem<D>::addJointsToMatrix() {
   for (std::size_t p = 0; p < pivots_.size(); ++p) {
     const JointRows& rows = jointRows_[p];
     const Pivot& pivot = pivots_[p];
-    matrix_.diagonal(pivot.brickA).noalias() += kappa_ * rows.a.transpose() * rows.a;
-    matrix_.diagonal(pivot.brickB).noalias() += kappa_ * rows.b.transpose() * rows.b;
+    const typename Space::Rows weightedA = kappa_ * rows.a;
+    const typename Space::Rows weightedB = kappa_ * rows.b;
+    matrix_.diagonal(pivot.brickA).noalias() += weightedA.transpose() * rows.a;
+    matrix_.diagonal(pivot.brickB).noalias() += weightedB.transpose() * rows.b;
     if (pivot.brickA < pivot.brickB) {
-      matrix_.offDiagonal(rows.edge).noalias() += kappa_ * rows.a.transpose() * rows.b;
+      matrix_.offDiagonal(rows.edge).noalias() += weightedA.transpose() * rows.b;
     } else {
-      matrix_.offDiagonal(rows.edge).noalias() += kappa_ * rows.b.transpose() * rows.a;
+      matrix_.offDiagonal(rows.edge).noalias() += weightedB.transpose() * rows.a;
     }
   }
 }

@@ -198,7 +198,12 @@ bool canCarry(const SeparatingPlane& plane, const PlacedOutline& a, const Placed
   if (plane.kind != Kind::Edges) return true;
   const auto [edgeA, edgeB, parts] = crossingOf(plane, a, b);
   const auto within = [](double part) { return part > -kEndPart && part < 1 + kEndPart; };
-  return within(parts[0]) && within(parts[1]);
+  if (!within(parts[0]) || !within(parts[1])) return false;
+  // The edges must be what reaches farthest towards the other brick.
+  const Vector3 normal = planeNormal(plane, a, b);
+  const double between = normal.dot(a.points[edgeA.from] - b.points[edgeB.from]);
+  const double length = (a.points[edgeA.to] - a.points[edgeA.from]).norm();
+  return between <= separation(plane, a, b) + kEndPart * length;
 }
 
 void appendPlaneContacts(const SeparatingPlane& plane, int brickA, int brickB,
