@@ -26,7 +26,7 @@ void printShares(int side) {
   const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
   const Motion motion{startPoses(scene.model.tiles, bricks), std::vector<Velocity>(bricks.size())};
   const TargetSprings springs(bricks, *scene.model.target, {}, scene.springs);
-  StepSystem<D> system(bricks, makePivots(scene.model.joints, bricks));
+  StepSystem<D> system(bricks, makePivots(scene.model.joints, bricks), tileSize(scene.model));
   std::vector<Load> loads(bricks.size());
   const double load = microseconds([&] {
     for (std::size_t i = 0; i < bricks.size(); ++i) {
