@@ -85,7 +85,7 @@ struct ContactFinder::Internals {
   };
 
   double appendPair(int a, int b, std::vector<Contact>& contacts);
-  bool canGive(PairState& state, const SeparatingPlane& plane, int a, int b);
+  bool canGive(PairState& state, const SeparatingPlane& plane) const;
   void givePlane(PairState& state, const SeparatingPlane& plane, int a, int b,
                  std::vector<Contact>& contacts);
   double appendGround(int brick, std::vector<Contact>& contacts);
@@ -179,7 +179,7 @@ double ContactFinder::Internals::appendPair(int a, int b, std::vector<Contact>& 
       return 0;
     }
     bestAfter = std::max(bestAfter, after);
-    if (after <= bestGiven || !canGive(state, plane, a, b)) continue;
+    if (after <= bestGiven || !canGive(state, plane)) continue;
     bestGiven = after;
     best = &plane;
   }
@@ -188,13 +188,11 @@ double ContactFinder::Internals::appendPair(int a, int b, std::vector<Contact>& 
   return std::max(0.0, -bestAfter - state.slack);
 }
 
-/// Whether contacts on this plane would be new and could hold.
-bool ContactFinder::Internals::canGive(PairState& state, const SeparatingPlane& plane, int a,
-                                       int b) {
+/// Whether contacts on this plane would be new in this step.
+bool ContactFinder::Internals::canGive(PairState& state, const SeparatingPlane& plane) const {
   if (state.givenStep != step) state.given.clear();
   state.givenStep = step;
-  if (std::find(state.given.begin(), state.given.end(), plane) != state.given.end()) return false;
-  return canCarry(plane, start[a], start[b]);
+  return std::find(state.given.begin(), state.given.end(), plane) == state.given.end();
 }
 
 void ContactFinder::Internals::givePlane(PairState& state, const SeparatingPlane& plane, int a,

@@ -1,8 +1,6 @@
 #include "sim/world/separation.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <limits>
 
 namespace kirireel {
@@ -11,9 +9,7 @@ namespace {
 using Kind = SeparatingPlane::Kind;
 
 // Below this sine two edges count as parallel and span no plane.
-constexpr double kParallel = 1e-4;
-// This part of an edge's length from its end counts as the end.
-constexpr double kEndPart = 1e-6;
+constexpr double kParallel = 1e-3;
 
 double lowest(const std::vector<Vector3>& points, const Vector3& direction) {
   double low = std::numeric_limits<double>::infinity();
@@ -21,33 +17,21 @@ double lowest(const std::vector<Vector3>& points, const Vector3& direction) {
   return low;
 }
 
-void addEdge(Outline& outline, int from, int to) {
-  const Vector3 direction = (outline.points[to] - outline.points[from]).normalized();
-  for (std::size_t d = 0; d < outline.directions.size(); ++d) {
-    if (outline.directions[d].cross(direction).norm() > 1e-9) continue;
-    outline.edges[d].push_back({from, to});
-    return;
+void addDirection(Outline& outline, const Vector3& edge) {
+  const Vector3 direction = edge.normalized();
+  const bool known =
+      std::any_of(outline.directions.begin(), outline.directions.end(),
+                  [&](const Vector3& other) { return other.cross(direction).norm() < 1e-9; });
+  if (!known) outline.directions.push_back(direction);
+}
+
+/// The point that reaches farthest along a direction.
+const Vector3& farthest(const PlacedOutline& placed, const Vector3& direction, int& index) {
+  index = 0;
+  for (int p = 1; p < static_cast<int>(placed.points.size()); ++p) {
+    if (placed.points[p].dot(direction) > placed.points[index].dot(direction)) index = p;
   }
-  outline.directions.push_back(direction);
-  outline.edges.push_back({{from, to}});
-}
-
-/// The edge along direction number d that reaches farthest along `way`.
-Outline::Edge farthestEdge(const PlacedOutline& placed, int d, const Vector3& way) {
-  const std::vector<Outline::Edge>& edges = placed.outline->edges[d];
-  return *std::max_element(edges.begin(), edges.end(),
-                           [&](const Outline::Edge& x, const Outline::Edge& y) {
-                             return placed.points[x.from].dot(way) < placed.points[y.from].dot(way);
-                           });
-}
-
-/// The points of two skew lines nearest to each other, as parts of the way from `from` to `to`.
-std::array<double, 2> nearestOnLines(const Vector3& fromA, const Vector3& wayA,
-                                     const Vector3& fromB, const Vector3& wayB) {
-  const Vector3 between = fromB - fromA;
-  const Vector3 normal = wayA.cross(wayB);
-  const double squared = normal.squaredNorm();
-  return {between.cross(wayB).dot(normal) / squared, between.cross(wayA).dot(normal) / squared};
+  return placed.outline->points[index];
 }
 
 /// Contacts of one body's points against a face of the other.
@@ -59,55 +43,28 @@ void appendFaceContacts(int pointBrick, int faceBrick, int face, const Outline& 
   }
 }
 
-/// Where the edges that span a plane pass each other most closely.
-struct Crossing {
-  Outline::Edge edgeA, edgeB;
-  std::array<double, 2> parts;  // of the way along A's and B's edge
-};
-
-Crossing crossingOf(const SeparatingPlane& plane, const PlacedOutline& a, const PlacedOutline& b) {
-  const Vector3 normal = planeNormal(plane, a, b);
-  Crossing crossing{farthestEdge(a, plane.a, -normal), farthestEdge(b, plane.b, normal), {}};
-  const auto& [edgeA, edgeB, parts] = crossing;
-  crossing.parts = nearestOnLines(a.points[edgeA.from], a.points[edgeA.to] - a.points[edgeA.from],
-                                  b.points[edgeB.from], b.points[edgeB.to] - b.points[edgeB.from]);
-  return crossing;
-}
-
-bool isEnd(double part) {
-  return std::abs(part) < kEndPart || std::abs(part - 1) < kEndPart;
-}
-
-/// The point a part of the way along an edge.
-Vector3 along(const std::vector<Vector3>& points, const Outline::Edge& edge, double part) {
-  return points[edge.from] + part * (points[edge.to] - points[edge.from]);
-}
-
+/// Contacts of all points of either brick against the other's farthest point, along the normal of
+/// an edge of each.
 void appendEdgeContacts(const SeparatingPlane& plane, int brickA, int brickB,
                         const PlacedOutline& a, const PlacedOutline& b,
                         std::vector<Contact>& contacts) {
-  const Crossing crossing = crossingOf(plane, a, b);
-  const std::vector<Vector3>& pointsA = a.outline->points;
-  const std::vector<Vector3>& pointsB = b.outline->points;
-  Contact contact{brickA, brickB, along(pointsA, crossing.edgeA, crossing.parts[0]),
-                  along(pointsB, crossing.edgeB, crossing.parts[1]),
+  const Vector3 normal = planeNormal(plane, a, b);
+  int nearestA = 0;
+  int nearestB = 0;
+  Contact contact{brickA, brickB, farthest(a, -normal, nearestA), farthest(b, normal, nearestB),
                   b.outline->directions[plane.b]};
   contact.isEdge = true;
   contact.edgeA = plane.sign * a.outline->directions[plane.a];
-  if (!isEnd(crossing.parts[0]) || !isEnd(crossing.parts[1])) {
+  const Vector3 pointA = contact.pointA;
+  for (const Vector3& point : a.outline->points) {
+    contact.pointA = point;
     contacts.push_back(contact);
-    return;
   }
-  // The edges themselves cannot part: the other points must stay on their sides.
-  for (int p = 0; p < static_cast<int>(pointsA.size()); ++p) {
-    if (p == crossing.edgeA.from || p == crossing.edgeA.to) continue;
+  contact.pointA = pointA;
+  for (int p = 0; p < static_cast<int>(b.outline->points.size()); ++p) {
+    if (p == nearestB) continue;
+    contact.pointB = b.outline->points[p];
     contacts.push_back(contact);
-    contacts.back().pointA = pointsA[p];
-  }
-  for (int p = 0; p < static_cast<int>(pointsB.size()); ++p) {
-    if (p == crossing.edgeB.from || p == crossing.edgeB.to) continue;
-    contacts.push_back(contact);
-    contacts.back().pointB = pointsB[p];
   }
 }
 
@@ -128,9 +85,8 @@ Outline makeOutline(const Brick& brick, bool planar) {
     outline.normals.push_back(edge.cross(brick.normal).normalized());
     outline.facePoints.push_back(k);
     if (planar) continue;
-    addEdge(outline, k, next);
-    addEdge(outline, count + k, count + next);
-    addEdge(outline, k, count + k);
+    addDirection(outline, edge);
+    addDirection(outline, brick.normal);
   }
   return outline;
 }
@@ -192,18 +148,6 @@ double separation(const SeparatingPlane& plane, const PlacedOutline& a, const Pl
   const Vector3 normal = planeNormal(plane, a, b);
   if (normal.isZero(0)) return -std::numeric_limits<double>::infinity();
   return lowest(a.points, normal) + lowest(b.points, -normal);
-}
-
-bool canCarry(const SeparatingPlane& plane, const PlacedOutline& a, const PlacedOutline& b) {
-  if (plane.kind != Kind::Edges) return true;
-  const auto [edgeA, edgeB, parts] = crossingOf(plane, a, b);
-  const auto within = [](double part) { return part > -kEndPart && part < 1 + kEndPart; };
-  if (!within(parts[0]) || !within(parts[1])) return false;
-  // The edges must be what reaches farthest towards the other brick.
-  const Vector3 normal = planeNormal(plane, a, b);
-  const double between = normal.dot(a.points[edgeA.from] - b.points[edgeB.from]);
-  const double length = (a.points[edgeA.to] - a.points[edgeA.from]).norm();
-  return between <= separation(plane, a, b) + kEndPart * length;
 }
 
 void appendPlaneContacts(const SeparatingPlane& plane, int brickA, int brickB,

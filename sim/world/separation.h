@@ -12,16 +12,10 @@ namespace kirireel {
 /// A brick as the points, outward face normals and edges of a convex body, in brick axes. In a
 /// planar scene only the outline counts: the bottom's vertices and the side faces.
 struct Outline {
-  /// Two ends of an edge, as indices into points.
-  struct Edge {
-    int from = 0;
-    int to = 0;
-  };
   std::vector<Vector3> points;
-  std::vector<Vector3> normals;          ///< one a face, unit
-  std::vector<int> facePoints;           ///< a point on each face, as an index into points
-  std::vector<Vector3> directions;       ///< of edges, unit, parallel ones once
-  std::vector<std::vector<Edge>> edges;  ///< the edges along each direction
+  std::vector<Vector3> normals;     ///< one a face, unit
+  std::vector<int> facePoints;      ///< a point on each face, as an index into points
+  std::vector<Vector3> directions;  ///< of edges, unit, parallel ones once
 };
 
 Outline makeOutline(const Brick& brick, bool planar);
@@ -60,13 +54,9 @@ Vector3 planeNormal(const SeparatingPlane& plane, const PlacedOutline& a, const 
 /// minus infinity where the plane does not exist.
 double separation(const SeparatingPlane& plane, const PlacedOutline& a, const PlacedOutline& b);
 
-/// Whether contacts can keep A and B on their sides of a plane: not where the two edges that span
-/// it pass each other beyond their ends.
-bool canCarry(const SeparatingPlane& plane, const PlacedOutline& a, const PlacedOutline& b);
-
 /// The contacts that keep A and B (brick numbers as given) on their sides of a plane: every point
-/// of one against a face of the other, or the two edges that span the plane where they pass each
-/// other most closely.
+/// of one against a face of the other, or every point of either against the other's farthest point
+/// along the normal of two edges.
 void appendPlaneContacts(const SeparatingPlane& plane, int brickA, int brickB,
                          const PlacedOutline& a, const PlacedOutline& b,
                          std::vector<Contact>& contacts);
