@@ -1,0 +1,95 @@
+#include "sim/joints/dense_kernels.h"
+
+#include <Eigen/Cholesky>
+#include <gtest/gtest.h>
+
+namespace kirireel {
+namespace {
+
+using Matrix = Eigen::MatrixXd;
+using Vector = Eigen::VectorXd;
+
+/// A front's panel, the update that waits for its parent, and what a dense factorisation says.
+struct Front {
+  Front(int rowCount, int columnCount) : rows(rowCount), columns(columnCount) {
+    std::srand(static_cast<unsigned>(100 * rowCount + columnCount));
+    const Matrix B = Matrix::Random(rows, rows);
+    whole = B * B.transpose() + Matrix::Identity(rows, rows);
+    panel = whole.leftCols(columns);
+    update = whole.bottomRightCorner(rows - columns, rows - columns);
+    L = whole.llt().matrixL();
+  }
+
+  bool eliminate(const DenseKernels& kernels) {
+    return kernels.eliminate(panel.data(), rows, columns, update.data());
+  }
+
+  int rows, columns;
+  Matrix whole, panel, update, L;
+};
+
+/// The baseline's kernels and the fastest that this processor runs.
+std::vector<const DenseKernels*> kernelSets() {
+  return {&baseline::kKernels, &denseKernels()};
+}
+
+constexpr int kShapes[][2] = {{3, 3}, {6, 6}, {9, 3}, {30, 12}, {96, 48}, {150, 90}};
+
+TEST(DenseKernels, EliminateAsADenseFactorisationDoes) {
+  for (const DenseKernels* kernels : kernelSets()) {
+    for (const auto& [rows, columns] : kShapes) {
+      Front front(rows, columns);
+      ASSERT_TRUE(front.eliminate(*kernels)) << kernels->name;
+      Matrix found = front.panel;
+      found.topRows(columns).triangularView<Eigen::StrictlyUpper>().setZero();
+      EXPECT_LT((found - front.L.leftCols(columns)).norm(), 1e-12 * front.L.norm())
+          << kernels->name << rows;  // measured 2e-14 of 88
+      // What is left is the Schur complement, of the rest's factor.
+      const Matrix rest = front.L.bottomRightCorner(rows - columns, rows - columns);
+      Matrix difference = front.update - rest * rest.transpose();
+      difference.triangularView<Eigen::StrictlyUpper>().setZero();
+      EXPECT_LT(difference.norm(), 1e-12 * front.whole.norm());  // measured 1e-13 of 870
+    }
+  }
+}
+
+TEST(DenseKernels, SolveForwardAndBackward) {
+  for (const DenseKernels* kernels : kernelSets()) {
+    for (const auto& [rows, columns] : kShapes) {
+      Front front(rows, columns);
+      ASSERT_TRUE(front.eliminate(*kernels));
+      const Matrix pivot = front.L.topLeftCorner(columns, columns);
+      const Matrix under = front.L.bottomLeftCorner(rows - columns, columns);
+      const Vector right = Vector::Random(columns);
+      Vector top = right;
+      Vector below = Vector::Zero(rows - columns);
+      kernels->solveForward(front.panel.data(), rows, columns, top.data(), below.data());
+      EXPECT_LT((pivot * top - right).norm(), 1e-11);  // measured 2e-15
+      EXPECT_LT((under * top - below).norm(), 1e-11);  // measured 2e-15
+      below.setRandom();
+      top = right;
+      kernels->solveBackward(front.panel.data(), rows, columns, top.data(), below.data());
+      const Vector expected = right - under.transpose() * below;
+      EXPECT_LT((pivot.transpose() * top - expected).norm(), 1e-11);  // measured 2e-14
+    }
+  }
+}
+
+TEST(DenseKernels, TellThatAPivotIsNotPositive) {
+  for (const DenseKernels* kernels : kernelSets()) {
+    for (const auto& [rows, columns] : kShapes) {
+      Front front(rows, columns);
+      front.panel(columns - 1, columns - 1) = -1;
+      EXPECT_FALSE(front.eliminate(*kernels)) << kernels->name << rows;
+    }
+  }
+}
+
+TEST(DenseKernels, HaveNames) {
+  EXPECT_STREQ(baseline::kKernels.name, "baseline");
+  const std::string fastest = denseKernels().name;
+  EXPECT_TRUE(fastest == "baseline" || fastest == "avx2") << fastest;
+}
+
+}  // namespace
+}  // namespace kirireel
