@@ -25,6 +25,8 @@ struct Contact {
                                     ///< from B towards A
   double friction = 0;              ///< Coulomb coefficient of the pair
   double slack = 0;                 ///< overlap that the pair had at the start and may keep, metres
+
+  bool operator==(const Contact&) const = default;
 };
 
 /// The contact's unit normal from B towards A at the given poses, world axes.

@@ -19,9 +19,11 @@ void addTurningNormal(ContactRow<D>& row, const Poses& poses) {
   const Contact& contact = row.contact;
   const Vector3 a = poses[contact.brickA].rotation * contact.edgeA;
   const Vector3 b = poses[contact.brickB].rotation * contact.normal;
-  const Vector3 d =
-      poses[contact.brickA].apply(contact.pointA) - poses[contact.brickB].apply(contact.pointB);
   const double length = a.cross(b).norm();
+  const Vector3 normal = a.cross(b) / length;
+  const Vector3 between =
+      poses[contact.brickA].apply(contact.pointA) - poses[contact.brickB].apply(contact.pointB);
+  const Vector3 d = between - normal.dot(between) * normal;
   row.normalA += Coordinates<D>::turning(a.cross(b.cross(d)) / length);
   row.normalB += Coordinates<D>::turning(b.cross(d.cross(a)) / length);
 }

@@ -21,11 +21,15 @@ constexpr double kJumpFloor = 1e-9;
 constexpr double kRecovery = 2e-6;         // overlap taken back in a step
 constexpr double kOverlapAccepted = 4e-5;  // at the end of a step
 constexpr int kHalvings = 8;
+constexpr int kContactHalvings = 3;
 constexpr int kMultiplierRounds = 6;
 constexpr int kClosingRounds = 12;
 constexpr int kOverlapRounds = 3;
 constexpr int kContactRounds = 25;
 constexpr int kAssemblyRounds = 100;
+
+/// How a step went that was tried.
+enum class StepOutcome { Good, JointsOpen, Overlapping };
 
 template <int D>
 class Stepper : public JointSolver {
@@ -50,8 +54,10 @@ class Stepper : public JointSolver {
   using Row = ContactRow<D>;
 
   void advanceHalving(Motion& motion, double step, int level);
-  bool tryStep(const Motion& start, double step);
-  bool solveContactRounds(const Poses& start, double step);
+  StepOutcome tryStep(const Motion& start, double step);
+  StepOutcome solveContactRounds(const Poses& start, double step);
+  bool appendRows(const std::vector<Contact>& found, const Poses& start, double step);
+  bool boundNewFriction();
   void startRows(const Poses& start, double step);
   void addSupports(const Poses& poses, double step);
   bool solveVelocities(const Poses& start);
@@ -65,7 +71,7 @@ class Stepper : public JointSolver {
   void displace(const Vector& move);
   double norm(const Vector& move) const;
   void finishStep(Motion& motion) const;
-  void keepMultipliers();
+  void keepMultipliers(double step);
 
   const std::vector<Brick>& bricks_;
   JointSolverSettings settings_;
@@ -80,6 +86,7 @@ class Stepper : public JointSolver {
   StepProgram<D> program_;     // for its velocities; joint multipliers are warm from step to step
   std::vector<Row> kept_;      // contacts that carried load at the end of the last step
   std::vector<Row> supports_;  // likewise
+  double keptStep_ = 1;        // seconds that these rows' impulses refer to
 };
 
 template <int D>
@@ -96,21 +103,23 @@ StepReport Stepper<D>::advance(Motion& motion, double step, const LoadSource& lo
 
 template <int D>
 void Stepper<D>::advanceHalving(Motion& motion, double step, int level) {
-  const bool good = tryStep(motion, step);
-  if (!good && level < kHalvings) {
+  const StepOutcome outcome = tryStep(motion, step);
+  const bool halve = (outcome == StepOutcome::JointsOpen && level < kHalvings) ||
+                     (outcome == StepOutcome::Overlapping && level < kContactHalvings);
+  if (halve) {
     ++report_.halved;
     advanceHalving(motion, 0.5 * step, level + 1);
     advanceHalving(motion, 0.5 * step, level + 1);
     return;
   }
   ++report_.steps;
-  if (!good) ++report_.unconverged;
-  keepMultipliers();
+  if (outcome != StepOutcome::Good) ++report_.unconverged;
+  keepMultipliers(step);
   finishStep(motion);
 }
 
 template <int D>
-bool Stepper<D>::tryStep(const Motion& start, double step) {
+StepOutcome Stepper<D>::tryStep(const Motion& start, double step) {
   (*loadSource_)(start.poses, loads_);
   system_.setStep(start, loads_, step);
   program_.force = system_.force();
@@ -124,20 +133,48 @@ bool Stepper<D>::tryStep(const Motion& start, double step) {
 
 /// Solves the step, looks what it runs into, and solves again with that until nothing is new.
 template <int D>
-bool Stepper<D>::solveContactRounds(const Poses& start, double step) {
+StepOutcome Stepper<D>::solveContactRounds(const Poses& start, double step) {
   for (int round = 0; round < kContactRounds; ++round) {
-    if (!solveVelocities(start)) return false;
-    if (!moveAndClose(start, step)) return false;
-    if (!contactSource_) return true;
+    if (!solveVelocities(start)) return StepOutcome::JointsOpen;
+    if (boundNewFriction() && !solveVelocities(start)) return StepOutcome::JointsOpen;
+    if (!moveAndClose(start, step)) return StepOutcome::JointsOpen;
+    if (!contactSource_) return StepOutcome::Good;
     std::vector<Contact> found;
     const double overlap = contactSource_->appendViolated(poses_, found);
-    if (found.empty()) return overlap <= kOverlapAccepted * settings_.lengthScale;
-    for (const Contact& contact : found) {
-      program_.contacts.push_back(
-          makeContactRow<D>(contact, start, step, kRecovery * settings_.lengthScale));
+    if (!appendRows(found, start, step)) {
+      return overlap <= kOverlapAccepted * settings_.lengthScale ? StepOutcome::Good
+                                                                 : StepOutcome::Overlapping;
     }
   }
-  return false;
+  return StepOutcome::Overlapping;
+}
+
+/// Adds rows for contacts that have none yet. Returns whether there were any.
+template <int D>
+bool Stepper<D>::appendRows(const std::vector<Contact>& found, const Poses& start, double step) {
+  const std::size_t before = program_.contacts.size();
+  for (const Contact& contact : found) {
+    const auto end = program_.contacts.begin() + static_cast<std::ptrdiff_t>(before);
+    const bool known = std::any_of(program_.contacts.begin(), end,
+                                   [&](const Row& row) { return row.contact == contact; });
+    if (known) continue;
+    program_.contacts.push_back(
+        makeContactRow<D>(contact, start, step, kRecovery * settings_.lengthScale));
+  }
+  return program_.contacts.size() > before;
+}
+
+/// Contacts of the last step bring the bound of their friction; new ones get it from the load that
+/// they were just found to carry. Returns whether there were any.
+template <int D>
+bool Stepper<D>::boundNewFriction() {
+  bool any = false;
+  for (Row& row : program_.contacts) {
+    if (!row.hasNormal || row.slipBound > 0) continue;
+    row.slipBound = row.contact.friction * row.multiplier;
+    any = any || row.rubs();
+  }
+  return any;
 }
 
 template <int D>
@@ -150,9 +187,10 @@ void Stepper<D>::startRows(const Poses& start, double step) {
   for (const Row& old : kept_) {
     if (!contactSource_->isCurrent(old.contact)) continue;
     Row row = makeContactRow<D>(old.contact, start, step, recovery);
-    row.multiplier = old.multiplier;
-    row.slipMultiplier = old.slipMultiplier;
-    row.slipBound = old.contact.friction * old.multiplier;
+    // Multipliers are impulses: they go with the length of the step.
+    row.multiplier = step / keptStep_ * old.multiplier;
+    row.slipMultiplier = step / keptStep_ * old.slipMultiplier;
+    row.slipBound = old.contact.friction * row.multiplier;
     program_.contacts.push_back(row);
   }
 }
@@ -165,7 +203,9 @@ void Stepper<D>::addSupports(const Poses& poses, double step) {
     row.contact = {support.brick, kFixed, support.point, Vector3::Zero(), Vector3::UnitZ()};
     row.hasNormal = false;
     row.slipBound = support.largestForce * step;
-    if (s < supports_.size()) row.slipMultiplier = supports_[s].slipMultiplier;
+    if (s < supports_.size()) {
+      row.slipMultiplier = step / keptStep_ * supports_[s].slipMultiplier;
+    }
     placeRow(row, poses);
     program_.contacts.push_back(row);
   }
@@ -289,7 +329,8 @@ double Stepper<D>::norm(const Vector& move) const {
 }
 
 template <int D>
-void Stepper<D>::keepMultipliers() {
+void Stepper<D>::keepMultipliers(double step) {
+  keptStep_ = step;
   kept_.clear();
   supports_.clear();
   for (const Row& row : program_.contacts) {

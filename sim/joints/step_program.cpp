@@ -47,6 +47,8 @@ double lineSearch(const StepSystem<D>& system, const StepProgram<D>& program,
 
 template <int D>
 RoundReport minimize(StepSystem<D>& system, StepProgram<D>& program, double slow) {
+  // The multipliers have moved since the factor was made: a contact may have let go.
+  if (setContactStates(program, system.rho()) && !system.factor(program.contacts)) return {};
   for (int round = 0; round < kNewtonRounds; ++round) {
     const Eigen::VectorXd slope = gradient(system, program, program.x);
     Eigen::VectorXd dx = -slope;

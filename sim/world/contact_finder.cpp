@@ -86,6 +86,8 @@ struct ContactFinder::Internals {
 
   double appendPair(int a, int b, std::vector<Contact>& contacts);
   bool canGive(PairState& state, const SeparatingPlane& plane) const;
+  const SeparatingPlane* planeToGive(PairState& state, const std::vector<double>& before, int a,
+                                     int b) const;
   void givePlane(PairState& state, const SeparatingPlane& plane, int a, int b,
                  std::vector<Contact>& contacts);
   double appendGround(int brick, std::vector<Contact>& contacts);
@@ -167,25 +169,46 @@ double ContactFinder::Internals::appendPair(int a, int b, std::vector<Contact>& 
   const double bestBefore = *std::max_element(before.begin(), before.end());
   const double held = std::min(limit, bestBefore);
   const double wanted = std::min(limit, bestBefore - kWorsening * tolerance);
-  const SeparatingPlane* best = nullptr;
   double bestAfter = -std::numeric_limits<double>::infinity();
-  double bestGiven = bestAfter;
   for (std::size_t p = 0; p < state.planes.size(); ++p) {
-    const SeparatingPlane& plane = state.planes[p];
     if (before[p] < held) continue;
-    const double after = separation(plane, end[a], end[b]);
-    if (after >= wanted) {
-      state.last = plane;
-      return 0;
-    }
+    const double after = separation(state.planes[p], end[a], end[b]);
     bestAfter = std::max(bestAfter, after);
-    if (after <= bestGiven || !canGive(state, plane)) continue;
-    bestGiven = after;
-    best = &plane;
+    if (after < wanted) continue;
+    state.last = state.planes[p];
+    return 0;
   }
-  // No plane kept the pair apart: take the one that is violated least.
-  if (best) givePlane(state, *best, a, b, contacts);
+  // No plane kept the pair apart.
+  if (const SeparatingPlane* plane = planeToGive(state, before, a, b)) {
+    givePlane(state, *plane, a, b, contacts);
+  }
   return std::max(0.0, -bestAfter - state.slack);
+}
+
+/// Of the steady planes that held best at the start and were not given yet, the one that is
+/// violated least at the end; null when there is none.
+const SeparatingPlane* ContactFinder::Internals::planeToGive(PairState& state,
+                                                             const std::vector<double>& before,
+                                                             int a, int b) const {
+  std::vector<std::size_t> candidates;
+  double best = -std::numeric_limits<double>::infinity();
+  for (std::size_t p = 0; p < state.planes.size(); ++p) {
+    if (!canGive(state, state.planes[p]) || !isSteady(state.planes[p], start[a], start[b]))
+      continue;
+    candidates.push_back(p);
+    best = std::max(best, before[p]);
+  }
+  const double held = std::min(-tolerance - state.slack, best);
+  const SeparatingPlane* chosen = nullptr;
+  double leastViolated = -std::numeric_limits<double>::infinity();
+  for (std::size_t p : candidates) {
+    if (before[p] < held) continue;
+    const double after = separation(state.planes[p], end[a], end[b]);
+    if (after <= leastViolated) continue;
+    leastViolated = after;
+    chosen = &state.planes[p];
+  }
+  return chosen;
 }
 
 /// Whether contacts on this plane would be new in this step.

@@ -8,8 +8,10 @@ namespace {
 
 using Kind = SeparatingPlane::Kind;
 
-// Below this sine two edges count as parallel and span no plane.
-constexpr double kParallel = 1e-3;
+// Below this sine two edges span no plane.
+constexpr double kParallel = 1e-6;
+// Below this sine the plane of two edges turns too fast to be held.
+constexpr double kSteady = 0.05;
 
 double lowest(const std::vector<Vector3>& points, const Vector3& direction) {
   double low = std::numeric_limits<double>::infinity();
@@ -148,6 +150,11 @@ double separation(const SeparatingPlane& plane, const PlacedOutline& a, const Pl
   const Vector3 normal = planeNormal(plane, a, b);
   if (normal.isZero(0)) return -std::numeric_limits<double>::infinity();
   return lowest(a.points, normal) + lowest(b.points, -normal);
+}
+
+bool isSteady(const SeparatingPlane& plane, const PlacedOutline& a, const PlacedOutline& b) {
+  return plane.kind != Kind::Edges ||
+         a.directions[plane.a].cross(b.directions[plane.b]).norm() > kSteady;
 }
 
 void appendPlaneContacts(const SeparatingPlane& plane, int brickA, int brickB,

@@ -54,6 +54,10 @@ Vector3 planeNormal(const SeparatingPlane& plane, const PlacedOutline& a, const 
 /// minus infinity where the plane does not exist.
 double separation(const SeparatingPlane& plane, const PlacedOutline& a, const PlacedOutline& b);
 
+/// Whether contacts should hold A and B on their sides of a plane: not where two edges are nearly
+/// parallel, since their plane turns too fast.
+bool isSteady(const SeparatingPlane& plane, const PlacedOutline& a, const PlacedOutline& b);
+
 /// The contacts that keep A and B (brick numbers as given) on their sides of a plane: every point
 /// of one against a face of the other, or every point of either against the other's farthest point
 /// along the normal of two edges.
