@@ -110,7 +110,7 @@ void addEnvironmentOptions(CLI::App& command, Environment& environment) {
                               {{"all", ContactFilter::All},
                                {"unjoined", ContactFilter::Unjoined},
                                {"none", ContactFilter::None}},
-                              "pairs of bricks that may touch");
+                              "pairs of bricks that may touch; others pass through each other");
   group.number("--brick-friction", environment.brickFriction, {0, 1e3}, "RATIO",
                "Coulomb friction between bricks");
   group.number("--linear-damping", environment.linearDamping, {0, 1}, "SHARE",

@@ -241,6 +241,13 @@ void requirePositive(double value, const char* name) {
   throw InputError(fmt::format("{} is {}, but must be a positive number of seconds", name, value));
 }
 
+void requireShare(double value, const char* name) {
+  if (value >= 0 && value < 1) return;
+  throw InputError(fmt::format(
+      "{} is {}, but must be the part of the velocity lost a second: from 0 to less than 1", name,
+      value));
+}
+
 }  // namespace
 
 std::string toString(Outcome outcome) {
@@ -263,6 +270,8 @@ DeploymentResult deploy(const Scene& scene, double sampleInterval, const SampleO
   requirePositive(sampleInterval, "the time between samples");
   requirePositive(scene.solver.timestep, "the timestep");
   requirePositive(scene.stop.duration, "the duration");
+  requireShare(scene.environment.linearDamping, "the linear damping");
+  requireShare(scene.environment.angularDamping, "the angular damping");
   if (scene.model.tiles.empty())
     throw InputError("the model has no tiles; add one to vertices.txt");
   return Run(scene, sampleInterval).finish(observer);

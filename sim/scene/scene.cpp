@@ -7,12 +7,16 @@
 namespace kirireel {
 namespace {
 
+double height(const std::vector<Tile>& tiles) {
+  return tiles.front().vertices.front().z();
+}
+
 /// Whether all vertices lie at one height and all tiles face up, to rounding in the file's digits.
 bool liesFlat(const std::vector<Tile>& tiles, double tolerance) {
-  const double height = tiles.front().vertices.front().z();
+  const double level = height(tiles);
   return std::all_of(tiles.begin(), tiles.end(), [&](const Tile& tile) {
     return std::all_of(tile.vertices.begin(), tile.vertices.end(), [&](const Vector3& vertex) {
-      return std::abs(vertex.z() - height) <= tolerance;
+      return std::abs(vertex.z() - level) <= tolerance;
     });
   });
 }
@@ -27,6 +31,10 @@ Need planarNeed(const Scene& scene) {
   if (!liesFlat(scene.model.tiles, tolerance)) return {false, "the start is not flat"};
   if (scene.model.target && !liesFlat(*scene.model.target, tolerance)) {
     return {false, "the target is not flat"};
+  }
+  if (scene.model.target &&
+      std::abs(height(*scene.model.target) - height(scene.model.tiles)) > tolerance) {
+    return {false, "start and target lie at different heights"};
   }
   const Vector3& gravity = scene.environment.gravity;
   if (!isVertical(gravity)) return {false, "gravity is not vertical"};

@@ -27,7 +27,7 @@ enum class ContactFilter {
 struct Environment {
   Vector3 gravity = Vector3::Zero();  ///< m/s^2
   std::optional<Ground> ground;
-  ContactFilter contacts = ContactFilter::Unjoined;
+  ContactFilter contacts = ContactFilter::None;
   double brickFriction = 0;      ///< Coulomb coefficient between bricks, from 0
   double linearDamping = 0.05;   ///< part of the velocity lost a second, as PyBullet has it
   double angularDamping = 0.05;  ///< the same for the angular velocity

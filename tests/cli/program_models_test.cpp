@@ -26,8 +26,8 @@ TEST_P(PublishedModels, EndNearerToTheTargetThanThePeer) {
       std::filesystem::path(KIRIREEL_SOURCE_DIR).parent_path() / "shared/models" / model.name;
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not there";
   const ScratchFolder scratch;
-  std::vector<std::string> arguments = {"simulate", folder.string(), "--contacts",
-                                        "none",     "--out",         scratch.path().string()};
+  std::vector<std::string> arguments = {"simulate", folder.string(), "--out",
+                                        scratch.path().string()};
   arguments.insert(arguments.end(), model.options.begin(), model.options.end());
   const ProgramEnd end = runKirireel(arguments);
   EXPECT_EQ(end.exitCode, 0) << end.out << end.err;
@@ -36,7 +36,7 @@ TEST_P(PublishedModels, EndNearerToTheTargetThanThePeer) {
   EXPECT_LT(accuracy["joint_gap_max"], 1e-9);  // 5.6e-11 on the cylinder, 1e-12 on the others
 }
 
-// Ends measured: 6.0e-7, 1.6e-4, 2.7e-4, 8.7e-3, 3.3e-6.
+// Ends measured: 6.0e-7, 1.6e-4, 2.7e-4, 8.7e-3, 3.3e-6; the bricks may pass through each other.
 INSTANTIATE_TEST_SUITE_P(
     Command, PublishedModels,
     testing::Values(PublishedModel{"cylinder", {"--force-damping", "80"}, 0.020},

@@ -172,6 +172,21 @@ TEST(Deploy, RefusesTimesThatMakeNoSense) {
   EXPECT_EQ(errorOf(scene, 0.1), "the duration is nan, but must be a positive number of seconds");
 }
 
+TEST(Deploy, RefusesDampingThatTakesAll) {
+  Scene scene = smallScene();
+  scene.environment.linearDamping = 1;
+  EXPECT_EQ(
+      errorOf(scene, 0.1),
+      "the linear damping is 1, but must be the part of the velocity lost a second: from 0 to "
+      "less than 1");
+  scene = smallScene();
+  scene.environment.angularDamping = -0.1;
+  EXPECT_EQ(
+      errorOf(scene, 0.1),
+      "the angular damping is -0.1, but must be the part of the velocity lost a second: from 0 "
+      "to less than 1");
+}
+
 TEST(Deploy, RefusesAModelWithoutTiles) {
   EXPECT_EQ(errorOf({}, 0.1), "the model has no tiles; add one to vertices.txt");
 }

@@ -34,6 +34,14 @@ TEST(SceneNeeds, OneTiltedTileIsNotPlanar) {
   expectNeed(sceneNeeds(scene).planar, false, "the target is not flat");
 }
 
+TEST(SceneNeeds, AnotherHeightIsOutOfThePlane) {
+  Scene scene = sheetScene();
+  for (Tile& tile : *scene.model.target) {
+    for (Vector3& vertex : tile.vertices) vertex.z() += 0.5;
+  }
+  expectNeed(sceneNeeds(scene).planar, false, "start and target lie at different heights");
+}
+
 TEST(SceneNeeds, RoundingIsFlat) {
   Scene scene = sheetScene();
   scene.model.tiles[3].vertices[2].z() += 1e-12;
@@ -63,6 +71,7 @@ TEST(SceneNeeds, TheUserCanOverrideThePlane) {
 
 TEST(SceneNeeds, ContactsFollowTheFilter) {
   Scene scene = sheetScene();
+  scene.environment.contacts = ContactFilter::All;
   expectNeed(sceneNeeds(scene).contacts, true, "all bricks may touch");
   scene.environment.contacts = ContactFilter::Unjoined;
   expectNeed(sceneNeeds(scene).contacts, true, "unjoined bricks may touch");
