@@ -20,6 +20,11 @@ constexpr double kWorsening = 0.1;
 // Two planes whose normals agree to this cosine count as the same.
 constexpr double kSameDirection = 0.999;
 
+// How often the plane that keeps a pair apart may change within a step, and how finely the moment
+// of a change is sought.
+constexpr int kPlaneChanges = 4;
+constexpr int kBisections = 20;
+
 using Key = std::uint64_t;
 
 Key pairKey(int brickA, int brickB) {
@@ -28,6 +33,12 @@ Key pairKey(int brickA, int brickB) {
 
 btVector3 toBullet(const Vector3& v) {
   return {v.x(), v.y(), v.z()};
+}
+
+/// The pose a part of the way from one to the other.
+Pose between(const Pose& from, const Pose& to, double part) {
+  return {from.position + part * (to.position - from.position),
+          from.rotation.slerp(part, to.rotation)};
 }
 
 /// Bullet's dynamic box tree over the space that each brick sweeps in a step.
@@ -86,6 +97,7 @@ struct ContactFinder::Internals {
 
   double appendPair(int a, int b, std::vector<Contact>& contacts);
   bool canGive(PairState& state, const SeparatingPlane& plane) const;
+  bool keptApartInTurn(PairState& state, double held, double wanted, int a, int b) const;
   const SeparatingPlane* planeToGive(PairState& state, const std::vector<double>& before, int a,
                                      int b) const;
   void givePlane(PairState& state, const SeparatingPlane& plane, int a, int b,
@@ -108,6 +120,7 @@ struct ContactFinder::Internals {
   SweptBoxes boxes;
   std::unordered_map<Key, PairState> pairs;
   std::vector<PlacedOutline> start, end;
+  std::vector<long> groundGiven;  // the step in which each brick's ground contacts were given
 };
 
 void ContactFinder::Internals::place(const Poses& poses, std::vector<PlacedOutline>& placed) {
@@ -169,20 +182,63 @@ double ContactFinder::Internals::appendPair(int a, int b, std::vector<Contact>& 
   const double bestBefore = *std::max_element(before.begin(), before.end());
   const double held = std::min(limit, bestBefore);
   const double wanted = std::min(limit, bestBefore - kWorsening * tolerance);
-  double bestAfter = -std::numeric_limits<double>::infinity();
+  double bestAfter = -std::numeric_limits<double>::infinity();  // of the planes that held before
+  bool apartAfter = false;
   for (std::size_t p = 0; p < state.planes.size(); ++p) {
-    if (before[p] < held) continue;
     const double after = separation(state.planes[p], end[a], end[b]);
+    apartAfter = apartAfter || after >= wanted;
+    if (before[p] < held) continue;
     bestAfter = std::max(bestAfter, after);
     if (after < wanted) continue;
     state.last = state.planes[p];
     return 0;
   }
+  if (apartAfter && keptApartInTurn(state, held, wanted, a, b)) return 0;
   // No plane kept the pair apart.
   if (const SeparatingPlane* plane = planeToGive(state, before, a, b)) {
     givePlane(state, *plane, a, b, contacts);
   }
   return std::max(0.0, -bestAfter - state.slack);
+}
+
+/// Whether the pair is kept apart by one plane after the other, as bricks that turn past a corner
+/// are: each plane must hold until the next one does.
+bool ContactFinder::Internals::keptApartInTurn(PairState& state, double held, double wanted, int a,
+                                               int b) const {
+  PlacedOutline placedA = start[a];
+  PlacedOutline placedB = start[b];
+  const auto place = [&](double part) {
+    placeOutline(outlines[a], between(start[a].pose, end[a].pose, part), placedA);
+    placeOutline(outlines[b], between(start[b].pose, end[b].pose, part), placedB);
+  };
+  double limit = held;
+  double reached = 0;
+  for (int change = 0; change < kPlaneChanges; ++change) {
+    std::vector<SeparatingPlane> holding;
+    for (const SeparatingPlane& plane : state.planes) {
+      if (separation(plane, placedA, placedB) < limit) continue;
+      holding.push_back(plane);
+      if (separation(plane, end[a], end[b]) < wanted) continue;
+      state.last = plane;
+      return true;
+    }
+    // Bisect for the last moment to which one of them holds.
+    limit = wanted;
+    double lost = 1;
+    const double from = reached;
+    for (int round = 0; round < kBisections; ++round) {
+      const double part = 0.5 * (reached + lost);
+      place(part);
+      const bool holds =
+          std::any_of(holding.begin(), holding.end(), [&](const SeparatingPlane& plane) {
+            return separation(plane, placedA, placedB) >= limit;
+          });
+      (holds ? reached : lost) = part;
+    }
+    if (reached == from) return false;
+    place(reached);
+  }
+  return false;
 }
 
 /// Of the steady planes that held best at the start and were not given yet, the one that is
@@ -193,10 +249,9 @@ const SeparatingPlane* ContactFinder::Internals::planeToGive(PairState& state,
   std::vector<std::size_t> candidates;
   double best = -std::numeric_limits<double>::infinity();
   for (std::size_t p = 0; p < state.planes.size(); ++p) {
-    if (!canGive(state, state.planes[p]) || !isSteady(state.planes[p], start[a], start[b]))
-      continue;
-    candidates.push_back(p);
+    if (!isSteady(state.planes[p], start[a], start[b])) continue;
     best = std::max(best, before[p]);
+    if (canGive(state, state.planes[p])) candidates.push_back(p);
   }
   const double held = std::min(-tolerance - state.slack, best);
   const SeparatingPlane* chosen = nullptr;
@@ -236,6 +291,8 @@ double ContactFinder::Internals::appendGround(int brick, std::vector<Contact>& c
   const auto below = [](const Vector3& x, const Vector3& y) { return x.z() < y.z(); };
   const double lowest = std::min_element(placed.points.begin(), placed.points.end(), below)->z();
   if (lowest >= height - tolerance) return 0;
+  if (groundGiven[brick] == step) return height - lowest;
+  groundGiven[brick] = step;
   for (const Vector3& point : placed.outline->points) {
     contacts.push_back({brick, kFixed, point, Vector3(0, 0, height), Vector3::UnitZ()});
     contacts.back().friction = environment.ground->friction;
@@ -248,6 +305,7 @@ ContactFinder::ContactFinder(const std::vector<Brick>& bricks, const Poses& star
                              bool planar, double tolerance)
     : internals_(std::make_unique<Internals>()) {
   for (const Brick& brick : bricks) internals_->outlines.push_back(makeOutline(brick, planar));
+  internals_->groundGiven.assign(bricks.size(), -1);
   for (const Pivot& pivot : pivots) {
     const auto [a, b] = std::minmax(pivot.brickA, pivot.brickB);
     internals_->joined.insert(pairKey(a, b));
