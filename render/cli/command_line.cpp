@@ -155,13 +155,14 @@ void addPictureOptions(CLI::App& command, RecordSettings& settings) {
   OptionGroup group(command, "Pictures");
   group.value("--size", "WxH", "1280x720", "of each picture, pixels",
               [&](const OptionValue& typed) { settings.size = parseSize(typed); });
-  group.choice<std::optional<ViewAngles>>("--view", settings.view,
-                                          {{"auto", std::nullopt},
-                                           {"top", kTopView},
-                                           {"front", kFrontView},
-                                           {"iso", kIsometricView},
-                                           {"oblique", kObliqueView}},
-                                          "where the camera stands");
+  group.choice<std::optional<ViewAngles>>(
+      "--view", settings.view,
+      {{"auto", std::nullopt},
+       {"top", kTopView},
+       {"front", kFrontView},
+       {"iso", kIsometricView},
+       {"oblique", kObliqueView}},
+      "where the camera stands, auto is top for a flat model, else iso");
   group.value("--grid", "RxC", "3x3", "rows and columns of the snapshot grid",
               [&](const OptionValue& typed) { settings.grid = parseGrid(typed); });
   group.choice<SnapshotSpacing>(

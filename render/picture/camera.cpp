@@ -131,7 +131,7 @@ ViewAngles defaultView(std::span<const Vector3> points) {
     z.add(point.z());
   }
   const bool flat = z.length() < kFlatness * std::max(x.length(), y.length());
-  return flat ? kObliqueView : kIsometricView;
+  return flat ? kTopView : kIsometricView;
 }
 
 Camera fitCamera(std::span<const Vector3> points, const CameraFit& fit) {

@@ -39,7 +39,7 @@ inline constexpr ViewAngles kIsometricView{-0.7853981633974483, 0.61547970867038
 /// Nearly from above, tilted so that the thickness of flat sheets shows.
 inline constexpr ViewAngles kObliqueView{-1.5707963267948966, 1.0821041362364843};
 
-/// kObliqueView for points that lie nearly in one horizontal layer, else kIsometricView.
+/// kTopView for points that lie nearly in one horizontal layer, else kIsometricView.
 ViewAngles defaultView(std::span<const Vector3> points);
 
 /// How to frame points.

@@ -145,6 +145,8 @@ Camera cameraFor(const Scene& scene, const Trajectory& trajectory, const RecordS
   const std::vector<Vector3> points = pointsToFrame(scene, trajectory);
   CameraFit fit;
   fit.view = settings.view.value_or(defaultView(points));
+  // Straight from above or in front, equal lengths should look equal.
+  fit.orthographic = fit.view == kTopView || fit.view == kFrontView;
   fit.aspect = settings.size.aspect();
   return fitCamera(points, fit);
 }

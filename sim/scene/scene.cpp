@@ -38,8 +38,13 @@ Need planarNeed(const Scene& scene) {
   }
   const Vector3& gravity = scene.environment.gravity;
   if (!isVertical(gravity)) return {false, "gravity is not vertical"};
-  const bool held = scene.environment.ground && gravity.z() <= 0;
-  if (gravity.z() != 0 && !held) return {false, "gravity pulls out of the plane"};
+  const std::optional<Ground>& ground = scene.environment.ground;
+  if (gravity.z() > 0 || (gravity.z() < 0 && !ground)) {
+    return {false, "gravity pulls out of the plane"};
+  }
+  if (gravity.z() < 0 && std::abs(ground->height - height(scene.model.tiles)) > tolerance) {
+    return {false, "the sheet does not lie on the ground"};
+  }
   return {true, scene.model.target ? "start and target lie in horizontal planes"
                                    : "the start lies in a horizontal plane"};
 }

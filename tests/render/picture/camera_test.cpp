@@ -111,7 +111,7 @@ TEST(Views, HaveTheAxesThatTheirNamesSay) {
 
 TEST(DefaultView, TiltsOnlyFlatModels) {
   std::vector<Vector3> points = {Vector3(0, 0, 0), Vector3(4, 3, 0.1)};
-  EXPECT_EQ(defaultView(points), kObliqueView);
+  EXPECT_EQ(defaultView(points), kTopView);
   points.emplace_back(1, 1, 2);
   EXPECT_EQ(defaultView(points), kIsometricView);
 }

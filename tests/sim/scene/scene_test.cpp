@@ -54,6 +54,9 @@ TEST(SceneNeeds, GravityIsPlanarOnlyOnTheGround) {
   expectNeed(sceneNeeds(scene).planar, false, "gravity pulls out of the plane");
   scene.environment.ground = Ground{};
   EXPECT_TRUE(sceneNeeds(scene).planar.on);
+  scene.environment.ground = Ground{-0.5};
+  expectNeed(sceneNeeds(scene).planar, false, "the sheet does not lie on the ground");
+  scene.environment.ground = Ground{};
   scene.environment.gravity = {0, 0, 10};
   expectNeed(sceneNeeds(scene).planar, false, "gravity pulls out of the plane");
   scene.environment.gravity = {0.1, 0, -10};
