@@ -1,6 +1,7 @@
 #include "sim/world/contact_finder.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <unordered_map>
 #include <unordered_set>
@@ -24,6 +25,8 @@ constexpr double kSameDirection = 0.999;
 // of a change is sought.
 constexpr int kPlaneChanges = 4;
 constexpr int kBisections = 20;
+// Below this angle the motion of a pair counts as straight, radians.
+constexpr double kNoTurn = 1e-9;
 
 using Key = std::uint64_t;
 
@@ -35,10 +38,38 @@ btVector3 toBullet(const Vector3& v) {
   return {v.x(), v.y(), v.z()};
 }
 
-/// The pose a part of the way from one to the other.
-Pose between(const Pose& from, const Pose& to, double part) {
-  return {from.position + part * (to.position - from.position),
-          from.rotation.slerp(part, to.rotation)};
+/// The pose of a brick in the axes of another.
+Pose seenFrom(const Pose& seer, const Pose& seen) {
+  const Quaternion back = seer.rotation.conjugate();
+  return {back * (seen.position - seer.position), back * seen.rotation};
+}
+
+/// A turn about an axis and an advance along it: bricks that share a pivot move against each other
+/// so, and the pivot stays where it is on the way.
+struct Screw {
+  Vector3 turn = Vector3::Zero();  // rotation vector
+  Vector3 centre = Vector3::Zero();
+  Vector3 advance = Vector3::Zero();
+};
+
+/// The screw that takes one pose to another.
+Screw screwBetween(const Pose& from, const Pose& to) {
+  const Eigen::AngleAxisd turned(to.rotation * from.rotation.conjugate());
+  Screw screw{Vector3::Zero(), from.position, to.position - from.position};
+  if (turned.angle() < kNoTurn) return screw;
+  const Vector3& axis = turned.axis();
+  const Vector3 across = screw.advance - axis.dot(screw.advance) * axis;
+  screw.turn = turned.angle() * axis;
+  screw.centre += 0.5 * (across + axis.cross(across) / std::tan(0.5 * turned.angle()));
+  screw.advance -= across;
+  return screw;
+}
+
+/// The pose a part of the way along a screw.
+Pose onTheWay(const Screw& screw, const Pose& from, double part) {
+  const Quaternion turn = rotationFromVector(part * screw.turn);
+  return {screw.centre + part * screw.advance + turn * (from.position - screw.centre),
+          turn * from.rotation};
 }
 
 /// Bullet's dynamic box tree over the space that each brick sweeps in a step.
@@ -108,6 +139,7 @@ struct ContactFinder::Internals {
                         const PlacedOutline& b) const;
   bool holds(const SeparatingPlane& plane, double limit, int a, int b) const;
   void keepOverlaps(const Poses& start);
+  void shrinkOverlaps();
   void place(const Poses& poses, std::vector<PlacedOutline>& placed);
   void sweep();
 
@@ -119,6 +151,7 @@ struct ContactFinder::Internals {
   long step = 0;
   SweptBoxes boxes;
   std::unordered_map<Key, PairState> pairs;
+  std::vector<std::pair<int, int>> overlapping;  // pairs that overlapped where the run began
   std::vector<PlacedOutline> start, end;
   std::vector<long> groundGiven;  // the step in which each brick's ground contacts were given
 };
@@ -168,6 +201,7 @@ void ContactFinder::Internals::keepOverlaps(const Poses& poses) {
   for (const auto& [a, b] : boxes.overlapping()) {
     PairState& state = stateOf(a, b);
     state.slack = std::max(0.0, -bestSeparation(state, start[a], start[b]));
+    if (state.slack > 0) overlapping.emplace_back(a, b);
   }
 }
 
@@ -201,15 +235,27 @@ double ContactFinder::Internals::appendPair(int a, int b, std::vector<Contact>& 
   return std::max(0.0, -bestAfter - state.slack);
 }
 
+/// Lets pairs keep no more of the overlap that they began with than they still have.
+void ContactFinder::Internals::shrinkOverlaps() {
+  for (const auto& [a, b] : overlapping) {
+    PairState& state = stateOf(a, b);
+    const double overlap = std::max(0.0, -bestSeparation(state, start[a], start[b]));
+    state.slack = std::min(state.slack, overlap);
+  }
+}
+
 /// Whether the pair is kept apart by one plane after the other, as bricks that turn past a corner
 /// are: each plane must hold until the next one does.
 bool ContactFinder::Internals::keptApartInTurn(PairState& state, double held, double wanted, int a,
                                                int b) const {
-  PlacedOutline placedA = start[a];
+  const PlacedOutline& placedA = start[a];
   PlacedOutline placedB = start[b];
+  const Pose fromA = seenFrom(start[a].pose, start[b].pose);
+  const Screw screw = screwBetween(fromA, seenFrom(end[a].pose, end[b].pose));
   const auto place = [&](double part) {
-    placeOutline(outlines[a], between(start[a].pose, end[a].pose, part), placedA);
-    placeOutline(outlines[b], between(start[b].pose, end[b].pose, part), placedB);
+    const Pose way = onTheWay(screw, fromA, part);
+    const Pose& seer = start[a].pose;
+    placeOutline(outlines[b], {seer.apply(way.position), seer.rotation * way.rotation}, placedB);
   };
   double limit = held;
   double reached = 0;
@@ -320,6 +366,7 @@ ContactFinder::~ContactFinder() = default;
 
 void ContactFinder::startStep(const Poses& start) {
   internals_->place(start, internals_->start);
+  internals_->shrinkOverlaps();
   ++internals_->step;
 }
 
