@@ -1,0 +1,386 @@
+#include "sim/world/contact_finder.h"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "sim/measure/measures.h"
+#include "sim/model/tessellation.h"
+#include "tests/sim/world/prisms.h"
+
+namespace kirireel {
+namespace {
+
+using test::Chance;
+using test::moved;
+
+constexpr double kTolerance = 1e-6;
+
+Environment around(ContactFilter filter) {
+  Environment environment;
+  environment.contacts = filter;
+  return environment;
+}
+
+/// What one move runs into.
+struct Found {
+  std::vector<Contact> contacts;
+  double overlap = 0;
+};
+
+Found look(ContactFinder& finder, const Poses& start, const Poses& end) {
+  Found found;
+  finder.startStep(start);
+  found.overlap = finder.appendViolated(end, found.contacts);
+  return found;
+}
+
+Found look(const std::vector<Brick>& bricks, const Poses& start, const Poses& end,
+           bool planar = false) {
+  ContactFinder finder(bricks, start, {}, around(ContactFilter::All), planar, kTolerance);
+  return look(finder, start, end);
+}
+
+Pose at(double x, double y, double z) {
+  return {{x, y, z}, Quaternion::Identity()};
+}
+
+TEST(ContactFinder, CatchesThinBricksThatPassThroughEachOther) {
+  // Flat through flat, and side through side, whatever way they lie in the world.
+  Chance chance(1);
+  const std::vector<Brick> bricks(2, test::plate(1e-3));
+  const Pose besides = at(1.01, 0.2, 0), above = at(0.3, 0.2, 0.01);
+  for (int trial = 0; trial < 50; ++trial) {
+    const Pose world = chance.pose(3);
+    for (const auto& [from, move] :
+         {std::pair(above, Vector3(0, 0, -0.05)), std::pair(besides, Vector3(-0.05, 0, 0))}) {
+      const Poses start = {moved(world, {}), moved(world, from)};
+      Pose to = from;
+      to.position += move;
+      const Poses end = {start[0], moved(world, to)};
+      const Found found = look(bricks, start, end);
+      EXPECT_FALSE(found.contacts.empty());
+      EXPECT_GT(found.overlap, 0.03);
+      // Every contact still held at the start; one at least is violated at the end.
+      double least = 0;
+      for (const Contact& contact : found.contacts) {
+        EXPECT_GT(contactGap(contact, start), 0);
+        least = std::min(least, contactGap(contact, end));
+      }
+      EXPECT_LT(least, -0.03);
+    }
+  }
+}
+
+TEST(ContactFinder, CatchesWhateverMeetsOnTheWay) {
+  // Random moves of random pairs; the second method looks at 100 poses on the way.
+  Chance chance(2);
+  int met = 0;
+  for (int trial = 0; trial < 400; ++trial) {
+    const std::vector<Brick> bricks = {test::prism(3 + chance.below(3), 0.5, 1e-3),
+                                       test::prism(3 + chance.below(3), 0.5, 1e-3)};
+    const Poses start = {chance.pose(0.5), chance.pose(0.5)};
+    if (deepestPenetration(bricks, start).depth > 0) continue;
+    const Vector3 move = 0.5 * chance.vector();
+    double deepest = 0;
+    Poses way = start;
+    for (int part = 1; part <= 100; ++part) {
+      way[1].position = start[1].position + part / 100.0 * move;
+      deepest = std::max(deepest, deepestPenetration(bricks, way).depth);
+    }
+    if (deepest < 1e-5) continue;
+    EXPECT_FALSE(look(bricks, start, way).contacts.empty());
+    ++met;
+  }
+  EXPECT_GT(met, 50);
+}
+
+TEST(ContactFinder, LeavesBricksAloneThatStayApart) {
+  Chance chance(3);
+  int near = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    const std::vector<Brick> bricks(2, test::plate(0.1));
+    const Poses start = {chance.pose(0.7), chance.pose(0.7)};
+    if (deepestPenetration(bricks, start).depth > 0) continue;
+    // Moved by less than they are apart along some plane: the same plane still parts them.
+    Poses end = start;
+    end[1].position += 1e-6 * chance.vector();
+    const Found found = look(bricks, start, end);
+    EXPECT_TRUE(found.contacts.empty());
+    EXPECT_EQ(found.overlap, 0);
+    ++near;
+  }
+  EXPECT_GT(near, 30);
+}
+
+/// Two squares joined at one corner, opened by an angle; below zero they overlap.
+struct JoinedPair {
+  explicit JoinedPair(JointFace face = JointFace::Both) {
+    shape.columns = 2;
+    shape.rows = 1;
+    shape.face = face;
+    const Model model = makeTessellation(shape);
+    bricks = makeBricks(model.tiles, {});
+    pivots = makePivots(model.joints, bricks);
+  }
+
+  /// The poses at an opening angle: every brick turned as its tile is.
+  Poses opened(double angle) const {
+    const std::vector<Tile> closed = tessellationTiles(shape, 0);
+    const std::vector<Tile> tiles = tessellationTiles(shape, angle);
+    Poses poses(2);
+    for (int i = 0; i < 2; ++i) {
+      const Vector3 before = closed[i].vertices[1] - closed[i].vertices[0];
+      const Vector3 after = tiles[i].vertices[1] - tiles[i].vertices[0];
+      poses[i].rotation = Quaternion::FromTwoVectors(before, after);
+      poses[i].position = tileCentroid(tiles[i]) + Vector3(0, 0, 0.5 * bricks[i].thickness);
+    }
+    return poses;
+  }
+
+  Found turn(double from, double to, bool planar) const {
+    ContactFinder finder(bricks, opened(0), pivots, around(ContactFilter::All), planar, kTolerance);
+    return look(finder, opened(from), opened(to));
+  }
+
+  TessellationShape shape;
+  std::vector<Brick> bricks;
+  std::vector<Pivot> pivots;
+};
+
+TEST(ContactFinder, LetsJoinedBricksTurnAwayFreely) {
+  const JoinedPair pair;
+  for (const bool planar : {true, false}) {
+    for (const double from : {0.0, 1e-7, 1e-3, 0.2, 1.5}) {
+      for (const double by : {1e-6, 1e-2, 0.3, 1.0}) {
+        const Found found = pair.turn(from, from + by, planar);
+        EXPECT_TRUE(found.contacts.empty()) << from << " by " << by;
+        EXPECT_EQ(found.overlap, 0);
+      }
+    }
+  }
+}
+
+TEST(ContactFinder, StopsJoinedBricksWhoseSidesMeet) {
+  const JoinedPair pair;
+  for (const bool planar : {true, false}) {
+    EXPECT_TRUE(pair.turn(0.1, 1e-7, planar).contacts.empty());
+    for (const double from : {0.0, 0.05, 0.3}) {
+      const Found found = pair.turn(from, -0.01, planar);
+      EXPECT_FALSE(found.contacts.empty()) << from;
+      EXPECT_NEAR(found.overlap, std::sin(0.01), 1e-3);  // a unit side turned through the other
+      for (const Contact& contact : found.contacts) {
+        EXPECT_GT(contactGap(contact, pair.opened(from)), -1e-12);
+      }
+    }
+  }
+}
+
+TEST(ContactFinder, StopsAFoldWhereTheFacesMeet) {
+  // Hinged along a side, the second plate folds over the first and may lie on it, not in it.
+  const std::vector<Brick> bricks(2, test::plate(0.02));
+  const Vector3 hinge(0.5, 0, 0.01);
+  const auto folded = [&](double angle) {
+    const Quaternion turn = rotationFromVector({0, -angle, 0});
+    return Poses{{}, {hinge + turn * Vector3(0.5, 0, -0.01), turn}};
+  };
+  ContactFinder finder(bricks, folded(0), {}, around(ContactFilter::All), false, kTolerance);
+  for (const double angle : {0.0, 0.5, 1.5, 2.5, 3.0}) {
+    EXPECT_TRUE(look(finder, folded(angle), folded(angle + 0.1)).contacts.empty()) << angle;
+  }
+  EXPECT_FALSE(look(finder, folded(3.1), folded(3.2)).contacts.empty());
+  EXPECT_FALSE(look(finder, folded(0), folded(-0.1)).contacts.empty());
+}
+
+TEST(ContactFinder, FiltersPairs) {
+  const JoinedPair pair;
+  for (const bool joined : {true, false}) {
+    const std::vector<Pivot> pivots = joined ? pair.pivots : std::vector<Pivot>{};
+    for (const ContactFilter filter :
+         {ContactFilter::None, ContactFilter::Unjoined, ContactFilter::All}) {
+      ContactFinder finder(pair.bricks, pair.opened(0), pivots, around(filter), false, kTolerance);
+      const Found found = look(finder, pair.opened(0.1), pair.opened(-0.1));
+      const bool meets = filter == ContactFilter::All || (filter != ContactFilter::None && !joined);
+      EXPECT_EQ(!found.contacts.empty(), meets);
+      EXPECT_EQ(found.overlap > 0, meets);
+    }
+  }
+}
+
+TEST(ContactFinder, KeepsTheOverlapOfTheStartButNoMore) {
+  const std::vector<Brick> bricks(2, test::plate(0.5));
+  const auto overlapping = [](double depth) { return Poses{{}, at(1 - depth, 0.3, 0)}; };
+  ContactFinder finder(bricks, overlapping(0.1), {}, around(ContactFilter::All), false, kTolerance);
+  const Poses start = overlapping(0.1);
+  EXPECT_TRUE(look(finder, start, start).contacts.empty());
+  EXPECT_TRUE(look(finder, start, overlapping(0.05)).contacts.empty());
+  EXPECT_TRUE(look(finder, start, overlapping(-0.2)).contacts.empty());
+  const Found deeper = look(finder, start, overlapping(0.11));
+  ASSERT_FALSE(deeper.contacts.empty());
+  EXPECT_NEAR(deeper.overlap, 0.01, 1e-12);  // measured 9e-18
+  for (const Contact& contact : deeper.contacts) {
+    EXPECT_NEAR(contact.slack, 0.1, 1e-12);  // measured 3e-17
+    EXPECT_GT(contactGap(contact, start), -1e-12);
+  }
+}
+
+TEST(ContactFinder, TakesBackNoOverlapThatWasGivenUp) {
+  const std::vector<Brick> bricks(2, test::plate(0.5));
+  const auto overlapping = [](double depth) { return Poses{{}, at(1 - depth, 0.3, 0)}; };
+  ContactFinder finder(bricks, overlapping(0.1), {}, around(ContactFilter::All), false, kTolerance);
+  EXPECT_FALSE(look(finder, overlapping(0.04), overlapping(0.06)).contacts.empty());
+  EXPECT_TRUE(look(finder, overlapping(-0.01), overlapping(-0.01)).contacts.empty());
+  EXPECT_NEAR(look(finder, overlapping(-0.01), overlapping(0.02)).overlap, 0.02, 1e-12);
+}
+
+TEST(ContactFinder, GivesAPlaneOnceInAStep) {
+  const std::vector<Brick> bricks(2, test::plate(0.5));
+  const Poses start = {{}, at(1.01, 0.3, 0)}, end = {{}, at(0.9, 0.3, 0)};
+  ContactFinder finder(bricks, start, {}, around(ContactFilter::All), true, kTolerance);
+  finder.startStep(start);
+  std::vector<Contact> contacts;
+  for (int round = 0; round < 20; ++round) finder.appendViolated(end, contacts);
+  const auto same = [](const Contact& x, const Contact& y) {
+    return x.brickA == y.brickA && x.pointA == y.pointA && x.pointB == y.pointB &&
+           x.normal == y.normal;
+  };
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) EXPECT_FALSE(same(contacts[i], contacts[j]));
+  }
+  const std::size_t first = contacts.size();
+  EXPECT_GT(finder.appendViolated(end, contacts), 0.05);  // still said, though nothing is new
+  EXPECT_EQ(contacts.size(), first);
+}
+
+/// Four tiles in a heap that all run into each other, in the order given.
+Found heap(const std::vector<int>& order, int warmUps) {
+  Chance chance(6);
+  std::vector<Brick> bricks;
+  Poses start, end;
+  for (int i = 0; i < 4; ++i) {
+    bricks.push_back(test::prism(3 + i, 0.5 + 0.1 * i, 0.1));
+    const double height = 0.3 * i;
+    start.push_back({{0.1 * chance.next(), 0.1 * chance.next(), height},
+                     rotationFromVector(0.1 * chance.vector())});
+    end.push_back(
+        {{start[i].position.x(), start[i].position.y(), 0.1 * height}, start[i].rotation});
+  }
+  const auto sorted = [&](const auto& values) {
+    auto result = values;
+    for (std::size_t i = 0; i < order.size(); ++i) result[i] = values[order[i]];
+    return result;
+  };
+  ContactFinder finder(sorted(bricks), sorted(start), {}, around(ContactFilter::All), false,
+                       kTolerance);
+  for (int i = 0; i < warmUps; ++i) {
+    Poses elsewhere = sorted(start);
+    elsewhere[i % 4].position += chance.vector();
+    look(finder, sorted(start), elsewhere);
+  }
+  return look(finder, sorted(start), sorted(end));
+}
+
+/// The contacts as sorted rows of numbers that do not know who is brick 0: the pair by its original
+/// numbers, and the point in A.
+std::vector<std::vector<double>> signatures(const Found& found, const std::vector<int>& order) {
+  std::vector<std::vector<double>> rows;
+  for (const Contact& contact : found.contacts) {
+    const Vector3& a = contact.pointA;
+    const Vector3& b = contact.pointB;
+    std::vector<double> row = {static_cast<double>(order[contact.brickA]),
+                               static_cast<double>(order[contact.brickB])};
+    // Contacts of two edges know no owner of the plane.
+    if (contact.isEdge) std::sort(row.begin(), row.end());
+    const bool swapped = row[0] != order[contact.brickA];
+    for (const Vector3& point : {swapped ? b : a, swapped ? a : b}) {
+      row.insert(row.end(), point.begin(), point.end());
+    }
+    rows.push_back(row);
+  }
+  std::sort(rows.begin(), rows.end());
+  return rows;
+}
+
+TEST(ContactFinder, FindsTheSameWhateverHappenedBefore) {
+  const std::vector<int> order = {0, 1, 2, 3};
+  const Found fresh = heap(order, 0);
+  EXPECT_GT(fresh.contacts.size(), 10u);
+  for (const int warmUps : {1, 5, 20}) {
+    const Found found = heap(order, warmUps);
+    ASSERT_EQ(found.contacts.size(), fresh.contacts.size());
+    EXPECT_EQ(found.overlap, fresh.overlap);
+    for (std::size_t i = 0; i < found.contacts.size(); ++i) {
+      EXPECT_EQ(found.contacts[i].brickA, fresh.contacts[i].brickA);
+      EXPECT_EQ(found.contacts[i].brickB, fresh.contacts[i].brickB);
+      EXPECT_EQ(found.contacts[i].pointA, fresh.contacts[i].pointA);
+      EXPECT_EQ(found.contacts[i].normal, fresh.contacts[i].normal);
+    }
+  }
+}
+
+TEST(ContactFinder, FindsTheSameForRenumberedBricks) {
+  const std::vector<int> order = {0, 1, 2, 3};
+  const auto expected = signatures(heap(order, 0), order);
+  std::vector<int> other = order;
+  while (std::next_permutation(other.begin(), other.end())) {
+    EXPECT_EQ(signatures(heap(other, 0), other), expected);
+  }
+}
+
+/// A plate whose bottom stands at a height.
+Poses standing(const Brick& brick, double height) {
+  return {at(0, 0, height + 0.5 * brick.thickness)};
+}
+
+TEST(ContactFinder, HoldsEveryPointAboveTheGround) {
+  const std::vector<Brick> bricks = {test::plate(0.2)};
+  Environment environment;
+  environment.ground = Ground{-1, 0.7};
+  const Poses start = standing(bricks[0], -0.99);
+  ContactFinder finder(bricks, start, {}, environment, false, kTolerance);
+  EXPECT_TRUE(look(finder, start, standing(bricks[0], -1)).contacts.empty());
+  const Found found = look(finder, start, standing(bricks[0], -1.05));
+  EXPECT_NEAR(found.overlap, 0.05, 1e-15);  // measured 4e-17
+  ASSERT_EQ(found.contacts.size(), 8u);
+  for (const Contact& contact : found.contacts) {
+    EXPECT_EQ(contact.brickB, kFixed);
+    EXPECT_EQ(contact.friction, 0.7);
+    const double height = start[0].apply(contact.pointA).z() + 1;
+    EXPECT_NEAR(contactGap(contact, start), height, 1e-15);
+  }
+}
+
+TEST(ContactFinder, CatchesAThinBrickThatPassesThroughTheGround) {
+  const std::vector<Brick> bricks = {test::plate(1e-3)};
+  Environment environment;
+  environment.ground = Ground{};
+  const Poses start = standing(bricks[0], 0.01);
+  ContactFinder finder(bricks, start, {}, environment, false, kTolerance);
+  EXPECT_EQ(look(finder, start, standing(bricks[0], -0.04)).contacts.size(), 8u);
+}
+
+TEST(ContactFinder, GivesTheGroundOnceInAStep) {
+  const std::vector<Brick> bricks = {test::plate(0.2)};
+  Environment environment;
+  environment.ground = Ground{};
+  const Poses start = standing(bricks[0], 0.01);
+  ContactFinder finder(bricks, start, {}, environment, false, kTolerance);
+  finder.startStep(start);
+  std::vector<Contact> contacts;
+  for (int round = 0; round < 3; ++round) {
+    EXPECT_GT(finder.appendViolated(standing(bricks[0], -0.05), contacts), 0.04);
+    EXPECT_EQ(contacts.size(), 8u);
+  }
+}
+
+TEST(ContactFinder, APlanarSceneHasNoGroundToFallThrough) {
+  const std::vector<Brick> bricks = {test::plate(0.2)};
+  Environment environment;
+  environment.ground = Ground{};
+  const Poses start = standing(bricks[0], 0);
+  ContactFinder finder(bricks, start, {}, environment, true, kTolerance);
+  EXPECT_TRUE(look(finder, start, standing(bricks[0], -1)).contacts.empty());
+}
+
+}  // namespace
+}  // namespace kirireel
