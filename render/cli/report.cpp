@@ -31,6 +31,20 @@ std::string describeCost(const RunSummary& summary) {
   return text;
 }
 
+/// The files by name, those in a folder of their own as that folder alone.
+std::vector<std::string> shortList(const std::vector<std::string>& files) {
+  std::vector<std::string> list;
+  for (const std::string& file : files) {
+    const std::string name = file.substr(0, file.find('/') + 1);
+    if (name.empty()) {
+      list.push_back(file);
+    } else if (list.empty() || list.back() != name) {
+      list.push_back(name);
+    }
+  }
+  return list;
+}
+
 }  // namespace
 
 ProgressLine::ProgressLine() : isTerminal_(::isatty(STDERR_FILENO) == 1) {}
@@ -61,7 +75,8 @@ std::string describeRun(const Scene& scene, const RecordSettings& settings,
   text += fmt::format("joint gap {:.3g} m at most, penetration {:.3g} m at most\n",
                       accuracy.jointGapMax, accuracy.penetrationMax);
   text += describeCost(summary);
-  text += fmt::format("in {}: {}\n", settings.folder.string(), fmt::join(summary.files, " "));
+  text += fmt::format("in {}: {}\n", settings.folder.string(),
+                      fmt::join(shortList(summary.files), " "));
   return text;
 }
 

@@ -52,7 +52,7 @@ Need planarNeed(const Scene& scene) {
 Need contactNeed(const Scene& scene) {
   switch (scene.environment.contacts) {
     case ContactFilter::None:
-      return {false, "contacts are switched off"};
+      return {false, "not asked for"};
     case ContactFilter::Unjoined:
       return {true, "unjoined bricks may touch"};
     case ContactFilter::All:

@@ -79,7 +79,7 @@ TEST(SceneNeeds, ContactsFollowTheFilter) {
   scene.environment.contacts = ContactFilter::Unjoined;
   expectNeed(sceneNeeds(scene).contacts, true, "unjoined bricks may touch");
   scene.environment.contacts = ContactFilter::None;
-  expectNeed(sceneNeeds(scene).contacts, false, "contacts are switched off");
+  expectNeed(sceneNeeds(scene).contacts, false, "not asked for");
 }
 
 TEST(SceneNeeds, ASingleBrickTouchesNone) {
