@@ -63,6 +63,7 @@ std::vector<NamedScene> modelScenes(const std::filesystem::path& folder) {
     std::vector<std::string> warnings;
     named.scene.model = readModelFolder(entry.path(), warnings);
     alignStartToTarget(named.scene.model);
+    named.scene.environment.contacts = ContactFilter::All;
     applyAuthorsSettings(named.name, named.scene);
     scenes.push_back(std::move(named));
   }

@@ -19,7 +19,8 @@ struct NamedScene {
 };
 
 /// All model folders directly inside `folder`, by name, with the settings that their authors give
-/// for them where the defaults do not do. Folders without vertices.txt are passed over.
+/// for them where the defaults do not do, all bricks able to touch. Folders without vertices.txt
+/// are passed over.
 std::vector<NamedScene> modelScenes(const std::filesystem::path& folder);
 
 /// A square sheet that opens from 0 to 90 degrees, without contacts. Joints on both faces are
