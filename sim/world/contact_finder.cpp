@@ -76,6 +76,11 @@ Pose onTheWay(const Screw& screw, const Pose& from, double part) {
 class SweptBoxes {
  public:
   SweptBoxes() : broadphase_(&pairs_) {}
+  ~SweptBoxes() {
+    for (btBroadphaseProxy* proxy : proxies_) broadphase_.destroyProxy(proxy, nullptr);
+  }
+  SweptBoxes(const SweptBoxes&) = delete;
+  SweptBoxes& operator=(const SweptBoxes&) = delete;
 
   /// Makes proxies on the first call, moves them afterwards.
   void set(int brick, const Eigen::AlignedBox3d& box) {
