@@ -39,8 +39,8 @@ inline Model openSheet(int side, double startAngle) {
 
 /// Target springs and the environment's damping, as a deployment has them.
 inline LoadSource springLoads(const JoinedBricks& sheet, const TargetSprings& springs,
-                              const Environment& environment) {
-  return [&](const Poses& poses, std::vector<Load>& loads) {
+                              Environment environment) {
+  return [&sheet, &springs, environment](const Poses& poses, std::vector<Load>& loads) {
     for (std::size_t i = 0; i < poses.size(); ++i) {
       loads[i] = springs.load(static_cast<int>(i), poses[i], 1);
       addEnvironmentLoad(environment, sheet.bricks[i], poses[i], loads[i]);
