@@ -123,7 +123,6 @@ StepOutcome Stepper<D>::tryStep(const Motion& start, double step) {
   (*loadSource_)(start.poses, loads_);
   system_.setStep(start, loads_, step);
   program_.force = system_.force();
-  program_.offset = Vector::Zero(system_.jointRowCount());
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
     program_.x.template segment<D>(D * i) = Space::pack(start.velocities[i]);
   }

@@ -16,8 +16,7 @@ template <int D>
 Eigen::VectorXd gradient(const StepSystem<D>& system, const StepProgram<D>& program,
                          const Eigen::VectorXd& x) {
   Eigen::VectorXd result = system.timesA(x) - program.force;
-  const Eigen::VectorXd impulse =
-      program.multipliers - system.kappa() * (system.jointVelocity(x) + program.offset);
+  const Eigen::VectorXd impulse = program.multipliers - system.kappa() * system.jointVelocity(x);
   system.addJointImpulse(-1.0, impulse, result);
   for (const ContactRow<D>& row : program.contacts) {
     const double normal = row.trialImpulse(x, system.rho());
@@ -91,7 +90,7 @@ template <int D>
 RoundReport solveRound(StepSystem<D>& system, StepProgram<D>& program, double slow) {
   RoundReport report = minimize(system, program, slow);
   if (!report.found) return report;
-  program.multipliers -= system.kappa() * (system.jointVelocity(program.x) + program.offset);
+  program.multipliers -= system.kappa() * system.jointVelocity(program.x);
   double& change = report.contactChange;
   for (ContactRow<D>& row : program.contacts) {
     const double normal = row.trialImpulse(program.x, system.rho());

@@ -8,14 +8,13 @@
 
 namespace kirireel {
 
-/// Minimise 1/2 x^T A x - f^T x over velocities x with J x + offset = 0, and with the contact rows'
+/// Minimise 1/2 x^T A x - f^T x over velocities x with J x = 0, and with the contact rows'
 /// inequalities and friction.
 template <int D>
 struct StepProgram {
   Eigen::VectorXd x;            ///< the start of the search, then its end
   Eigen::VectorXd force;        ///< f
   Eigen::VectorXd multipliers;  ///< of the joint rows
-  Eigen::VectorXd offset;       ///< of the joint rows, m/s
   std::vector<ContactRow<D>> contacts;
 };
 

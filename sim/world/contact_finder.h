@@ -15,9 +15,9 @@ namespace kirireel {
 /// Looks at a step's start and end together. A pair is fine when one plane (a face of either brick,
 /// or spanned by an edge of each) keeps the two apart at both: then they neither overlap nor have
 /// passed through each other, however thin they are. One plane may also take over from another on
-/// the way, while both hold. Otherwise the plane that held at the start and
-/// is violated least at the end gives the contacts. Where bricks share a pivot, planes through the
-/// pivot count like any other, so joined bricks are free to turn until they really meet.
+/// the way, while both hold. Otherwise the plane that held at the start and is violated least at
+/// the end gives the contacts. Where bricks share a pivot, planes through the pivot count like any
+/// other, so joined bricks are free to turn until they really meet.
 ///
 /// No margins are used: contacts are exact to `tolerance`, and bricks that overlap in the model may
 /// keep that overlap but not deepen it.
