@@ -1,35 +1,22 @@
 /// The command line: what kirireel is asked to do.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <variant>
 #include <vector>
 
-#include "render/record/record.h"
-#include "sim/model/tessellation.h"
-#include "sim/scene/scene.h"
+#include "render/cli/generate_command.h"
+#include "render/cli/record_command.h"
 
 namespace kirireel {
-
-/// `kirireel record MODEL` and `kirireel simulate MODEL`.
-struct RecordOrder {
-  std::filesystem::path model;
-  Scene scene;              ///< everything but the model; the ground's height is not known yet
-  RecordSettings settings;  ///< the folder is empty when --out was not given
-  bool printJson = false;   ///< the summary on standard output as JSON
-};
-
-/// `kirireel generate tessellation FOLDER`.
-struct GenerateOrder {
-  TessellationShape shape;
-  std::filesystem::path folder;
-};
 
 /// `--help` and `--version`.
 struct PrintOrder {
   std::string text;
 };
+
+/// Prints the text. Returns the exit code.
+int carryOut(const PrintOrder& order);
 
 /// One of the things that kirireel does.
 using Order = std::variant<RecordOrder, GenerateOrder, PrintOrder>;

@@ -108,8 +108,6 @@ TEST(Boundaries, EachLibraryStaysInOneSourceFile) {
   EXPECT_THAT(usersOf("png\\.h"), SizeIs(1));
   EXPECT_THAT(usersOf("assimp/.*"), SizeIs(1));
   EXPECT_THAT(usersOf("ft2build\\.h|FT_.*|freetype/.*"), SizeIs(1));
-  EXPECT_THAT(usersOf("nlohmann/.*"), SizeIs(1));
-  EXPECT_THAT(usersOf("CLI/.*"), SizeIs(1));
 }
 
 TEST(Boundaries, CommandLineLibraryStaysInTheCommandLine) {

@@ -1,0 +1,62 @@
+#include "render/cli/option_group.h"
+
+#include <CLI/CLI.hpp>
+
+namespace kirireel {
+
+void OptionGroup::value(const std::string& name, const std::string& unit, const std::string& usual,
+                        const std::string& help, const Reader& read) {
+  const std::string text = usual.empty() ? help : fmt::format("{} (default {})", help, usual);
+  const auto readText = [name, read](const std::string& typed) { read({name, typed}); };
+  command_.add_option_function<std::string>(name, readText, text)
+      ->type_name(unit)
+      ->group(group_)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+}
+
+void OptionGroup::values(const std::string& name, const std::string& unit, const std::string& help,
+                         const Reader& read) {
+  const auto readTexts = [name, read](const std::vector<std::string>& typed) {
+    for (const std::string& text : typed) read({name, text});
+  };
+  command_.add_option_function<std::vector<std::string>>(name, readTexts, help)
+      ->type_name(unit)
+      ->group(group_)
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+}
+
+void OptionGroup::number(const std::string& name, double& target, Range range,
+                         const std::string& unit, const std::string& help) {
+  value(name, unit, fmt::format("{:.4g}", target), help,
+        [&target, range](const OptionValue& typed) { target = parseNumber(typed, range); });
+}
+
+void OptionGroup::flag(const std::string& name, const std::string& help,
+                       const std::function<void()>& action) {
+  command_.add_flag_callback(name, action, help)->group(group_);
+}
+
+void addPlace(CLI::App& command, const std::string& name, std::filesystem::path& target,
+              const std::string& help) {
+  command.add_option(name, target, help)->type_name("");
+}
+
+void requireGiven(const std::filesystem::path& path, const char* what, const CLI::App& command) {
+  if (!path.empty()) return;
+  const std::string name = fullName(command);
+  throw InputError(fmt::format("error: {0} is missing, as in {1} {0}; see {1} --help", what, name));
+}
+
+const CLI::App& chosenCommand(const CLI::App& program) {
+  const CLI::App* command = &program;
+  while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
+  return *command;
+}
+
+std::string fullName(const CLI::App& command) {
+  const CLI::App* parent = command.get_parent();
+  return parent == nullptr ? command.get_name() : fullName(*parent) + " " + command.get_name();
+}
+
+}  // namespace kirireel

@@ -1,0 +1,32 @@
+/// `kirireel record MODEL` and `kirireel simulate MODEL`.
+#pragma once
+
+#include <filesystem>
+
+#include "render/record/record.h"
+#include "sim/scene/scene.h"
+
+namespace CLI {
+class App;
+}
+
+namespace kirireel {
+
+/// What is to be deployed, and what it leaves.
+struct RecordOrder {
+  std::filesystem::path model;
+  Scene scene;              ///< everything but the model; the ground's height is not known yet
+  RecordSettings settings;  ///< the folder is empty when --out was not given
+  bool printJson = false;   ///< the summary on standard output as JSON
+};
+
+/// Adds `record`. The order must outlive the parsing.
+CLI::App* addRecordCommand(CLI::App& program, RecordOrder& order);
+
+/// Adds `simulate`, which paints nothing. The order must outlive the parsing.
+CLI::App* addSimulateCommand(CLI::App& program, RecordOrder& order);
+
+/// Reads the model, runs it, leaves its files, prints the summary. Returns the exit code.
+int carryOut(const RecordOrder& order);
+
+}  // namespace kirireel

@@ -1,0 +1,98 @@
+#include "render/cli/run_options.h"
+
+#include <CLI/CLI.hpp>
+
+#include "render/cli/option_group.h"
+
+namespace kirireel {
+namespace {
+
+constexpr Range kFromZero{0, 1e12};
+
+void addBrickOptions(CLI::App& command, BrickRule& brick) {
+  OptionGroup group(command, "Bricks");
+  group.number("--thickness", brick.thickness, {1e-9, 1e9}, "METRES", "thickness of the bricks");
+  group.choice<MassRule>("--mass", brick.mass,
+                         {{"unit", MassRule::Unit}, {"prism", MassRule::Prism}},
+                         "mass of a brick, 1 kg whatever its size or by volume");
+  group.number("--density", brick.density, {1e-9, 1e12}, "KG/M3", "density, with --mass prism");
+}
+
+void addSpringOptions(CLI::App& command, TargetSpringSettings& springs) {
+  OptionGroup group(command, "Springs to the target");
+  group.number("--spring-stiffness", springs.springStiffness, kFromZero, "N/M",
+               "pull on each vertex towards its target");
+  group.number("--torque-stiffness", springs.torqueStiffness, kFromZero, "N/M",
+               "the same pull where it only turns the brick");
+  group.number("--force-damping", springs.forceDamping, kFromZero, "N*S/M",
+               "damping of a brick's velocity");
+  group.number("--torque-damping", springs.torqueDamping, kFromZero, "N*M*S",
+               "damping of a brick's turning");
+  group.flag("--no-adaptive", "keep the stiffness when the error stalls, instead of doubling it",
+             [&springs] { springs.adaptive = false; });
+}
+
+void addEnvironmentOptions(CLI::App& command, Environment& environment) {
+  OptionGroup group(command, "Environment");
+  group.value("--gravity", "M/S2", "0", "acceleration along z, or X,Y,Z",
+              [&](const OptionValue& typed) { environment.gravity = parseGravity(typed); });
+  const auto setGround = [&environment] {
+    if (!environment.ground) environment.ground = Ground{};
+  };
+  group.flag("--ground", "put a horizontal plane under the lowest point of start and target",
+             setGround);
+  group.value("--ground-friction", "RATIO", "0.5",
+              "Coulomb friction of the ground; implies --ground",
+              [&environment, setGround](const OptionValue& typed) {
+                setGround();
+                environment.ground->friction = parseNumber(typed, {0, 1e3});
+              });
+  group.choice<ContactFilter>("--contacts", environment.contacts,
+                              {{"all", ContactFilter::All},
+                               {"unjoined", ContactFilter::Unjoined},
+                               {"none", ContactFilter::None}},
+                              "pairs of bricks that may touch; others pass through each other");
+  group.number("--brick-friction", environment.brickFriction, {0, 1e3}, "RATIO",
+               "Coulomb friction between bricks");
+  group.number("--linear-damping", environment.linearDamping, {0, 1}, "SHARE",
+               "part of the velocity lost a second");
+  group.number("--angular-damping", environment.angularDamping, {0, 1}, "SHARE",
+               "part of the turning lost a second");
+}
+
+void addSolverOptions(CLI::App& command, SolverSettings& solver) {
+  OptionGroup group(command, "Solver");
+  group.choice<SolverKind>("--solver", solver.kind,
+                           {{"direct", SolverKind::Direct}, {"bullet", SolverKind::Bullet}},
+                           "how joints are held, exactly or by Bullet's impulses");
+  group.number("--timestep", solver.timestep, {1e-7, 1}, "SECONDS", "longest step");
+  group.value("--substeps", "COUNT", "1 direct, 20 bullet", "solver steps in each step",
+              [&solver](const OptionValue& typed) {
+                solver.substeps = static_cast<int>(parseInteger(typed, {1, 10000}));
+              });
+  group.integer("--iterations", solver.iterations, {1, 1000000}, "COUNT",
+                "of Bullet's solver in each step");
+  group.choice<std::optional<bool>>("--planar", solver.planar,
+                                    {{"auto", std::nullopt}, {"on", true}, {"off", false}},
+                                    "keep bricks in their plane");
+  group.integer("--seed", solver.seed, {0, 4294967295.0}, "NUMBER",
+                "of the nudge that leaves a start where no direction is preferred");
+}
+
+void addStopOptions(CLI::App& command, StopRules& stop) {
+  OptionGroup group(command, "End of the run");
+  group.number("--duration", stop.duration, {1e-6, 1e6}, "SECONDS",
+               "simulated time at most; a run that comes to rest ends earlier");
+}
+
+}  // namespace
+
+void addSceneOptions(CLI::App& command, Scene& scene) {
+  addBrickOptions(command, scene.brick);
+  addSpringOptions(command, scene.springs);
+  addEnvironmentOptions(command, scene.environment);
+  addStopOptions(command, scene.stop);
+  addSolverOptions(command, scene.solver);
+}
+
+}  // namespace kirireel
