@@ -1,5 +1,8 @@
 #include "sim/model/model.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include <Eigen/Geometry>
 
 namespace kirireel {
@@ -61,6 +64,15 @@ double tileSize(const Model& model) {
     edges += count;
   }
   return edges == 0 ? 0.0 : sum / static_cast<double>(edges);
+}
+
+bool liesFlat(const std::vector<Tile>& tiles, double tolerance) {
+  const double level = tiles.front().vertices.front().z();
+  return std::all_of(tiles.begin(), tiles.end(), [&](const Tile& tile) {
+    return std::all_of(tile.vertices.begin(), tile.vertices.end(), [&](const Vector3& vertex) {
+      return std::abs(vertex.z() - level) <= tolerance;
+    });
+  });
 }
 
 }  // namespace kirireel

@@ -58,4 +58,7 @@ double modelSize(const Model& model);
 /// Mean edge length over all tiles, metres: the length that "tile size" means.
 double tileSize(const Model& model);
 
+/// Whether all vertices lie at one height, to the tolerance in metres.
+bool liesFlat(const std::vector<Tile>& tiles, double tolerance);
+
 }  // namespace kirireel

@@ -11,16 +11,6 @@ double height(const std::vector<Tile>& tiles) {
   return tiles.front().vertices.front().z();
 }
 
-/// Whether all vertices lie at one height and all tiles face up, to rounding in the file's digits.
-bool liesFlat(const std::vector<Tile>& tiles, double tolerance) {
-  const double level = height(tiles);
-  return std::all_of(tiles.begin(), tiles.end(), [&](const Tile& tile) {
-    return std::all_of(tile.vertices.begin(), tile.vertices.end(), [&](const Vector3& vertex) {
-      return std::abs(vertex.z() - level) <= tolerance;
-    });
-  });
-}
-
 bool isVertical(const Vector3& vector) {
   return vector.x() == 0 && vector.y() == 0;
 }
