@@ -95,7 +95,7 @@ Camera fitOrthographic(const Extents& extents, const PictureAxes& axes, const Ca
   camera.up = axes.up;
   camera.orthographic = true;
   const double needed = std::max(extents.y.length(), extents.x.length() / fit.aspect);
-  camera.viewHeight = (needed > 0 ? needed : size) / (1 - 2 * fit.margin);
+  camera.viewHeight = (needed > 0 ? needed : size) / (1 - 2 * fit.margin) / fit.zoom;
   camera.centre = toWorld(axes, extents.x.middle(), extents.y.middle(), extents.z.middle());
   // Room before and behind for bricks that leave the fitted points during a deployment.
   camera.eye = camera.centre + 3 * size * axes.back;
@@ -113,7 +113,7 @@ Camera fitPerspective(const Extents& extents, const PictureAxes& axes, const Cam
   const double eyeZ = std::max({x.distance, y.distance, nearest});
   Camera camera;
   camera.up = axes.up;
-  camera.fieldOfView = fit.fieldOfView;
+  camera.fieldOfView = 2 * std::atan(std::tan(0.5 * fit.fieldOfView) / fit.zoom);
   camera.eye = toWorld(axes, x.eye, y.eye, eyeZ);
   camera.centre = toWorld(axes, x.eye, y.eye, extents.z.middle());
   camera.near = 0.02 * (eyeZ - extents.z.middle());
@@ -140,6 +140,53 @@ Camera fitCamera(std::span<const Vector3> points, const CameraFit& fit) {
   const Extents extents = projectPoints(points, axes);
   return fit.orthographic ? fitOrthographic(extents, axes, fit)
                           : fitPerspective(extents, axes, fit);
+}
+
+Camera fitCameraToBall(const Vector3& centre, double radius, const CameraFit& fit) {
+  const PictureAxes axes = pictureAxes(fit.view);
+  const double room = (1 - 2 * fit.margin) * std::min(1.0, fit.aspect);
+  const double slope = std::tan(0.5 * fit.fieldOfView);
+  Camera camera;
+  camera.up = axes.up;
+  camera.centre = centre;
+  camera.orthographic = fit.orthographic;
+  camera.viewHeight = 2 * radius / room / fit.zoom;
+  camera.fieldOfView = 2 * std::atan(slope / fit.zoom);
+  // The cone of the picture's shorter side touches the ball.
+  const double distance =
+      fit.orthographic ? 6 * radius : radius / std::sin(std::atan(slope * room));
+  camera.eye = centre + distance * axes.back;
+  camera.near = 0.02 * distance;
+  camera.far = distance + 8 * radius;
+  return camera;
+}
+
+Camera atDistance(const Camera& camera, double distance) {
+  const double before = (camera.eye - camera.centre).norm();
+  Camera moved = camera;
+  moved.eye = camera.centre + distance / before * (camera.eye - camera.centre);
+  moved.near = 0.02 * distance;
+  moved.far = camera.far - before + distance;
+  return moved;
+}
+
+double heightAtCentre(const Camera& camera) {
+  if (camera.orthographic) return camera.viewHeight;
+  return 2 * std::tan(0.5 * camera.fieldOfView) * (camera.eye - camera.centre).norm();
+}
+
+std::optional<int> brickAround(const std::vector<Brick>& bricks, const Poses& poses,
+                               const Vector3& point) {
+  for (std::size_t k = 0; k < bricks.size(); ++k) {
+    const Vector3 inside = poses[k].rotation.conjugate() * (point - poses[k].position);
+    const auto isBehind = [&inside](const std::vector<Vector3>& face) {
+      const Vector3 normal = (face[1] - face[0]).cross(face[2] - face[1]);
+      return normal.dot(inside - face[0]) < 0;
+    };
+    const auto faces = brickFaces(bricks[k]);
+    if (std::all_of(faces.begin(), faces.end(), isBehind)) return static_cast<int>(k);
+  }
+  return std::nullopt;
 }
 
 std::vector<Vector3> brickCorners(const std::vector<Brick>& bricks, const Poses& poses) {

@@ -1,6 +1,7 @@
 /// The camera: where the picture is taken from. Fitting it once keeps it still for a whole video.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -48,13 +49,28 @@ struct CameraFit {
   double aspect = 16.0 / 9.0;               ///< width / height of the picture
   bool orthographic = false;                ///< else perspective
   double fieldOfView = 0.3490658503988659;  ///< perspective: vertical, radians
-  double margin =
-      0.06;  ///< part of the picture's width and height left free on each side, 0 to 0.45
+  /// Part of the picture's width and height left free on each side, 0 to 0.45.
+  double margin = 0.06;
+  double zoom = 1;  ///< enlarges the middle of the picture, positive; the eye stays where it is
 };
 
 /// The camera with the given view that shows all points as large as possible and in the middle.
 /// At least one point: throws InputError otherwise.
 Camera fitCamera(std::span<const Vector3> points, const CameraFit& fit);
+
+/// The camera with the given view that shows all of a ball, hence the same size from every side:
+/// for cameras that turn. radius: metres, positive.
+Camera fitCameraToBall(const Vector3& centre, double radius, const CameraFit& fit);
+
+/// The same camera nearer or farther along its view, at this distance from its centre, metres.
+Camera atDistance(const Camera& camera, double distance);
+
+/// Height of the picture at the camera's centre, metres.
+double heightAtCentre(const Camera& camera);
+
+/// The brick that the point (world axes) lies within, if any.
+std::optional<int> brickAround(const std::vector<Brick>& bricks, const Poses& poses,
+                               const Vector3& point);
 
 /// All corners of all bricks at the given poses, world axes: what fitCamera should frame (give it
 /// the corners at the start and at the target together).

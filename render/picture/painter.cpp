@@ -2,11 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cassert>
-#include <cmath>
 #include <cstddef>
-#include <limits>
-#include <utility>
+#include <span>
 
 #include "render/gl/context.h"
 #include "render/gl/framebuffer.h"
@@ -22,10 +19,6 @@ constexpr int kSamplesDown = 3;
 
 /// Largest part of a picture drawn at once, pixels: bounds the memory of large pictures.
 constexpr int kMaxPartSide = 2048;
-
-/// An outline takes no more than this part of what would leave nothing of the face's shortest side,
-/// so that small and thin faces keep their colour.
-constexpr double kMaxOutlineShare = 0.35;
 
 constexpr const char* kFaceVertexShader = R"(#version 330 core
 layout(location = 0) in vec4 clip;
@@ -75,60 +68,13 @@ struct Vertex {
   std::array<std::uint8_t, 4> colour;
 };
 
-/// A face in brick axes.
-struct Face {
-  std::vector<Vector3> corners;
-  std::vector<Vector3> inwards;  ///< how the corners move when all sides move in by 1 m
-  double maxOutline = 0;         ///< metres
-  Vector3 normal;
-  Colour base;
-};
-
-/// Twice the vector area (Newell), normalised: the outward normal of an anticlockwise polygon.
-Vector3 polygonNormal(const std::vector<Vector3>& corners) {
-  Vector3 sum = Vector3::Zero();
-  for (std::size_t k = 0; k < corners.size(); ++k) {
-    sum += (corners[k] - corners[0]).cross(corners[(k + 1) % corners.size()] - corners[0]);
-  }
-  return sum.normalized();
-}
-
-/// The unit vector in the face's plane that leads inwards from side k.
-Vector3 sideInwards(const Face& face, std::size_t k) {
-  const std::vector<Vector3>& corners = face.corners;
-  return face.normal.cross(corners[(k + 1) % corners.size()] - corners[k]).normalized();
-}
-
-/// Fills in how the face's outline is drawn.
-void measureOutline(Face& face) {
-  const std::size_t count = face.corners.size();
-  for (std::size_t k = 0; k < count; ++k) {
-    const Vector3 before = sideInwards(face, (k + count - 1) % count);
-    const Vector3 after = sideInwards(face, k);
-    face.inwards.push_back((before + after) / (1 + before.dot(after)));
-  }
-  face.maxOutline = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < count; ++k) {
-    const Vector3 side = face.corners[(k + 1) % count] - face.corners[k];
-    const double shrinking = side.normalized().dot(face.inwards[k] - face.inwards[(k + 1) % count]);
-    if (shrinking <= 0) continue;
-    face.maxOutline = std::min(face.maxOutline, kMaxOutlineShare * side.norm() / shrinking);
-  }
-}
-
-std::vector<Face> shadedFaces(const Brick& brick, const Style& style) {
-  std::vector<Face> faces;
-  for (const std::vector<Vector3>& corners : brickFaces(brick)) {
-    const Colour base = faces.empty() ? style.bottom : faces.size() == 1 ? style.top : style.side;
-    Face face{corners, {}, 0, polygonNormal(corners), base};
-    measureOutline(face);
-    faces.push_back(std::move(face));
-  }
-  return faces;
-}
-
+/// The samples hold premultiplied alpha.
 std::array<std::uint8_t, 4> bytes(Colour colour) {
-  return {colour.red, colour.green, colour.blue, colour.alpha};
+  const auto premultiplied = [&colour](std::uint8_t channel) {
+    return static_cast<std::uint8_t>((channel * colour.alpha + 127) / 255);
+  };
+  return {premultiplied(colour.red), premultiplied(colour.green), premultiplied(colour.blue),
+          colour.alpha};
 }
 
 std::array<float, 4> toClip(const Eigen::Matrix4d& clipFromAxes, const Vector3& point) {
@@ -136,61 +82,63 @@ std::array<float, 4> toClip(const Eigen::Matrix4d& clipFromAxes, const Vector3& 
   return {clip.x(), clip.y(), clip.z(), clip.w()};
 }
 
-/// What stays the same while the faces of one brick are drawn.
-struct Drawing {
-  Eigen::Matrix4d clipFromAxes;
-  Colour edge;
-  double outline = 0;  ///< width of the outline within one face, metres
+/// The triangles of one picture, and where its layers end.
+struct Triangles {
+  std::vector<Vertex> vertices;
+  int groundEnd = 0;  ///< vertices of the plate and the shadow: first, in painting order
+  int solidEnd = 0;   ///< then those that hide each other by depth; the rest is laid over
+
+  int count() const { return static_cast<int>(vertices.size()); }
 };
 
-/// Appends the face within its outline, and the outline as a band along each side.
-void appendFace(const Face& face, const Drawing& drawing, Colour colour,
-                std::vector<Vertex>& vertices) {
-  const double outline = std::min(drawing.outline, face.maxOutline);
-  std::vector<Vertex> outer, inner, band;
-  for (std::size_t k = 0; k < face.corners.size(); ++k) {
-    const auto rim = toClip(drawing.clipFromAxes, face.corners[k]);
-    const auto border = toClip(drawing.clipFromAxes, face.corners[k] + outline * face.inwards[k]);
-    outer.push_back({rim, bytes(drawing.edge)});
-    band.push_back({border, bytes(drawing.edge)});
-    inner.push_back({border, bytes(colour)});
-  }
-  for (std::size_t k = 2; k < inner.size(); ++k) {
-    vertices.insert(vertices.end(), {inner[0], inner[k - 1], inner[k]});
-  }
-  if (outline <= 0) return;
-  for (std::size_t k = 0; k < outer.size(); ++k) {
-    const std::size_t next = (k + 1) % outer.size();
-    vertices.insert(vertices.end(), {outer[k], outer[next], band[next]});
-    vertices.insert(vertices.end(), {outer[k], band[next], band[k]});
-  }
-}
+/// Turns facets into triangles: the face within its outline, and the outline as a band along each
+/// side.
+class Tessellator {
+ public:
+  Tessellator(const Sketch& sketch, const Eigen::Matrix4d& clipFromWorldAxes,
+              std::vector<Vertex>& vertices)
+      : sketch_(sketch), clipFromWorld_(clipFromWorldAxes), vertices_(vertices) {}
 
-/// The plate as two triangles.
-void appendGround(const GroundPlate& ground, const Eigen::Matrix4d& clipFromWorldAxes,
-                  std::vector<Vertex>& vertices) {
-  const auto corner = [&](double x, double y) {
-    const Vector3 point(ground.centre.x() + x * ground.halfSize,
-                        ground.centre.y() + y * ground.halfSize, ground.height);
-    return Vertex{toClip(clipFromWorldAxes, point), bytes(ground.colour)};
-  };
-  for (const auto& [x, y] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, -1}, {1, 1}, {-1, 1}}) {
-    vertices.push_back(corner(x, y));
+  void append(const std::vector<Facet>& facets) {
+    for (const Facet& facet : facets) append(facet);
   }
-}
 
-/// Height of the picture at the camera's centre, metres.
-double heightAtCentre(const Camera& camera) {
-  if (camera.orthographic) return camera.viewHeight;
-  return 2 * std::tan(0.5 * camera.fieldOfView) * (camera.eye - camera.centre).norm();
-}
+ private:
+  void append(const Facet& facet) {
+    project(sketch_.inner(facet), inner_);
+    const auto face = bytes(facet.colour);
+    for (std::size_t k = 2; k < inner_.size(); ++k) {
+      triangle({inner_[0], face}, {inner_[k - 1], face}, {inner_[k], face});
+    }
+    if (facet.outlined) appendOutline(facet);
+  }
 
-Eigen::Matrix4d worldFromBrick(const Pose& pose) {
-  Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
-  matrix.block<3, 3>(0, 0) = pose.rotation.toRotationMatrix();
-  matrix.block<3, 1>(0, 3) = pose.position;
-  return matrix;
-}
+  void appendOutline(const Facet& facet) {
+    project(sketch_.corners(facet), outer_);
+    const auto edge = bytes(sketch_.edge);
+    for (std::size_t k = 0; k < outer_.size(); ++k) {
+      const std::size_t next = (k + 1) % outer_.size();
+      triangle({outer_[k], edge}, {outer_[next], edge}, {inner_[next], edge});
+      triangle({outer_[k], edge}, {inner_[next], edge}, {inner_[k], edge});
+    }
+  }
+
+  void project(std::span<const Vector3> points, std::vector<std::array<float, 4>>& clip) const {
+    clip.clear();
+    for (const Vector3& point : points) clip.push_back(toClip(clipFromWorld_, point));
+  }
+
+  void triangle(const Vertex& a, const Vertex& b, const Vertex& c) {
+    vertices_.push_back(a);
+    vertices_.push_back(b);
+    vertices_.push_back(c);
+  }
+
+  const Sketch& sketch_;
+  Eigen::Matrix4d clipFromWorld_;
+  std::vector<Vertex>& vertices_;
+  std::vector<std::array<float, 4>> outer_, inner_;  ///< of one facet, in clip coordinates
+};
 
 /// The triangles of one frame, as the graphics context holds them.
 class VertexBuffer {
@@ -211,12 +159,11 @@ class VertexBuffer {
   VertexBuffer& operator=(const VertexBuffer&) = delete;
 
   void load(const std::vector<Vertex>& vertices) {
-    count_ = static_cast<GLsizei>(vertices.size());
     glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(Vertex)),
                  vertices.data(), GL_STREAM_DRAW);
   }
 
-  void draw() const { glDrawArrays(GL_TRIANGLES, 0, count_); }
+  static void draw(int first, int end) { glDrawArrays(GL_TRIANGLES, first, end - first); }
 
  private:
   static void attribute(GLuint location, GLint channels, GLenum type, GLboolean normalised,
@@ -230,7 +177,6 @@ class VertexBuffer {
 
   GLuint array_ = 0;
   GLuint buffer_ = 0;
-  GLsizei count_ = 0;
 };
 
 /// A rectangle of the picture, pixels from its top left corner; right and lower are not in it.
@@ -276,64 +222,69 @@ FrameSize validated(FrameSize size) {
 /// Members in the order in which the context needs them made; it goes last.
 struct Painter::Parts {
   FrameSize size;
-  Style style;
-  std::vector<std::vector<Face>> faces;  ///< by brick
+  Colour background;
+  Sketcher sketcher;
   Context context;
   Framebuffer samples;
   Framebuffer means;
   Program facePainter;
   Program averager;
   VertexBuffer vertexBuffer;
-  std::vector<Vertex> vertices;  ///< kept between frames for its memory
+  // Kept between frames for their memory.
+  Sketch sketch;
+  Triangles triangles;
 
-  Parts(FrameSize frameSize, const std::vector<Brick>& bricks, const Style& frameStyle);
+  Parts(FrameSize frameSize, const std::vector<Brick>& bricks, const Style& style);
 
-  void collectVertices(const Poses& poses, const Camera& camera);
+  void collectTriangles(const Shot& shot, const Camera& camera);
   void drawSamples(const PixelBox& part, const PixelBox& touched) const;
+  void drawLayers() const;
   void drawMeans(const PixelBox& part, const PixelBox& touched) const;
 };
 
-Painter::Parts::Parts(FrameSize frameSize, const std::vector<Brick>& bricks,
-                      const Style& frameStyle)
+Painter::Parts::Parts(FrameSize frameSize, const std::vector<Brick>& bricks, const Style& style)
     : size(validated(frameSize)),
-      style(frameStyle),
+      background(style.background),
+      sketcher(bricks, style),
       samples(std::min(size.width, kMaxPartSide) * kSamplesAcross,
               std::min(size.height, kMaxPartSide) * kSamplesDown, Framebuffer::Depth::Tested),
       means(std::min(size.width, kMaxPartSide), std::min(size.height, kMaxPartSide),
             Framebuffer::Depth::None),
       facePainter(kFaceVertexShader, kFaceFragmentShader),
       averager(kMeanVertexShader, kMeanFragmentShader) {
-  for (const Brick& brick : bricks) faces.push_back(shadedFaces(brick, style));
-  glEnable(GL_CULL_FACE);
   glDepthFunc(GL_LESS);
 }
 
-void Painter::Parts::collectVertices(const Poses& poses, const Camera& camera) {
-  assert(poses.size() == faces.size());
-  const Eigen::Matrix4d clipFromWorldAxes = clipFromWorld(camera, size.aspect());
-  // Each of two flush faces draws half of the line between them.
-  const double outline = 0.5 * style.edgeWidth * heightAtCentre(camera);
-  vertices.clear();
-  if (style.ground) appendGround(*style.ground, clipFromWorldAxes, vertices);
-  for (std::size_t brick = 0; brick < faces.size(); ++brick) {
-    const Drawing drawing{clipFromWorldAxes * worldFromBrick(poses[brick]), style.edge, outline};
-    for (const Face& face : faces[brick]) {
-      const Colour colour = faceColour(poses[brick].rotation * face.normal, face.base, style);
-      appendFace(face, drawing, colour, vertices);
-    }
+void Painter::Parts::collectTriangles(const Shot& shot, const Camera& camera) {
+  sketcher.draw(shot, camera, sketch);
+  triangles.vertices.clear();
+  Tessellator tessellator(sketch, clipFromWorld(camera, size.aspect()), triangles.vertices);
+  tessellator.append(sketch.ground);
+  tessellator.append(sketch.shadow);
+  triangles.groundEnd = triangles.count();
+  tessellator.append(sketch.solid);
+  triangles.solidEnd = triangles.count();
+  tessellator.append(sketch.overlay);
+}
+
+void Painter::Parts::drawLayers() const {
+  if (triangles.groundEnd > 0) {
+    glDisable(GL_DEPTH_TEST);
+    VertexBuffer::draw(0, triangles.groundEnd);
   }
+  glEnable(GL_DEPTH_TEST);
+  VertexBuffer::draw(triangles.groundEnd, triangles.solidEnd);
+  if (triangles.count() == triangles.solidEnd) return;
+  glDisable(GL_DEPTH_TEST);
+  VertexBuffer::draw(triangles.solidEnd, triangles.count());
 }
 
 void Painter::Parts::drawSamples(const PixelBox& part, const PixelBox& touched) const {
   const Eigen::Vector2i sides = part.sizes();
   samples.drawInto(sides.x() * kSamplesAcross, sides.y() * kSamplesDown);
-  glEnable(GL_DEPTH_TEST);
-  const Colour& back = style.background;
-  const float alpha = static_cast<float>(back.alpha) / 255.0F;
-  const auto premultiplied = [alpha](std::uint8_t byte) {
-    return static_cast<float>(byte) / 255.0F * alpha;
-  };
-  glClearColor(premultiplied(back.red), premultiplied(back.green), premultiplied(back.blue), alpha);
+  const std::array<std::uint8_t, 4> back = bytes(background);
+  const auto channel = [&back](int k) { return static_cast<float>(back[k]) / 255.0F; };
+  glClearColor(channel(0), channel(1), channel(2), channel(3));
   // Clearing everything is quicker here than clearing a box.
   glDisable(GL_SCISSOR_TEST);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
@@ -350,7 +301,7 @@ void Painter::Parts::drawSamples(const PixelBox& part, const PixelBox& touched) 
   facePainter.set("part", static_cast<float>(scale.x()), static_cast<float>(scale.y()),
                   static_cast<float>(scale.x() - 1 - shift.x()),
                   static_cast<float>(1 - scale.y() + shift.y()));
-  vertexBuffer.draw();
+  drawLayers();
 }
 
 void Painter::Parts::drawMeans(const PixelBox& part, const PixelBox& touched) const {
@@ -376,11 +327,15 @@ FrameSize Painter::size() const {
 }
 
 Frame Painter::paint(const Poses& poses, const Camera& camera) {
+  return paint(Shot{poses}, camera);
+}
+
+Frame Painter::paint(const Shot& shot, const Camera& camera) {
   parts_->context.makeCurrent();
-  parts_->collectVertices(poses, camera);
-  parts_->vertexBuffer.load(parts_->vertices);
-  Frame frame = makeFrame(size(), parts_->style.background);
-  const PixelBox touched = touchedPixels(parts_->vertices, frame.size);
+  parts_->collectTriangles(shot, camera);
+  parts_->vertexBuffer.load(parts_->triangles.vertices);
+  Frame frame = makeFrame(size(), parts_->background);
+  const PixelBox touched = touchedPixels(parts_->triangles.vertices, frame.size);
   for (const PixelBox& part : pictureParts(frame.size)) {
     const PixelBox inside = part.intersection(touched);
     if ((inside.max().array() <= inside.min().array()).any()) continue;

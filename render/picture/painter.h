@@ -6,6 +6,7 @@
 
 #include "render/picture/camera.h"
 #include "render/picture/frame.h"
+#include "render/picture/sketch.h"
 #include "render/picture/style.h"
 #include "sim/brick/brick.h"
 
@@ -25,7 +26,10 @@ class Painter {
   Painter(const Painter&) = delete;
   Painter& operator=(const Painter&) = delete;
 
-  /// The picture of the bricks at the poses (one a brick, same order). Throws OutputError.
+  /// What the shot shows. Throws OutputError.
+  Frame paint(const Shot& shot, const Camera& camera);
+
+  /// The picture of the bricks alone at these poses, in the colours of the style.
   Frame paint(const Poses& poses, const Camera& camera);
 
   FrameSize size() const;

@@ -10,7 +10,33 @@ double brightness(const Vector3& normal, const Light& light) {
   return light.strength * std::max(0.0, normal.dot(light.direction));
 }
 
+Colour mixed(Colour colour, Colour with, double share) {
+  const auto channel = [share](std::uint8_t from, std::uint8_t to) {
+    return static_cast<std::uint8_t>(std::lround(from + share * (to - from)));
+  };
+  return {channel(colour.red, with.red), channel(colour.green, with.green),
+          channel(colour.blue, with.blue), colour.alpha};
+}
+
 }  // namespace
+
+BrickColours shadesOf(Colour colour) {
+  constexpr Colour kBlack = {0, 0, 0};
+  constexpr Colour kWhite = {255, 255, 255};
+  return {colour, mixed(colour, kWhite, 0.35), mixed(colour, kBlack, 0.24)};
+}
+
+Style darkStyle() {
+  Style style;
+  style.background = {22, 24, 28};
+  style.edge = {14, 18, 26};
+  style.ground = {44, 47, 53};
+  style.shadow = {29, 31, 36};
+  style.mark = {255, 120, 96};
+  style.overlay = {255, 110, 150};
+  style.text = {226, 228, 232};
+  return style;
+}
 
 Colour faceColour(const Vector3& normal, Colour base, const Style& style) {
   const double light =
@@ -24,7 +50,11 @@ Colour faceColour(const Vector3& normal, Colour base, const Style& style) {
 GroundPlate groundUnder(std::span<const Vector3> points, double height) {
   Eigen::AlignedBox2d box;
   for (const Vector3& point : points) box.extend(point.head<2>());
-  return {height, box.center(), 2.5 * box.sizes().maxCoeff()};
+  GroundPlate plate;
+  plate.height = height;
+  plate.centre = box.center();
+  plate.halfSize = 2.5 * box.sizes().maxCoeff();
+  return plate;
 }
 
 }  // namespace kirireel

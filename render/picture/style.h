@@ -15,32 +15,56 @@ struct Light {
   double strength = 0;                   ///< added brightness of a face that looks at the light
 };
 
-/// A square plate under the model, seen from above only. (The physics has its own Ground, in the
-/// scene.)
+/// A square plate under the model, seen from above only, and the bricks' shadow on it. (The physics
+/// has its own Ground, in the scene.)
 struct GroundPlate {
   double height = 0;                                 ///< z of the plate, metres
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();  ///< x and y of its middle, metres
   double halfSize = 1;                               ///< half a side, metres
-  Colour colour = {238, 238, 236};                   ///< drawn as it is, not lit
+  bool visible = true;  ///< else only the shadow shows, on the background
+  bool shadow = true;   ///< cast by the bricks, along the key light
 };
 
+/// The colours of one brick before lighting.
+struct BrickColours {
+  Colour top = {128, 174, 220};     ///< face on the side of the tile's normal
+  Colour bottom = {244, 190, 116};  ///< the tile itself, seen from below
+  Colour side = {96, 130, 172};     ///< faces across the thickness
+
+  bool operator==(const BrickColours&) const = default;
+};
+
+/// Colours of a brick that is one colour all over: its sides are darker, its bottom paler.
+BrickColours shadesOf(Colour colour);
+
 /// The look of a picture. The defaults are meant for a page of a journal: white ground, quiet
-/// colours that stay apart in grey and for the colour-blind, thin dark outlines. All but the
-/// background are opaque.
+/// colours that stay apart in grey and for the colour-blind, thin dark outlines. Lengths "in
+/// heights of the picture" are measured in the middle of the picture.
 struct Style {
-  Colour background = {255, 255, 255};  ///< alpha below 255 gives a transparent picture
-  Colour top = {128, 174, 220};         ///< face on the side of the tile's normal
-  Colour bottom = {244, 190, 116};      ///< the tile itself, seen from below
-  Colour side = {96, 130, 172};         ///< faces across the thickness
-  Colour edge = {38, 50, 66};           ///< outlines
-  /// Width of the line between two flush tiles in the middle of the picture, in heights of the
-  /// picture; 0 for no outlines. Lines lie on the faces, so they are foreshortened like them.
+  Colour background = {255, 255, 255};              ///< alpha below 255 gives a transparent picture
+  BrickColours brick;                               ///< of bricks that have no colours of their own
+  BrickColours pinned = shadesOf({135, 206, 235});  ///< of pinned bricks: sky blue
+  Colour edge = {38, 50, 66};                       ///< outlines
+  Colour ground = {238, 238, 236};                  ///< of the plate, drawn as it is, not lit
+  /// Drawn where the key light does not reach, as it is. With alpha below 255 it takes the place of
+  /// what is under it, so that overlapping shadows are as dark as one.
+  Colour shadow = {206, 207, 208};
+  Colour mark = {196, 52, 44};     ///< dots on joints
+  Colour overlay = {200, 30, 90};  ///< lines laid over everything
+  Colour text = {30, 30, 30};      ///< captions, scales
+  /// Width of the line between two flush tiles, in heights of the picture; 0 for no outlines. Lines
+  /// lie on the faces, so they are foreshortened like them.
   double edgeWidth = 0.0028;
-  double ambient = 0.58;                           ///< brightness of a face that no light reaches
+  double markSize = 0.012;      ///< diameter of a dot, in heights of the picture
+  double overlayWidth = 0.003;  ///< of lines laid over, in heights of the picture
+  double ambient = 0.58;        ///< brightness of a face that no light reaches
   Light key = {Vector3(-0.36, -0.48, 0.8), 0.40};  ///< main light, from the upper left
   Light fill = {Vector3(0.8, -0.36, 0.48), 0.16};  ///< softer, from the right
-  std::optional<GroundPlate> ground;               ///< drawn when present
+  std::optional<GroundPlate> plate;                ///< drawn when present
 };
+
+/// The look for slides and dark pages: nearly black ground, the same bricks, pale lettering.
+Style darkStyle();
 
 /// The colour of a lit face, the one rule of shading: in each channel
 ///   round(min(255, base * (ambient + key.strength * max(0, normal . key.direction)

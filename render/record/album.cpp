@@ -43,7 +43,7 @@ std::vector<Vector3> pointsToFrame(const Scene& scene, const Trajectory& traject
 Style styleFor(const Scene& scene, const Trajectory& trajectory) {
   Style style;
   if (scene.environment.ground) {
-    style.ground = groundUnder(pointsToFrame(scene, trajectory), scene.environment.ground->height);
+    style.plate = groundUnder(pointsToFrame(scene, trajectory), scene.environment.ground->height);
   }
   return style;
 }

@@ -17,7 +17,7 @@ namespace {
 /// Black, unlit, without outlines: a pixel's darkness is the part of it that bricks cover.
 Style silhouette() {
   Style style;
-  style.top = style.bottom = style.side = Colour{0, 0, 0};
+  style.brick = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
   style.edgeWidth = 0;
   return style;
 }
@@ -98,10 +98,10 @@ TEST(Painter, GivesEveryFaceTheColourOfItsNormalAndLights) {
   for (int k = 0; k < 40; ++k) {
     const Quaternion turn = rotationFromVector(Vector3(0.37 * k, 1 - 0.21 * k, 0.13 * k));
     sample.poses[0].rotation = turn;
-    for (const auto& [axis, base] : {std::pair<Vector3, Colour>{Vector3::UnitZ(), style.top},
-                                     {-Vector3::UnitZ(), style.bottom},
-                                     {Vector3::UnitX(), style.side},
-                                     {-Vector3::UnitY(), style.side}}) {
+    for (const auto& [axis, base] : {std::pair<Vector3, Colour>{Vector3::UnitZ(), style.brick.top},
+                                     {-Vector3::UnitZ(), style.brick.bottom},
+                                     {Vector3::UnitX(), style.brick.side},
+                                     {-Vector3::UnitY(), style.brick.side}}) {
       const Vector3 normal = turn * axis;
       const ViewAngles view{std::atan2(normal.y(), normal.x()), std::asin(normal.z())};
       const Camera camera = parallelCamera(cube.poses[0].position, view, 2.5);
@@ -123,9 +123,9 @@ TEST(Painter, ShowsOnlyFaceColoursWithinFaces) {
     ++counts[frame.pixels[k] << 16 | frame.pixels[k + 1] << 8 | frame.pixels[k + 2]];
   }
   const auto count = [&](Colour c) { return counts[c.red << 16 | c.green << 8 | c.blue]; };
-  const int flat = count(faceColour(Vector3::UnitZ(), style.top, style)) +
-                   count(faceColour(Vector3::UnitX(), style.side, style)) +
-                   count(faceColour(-Vector3::UnitY(), style.side, style)) +
+  const int flat = count(faceColour(Vector3::UnitZ(), style.brick.top, style)) +
+                   count(faceColour(Vector3::UnitX(), style.brick.side, style)) +
+                   count(faceColour(-Vector3::UnitY(), style.brick.side, style)) +
                    count(style.background);
   EXPECT_GT(flat, 0.96 * 200 * 200);  // measured 0.986: the rest are edges
 }
@@ -136,7 +136,7 @@ TEST(Painter, ShowsNoSeamBetweenFlushBricks) {
   const SampleBricks sample = sampleBricks(tiles, 0.3);
   Style style;
   style.edgeWidth = 0;
-  const Colour top = faceColour(Vector3::UnitZ(), style.top, style);
+  const Colour top = faceColour(Vector3::UnitZ(), style.brick.top, style);
   const FrameSize size{301, 203};
   const Camera camera = fittedCamera(sample, size, kTopView);
   const Frame frame = paintOnce(sample, size, camera, style);
@@ -155,7 +155,7 @@ TEST(Painter, DrawsOutlinesOnTheFaces) {
   EXPECT_EQ(frame.at(49, 100), style.background);
   EXPECT_EQ(frame.at(50, 100), style.edge);
   EXPECT_EQ(frame.at(59, 100), style.edge);
-  EXPECT_EQ(frame.at(60, 100), faceColour(Vector3::UnitZ(), style.top, style));
+  EXPECT_EQ(frame.at(60, 100), faceColour(Vector3::UnitZ(), style.brick.top, style));
 }
 
 TEST(Painter, LeavesColourOnSmallFaces) {
@@ -164,7 +164,7 @@ TEST(Painter, LeavesColourOnSmallFaces) {
   style.edgeWidth = 2;
   const Camera camera = parallelCamera(sample.poses[0].position, kTopView, 2);
   const Frame frame = paintOnce(sample, {200, 200}, camera, style);
-  EXPECT_EQ(frame.at(100, 100), faceColour(Vector3::UnitZ(), style.top, style));
+  EXPECT_EQ(frame.at(100, 100), faceColour(Vector3::UnitZ(), style.brick.top, style));
 }
 
 TEST(Painter, LeavesATransparentBackgroundEmpty) {
@@ -183,15 +183,124 @@ TEST(Painter, LeavesATransparentBackgroundEmpty) {
 TEST(Painter, DrawsTheGroundInItsColourFromAboveOnly) {
   const SampleBricks sample = sampleBricks({rectangleTile(0, 0, 1, 1)}, 0.1);
   Style style;
-  style.ground = groundUnder(brickCorners(sample.bricks, sample.poses), 0);
+  style.plate = groundUnder(brickCorners(sample.bricks, sample.poses), 0);
   const Vector3 middle = sample.poses[0].position;
   const Frame above = paintOnce(sample, {100, 100}, parallelCamera(middle, kTopView, 3), style);
-  EXPECT_EQ(above.at(5, 5), style.ground->colour);
-  EXPECT_EQ(above.at(50, 50), faceColour(Vector3::UnitZ(), style.top, style));
+  EXPECT_EQ(above.at(5, 5), style.ground);
+  EXPECT_EQ(above.at(50, 50), faceColour(Vector3::UnitZ(), style.brick.top, style));
   const ViewAngles fromBelow{kTopView.azimuth, -kTopView.elevation};
   const Frame below = paintOnce(sample, {100, 100}, parallelCamera(middle, fromBelow, 3), style);
   EXPECT_EQ(below.at(5, 5), style.background);
-  EXPECT_EQ(below.at(50, 50), faceColour(-Vector3::UnitZ(), style.bottom, style));
+  EXPECT_EQ(below.at(50, 50), faceColour(-Vector3::UnitZ(), style.brick.bottom, style));
+}
+
+/// A plate that does not show, under the bricks' lowest point.
+GroundPlate shadowCatcher(const SampleBricks& sample, double height) {
+  GroundPlate plate = groundUnder(brickCorners(sample.bricks, sample.poses), height);
+  plate.visible = false;
+  return plate;
+}
+
+TEST(Painter, CastsAShadowOfTheProjectedArea) {
+  // A box's shadow on the plane is the sum over lit faces of area * (light . normal) / light.z.
+  SampleBricks sample = sampleBricks({rectangleTile(0, 0, 1, 1)}, 0.5);
+  sample.poses[0].position.z() = 30;  // far up, so that the brick does not hide its shadow
+  Style style = silhouette();
+  style.plate = shadowCatcher(sample, 0);
+  style.shadow = {0, 0, 0};
+  const Vector3 light = style.key.direction;
+  const Vector3 centre = sample.poses[0].position - 30 / light.z() * light;
+  const Frame frame = paintOnce(sample, {300, 300}, parallelCamera(centre, kTopView, 5), style);
+  const Vector3 faces(0.5, 0.5, 1);
+  const double expected = faces.dot(light.cwiseAbs()) / light.z() * std::pow(300 / 5.0, 2);
+  EXPECT_NEAR(coveredPixels(frame) / expected, 1, 0.005);  // measured 2e-4
+}
+
+TEST(Painter, ShadowsThatOverlapAreAsDarkAsOne) {
+  SampleBricks sample = sampleBricks({rectangleTile(0, 0, 1, 1), rectangleTile(0, 0, 1, 1)}, 0.1);
+  sample.poses[1].position.z() += 0.3;
+  Style style;
+  style.background.alpha = 0;
+  style.shadow = {0, 0, 0, 60};
+  style.plate = shadowCatcher(sample, -4);
+  const Vector3 light = style.key.direction;
+  const Vector3 centre = sample.poses[0].position - 4 / light.z() * light;
+  const Frame frame = paintOnce(sample, {100, 100}, parallelCamera(centre, kTopView, 0.5), style);
+  for (int y = 0; y < 100; ++y) ASSERT_EQ(frame.at(50, y), (Colour{0, 0, 0, 60}));
+}
+
+TEST(Painter, DrawsPinnedBricksInTheirColour) {
+  const SampleBricks sample =
+      sampleBricks({rectangleTile(0, 0, 1, 1), rectangleTile(1, 0, 1, 1)}, 0.1);
+  const Style style;
+  Shot shot{sample.poses};
+  shot.pinned = {1};
+  const Camera camera = parallelCamera(Vector3(1, 0.5, 0), kTopView, 2.5);
+  const Frame frame = Painter({100, 100}, sample.bricks, style).paint(shot, camera);
+  EXPECT_EQ(frame.at(30, 50), faceColour(Vector3::UnitZ(), style.brick.top, style));
+  EXPECT_EQ(frame.at(70, 50), faceColour(Vector3::UnitZ(), style.pinned.top, style));
+}
+
+TEST(Painter, DrawsEachBrickInItsOwnColours) {
+  const SampleBricks sample =
+      sampleBricks({rectangleTile(0, 0, 1, 1), rectangleTile(1, 0, 1, 1)}, 0.1);
+  Shot shot{sample.poses};
+  shot.colours = {shadesOf({10, 200, 30}), shadesOf({200, 10, 30})};
+  const Camera camera = parallelCamera(Vector3(1, 0.5, 0), kTopView, 2.5);
+  const Frame frame = Painter({100, 100}, sample.bricks, {}).paint(shot, camera);
+  EXPECT_EQ(frame.at(30, 50), faceColour(Vector3::UnitZ(), {10, 200, 30}, {}));
+  EXPECT_EQ(frame.at(70, 50), faceColour(Vector3::UnitZ(), {200, 10, 30}, {}));
+}
+
+TEST(Painter, LaysLinesOverEverything) {
+  const SampleBricks sample = sampleBricks({rectangleTile(0, 0, 2, 2)}, 1);
+  Style style;
+  style.overlayWidth = 0.1;
+  Shot shot{sample.poses};
+  shot.overlay = {rectangleTile(0.5, 0.5, 1, 1)};  // on the brick's far side
+  const Camera camera = parallelCamera(Vector3(1, 1, 0), kTopView, 2);
+  const Frame frame = Painter({100, 100}, sample.bricks, style).paint(shot, camera);
+  EXPECT_EQ(frame.at(25, 50), style.overlay);
+  EXPECT_EQ(frame.at(21, 21), style.overlay);  // the corner is closed
+  EXPECT_EQ(frame.at(50, 50), faceColour(Vector3::UnitZ(), style.brick.top, style));
+}
+
+TEST(Painter, MarksPointsByWholeDots) {
+  const SampleBricks sample = sampleBricks({rectangleTile(0, 0, 2, 2)}, 0.2);
+  Style style;
+  style.edgeWidth = 0;
+  style.markSize = 0.2;
+  Shot shot{sample.poses};
+  shot.marks = {Vector3(2, 2, 0.2)};
+  const Camera camera = parallelCamera(Vector3(1, 1, 0), kIsometricView, 6);
+  Painter painter({300, 300}, sample.bricks, style);
+  const Frame frame = painter.paint(shot, camera);
+  double dot = 0;
+  for (std::size_t k = 0; k < frame.pixels.size(); k += 4) {
+    dot += frame.pixels[k] == style.mark.red && frame.pixels[k + 1] == style.mark.green;
+  }
+  // A polygon of 16 sides of radius 30, less its border pixels.
+  EXPECT_NEAR(dot / (8 * 900 * std::sin(M_PI / 8)), 1, 0.06);  // measured 0.035
+}
+
+/// Darkness of a row of outlines, which should not depend on how they fall on the pixels.
+TEST(Painter, OutlinesDoNotFlickerWhenTheyMove) {
+  const SampleBricks sample = sampleBricks({rectangleTile(0, 0, 1, 1)}, 0.02);
+  Style style = silhouette();
+  style.brick = {{255, 255, 255}, {255, 255, 255}, {255, 255, 255}};
+  style.edge = {0, 0, 0};
+  style.ambient = 1;
+  style.edgeWidth = 0.01;  // one pixel of 200 within the face
+  Painter painter({200, 200}, sample.bricks, style);
+  double least = 1e9, most = 0;
+  for (int k = 0; k < 40; ++k) {
+    const Vector3 centre = sample.poses[0].position + Vector3(0.00137, 0.00071, 0) * k;
+    const double dark =
+        coveredPixels(painter.paint(sample.poses, parallelCamera(centre, kTopView, 2)));
+    least = std::min(least, dark);
+    most = std::max(most, dark);
+  }
+  EXPECT_LT(most / least, 1.02);  // measured 1.002
 }
 
 TEST(Painter, TurningBricksAndCameraTogetherKeepsTheOutline) {
@@ -252,7 +361,7 @@ TEST(Painter, RefusesAnEmptyPicture) {
 }
 
 TEST(Painter, PaintsBackgroundWithoutBricks) {
-  const Frame frame = Painter({8, 8}, {}, {}).paint({}, {});
+  const Frame frame = Painter({8, 8}, {}, {}).paint(Poses{}, {});
   EXPECT_EQ(frame.pixels, makeFrame({8, 8}, {255, 255, 255}).pixels);
 }
 

@@ -1,0 +1,22 @@
+/// Sets of colours: scales for values, and hues that stay apart.
+#pragma once
+
+#include "render/picture/frame.h"
+
+namespace kirireel {
+
+/// A perceptually even scale: equal steps of a value look like equal steps of colour, in grey too.
+enum class ColourMap {
+  Viridis,  ///< dark blue over green to yellow
+  Cividis,  ///< dark blue over grey to yellow, the same to nearly all colour-blind readers
+};
+
+/// The colour of a share of the scale, 0 (dark) to 1 (bright); shares beyond are the ends' colours.
+/// Grey for NaN.
+Colour mapColour(ColourMap map, double share);
+
+/// The colour of one of several kinds, from 0: seven hues that the colour-blind tell apart, then
+/// the same again.
+Colour kindColour(int kind);
+
+}  // namespace kirireel

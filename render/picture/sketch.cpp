@@ -1,0 +1,201 @@
+#include "render/picture/sketch.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+namespace kirireel {
+namespace {
+
+/// An outline takes no more than this part of what would leave nothing of the face's shortest side,
+/// so that small and thin faces keep their colour.
+constexpr double kMaxOutlineShare = 0.35;
+
+/// Sides of the polygon that stands for a dot.
+constexpr int kDotSides = 16;
+
+/// A dot is drawn this many of its radii nearer to the eye, so that the bricks it lies on do not
+/// cut into it.
+constexpr double kDotLift = 3;
+
+/// Twice the vector area (Newell), normalised: the outward normal of an anticlockwise polygon.
+Vector3 polygonNormal(const std::vector<Vector3>& corners) {
+  Vector3 sum = Vector3::Zero();
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    sum += (corners[k] - corners[0]).cross(corners[(k + 1) % corners.size()] - corners[0]);
+  }
+  return sum.normalized();
+}
+
+/// Towards the eye from a point, not normalised.
+Vector3 towardsEye(const Camera& camera, const Vector3& point) {
+  return camera.orthographic ? camera.eye - camera.centre : camera.eye - point;
+}
+
+/// Appends a polygon without outline.
+Facet appendFacet(Sketch& sketch, std::span<const Vector3> corners, Colour colour) {
+  const int first = static_cast<int>(sketch.points.size());
+  sketch.points.insert(sketch.points.end(), corners.begin(), corners.end());
+  return {first, static_cast<int>(corners.size()), false, colour};
+}
+
+void drawPlate(const GroundPlate& plate, Colour colour, Sketch& sketch) {
+  std::array<Vector3, 4> corners;
+  for (int k = 0; k < 4; ++k) {
+    corners[k] = {plate.centre.x() + (k == 1 || k == 2 ? 1 : -1) * plate.halfSize,
+                  plate.centre.y() + (k >= 2 ? 1 : -1) * plate.halfSize, plate.height};
+  }
+  sketch.ground.push_back(appendFacet(sketch, corners, colour));
+}
+
+/// Dots that face the camera.
+void drawMarks(const std::vector<Vector3>& marks, double radius, Colour colour,
+               const Camera& camera, Sketch& sketch) {
+  std::array<Vector3, kDotSides> corners;
+  for (const Vector3& mark : marks) {
+    const Vector3 back = towardsEye(camera, mark).normalized();
+    const Vector3 right = camera.up.cross(back).normalized();
+    const Vector3 up = back.cross(right);
+    const Vector3 centre = mark + kDotLift * radius * back;
+    for (int k = 0; k < kDotSides; ++k) {
+      const double angle = 2 * M_PI * k / kDotSides;
+      corners[k] = centre + radius * (std::cos(angle) * right + std::sin(angle) * up);
+    }
+    sketch.solid.push_back(appendFacet(sketch, corners, colour));
+  }
+}
+
+/// A straight line as a ribbon that faces the camera; nothing when it points at the camera.
+void drawLine(const Vector3& from, const Vector3& to, double width, Colour colour,
+              const Camera& camera, Sketch& sketch) {
+  const Vector3 along = (to - from).normalized();
+  const Vector3 across = towardsEye(camera, 0.5 * (from + to)).normalized().cross(along);
+  if (across.norm() < 1e-6) return;
+  const Vector3 side = 0.5 * width * across.normalized();
+  // Half a width longer at both ends, so that two lines meet in a closed corner.
+  const Vector3 end = 0.5 * width * along;
+  const std::array<Vector3, 4> corners = {from - end - side, to + end - side, to + end + side,
+                                          from - end + side};
+  sketch.overlay.push_back(appendFacet(sketch, corners, colour));
+}
+
+void drawOverlay(const std::vector<Tile>& polygons, double width, Colour colour,
+                 const Camera& camera, Sketch& sketch) {
+  for (const auto& [corners] : polygons) {
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+      drawLine(corners[k], corners[(k + 1) % corners.size()], width, colour, camera, sketch);
+    }
+  }
+}
+
+/// Brings a corner of a brick to where the key light casts its shadow.
+Vector3 castDown(const Vector3& point, const Vector3& light, double height) {
+  return point - (point.z() - height) / light.z() * light;
+}
+
+}  // namespace
+
+Sketcher::Face Sketcher::makeFace(const std::vector<Vector3>& corners) {
+  Face face{corners, {}, std::numeric_limits<double>::infinity(), polygonNormal(corners)};
+  const std::size_t count = corners.size();
+  // The unit vector in the face's plane that leads inwards from side k.
+  const auto inwards = [&](std::size_t k) -> Vector3 {
+    return face.normal.cross(corners[(k + 1) % count] - corners[k]).normalized();
+  };
+  for (std::size_t k = 0; k < count; ++k) {
+    const Vector3 before = inwards((k + count - 1) % count);
+    const Vector3 after = inwards(k);
+    face.inwards.push_back((before + after) / (1 + before.dot(after)));
+  }
+  for (std::size_t k = 0; k < count; ++k) {
+    const Vector3 side = corners[(k + 1) % count] - corners[k];
+    const double shrinking = side.normalized().dot(face.inwards[k] - face.inwards[(k + 1) % count]);
+    if (shrinking <= 0) continue;
+    face.maxOutline = std::min(face.maxOutline, kMaxOutlineShare * side.norm() / shrinking);
+  }
+  return face;
+}
+
+Sketcher::Sketcher(const std::vector<Brick>& bricks, const Style& style) : style_(style) {
+  for (const Brick& brick : bricks) {
+    std::vector<Face>& faces = faces_.emplace_back();
+    for (const std::vector<Vector3>& corners : brickFaces(brick))
+      faces.push_back(makeFace(corners));
+  }
+}
+
+void Sketcher::drawBrick(int brick, const Pose& pose, const BrickColours& colours,
+                         const Camera& camera, double outline, Sketch& sketch) const {
+  const Matrix3 rotation = pose.rotation.toRotationMatrix();
+  const std::vector<Face>& faces = faces_[brick];
+  for (std::size_t k = 0; k < faces.size(); ++k) {
+    const Face& face = faces[k];
+    const Vector3 normal = rotation * face.normal;
+    const Vector3 corner = pose.position + rotation * face.corners[0];
+    if (normal.dot(towardsEye(camera, corner)) <= 0) continue;
+    const Colour base = k == 0 ? colours.bottom : k == 1 ? colours.top : colours.side;
+    const double width = std::min(outline, face.maxOutline);
+    sketch.solid.push_back({static_cast<int>(sketch.points.size()),
+                            static_cast<int>(face.corners.size()), width > 0,
+                            faceColour(normal, base, style_)});
+    for (const Vector3& point : face.corners) {
+      sketch.points.push_back(pose.position + rotation * point);
+    }
+    if (width <= 0) continue;
+    for (std::size_t i = 0; i < face.corners.size(); ++i) {
+      sketch.points.push_back(pose.position +
+                              rotation * (face.corners[i] + width * face.inwards[i]));
+    }
+  }
+}
+
+void Sketcher::drawShadow(const Poses& poses, Sketch& sketch) const {
+  const Vector3& light = style_.key.direction;
+  std::vector<Vector3> corners;
+  for (std::size_t brick = 0; brick < faces_.size(); ++brick) {
+    const Pose& pose = poses[brick];
+    for (const Face& face : faces_[brick]) {
+      // The lit faces of a closed brick cast all of its shadow.
+      if (light.dot(pose.rotation * face.normal) <= 0) continue;
+      corners.clear();
+      for (const Vector3& point : face.corners) {
+        corners.push_back(castDown(pose.apply(point), light, style_.plate->height));
+      }
+      sketch.shadow.push_back(appendFacet(sketch, corners, style_.shadow));
+    }
+  }
+}
+
+void Sketcher::draw(const Shot& shot, const Camera& camera, Sketch& sketch) const {
+  assert(shot.poses.size() == faces_.size());
+  assert(shot.colours.empty() || shot.colours.size() == faces_.size());
+  sketch.points.clear();
+  for (auto* layer : {&sketch.ground, &sketch.shadow, &sketch.solid, &sketch.overlay}) {
+    layer->clear();
+  }
+  sketch.edge = style_.edge;
+
+  const std::optional<GroundPlate>& plate = style_.plate;
+  const Vector3 middle = plate ? Vector3(plate->centre.x(), plate->centre.y(), plate->height)
+                               : Vector3(Vector3::Zero());
+  if (plate && towardsEye(camera, middle).z() > 0) {
+    if (plate->visible) drawPlate(*plate, style_.ground, sketch);
+    if (plate->shadow) drawShadow(shot.poses, sketch);
+  }
+
+  const double height = heightAtCentre(camera);
+  std::vector<char> isPinned(faces_.size(), 0);
+  for (const int brick : shot.pinned) isPinned.at(brick) = 1;
+  for (int brick = 0; brick < static_cast<int>(faces_.size()); ++brick) {
+    const BrickColours& own = shot.colours.empty() ? style_.brick : shot.colours[brick];
+    // Each of two flush faces draws half of the line between them.
+    drawBrick(brick, shot.poses[brick], isPinned[brick] ? style_.pinned : own, camera,
+              0.5 * style_.edgeWidth * height, sketch);
+  }
+  drawMarks(shot.marks, 0.5 * style_.markSize * height, style_.mark, camera, sketch);
+  drawOverlay(shot.overlay, style_.overlayWidth * height, style_.overlay, camera, sketch);
+}
+
+}  // namespace kirireel

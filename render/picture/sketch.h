@@ -1,0 +1,80 @@
+/// What a picture shows, as flat polygons in space: the same for pixels and for vector graphics.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "render/picture/camera.h"
+#include "render/picture/frame.h"
+#include "render/picture/style.h"
+#include "sim/brick/brick.h"
+
+namespace kirireel {
+
+/// What the camera is pointed at for one picture. Everything but the poses may be empty.
+struct Shot {
+  Poses poses;                        ///< one a brick
+  std::vector<BrickColours> colours;  ///< one a brick; empty: all have the style's
+  std::vector<int> pinned;            ///< bricks drawn in the style's colours of pins
+  std::vector<Vector3> marks;         ///< points with a dot, for example joints, world axes
+  /// Closed polygons whose sides are laid over everything as lines, world axes.
+  std::vector<Tile> overlay;
+};
+
+/// A convex polygon of one colour that looks at the camera, with an outline within it if it has
+/// any. Its points stand in a sketch.
+struct Facet {
+  int first = 0;          ///< of its corners in the sketch's points, anticlockwise in the picture
+  int count = 0;          ///< of its corners
+  bool outlined = false;  ///< then as many points follow: its corners within the outline
+  Colour colour;          ///< within the outline
+};
+
+/// All that a picture shows, in layers: each hides the ones before it.
+struct Sketch {
+  std::vector<Vector3> points;  ///< world axes
+  std::vector<Facet> ground;    ///< the plate, if it is visible
+  std::vector<Facet> shadow;    ///< overlapping; all of one colour
+  std::vector<Facet> solid;     ///< in no order: what is nearer hides what is farther
+  std::vector<Facet> overlay;   ///< lines, in painting order
+  Colour edge;                  ///< of the outlines
+
+  std::span<const Vector3> corners(const Facet& facet) const {
+    return std::span(points).subspan(facet.first, facet.count);
+  }
+  /// The corners within the outline; the corners themselves where there is none.
+  std::span<const Vector3> inner(const Facet& facet) const {
+    const int first = facet.outlined ? facet.first + facet.count : facet.first;
+    return std::span(points).subspan(first, facet.count);
+  }
+};
+
+/// Makes the sketches of one run.
+class Sketcher {
+ public:
+  Sketcher(const std::vector<Brick>& bricks, const Style& style);
+
+  /// Fills in the sketch of what this camera sees; what it held before is gone. Faces
+  /// that look away are left out.
+  void draw(const Shot& shot, const Camera& camera, Sketch& sketch) const;
+
+ private:
+  /// A face in brick axes.
+  struct Face {
+    std::vector<Vector3> corners;
+    std::vector<Vector3> inwards;  ///< how the corners move when all sides move in by 1 m
+    double maxOutline = 0;         ///< metres
+    Vector3 normal;
+  };
+
+  static Face makeFace(const std::vector<Vector3>& corners);
+
+  void drawBrick(int brick, const Pose& pose, const BrickColours& colours, const Camera& camera,
+                 double outline, Sketch& sketch) const;
+  void drawShadow(const Poses& poses, Sketch& sketch) const;
+
+  Style style_;
+  std::vector<std::vector<Face>> faces_;  ///< by brick: bottom, top, sides
+};
+
+}  // namespace kirireel
