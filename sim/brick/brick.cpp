@@ -1,5 +1,7 @@
 #include "sim/brick/brick.h"
 
+#include <cmath>
+
 namespace kirireel {
 namespace {
 
@@ -40,7 +42,38 @@ Pivot makePivot(const Joint& joint, int jointIndex, JointFace face,
     const Brick& brick = bricks[corner.tile];
     return face == JointFace::Top ? brick.top[corner.vertex] : brick.bottom[corner.vertex];
   };
-  return {joint.a.tile, joint.b.tile, point(joint.a), point(joint.b), jointIndex};
+  const bool isUpper = joint.face == JointFace::Both && face == JointFace::Top;
+  return {joint.a.tile, joint.b.tile, point(joint.a), point(joint.b), jointIndex, 0, isUpper};
+}
+
+Pivot makeLinkPivot(const Joint& joint, int jointIndex, const std::vector<Brick>& bricks) {
+  Pivot pivot = makePivot(joint, jointIndex, JointFace::Bottom, bricks);
+  pivot.distance = joint.apart.norm();
+  return pivot;
+}
+
+/// The corner farthest from the line through the first edge.
+std::size_t cornerAcrossFirstEdge(const std::vector<Vector3>& corners) {
+  const Vector3 edge = corners[1] - corners[0];
+  std::size_t farthest = 2;
+  for (std::size_t k = 3; k < corners.size(); ++k) {
+    const auto distance = [&](std::size_t i) { return edge.cross(corners[i] - corners[0]).norm(); };
+    if (distance(k) > distance(farthest)) farthest = k;
+  }
+  return farthest;
+}
+
+/// Three shared points that are not in line hold two bricks together: three corners of A, which B
+/// carries along.
+void appendFixedPivots(const Joint& joint, int jointIndex, const std::vector<Brick>& bricks,
+                       std::vector<Pivot>& pivots) {
+  const std::vector<Vector3>& corners = bricks[joint.a.tile].bottom;
+  const Vector3 betweenCentres =
+      corners[joint.a.vertex] - joint.apart - bricks[joint.b.tile].bottom[joint.b.vertex];
+  for (const std::size_t k : {std::size_t{0}, std::size_t{1}, cornerAcrossFirstEdge(corners)}) {
+    pivots.push_back(
+        {joint.a.tile, joint.b.tile, corners[k], corners[k] - betweenCentres, jointIndex});
+  }
 }
 
 }  // namespace
@@ -99,10 +132,24 @@ std::vector<Tile> bottomTiles(const std::vector<Brick>& bricks, const Poses& pos
   return tiles;
 }
 
+double pivotGap(const Pivot& pivot, const Poses& poses) {
+  const Vector3 a = poses[pivot.brickA].apply(pivot.pointA);
+  const Vector3 b = poses[pivot.brickB].apply(pivot.pointB);
+  return std::abs((a - b).norm() - pivot.distance);
+}
+
 std::vector<Pivot> makePivots(const std::vector<Joint>& joints, const std::vector<Brick>& bricks) {
   std::vector<Pivot> pivots;
   for (size_t i = 0; i < joints.size(); ++i) {
     const int index = static_cast<int>(i);
+    if (joints[i].kind == JointKind::Fixed) {
+      appendFixedPivots(joints[i], index, bricks, pivots);
+      continue;
+    }
+    if (joints[i].kind == JointKind::Link) {
+      pivots.push_back(makeLinkPivot(joints[i], index, bricks));
+      continue;
+    }
     if (joints[i].face != JointFace::Top) {
       pivots.push_back(makePivot(joints[i], index, JointFace::Bottom, bricks));
     }

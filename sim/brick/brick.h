@@ -49,14 +49,20 @@ std::vector<std::vector<Vector3>> brickFaces(const Brick& brick);
 /// The bottom tiles of all bricks at the given poses, in world axes.
 std::vector<Tile> bottomTiles(const std::vector<Brick>& bricks, const Poses& poses);
 
-/// A point that two bricks share. A joint on both faces has two pivots, hence a hinge.
+/// A point that two bricks share. A joint on both faces has two pivots, hence a hinge; a fixed
+/// joint has three.
 struct Pivot {
   int brickA = 0;
   int brickB = 0;
-  Vector3 pointA;  ///< in the axes of brick A
-  Vector3 pointB;  ///< in the axes of brick B
-  int joint = 0;   ///< index into the model's joints
+  Vector3 pointA;        ///< in the axes of brick A
+  Vector3 pointB;        ///< in the axes of brick B
+  int joint = 0;         ///< index into the model's joints
+  double distance = 0;   ///< that the two points keep, metres; above 0 for links alone
+  bool isUpper = false;  ///< the second pivot of a hinge, which says nothing new in a planar scene
 };
+
+/// By how much a pivot's two points miss what it asks of them, metres, from 0.
+double pivotGap(const Pivot& pivot, const Poses& poses);
 
 /// The pivots of all joints: in joint order, bottom before top.
 std::vector<Pivot> makePivots(const std::vector<Joint>& joints, const std::vector<Brick>& bricks);

@@ -1,18 +1,41 @@
 #include "sim/deploy/bullet_dynamics.h"
 
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "sim/base/error.h"
+
 namespace kirireel {
 namespace {
 
 constexpr int kSubsteps = 20;  // as PyKirigami has
 
+std::vector<Pivot> sharedPivots(const Scene& scene, const std::vector<Brick>& bricks) {
+  std::vector<Pivot> pivots = makePivots(scene.model.joints, bricks);
+  for (const Pivot& pivot : pivots) {
+    if (pivot.distance == 0) continue;
+    throw InputError(fmt::format(
+        "error: tiles {} and {} are linked at a distance, which --solver bullet cannot hold; "
+        "use --solver direct",
+        pivot.brickA, pivot.brickB));
+  }
+  return pivots;
+}
+
 }  // namespace
 
 BulletDynamics::BulletDynamics(const Scene& scene, const std::vector<Brick>& bricks,
                                const Poses& start)
-    : world_(bricks, start, makePivots(scene.model.joints, bricks), scene.environment,
+    : world_(bricks, start, sharedPivots(scene, bricks), scene.environment,
              scene.solver.iterations),
       substeps_(scene.solver.substeps.value_or(kSubsteps)),
       loads_(bricks.size()) {}
+
+void BulletDynamics::setPinned(const std::vector<bool>& pinned) {
+  if (std::find(pinned.begin(), pinned.end(), true) == pinned.end()) return;
+  throw InputError("error: --solver bullet cannot pin tiles; use --solver direct");
+}
 
 StepReport BulletDynamics::advance(Motion& motion, double step, const LoadSource& actuation) {
   world_.writeMotion(motion);

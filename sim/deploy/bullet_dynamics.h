@@ -12,6 +12,7 @@ class BulletDynamics : public Dynamics {
   BulletDynamics(const Scene& scene, const std::vector<Brick>& bricks, const Poses& start);
 
   void assemble(Poses& /*poses*/) override {}  // Bullet pulls open joints together as it goes
+  void setPinned(const std::vector<bool>& pinned) override;
   StepReport advance(Motion& motion, double step, const LoadSource& actuation) override;
 
  private:

@@ -13,6 +13,7 @@ class DirectDynamics : public Dynamics {
                  const Poses& start);
 
   void assemble(Poses& poses) override { solver_->assemble(poses); }
+  void setPinned(const std::vector<bool>& pinned) override { solver_->setPinned(pinned); }
   StepReport advance(Motion& motion, double step, const LoadSource& actuation) override;
 
  private:

@@ -16,6 +16,10 @@ class Dynamics {
   /// Closes joints that are open at the start, where the solver can; the poses are changed.
   virtual void assemble(Poses& poses) = 0;
 
+  /// Holds these bricks where they are until told otherwise; one entry a brick. Throws InputError
+  /// where the solver cannot.
+  virtual void setPinned(const std::vector<bool>& pinned) = 0;
+
   /// Advances the motion by `step` seconds; `actuation` gives the loads beyond gravity and damping.
   virtual StepReport advance(Motion& motion, double step, const LoadSource& actuation) = 0;
 };

@@ -42,10 +42,12 @@ class Stepper : public JointSolver {
         loads_(bricks.size()) {
     program_.multipliers = Vector::Zero(system_.jointRowCount());
     program_.x = Vector::Zero(D * bricks.size());
+    pinned_.assign(bricks.size(), false);
   }
 
   StepReport advance(Motion& motion, double step, const LoadSource& loads,
                      ContactSource* contacts) override;
+  void setPinned(const std::vector<bool>& pinned) override;
   double assemble(Poses& poses) override;
 
  private:
@@ -60,6 +62,8 @@ class Stepper : public JointSolver {
   bool boundNewFriction();
   void startRows(const Poses& start, double step);
   void addSupports(const Poses& poses, double step);
+  Row contactRow(const Contact& contact, const Poses& start, double step) const;
+  void holdPinned(Row& row) const;
   bool solveVelocities(const Poses& start);
   bool moveAndClose(const Poses& start, double step);
   bool closeJoints(const std::vector<Row>& contacts, double step);
@@ -79,6 +83,7 @@ class Stepper : public JointSolver {
   const LoadSource* loadSource_ = nullptr;
   ContactSource* contactSource_ = nullptr;
   StepReport report_;
+  std::vector<bool> pinned_;
 
   // The step in work.
   std::vector<Load> loads_;
@@ -124,7 +129,8 @@ StepOutcome Stepper<D>::tryStep(const Motion& start, double step) {
   system_.setStep(start, loads_, step);
   program_.force = system_.force();
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
-    program_.x.template segment<D>(D * i) = Space::pack(start.velocities[i]);
+    const Velocity& velocity = start.velocities[i];
+    program_.x.template segment<D>(D * i) = Space::pack(pinned_[i] ? Velocity{} : velocity);
   }
   startRows(start.poses, step);
   return solveContactRounds(start.poses, step);
@@ -157,8 +163,7 @@ bool Stepper<D>::appendRows(const std::vector<Contact>& found, const Poses& star
     const bool known = std::any_of(program_.contacts.begin(), end,
                                    [&](const Row& row) { return row.contact == contact; });
     if (known) continue;
-    program_.contacts.push_back(
-        makeContactRow<D>(contact, start, step, kRecovery * settings_.lengthScale));
+    program_.contacts.push_back(contactRow(contact, start, step));
   }
   return program_.contacts.size() > before;
 }
@@ -182,10 +187,9 @@ void Stepper<D>::startRows(const Poses& start, double step) {
   addSupports(start, step);
   if (!contactSource_) return;
   contactSource_->startStep(start);
-  const double recovery = kRecovery * settings_.lengthScale;
   for (const Row& old : kept_) {
     if (!contactSource_->isCurrent(old.contact)) continue;
-    Row row = makeContactRow<D>(old.contact, start, step, recovery);
+    Row row = contactRow(old.contact, start, step);
     // Multipliers are impulses: they go with the length of the step.
     row.multiplier = step / keptStep_ * old.multiplier;
     row.slipMultiplier = step / keptStep_ * old.slipMultiplier;
@@ -206,7 +210,29 @@ void Stepper<D>::addSupports(const Poses& poses, double step) {
       row.slipMultiplier = step / keptStep_ * supports_[s].slipMultiplier;
     }
     placeRow(row, poses);
+    holdPinned(row);
     program_.contacts.push_back(row);
+  }
+}
+
+template <int D>
+ContactRow<D> Stepper<D>::contactRow(const Contact& contact, const Poses& start,
+                                     double step) const {
+  Row row = makeContactRow<D>(contact, start, step, kRecovery * settings_.lengthScale);
+  holdPinned(row);
+  return row;
+}
+
+/// No contact moves a pinned brick.
+template <int D>
+void Stepper<D>::holdPinned(Row& row) const {
+  if (pinned_[row.contact.brickA]) {
+    row.normalA.setZero();
+    row.tangentA.setZero();
+  }
+  if (row.contact.brickB != kFixed && pinned_[row.contact.brickB]) {
+    row.normalB.setZero();
+    row.tangentB.setZero();
   }
 }
 
@@ -356,6 +382,12 @@ void Stepper<D>::finishStep(Motion& motion) const {
     motion.velocities[i] = velocity;
   }
   motion.poses = poses_;
+}
+
+template <int D>
+void Stepper<D>::setPinned(const std::vector<bool>& pinned) {
+  pinned_ = pinned;
+  system_.setPinned(pinned);
 }
 
 template <int D>

@@ -57,6 +57,10 @@ class JointSolver {
   virtual StepReport advance(Motion& motion, double step, const LoadSource& loads,
                              ContactSource* contacts) = 0;
 
+  /// Holds these bricks where they are, exactly, until told otherwise; one entry a brick. Their
+  /// velocities are zero at the end of each step. Two pinned bricks must not have an open joint.
+  virtual void setPinned(const std::vector<bool>& pinned) = 0;
+
   /// Closes the joints of an open state, moving the bricks as little as their masses allow. Returns
   /// the largest gap left, metres.
   virtual double assemble(Poses& poses) = 0;

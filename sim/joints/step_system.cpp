@@ -25,13 +25,13 @@ StepSystem<D>::StepSystem(const std::vector<Brick>& bricks, std::span<const Pivo
                           double lengthScale)
     : bricks_(bricks),
       lengthScale_(lengthScale),
+      pinned_(bricks.size(), false),
       edgesAt_(bricks.size()),
       A_(bricks.size()),
       f_(D * bricks.size()) {
   for (const Pivot& pivot : pivots) {
     // In the plane both faces' pivots coincide.
-    const bool again = D == 3 && !pivots_.empty() && pivots_.back().joint == pivot.joint;
-    if (!again) pivots_.push_back(pivot);
+    if (D == 6 || !pivot.isUpper) pivots_.push_back(pivot);
   }
   jointRows_.resize(pivots_.size());
   for (std::size_t p = 0; p < pivots_.size(); ++p) {
@@ -69,10 +69,16 @@ void StepSystem<D>::setStep(const Motion& motion, const std::vector<Load>& loads
   double sum = 0;
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
     const Block M = Space::inertia(bricks_[i].mass, worldInertia(bricks_[i], motion.poses[i]));
-    f_.segment<D>(D * i) =
-        M * Space::pack(motion.velocities[i]) + step * Space::restrict(loads[i].force);
-    A_[i] = M + step * Space::restrict(loads[i].damping) +
-            step * step * Space::restrict(loads[i].stiffness);
+    if (pinned_[i]) {
+      // No joint row touches it, so that nothing but zero solves its equations.
+      f_.segment<D>(D * i).setZero();
+      A_[i] = M;
+    } else {
+      f_.segment<D>(D * i) =
+          M * Space::pack(motion.velocities[i]) + step * Space::restrict(loads[i].force);
+      A_[i] = M + step * Space::restrict(loads[i].damping) +
+              step * step * Space::restrict(loads[i].stiffness);
+    }
     sum += A_[i](0, 0);
   }
   kappa_ = kJointWeight * sum / static_cast<double>(bricks_.size());
@@ -83,9 +89,26 @@ template <int D>
 void StepSystem<D>::placeJoints(const Poses& poses) {
   for (std::size_t p = 0; p < pivots_.size(); ++p) {
     const Pivot& pivot = pivots_[p];
-    jointRows_[p].a = Space::pointVelocity(poses[pivot.brickA].rotation * pivot.pointA);
-    jointRows_[p].b = -Space::pointVelocity(poses[pivot.brickB].rotation * pivot.pointB);
+    JointRows& rows = jointRows_[p];
+    rows.a = Space::pointVelocity(poses[pivot.brickA].rotation * pivot.pointA);
+    rows.b = -Space::pointVelocity(poses[pivot.brickB].rotation * pivot.pointB);
+    if (pivot.distance > 0) keepLengthwiseRow(pivot, poses, rows);
+    if (pinned_[pivot.brickA]) rows.a.setZero();
+    if (pinned_[pivot.brickB]) rows.b.setZero();
   }
+}
+
+/// A link is one row, the velocity along it; its other rows are empty.
+template <int D>
+void StepSystem<D>::keepLengthwiseRow(const Pivot& pivot, const Poses& poses, JointRows& rows) {
+  const typename Space::Gap along =
+      Space::gap(poses[pivot.brickA].apply(pivot.pointA) - poses[pivot.brickB].apply(pivot.pointB));
+  const typename Space::RowVector alongA = along.normalized().transpose() * rows.a;
+  const typename Space::RowVector alongB = along.normalized().transpose() * rows.b;
+  rows.a.setZero();
+  rows.b.setZero();
+  rows.a.row(0) = alongA;
+  rows.b.row(0) = alongB;
 }
 
 template <int D>
@@ -189,8 +212,11 @@ Eigen::VectorXd StepSystem<D>::jointGaps(const Poses& poses) const {
   Vector result(jointRowCount());
   for (std::size_t p = 0; p < pivots_.size(); ++p) {
     const Pivot& pivot = pivots_[p];
-    result.segment<kRows>(kRows * p) = Space::gap(poses[pivot.brickA].apply(pivot.pointA) -
-                                                  poses[pivot.brickB].apply(pivot.pointB));
+    const Vector3 between =
+        poses[pivot.brickA].apply(pivot.pointA) - poses[pivot.brickB].apply(pivot.pointB);
+    typename Space::Gap gap = Space::gap(between);
+    if (pivot.distance > 0) gap = (between.norm() - pivot.distance) * Space::Gap::UnitX();
+    result.segment<kRows>(kRows * p) = gap;
   }
   return result;
 }

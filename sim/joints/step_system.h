@@ -31,6 +31,10 @@ class StepSystem {
   int jointRowCount() const { return Space::kJointRows * static_cast<int>(pivots_.size()); }
   bool hasJoints() const { return !pivots_.empty(); }
 
+  /// Holds these bricks where they are from now on: to a joint they are the world. One entry a
+  /// brick.
+  void setPinned(std::vector<bool> pinned) { pinned_ = std::move(pinned); }
+
   /// Sets A and f from the motion at the start of a step. `momentum` gets M u0.
   void setStep(const Motion& motion, const std::vector<Load>& loads, double step);
   /// Sets A = M alone, f = 0: for closing an open state.
@@ -66,6 +70,7 @@ class StepSystem {
     typename Space::Rows a, b;
   };
 
+  void keepLengthwiseRow(const Pivot& pivot, const Poses& poses, JointRows& rows);
   int edgeOf(int brickA, int brickB);
   void addJointsToMatrix();
   void addContactToMatrix(const ContactRow<D>& row);
@@ -73,6 +78,7 @@ class StepSystem {
   const std::vector<Brick>& bricks_;
   double lengthScale_;
   std::vector<Pivot> pivots_;
+  std::vector<bool> pinned_;
   std::vector<std::pair<int, int>>
       edges_;  // sorted pairs; joints first, then contacts as they come
   std::vector<std::vector<std::pair<int, int>>> edgesAt_;  // of the lower brick: (higher, edge)

@@ -10,9 +10,7 @@ JointGap jointGap(std::span<const Pivot> pivots, const Poses& poses) {
   JointGap gap;
   if (pivots.empty()) return gap;
   for (const Pivot& pivot : pivots) {
-    const Vector3 a = poses[pivot.brickA].apply(pivot.pointA);
-    const Vector3 b = poses[pivot.brickB].apply(pivot.pointB);
-    const double distance = (a - b).norm();
+    const double distance = pivotGap(pivot, poses);
     gap.max = std::max(gap.max, distance);
     gap.mean += distance;
   }

@@ -21,6 +21,16 @@ Vector3 doubledVectorArea(const Tile& tile) {
 
 }  // namespace
 
+Joint makeFixedJoint(const std::vector<Tile>& tiles, int tileA, int tileB) {
+  const Vector3 apart = tiles[tileA].vertices.front() - tiles[tileB].vertices.front();
+  return {{tileA, 0}, {tileB, 0}, JointFace::Bottom, JointKind::Fixed, apart};
+}
+
+Joint makeLink(const std::vector<Tile>& tiles, const Corner& a, const Corner& b) {
+  const Vector3 apart = tiles[a.tile].vertices[a.vertex] - tiles[b.tile].vertices[b.vertex];
+  return {a, b, JointFace::Bottom, JointKind::Link, apart};
+}
+
 Vector3 tileNormal(const Tile& tile) {
   return doubledVectorArea(tile).normalized();
 }

@@ -26,11 +26,21 @@ struct Corner {
   bool operator==(const Corner&) const = default;
 };
 
-/// Two corners that stay together: one row of constraints.txt.
+/// What a joint holds.
+enum class JointKind {
+  Pivot,  ///< the two corners coincide
+  Link,   ///< the two corners keep the distance that they start with, on the bottom faces
+  Fixed,  ///< the two tiles keep the placement to each other that they start with
+};
+
+/// Two corners that stay together: one row of constraints.txt; or two tiles tied in another way.
 struct Joint {
   Corner a;
   Corner b;
-  JointFace face = JointFace::Bottom;
+  JointFace face = JointFace::Bottom;  ///< of a pivot
+  JointKind kind = JointKind::Pivot;
+  Vector3 apart = Vector3::Zero();  ///< from corner b to corner a at the start, of links and fixed
+                                    ///< joints, metres; a link's has a length
 };
 
 /// A kirigami sheet: its tiles in the compact state, its joints, and where it should go.
@@ -41,6 +51,12 @@ struct Model {
   std::optional<std::vector<Tile>> target;      ///< wanted positions, vertex by vertex as in tiles
   std::optional<std::vector<int>> pulledTiles;  ///< tiles that feel target forces; all if absent
 };
+
+/// A rigid connection of two different tiles as they stand.
+Joint makeFixedJoint(const std::vector<Tile>& tiles, int tileA, int tileB);
+
+/// A link between two corners of different tiles that stand apart.
+Joint makeLink(const std::vector<Tile>& tiles, const Corner& a, const Corner& b);
 
 /// The unit normal of a tile by Newell's method: the direction in which its brick is thickened.
 Vector3 tileNormal(const Tile& tile);

@@ -35,7 +35,9 @@ double distanceToSegment(const Vector3& point, const Vector3& from, const Vector
 }  // namespace
 
 PivotZones::PivotZones(const std::vector<Brick>& bricks, std::span<const Pivot> pivots) {
-  for (const Pivot& pivot : pivots) add(bricks, pivot);
+  for (const Pivot& pivot : pivots) {
+    if (pivot.distance == 0) add(bricks, pivot);
+  }
 }
 
 void PivotZones::add(const std::vector<Brick>& bricks, const Pivot& pivot) {

@@ -223,5 +223,19 @@ TEST(Pivots, FollowJointsAndFaces) {
   EXPECT_EQ(pivots[3].joint, 2);
 }
 
+TEST(Pivots, OfLinksAndFixedJointsFitTheStart) {
+  const Model model = makeTessellation({});
+  const std::vector<Brick> bricks = makeBricks(model.tiles, {});
+  const std::vector<Pivot> pivots = makePivots(
+      {makeLink(model.tiles, {0, 1}, {5, 2}), makeFixedJoint(model.tiles, 3, 2)}, bricks);
+  ASSERT_EQ(pivots.size(), 4u);
+  EXPECT_GT(pivots[0].distance, 0);
+  const Poses start = startPoses(model.tiles, bricks);
+  for (const Pivot& pivot : pivots) EXPECT_LT(pivotGap(pivot, start), 1e-15);
+  const Vector3 area =
+      (pivots[2].pointA - pivots[1].pointA).cross(pivots[3].pointA - pivots[1].pointA);
+  EXPECT_GT(area.norm(), 0.1);  // not in line
+}
+
 }  // namespace
 }  // namespace kirireel
