@@ -1,0 +1,204 @@
+#include "render/fea/node_clusters.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "sim/base/error.h"
+
+namespace kirireel {
+namespace {
+
+/// Sets of nodes that grow together; each is known by its lowest node.
+class DisjointSets {
+ public:
+  explicit DisjointSets(std::size_t count) : parent_(count) {
+    std::iota(parent_.begin(), parent_.end(), 0);
+  }
+
+  int lowest(int node) {
+    while (parent_[node] != node) {
+      parent_[node] = parent_[parent_[node]];
+      node = parent_[node];
+    }
+    return node;
+  }
+
+  void join(int a, int b) {
+    const auto [low, high] = std::minmax({lowest(a), lowest(b)});
+    parent_[high] = low;
+  }
+
+ private:
+  std::vector<int> parent_;
+};
+
+std::vector<int> nodesAt(const std::vector<int>& edge, JointFace face) {
+  if (face == JointFace::Bottom) return {edge.front()};
+  if (face == JointFace::Top) return {edge.back()};
+  return edge;
+}
+
+void joinAll(const JointNodes& joint, JointStyle style, DisjointSets& sets) {
+  for (std::size_t k = 0; k < joint.a.size(); ++k) {
+    // Patches lie on the two faces; nothing in between is held.
+    const bool isInside = k > 0 && k + 1 < joint.a.size();
+    if (style == JointStyle::Patch && isInside) continue;
+    sets.join(joint.a[k], joint.b[k]);
+  }
+}
+
+/// The tile of each node; nodes are not merged yet.
+std::vector<int> tilesOfNodes(const ElementMesh& mesh) {
+  std::vector<int> owner(mesh.nodes.size());
+  for (std::size_t t = 0; t < mesh.tiles.size(); ++t) {
+    for (const int node : mesh.tiles[t].nodes) owner[node] = static_cast<int>(t);
+  }
+  return owner;
+}
+
+double largestDistance(const std::vector<int>& nodes, const std::vector<Vector3>& positions) {
+  double largest = 0;
+  for (const int a : nodes) {
+    for (const int b : nodes) largest = std::max(largest, (positions[a] - positions[b]).norm());
+  }
+  return largest;
+}
+
+void requireDifferentTiles(const NodeCluster& cluster, const std::vector<int>& owner) {
+  std::vector<int> tiles;
+  for (const int node : cluster.nodes) tiles.push_back(owner[node]);
+  std::ranges::sort(tiles);
+  const auto twice = std::ranges::adjacent_find(tiles);
+  if (twice == tiles.end()) return;
+  throw InputError(
+      fmt::format("error: the joints tie two corners of tile {} together, {:.3g} m apart; a mesh "
+                  "can hold only different tiles together: remove one of these joints",
+                  *twice, cluster.gap));
+}
+
+void renumber(std::vector<int>& nodes, const std::vector<int>& numbers) {
+  for (int& node : nodes) node = numbers[node];
+}
+
+void renumberAll(ElementMesh& mesh, const std::vector<int>& numbers) {
+  for (Element& element : mesh.elements) {
+    const int count = nodeCount(element.sides, mesh.rule.quadratic);
+    for (int k = 0; k < count; ++k) element.nodes[k] = numbers[element.nodes[k]];
+  }
+  for (TileElements& tile : mesh.tiles) {
+    for (std::vector<int>* nodes : {&tile.nodes, &tile.bottom, &tile.top}) {
+      renumber(*nodes, numbers);
+      std::ranges::sort(*nodes);
+    }
+    for (std::vector<int>& edge : tile.edges) renumber(edge, numbers);
+  }
+  for (JointNodes& joint : mesh.joints) {
+    renumber(joint.a, numbers);
+    renumber(joint.b, numbers);
+  }
+}
+
+Vector3 meanOf(const std::vector<int>& nodes, const std::vector<Vector3>& positions) {
+  Vector3 sum = Vector3::Zero();
+  for (const int node : nodes) sum += positions[node];
+  return sum / static_cast<double>(nodes.size());
+}
+
+std::vector<int> patchAround(const ElementMesh& mesh, const TileElements& tile, int corner) {
+  const bool isBottom = std::ranges::binary_search(tile.bottom, corner);
+  std::vector<int> patch;
+  for (const int node : isBottom ? tile.bottom : tile.top) {
+    const double distance = (mesh.nodes[node] - mesh.nodes[corner]).norm();
+    if (distance <= mesh.rule.patchRadius) patch.push_back(node);
+  }
+  return patch;
+}
+
+void requireApart(const std::vector<int>& patch, int tile, std::vector<bool>& isTaken,
+                  double radius) {
+  if (patch.size() < 3) {
+    throw InputError(
+        fmt::format("error: a joint patch of radius {} m holds {} nodes of tile {}, "
+                    "at least 3 are needed; enlarge it or use more elements per edge",
+                    radius, patch.size(), tile));
+  }
+  for (const int node : patch) {
+    if (isTaken[node]) {
+      throw InputError(
+          fmt::format("error: joint patches of radius {} m overlap on tile {}; keep "
+                      "the radius below half of its shortest edge",
+                      radius, tile));
+    }
+    isTaken[node] = true;
+  }
+}
+
+}  // namespace
+
+std::vector<JointNodes> jointNodes(const std::vector<Joint>& joints,
+                                   const std::vector<TileElements>& tiles) {
+  std::vector<JointNodes> nodes;
+  for (const Joint& joint : joints) {
+    nodes.push_back({nodesAt(tiles[joint.a.tile].edges[joint.a.vertex], joint.face),
+                     nodesAt(tiles[joint.b.tile].edges[joint.b.vertex], joint.face)});
+  }
+  return nodes;
+}
+
+std::vector<NodeCluster> findClusters(const ElementMesh& mesh) {
+  DisjointSets sets(mesh.nodes.size());
+  for (const JointNodes& joint : mesh.joints) joinAll(joint, mesh.rule.joints, sets);
+  std::vector<int> place(mesh.nodes.size(), -1);
+  std::vector<NodeCluster> clusters;
+  for (int node = 0; node < static_cast<int>(mesh.nodes.size()); ++node) {
+    const int lowest = sets.lowest(node);
+    if (lowest == node) continue;
+    if (place[lowest] < 0) {
+      place[lowest] = static_cast<int>(clusters.size());
+      clusters.push_back({{lowest}, {}, 0});
+    }
+    clusters[place[lowest]].nodes.push_back(node);
+  }
+  std::ranges::sort(clusters, {}, [](const NodeCluster& cluster) { return cluster.nodes[0]; });
+  const std::vector<int> owner = tilesOfNodes(mesh);
+  for (NodeCluster& cluster : clusters) {
+    cluster.gap = largestDistance(cluster.nodes, mesh.nodes);
+    requireDifferentTiles(cluster, owner);
+  }
+  return clusters;
+}
+
+void mergeClusters(ElementMesh& mesh) {
+  std::vector<int> lowest(mesh.nodes.size());
+  std::iota(lowest.begin(), lowest.end(), 0);
+  for (const NodeCluster& cluster : mesh.clusters) {
+    for (const int node : cluster.nodes) lowest[node] = cluster.nodes[0];
+    mesh.nodes[cluster.nodes[0]] = meanOf(cluster.nodes, mesh.nodes);
+  }
+  std::vector<int> numbers(mesh.nodes.size());
+  std::vector<Vector3> kept;
+  for (std::size_t node = 0; node < lowest.size(); ++node) {
+    const bool isLowest = lowest[node] == static_cast<int>(node);
+    numbers[node] = isLowest ? static_cast<int>(kept.size()) : numbers[lowest[node]];
+    if (isLowest) kept.push_back(mesh.nodes[node]);
+  }
+  mesh.nodes = std::move(kept);
+  renumberAll(mesh, numbers);
+  mesh.clusters.clear();
+}
+
+void spreadPatches(ElementMesh& mesh) {
+  const std::vector<int> owner = tilesOfNodes(mesh);
+  std::vector<bool> isTaken(mesh.nodes.size());
+  for (NodeCluster& cluster : mesh.clusters) {
+    for (const int corner : cluster.nodes) {
+      const int tile = owner[corner];
+      cluster.patches.push_back(patchAround(mesh, mesh.tiles[tile], corner));
+      requireApart(cluster.patches.back(), tile, isTaken, mesh.rule.patchRadius);
+    }
+  }
+}
+
+}  // namespace kirireel

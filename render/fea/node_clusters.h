@@ -1,0 +1,26 @@
+/// Corners of tiles that meet in joints: found, merged, or given rigid patches.
+#pragma once
+
+#include <vector>
+
+#include "render/fea/element_mesh.h"
+
+namespace kirireel {
+
+/// The nodes of each joint. Throws InputError for a joint that no deck can hold.
+std::vector<JointNodes> jointNodes(const std::vector<Joint>& joints,
+                                   const std::vector<TileElements>& tiles);
+
+/// The nodes that the mesh's joints bring together, before any are merged. Throws InputError when
+/// two of them belong to one tile.
+std::vector<NodeCluster> findClusters(const ElementMesh& mesh);
+
+/// Makes one node of each cluster, at the mean of its corners, and numbers the nodes anew without
+/// gaps. The mesh has no clusters afterwards.
+void mergeClusters(ElementMesh& mesh);
+
+/// Gives each node of each cluster its patch. Throws InputError when a patch holds fewer than three
+/// nodes or two of them overlap.
+void spreadPatches(ElementMesh& mesh);
+
+}  // namespace kirireel

@@ -1,0 +1,104 @@
+#include "render/fea/element_mesh.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/base/error.h"
+#include "tests/render/fea/layouts.h"
+
+namespace kirireel {
+namespace {
+
+using test::Layout;
+
+std::string refusal(const Layout& layout, const ElementRule& rule = {}) {
+  try {
+    makeElementMesh(layout.bricks, layout.joints, layout.poses, rule);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+/// One tile in the plane.
+Layout plane(const std::vector<Vector3>& vertices) {
+  return test::layoutOf({Tile{vertices}}, {});
+}
+
+TEST(ElementMesh, CornersAreTheBricksToTheLastBit) {
+  Layout layout = test::polygons();
+  for (Pose& pose : layout.poses) pose.rotation = rotationFromVector({0.3, -0.8, 1.7});
+  for (const bool quadratic : {false, true}) {
+    const ElementMesh mesh = makeElementMesh(layout.bricks, {}, layout.poses,
+                                             {.perEdge = 3, .through = 3, .quadratic = quadratic});
+    for (std::size_t t = 0; t < layout.bricks.size(); ++t) {
+      for (std::size_t k = 0; k < layout.bricks[t].bottom.size(); ++k) {
+        const std::vector<int>& edge = mesh.tiles[t].edges[k];
+        EXPECT_EQ(mesh.nodes[edge.front()], layout.poses[t].apply(layout.bricks[t].bottom[k]));
+        EXPECT_EQ(mesh.nodes[edge.back()], layout.poses[t].apply(layout.bricks[t].top[k]));
+      }
+    }
+  }
+}
+
+TEST(ElementMesh, DividesStarShapedConcaveTiles) {
+  const Layout dart = plane({{0, 0, 0}, {2, -1, 0}, {1, 0, 0}, {2, 1, 0}});
+  // The centre of the dart's area, (1, 0), is its inner corner: nothing can be fanned round it.
+  EXPECT_EQ(refusal(dart),
+            "error: tile 0 cannot be divided into elements: they would fold over; give it corners "
+            "that its centre of area sees, joints that close, or split it into convex tiles");
+  const Layout arrow = plane({{0, 0, 0}, {2, -1, 0}, {1.5, 0, 0}, {2, 1, 0}});
+  EXPECT_EQ(refusal(arrow), "accepted");
+}
+
+TEST(ElementMesh, RefusesTilesThatTheirCentreDoesNotSee) {
+  const Layout angle = plane({{0, 0, 0}, {4, 0, 0}, {4, 1, 0}, {1, 1, 0}, {1, 4, 0}, {0, 4, 0}});
+  EXPECT_THAT(refusal(angle), testing::StartsWith("error: tile 0 cannot be divided"));
+}
+
+TEST(ElementMesh, FansFourCornersOfWhichOneIsStraight) {
+  const Layout layout = plane({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {1, 1, 0}});
+  const ElementMesh mesh = makeElementMesh(layout.bricks, {}, layout.poses, {.perEdge = 1});
+  ASSERT_EQ(mesh.elements.size(), 4U);
+  EXPECT_EQ(mesh.elements[0].sides, 3);
+}
+
+TEST(ElementMesh, RefusesBricksTooThinForTheElements) {
+  Layout layout = plane({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
+  layout = test::layoutOf({bottomTiles(layout.bricks, layout.poses)}, {}, 0.0009);
+  EXPECT_EQ(refusal(layout, {.perEdge = 2}),
+            "error: tile 0 is too thin for its elements, 0.5 m long and 0.0009 m high; at most 500 "
+            "times as long as high are allowed: use more elements per edge, fewer through the "
+            "thickness, or thicker bricks");
+  EXPECT_EQ(refusal(layout, {.perEdge = 3}), "accepted");
+}
+
+TEST(ElementMesh, RefusesImpossibleRules) {
+  const Layout layout = test::polygons();
+  EXPECT_EQ(refusal(layout, {.perEdge = 0}),
+            "error: 0 elements per edge are not possible; choose 1 to 64");
+  EXPECT_EQ(refusal(layout, {.through = 65}),
+            "error: 65 elements through the thickness are not possible; choose 1 to 64");
+  EXPECT_EQ(refusal(layout, {.joints = JointStyle::Patch}),
+            "error: a joint patch cannot have the radius 0 m; give a positive one, at least the "
+            "length of an element's edge");
+}
+
+TEST(ElementMesh, RefusesPatchesThatAreTooSmallOrTooLarge) {
+  const Layout layout = test::hingedSquares();
+  EXPECT_EQ(refusal(layout, {.joints = JointStyle::Patch, .patchRadius = 0.1}),
+            "error: a joint patch of radius 0.1 m holds 1 nodes of tile 0, at least 3 are needed; "
+            "enlarge it or use more elements per edge");
+  EXPECT_EQ(refusal(layout, {.perEdge = 8, .joints = JointStyle::Patch, .patchRadius = 0.8}),
+            "error: joint patches of radius 0.8 m overlap on tile 0; keep the radius below half of "
+            "its shortest edge");
+}
+
+TEST(ElementMesh, RefusesToTieATileToItself) {
+  Layout layout = test::hingedSquares();
+  layout.joints = {{{0, 0}, {1, 0}}, {{1, 0}, {0, 1}}};
+  EXPECT_THAT(refusal(layout), testing::HasSubstr("tie two corners of tile 0 together"));
+}
+
+}  // namespace
+}  // namespace kirireel
