@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 bool isRunFile(const fs::path& file) {
   static const std::regex names(
       "deployment\\.mp4|snapshots\\.png|(initial|final)\\.(obj|mtl|ply)|final_vertices\\.txt|"
-      "summary\\.json");
+      "trajectory\\.h5|summary\\.json");
   return std::regex_match(file.filename().string(), names);
 }
 

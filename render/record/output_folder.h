@@ -12,6 +12,7 @@ inline constexpr const char* kSnapshots = "snapshots.png";
 inline constexpr const char* kInitialMesh = "initial";  ///< .obj and .ply
 inline constexpr const char* kFinalMesh = "final";      ///< .obj and .ply
 inline constexpr const char* kFinalVertices = "final_vertices.txt";
+inline constexpr const char* kTrajectory = "trajectory.h5";
 inline constexpr const char* kSummary = "summary.json";
 inline constexpr const char* kFrames = "frames";  ///< a folder
 }  // namespace output

@@ -13,6 +13,7 @@
 #include "sim/base/error.h"
 #include "sim/base/pending_file.h"
 #include "sim/model/folder.h"
+#include "sim/trajectory/trajectory_file.h"
 
 namespace kirireel {
 namespace {
@@ -51,9 +52,16 @@ void keepDrawable(Trajectory& trajectory, double modelSize) {
 
 DeploymentResult deployWatched(const Scene& scene, const RecordSettings& settings,
                                const ProgressObserver& observer) {
-  return deploy(scene, 1.0 / settings.framesPerSecond, [&](const Sample& sample) {
-    return observer({"deploying", std::min(1.0, sample.time / scene.stop.duration)});
-  });
+  Subject subject = subjectOf(scene);
+  subject.settings = settingsText(scene, settings);
+  TrajectoryWriter writer(settings.folder / output::kTrajectory, subject);
+  DeploymentResult result =
+      deploy(scene, 1.0 / settings.framesPerSecond, [&](const Sample& sample) {
+        writer.append(sample);
+        return observer({"deploying", std::min(1.0, sample.time / scene.stop.duration)});
+      });
+  writer.finish(result.trajectory.events);
+  return result;
 }
 
 RunSummary summarize(const DeploymentResult& result) {
@@ -99,6 +107,7 @@ RunSummary record(const Scene& scene, const RecordSettings& settings,
   DeploymentResult result = deployWatched(scene, settings, observer);
   keepDrawable(result.trajectory, modelSize(scene.model));
   RunSummary summary = summarize(result);
+  summary.files.emplace_back(output::kTrajectory);
 
   // The quick files first, so that a run that must end soon leaves them all.
   writeEndState(result.trajectory, settings, summary);

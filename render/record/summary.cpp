@@ -154,4 +154,8 @@ std::string summaryJson(const Scene& scene, const RecordSettings& settings,
   return json.dump(2) + "\n";
 }
 
+std::string settingsText(const Scene& scene, const RecordSettings& settings) {
+  return settingsJson(scene, settings).dump(2) + "\n";
+}
+
 }  // namespace kirireel

@@ -13,4 +13,7 @@ namespace kirireel {
 std::string summaryJson(const Scene& scene, const RecordSettings& settings,
                         const RunSummary& summary);
 
+/// The settings of a run as JSON, as trajectory.h5 keeps them: the same as summary.json's.
+std::string settingsText(const Scene& scene, const RecordSettings& settings);
+
 }  // namespace kirireel

@@ -6,6 +6,7 @@
 #include "render/mesh/mesh.h"
 #include "render/png/png.h"
 #include "render/video/video.h"
+#include "sim/trajectory/array_file.h"
 #include "sim/world/bullet_world.h"
 
 namespace kirireel {
@@ -21,6 +22,7 @@ std::vector<std::pair<std::string, std::string>> allVersions() {
       {"eigen",
        fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)},
       {"bullet", bulletVersion()},
+      {"hdf5", arrayLibraryVersion()},
       {"libavcodec", encoderLibraryVersion()},
       {"libpng", pngLibraryVersion()},
       {"assimp", meshLibraryVersion()},

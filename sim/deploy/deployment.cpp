@@ -48,12 +48,12 @@ std::vector<Velocity> nudge(std::size_t count, double speed, unsigned seed) {
 /// One deployment in progress.
 class Run {
  public:
-  Run(const Scene& scene, double sampleInterval);
-  DeploymentResult finish(const SampleObserver& observer);
+  Run(const Scene& scene, double sampleInterval, const SampleObserver& observer);
+  DeploymentResult finish();
 
  private:
   void start();
-  bool advanceSample();
+  void advanceSample();
   void advanceStep();
   void observeStep();
   void updateRest();
@@ -63,10 +63,14 @@ class Run {
   void endAtRest();
   double currentTargetError() const;
 
+  double time() const { return static_cast<double>(stepCount_) * step_; }
+
   const Scene& scene_;
+  const SampleObserver& observer_;
   std::vector<Brick> bricks_;
   std::vector<Pivot> pivots_;
   Motion motion_;
+  Poses startPoses_;
   Needs needs_;
   std::unique_ptr<Dynamics> dynamics_;
   std::optional<TargetSprings> springs_;
@@ -83,8 +87,9 @@ class Run {
   DeploymentResult result_;
 };
 
-Run::Run(const Scene& scene, double sampleInterval)
+Run::Run(const Scene& scene, double sampleInterval, const SampleObserver& observer)
     : scene_(scene),
+      observer_(observer),
       bricks_(makeBricks(scene.model.tiles, scene.brick)),
       pivots_(makePivots(scene.model.joints, bricks_)),
       motion_{startPoses(scene.model.tiles, bricks_), {}},
@@ -121,21 +126,22 @@ void Run::start() {
     accuracy.rigidFloor = rigidFloor(scene_.model.tiles, *scene_.model.target);
   }
   result_.needs = needs_;
-  result_.trajectory.bricks = bricks_;
+  static_cast<Subject&>(result_.trajectory) = subjectOf(scene_);
+  startPoses_ = motion_.poses;
   takeSample();
 }
 
 void Run::takeSample() {
   Sample sample;
-  sample.time = static_cast<double>(stepCount_) * step_;
+  sample.time = time();
   sample.poses = motion_.poses;
   sample.jointGap = jointGap(pivots_, motion_.poses).max;
   sample.targetError = currentTargetError();
   result_.accuracy.jointGapEnd = sample.jointGap;
   result_.accuracy.targetErrorEnd = sample.targetError;
-  result_.accuracy.penetrationMax =
-      std::max(result_.accuracy.penetrationMax, deepestPenetration(bricks_, motion_.poses).depth);
-  result_.trajectory.samples.push_back(std::move(sample));
+  sample.penetration = deepestPenetration(bricks_, motion_.poses).depth;
+  result_.accuracy.penetrationMax = std::max(result_.accuracy.penetrationMax, sample.penetration);
+  if (!observer_(sample)) end(Outcome::Interrupted, "ended early by the caller");
 }
 
 void Run::advanceStep() {
@@ -168,9 +174,8 @@ void Run::updateRest() {
 }
 
 bool Run::isLost() const {
-  const Poses& start = result_.trajectory.samples.front().poses;
-  for (std::size_t i = 0; i < start.size(); ++i) {
-    const double distance = (motion_.poses[i].position - start[i].position).norm();
+  for (std::size_t i = 0; i < startPoses_.size(); ++i) {
+    const double distance = (motion_.poses[i].position - startPoses_[i].position).norm();
     if (!(distance <= kLostDistance * size_)) return true;  // also when not a number
   }
   return false;
@@ -179,6 +184,8 @@ bool Run::isLost() const {
 void Run::end(Outcome outcome, std::string reason) {
   result_.outcome = outcome;
   result_.reason = std::move(reason);
+  result_.trajectory.events.push_back(
+      {time(), fmt::format("{}: {}", toString(outcome), result_.reason)});
   ended_ = true;
 }
 
@@ -194,22 +201,22 @@ void Run::endAtRest() {
   }
 }
 
-/// Steps to the next sample. Returns false once the run has ended.
-bool Run::advanceSample() {
+/// Steps to the next sample, unless the run diverges on the way.
+void Run::advanceSample() {
   for (int i = 0; i < stepsPerSample_; ++i) {
     advanceStep();
     if (isLost()) {
       end(Outcome::Diverged,
           fmt::format(
               "a brick left all bounds at {:.4g} s; try a shorter --timestep or more damping",
-              static_cast<double>(stepCount_) * step_));
-      return false;
+              time()));
+      return;
     }
     observeStep();
     updateRest();
   }
   takeSample();
-  if (restTime_ >= scene_.stop.settleTime) {
+  if (!ended_ && restTime_ >= scene_.stop.settleTime) {
     if (stiffness_.exhausted() || currentTargetError() <= 1e-6 * size_) {
       endAtRest();
     } else {
@@ -217,18 +224,12 @@ bool Run::advanceSample() {
       restTime_ = 0;
     }
   }
-  return !ended_;
 }
 
-DeploymentResult Run::finish(const SampleObserver& observer) {
+DeploymentResult Run::finish() {
   const double startSeconds = threadSeconds();
   start();
-  bool goOn = !observer || observer(result_.trajectory.samples.front());
-  while (goOn && result_.trajectory.samples.back().time < scene_.stop.duration - 0.5 * step_) {
-    goOn = advanceSample();
-    if (goOn && observer) goOn = observer(result_.trajectory.samples.back());
-  }
-  if (!goOn && !ended_) end(Outcome::Interrupted, "ended early by the caller");
+  while (!ended_ && time() < scene_.stop.duration - 0.5 * step_) advanceSample();
   if (!ended_)
     end(Outcome::OutOfTime, fmt::format("still moving after {:.4g} s", scene_.stop.duration));
   if (stepCount_ > 0) result_.accuracy.jointGapMean = gapSum_ / static_cast<double>(stepCount_);
@@ -266,7 +267,8 @@ std::string toString(Outcome outcome) {
   return "unknown";
 }
 
-DeploymentResult deploy(const Scene& scene, double sampleInterval, const SampleObserver& observer) {
+DeploymentResult deployUnkept(const Scene& scene, double sampleInterval,
+                              const SampleObserver& observer) {
   requirePositive(sampleInterval, "the time between samples");
   requirePositive(scene.solver.timestep, "the timestep");
   requirePositive(scene.stop.duration, "the duration");
@@ -274,7 +276,17 @@ DeploymentResult deploy(const Scene& scene, double sampleInterval, const SampleO
   requireShare(scene.environment.angularDamping, "the angular damping");
   if (scene.model.tiles.empty())
     throw InputError("the model has no tiles; add one to vertices.txt");
-  return Run(scene, sampleInterval).finish(observer);
+  return Run(scene, sampleInterval, observer).finish();
+}
+
+DeploymentResult deploy(const Scene& scene, double sampleInterval, const SampleObserver& observer) {
+  std::vector<Sample> samples;
+  DeploymentResult result = deployUnkept(scene, sampleInterval, [&](const Sample& sample) {
+    samples.push_back(sample);
+    return !observer || observer(sample);
+  });
+  result.trajectory.samples = std::move(samples);
+  return result;
 }
 
 }  // namespace kirireel

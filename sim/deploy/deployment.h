@@ -56,12 +56,17 @@ struct DeploymentResult {
   double assembledFloor = -1;  ///< metres; negative when not computed
 };
 
-/// Called after each sample; return false to end the run early.
+/// Called with each sample, the last included; return false to end the run early.
 using SampleObserver = std::function<bool(const Sample&)>;
 
 /// Runs the scene and samples it every `sampleInterval` simulated seconds (the start and the end
 /// included). The step divides the interval, so that samples are steps, not interpolations.
 /// Throws InputError when the scene makes no sense; a run that diverges is reported, not thrown.
 DeploymentResult deploy(const Scene& scene, double sampleInterval, const SampleObserver& observer);
+
+/// The same, but the samples go to the observer alone: the result's trajectory holds none, so that
+/// memory does not grow with the length of the run.
+DeploymentResult deployUnkept(const Scene& scene, double sampleInterval,
+                              const SampleObserver& observer);
 
 }  // namespace kirireel

@@ -1,25 +1,51 @@
-/// A deployment's record: the poses of all bricks by time.
+/// A deployment's record: what moved, and the poses of all bricks by time.
 #pragma once
 
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "sim/base/geometry.h"
 #include "sim/brick/brick.h"
+#include "sim/model/model.h"
+#include "sim/scene/scene.h"
 
 namespace kirireel {
 
-/// The state at one time, with its measures.
+/// The state at one time, with its measures. Lengths in metres.
 struct Sample {
   double time = 0;         ///< simulated seconds from the start
   Poses poses;             ///< one a brick
-  double jointGap = 0;     ///< largest, metres
-  double targetError = 0;  ///< largest, metres; 0 without a target
+  double jointGap = 0;     ///< largest
+  double targetError = 0;  ///< largest; 0 without a target
+  double penetration = 0;  ///< deepest
 };
 
-/// All samples of one run, equally spaced in time from 0 to the end.
-struct Trajectory {
-  std::vector<Brick> bricks;
-  std::vector<Sample> samples;  ///< at least the start
+/// Something that happened during a run.
+struct Event {
+  double time = 0;   ///< simulated seconds from the start
+  std::string text;  ///< one line
+
+  bool operator==(const Event&) const = default;
 };
+
+/// What a trajectory shows: all that stays the same from the first sample to the last, and enough
+/// to make pictures and meshes again without the scene.
+struct Subject {
+  Model model;                   ///< as it was simulated, aligned to its target
+  BrickRule brickRule;           ///< how tiles became bricks
+  std::vector<Brick> bricks;     ///< one a tile
+  std::optional<Ground> ground;  ///< absent when the scene had none
+  std::string settings;          ///< of the run, as JSON; may be empty
+};
+
+/// One run: samples equally spaced in time from 0 to the end.
+struct Trajectory : Subject {
+  std::vector<Sample> samples;  ///< at least the start
+  std::vector<Event> events;    ///< in order of time
+};
+
+/// What a trajectory of the scene shows, its settings left empty.
+Subject subjectOf(const Scene& scene);
 
 }  // namespace kirireel

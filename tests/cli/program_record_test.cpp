@@ -45,7 +45,7 @@ TEST_F(Recording, LeavesEveryFileAndNoOther) {
   const std::vector<std::string> files = filesIn(folder_->path());
   for (const char* name :
        {"deployment.mp4", "snapshots.png", "initial.obj", "initial.ply", "final.obj", "final.ply",
-        "final_vertices.txt", "summary.json", "frames/frame_00000.png"}) {
+        "final_vertices.txt", "trajectory.h5", "summary.json", "frames/frame_00000.png"}) {
     EXPECT_THAT(files, Contains(name));
   }
   std::vector<std::string> listed = summary_["files"];
@@ -161,7 +161,7 @@ TEST(Record, ReplacesAnEarlierRunAndNothingElse) {
                    scratch.path().string(), "--no-video", "--no-snapshots", "--no-meshes"});
   EXPECT_EQ(end.exitCode, 0) << end.err;
   EXPECT_THAT(filesIn(scratch.path()),
-              ElementsAre("final_vertices.txt", "notes.txt", "summary.json"));
+              ElementsAre("final_vertices.txt", "notes.txt", "summary.json", "trajectory.h5"));
 }
 
 TEST(Record, GoesToOutNameByDefault) {
@@ -172,7 +172,7 @@ TEST(Record, GoesToOutNameByDefault) {
       runKirireel({"simulate", shippedModel("tessellation_4x4").string()}, setting);
   EXPECT_EQ(end.exitCode, 0) << end.err;
   EXPECT_THAT(filesIn(scratch / "out" / "tessellation_4x4"),
-              ElementsAre("final_vertices.txt", "summary.json"));
+              ElementsAre("final_vertices.txt", "summary.json", "trajectory.h5"));
 }
 
 TEST(Record, JsonOnStandardOutputIsTheSummary) {

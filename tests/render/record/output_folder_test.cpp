@@ -44,9 +44,9 @@ TEST_F(OutputFolder, IsMadeWithThoseAbove) {
 }
 
 TEST_F(OutputFolder, LosesFilesOfAnEarlierRunAlone) {
-  const std::vector<fs::path> ours = {"deployment.mp4", "snapshots.png",      "initial.obj",
-                                      "final.ply",      "final_vertices.txt", "summary.json",
-                                      frameFile(7)};
+  const std::vector<fs::path> ours = {"trajectory.h5", "deployment.mp4", "snapshots.png",
+                                      "initial.obj",   "final.ply",      "final_vertices.txt",
+                                      "summary.json",  frameFile(7)};
   const std::vector<fs::path> theirs = {"notes.txt",      "vertices.txt", "target.txt",
                                         "frames/own.png", "my.mp4",       "initial.blend"};
   for (const fs::path& name : ours) write(name);

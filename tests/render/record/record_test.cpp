@@ -97,7 +97,8 @@ TEST_F(RecordTest, WithoutPicturesNeedsNoGraphics) {
   const RunSummary summary = record(tessellationScene(), settings_, proceed_);
   EXPECT_EQ(summary.graphics, "");
   EXPECT_THAT(summaryJson(tessellationScene(), settings_, summary), HasSubstr("\"opengl\": null"));
-  EXPECT_THAT(summary.files, testing::ElementsAre("final_vertices.txt", "summary.json"));
+  EXPECT_THAT(summary.files,
+              testing::ElementsAre("trajectory.h5", "final_vertices.txt", "summary.json"));
 }
 
 TEST_F(RecordTest, ErrorsThatDoNotExistAreNull) {

@@ -1,0 +1,435 @@
+#include "sim/trajectory/array_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <functional>
+#include <map>
+#include <numeric>
+#include <utility>
+
+#include <fmt/format.h>
+#include <hdf5.h>
+
+#include "sim/base/error.h"
+
+namespace kirireel {
+namespace {
+
+// Large enough to compress well, small enough to fit HDF5's cache of 1 MiB for each array.
+constexpr std::size_t kChunkBytes = 256 * 1024;
+// Of zlib; more costs several times as much and saves a few per cent of such numbers.
+constexpr unsigned kCompression = 1;
+// zlib shrinks at most 1032 times: a file that claims more than this for its size is damaged.
+constexpr double kMostShrunk = 2000;
+
+/// An HDF5 identifier, closed at the end of its scope.
+class Handle {
+ public:
+  Handle() = default;
+  Handle(hid_t id, herr_t (*closing)(hid_t)) : id_(id), close_(closing) {}
+  Handle(Handle&& other) noexcept
+      : id_(std::exchange(other.id_, H5I_INVALID_HID)), close_(other.close_) {}
+  Handle& operator=(Handle&& other) noexcept {
+    std::swap(id_, other.id_);
+    std::swap(close_, other.close_);
+    return *this;
+  }
+  ~Handle() { close(); }
+
+  hid_t id() const { return id_; }
+  bool valid() const { return id_ >= 0; }
+  /// False when closing failed: what was pending could not be written.
+  bool close() { return !valid() || close_(std::exchange(id_, H5I_INVALID_HID)) >= 0; }
+
+ private:
+  hid_t id_ = H5I_INVALID_HID;
+  herr_t (*close_)(hid_t) = nullptr;
+};
+
+/// Before anything else: failures are thrown, not printed; nothing is retried as the program ends;
+/// and no file is locked, which network file systems often refuse.
+Handle accessProperties() {
+  static const bool once = [] {
+    H5dont_atexit();
+    return true;
+  }();
+  static_cast<void>(once);
+  H5Eset_auto(H5E_DEFAULT, nullptr, nullptr);
+  Handle properties(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_file_locking(properties.id(), false, true);
+  // The format of HDF5 1.8: what describes the arrays has checksums, and MATLAB still reads it.
+  H5Pset_libver_bounds(properties.id(), H5F_LIBVER_V18, H5F_LIBVER_V18);
+  return properties;
+}
+
+/// Properties of something new, which notes no time.
+Handle untimed(hid_t kind) {
+  Handle properties(H5Pcreate(kind), H5Pclose);
+  H5Pset_obj_track_times(properties.id(), false);
+  return properties;
+}
+
+Handle textType() {
+  Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_size(type.id(), H5T_VARIABLE);
+  H5Tset_cset(type.id(), H5T_CSET_UTF8);
+  return type;
+}
+
+Handle spaceOf(const Shape& shape) {
+  const std::vector<hsize_t> lengths(shape.begin(), shape.end());
+  return {H5Screate_simple(static_cast<int>(lengths.size()), lengths.data(), nullptr), H5Sclose};
+}
+
+Handle scalarSpace() {
+  return {H5Screate(H5S_SCALAR), H5Sclose};
+}
+
+/// The lengths of an array with `count` rows of a shape.
+std::vector<hsize_t> withRows(std::size_t count, const Shape& rowShape) {
+  std::vector<hsize_t> lengths = {count};
+  lengths.insert(lengths.end(), rowShape.begin(), rowShape.end());
+  return lengths;
+}
+
+/// Selects one row of an array.
+bool selectRow(hid_t space, std::size_t index, const Shape& rowShape) {
+  std::vector<hsize_t> start(rowShape.size() + 1, 0);
+  start.front() = index;
+  const std::vector<hsize_t> count = withRows(1, rowShape);
+  return H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr) >=
+         0;
+}
+
+/// "the array model/vertices", "the file itself".
+std::string shownObject(const std::string& name) {
+  return name == "/" ? "the file itself" : name;
+}
+
+}  // namespace
+
+std::size_t entryCount(const Shape& shape) {
+  return std::accumulate(shape.begin(), shape.end(), std::size_t{1}, std::multiplies<>());
+}
+
+struct ArrayWriter::Internals {
+  /// An array that grows.
+  struct Series {
+    Handle array;
+    Shape rowShape;
+    std::size_t rows = 0;
+  };
+
+  void check(bool done) const {
+    if (done) return;
+    const std::string reason = errno != 0 ? std::strerror(errno) : "HDF5 reports no reason";
+    throw OutputError(
+        fmt::format("{}: error: cannot be written ({}); free some space or choose another folder "
+                    "with --out",
+                    shownPath.string(), reason));
+  }
+
+  Handle make(const std::string& name, hid_t type, const Handle& space, const Handle& properties) {
+    errno = 0;
+    Handle array(H5Dcreate2(file.id(), name.c_str(), type, space.id(), H5P_DEFAULT, properties.id(),
+                            H5P_DEFAULT),
+                 H5Dclose);
+    check(array.valid());
+    return array;
+  }
+
+  void writeWhole(const std::string& name, hid_t stored, hid_t given, const void* entries,
+                  const Shape& shape) {
+    Handle array = make(name, stored, spaceOf(shape), untimed(H5P_DATASET_CREATE));
+    if (entryCount(shape) > 0) {
+      check(H5Dwrite(array.id(), given, H5S_ALL, H5S_ALL, H5P_DEFAULT, entries) >= 0);
+    }
+    check(array.close());
+  }
+
+  void setAttribute(const std::string& object, const std::string& name, hid_t stored, hid_t given,
+                    const void* value) {
+    errno = 0;
+    const Handle owner(H5Oopen(file.id(), object.c_str(), H5P_DEFAULT), H5Oclose);
+    const Handle attribute(
+        H5Acreate2(owner.id(), name.c_str(), stored, scalarSpace().id(), H5P_DEFAULT, H5P_DEFAULT),
+        H5Aclose);
+    check(attribute.valid() && H5Awrite(attribute.id(), given, value) >= 0);
+  }
+
+  std::filesystem::path shownPath;
+  Handle file;
+  std::map<std::string, Series> series;
+};
+
+ArrayWriter::ArrayWriter(const std::filesystem::path& path, std::filesystem::path shownPath)
+    : internals_(std::make_unique<Internals>()) {
+  Internals& in = *internals_;
+  in.shownPath = std::move(shownPath);
+  const Handle access = accessProperties();
+  errno = 0;
+  in.file = Handle(
+      H5Fcreate(path.c_str(), H5F_ACC_TRUNC, untimed(H5P_FILE_CREATE).id(), access.id()), H5Fclose);
+  in.check(in.file.valid());
+}
+
+ArrayWriter::~ArrayWriter() = default;
+
+void ArrayWriter::addGroup(const std::string& name) {
+  errno = 0;
+  const Handle group(H5Gcreate2(internals_->file.id(), name.c_str(), H5P_DEFAULT,
+                                untimed(H5P_GROUP_CREATE).id(), H5P_DEFAULT),
+                     H5Gclose);
+  internals_->check(group.valid());
+}
+
+void ArrayWriter::write(const std::string& name, std::span<const double> entries,
+                        const Shape& shape) {
+  internals_->writeWhole(name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, entries.data(), shape);
+}
+
+void ArrayWriter::write(const std::string& name, std::span<const int> entries, const Shape& shape) {
+  internals_->writeWhole(name, H5T_STD_I32LE, H5T_NATIVE_INT, entries.data(), shape);
+}
+
+void ArrayWriter::write(const std::string& name, const std::vector<std::string>& texts) {
+  std::vector<const char*> pointers;
+  for (const std::string& text : texts) pointers.push_back(text.c_str());
+  const Handle type = textType();
+  internals_->writeWhole(name, type.id(), type.id(), pointers.data(), {texts.size()});
+}
+
+void ArrayWriter::addSeries(const std::string& name, const Shape& rowShape) {
+  const std::size_t rowBytes = std::max<std::size_t>(1, entryCount(rowShape)) * sizeof(double);
+  const std::size_t chunkRows = std::clamp<std::size_t>(kChunkBytes / rowBytes, 1, 1024);
+  std::vector<hsize_t> chunk = withRows(chunkRows, rowShape);
+  const std::vector<hsize_t> start = withRows(0, rowShape);
+  const std::vector<hsize_t> most = withRows(H5S_UNLIMITED, rowShape);
+  const int rank = static_cast<int>(chunk.size());
+
+  const Handle properties = untimed(H5P_DATASET_CREATE);
+  H5Pset_chunk(properties.id(), rank, chunk.data());
+  H5Pset_shuffle(properties.id());
+  H5Pset_deflate(properties.id(), kCompression);
+  H5Pset_fletcher32(properties.id());  // a checksum of each chunk
+  const Handle space(H5Screate_simple(rank, start.data(), most.data()), H5Sclose);
+  internals_->series[name] = {internals_->make(name, H5T_IEEE_F64LE, space, properties), rowShape,
+                              0};
+}
+
+void ArrayWriter::append(const std::string& name, std::span<const double> row) {
+  Internals::Series& series = internals_->series.at(name);
+  errno = 0;
+  const std::vector<hsize_t> lengths = withRows(series.rows + 1, series.rowShape);
+  internals_->check(H5Dset_extent(series.array.id(), lengths.data()) >= 0);
+  const Handle inFile(H5Dget_space(series.array.id()), H5Sclose);
+  const Handle inMemory = spaceOf({row.size()});
+  internals_->check(selectRow(inFile.id(), series.rows, series.rowShape) &&
+                    H5Dwrite(series.array.id(), H5T_NATIVE_DOUBLE, inMemory.id(), inFile.id(),
+                             H5P_DEFAULT, row.data()) >= 0);
+  ++series.rows;
+}
+
+void ArrayWriter::setAttribute(const std::string& object, const std::string& name,
+                               const std::string& text) {
+  const Handle type = textType();
+  const char* pointer = text.c_str();
+  internals_->setAttribute(object, name, type.id(), type.id(), &pointer);
+}
+
+void ArrayWriter::setAttribute(const std::string& object, const std::string& name, double number) {
+  internals_->setAttribute(object, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, &number);
+}
+
+void ArrayWriter::close() {
+  errno = 0;
+  for (auto& [name, series] : internals_->series) internals_->check(series.array.close());
+  internals_->check(internals_->file.close());
+}
+
+struct ArrayReader::Internals {
+  [[noreturn]] void refuse(const std::string& found) const {
+    throw InputError(
+        fmt::format("{}: error: {}; give a whole trajectory.h5 as kirireel record leaves it",
+                    path.string(), found));
+  }
+
+  /// Arrays stay open, so that HDF5 keeps the chunk that neighbouring rows share.
+  const Handle& array(const std::string& name) {
+    Handle& array = arrays[name];
+    if (!array.valid()) array = Handle(H5Dopen2(file.id(), name.c_str(), H5P_DEFAULT), H5Dclose);
+    if (!array.valid()) refuse(fmt::format("the array {} is missing", name));
+    return array;
+  }
+
+  void requireClass(const Handle& array, const std::string& name, H5T_class_t wanted,
+                    const char* shownClass) const {
+    const Handle type(H5Dget_type(array.id()), H5Tclose);
+    if (H5Tget_class(type.id()) != wanted) {
+      refuse(fmt::format("the array {} does not hold {}", name, shownClass));
+    }
+  }
+
+  Shape shapeOf(const Handle& array) const {
+    const Handle space(H5Dget_space(array.id()), H5Sclose);
+    std::vector<hsize_t> lengths(
+        static_cast<std::size_t>(std::max(0, H5Sget_simple_extent_ndims(space.id()))));
+    H5Sget_simple_extent_dims(space.id(), lengths.data(), nullptr);
+    double bytes = 1;
+    for (const hsize_t length : lengths) bytes *= static_cast<double>(length);
+    if (bytes > kMostShrunk * fileBytes) refuse("an array claims more entries than the file holds");
+    return {lengths.begin(), lengths.end()};
+  }
+
+  void requireRead(herr_t code, const std::string& name) const {
+    if (code < 0) refuse(fmt::format("the array {} is damaged", name));
+  }
+
+  /// A missing attribute and one of another kind are told alike: neither is ours.
+  Handle attribute(const std::string& object, const std::string& name, H5T_class_t wanted) const {
+    Handle attribute(
+        H5Aopen_by_name(file.id(), object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT),
+        H5Aclose);
+    const Handle type(H5Aget_type(attribute.id()), H5Tclose);
+    const Handle space(H5Aget_space(attribute.id()), H5Sclose);
+    if (!attribute.valid() || H5Tget_class(type.id()) != wanted ||
+        H5Sget_simple_extent_npoints(space.id()) != 1) {
+      refuse(fmt::format("the attribute {} of {} is missing or of another kind", name,
+                         shownObject(object)));
+    }
+    return attribute;
+  }
+
+  std::filesystem::path path;
+  double fileBytes = 0;
+  Handle file;
+  std::map<std::string, Handle> arrays;
+};
+
+ArrayReader::ArrayReader(std::filesystem::path path) : internals_(std::make_unique<Internals>()) {
+  Internals& in = *internals_;
+  in.path = std::move(path);
+  const Handle access = accessProperties();
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(in.path, error)) {
+    throw InputError(
+        fmt::format("{}: error: there is no such file; give a trajectory.h5 as "
+                    "kirireel record leaves it",
+                    in.path.string()));
+  }
+  in.fileBytes = static_cast<double>(std::filesystem::file_size(in.path, error));
+  if (H5Fis_hdf5(in.path.c_str()) <= 0) in.refuse("this is not an HDF5 file");
+  in.file = Handle(H5Fopen(in.path.c_str(), H5F_ACC_RDONLY, access.id()), H5Fclose);
+  if (!in.file.valid()) in.refuse("the file is cut short or damaged");
+}
+
+ArrayReader::~ArrayReader() = default;
+
+void ArrayReader::refuse(const std::string& found) const {
+  internals_->refuse(found);
+}
+
+bool ArrayReader::has(const std::string& name) const {
+  return H5Lexists(internals_->file.id(), name.c_str(), H5P_DEFAULT) > 0;
+}
+
+bool ArrayReader::hasAttribute(const std::string& object, const std::string& name) const {
+  return H5Aexists_by_name(internals_->file.id(), object.c_str(), name.c_str(), H5P_DEFAULT) > 0;
+}
+
+Shape ArrayReader::shape(const std::string& name) const {
+  return internals_->shapeOf(internals_->array(name));
+}
+
+std::vector<double> ArrayReader::doubles(const std::string& name) const {
+  const Handle& array = internals_->array(name);
+  internals_->requireClass(array, name, H5T_FLOAT, "numbers");
+  std::vector<double> entries(entryCount(internals_->shapeOf(array)));
+  internals_->requireRead(
+      H5Dread(array.id(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, entries.data()), name);
+  return entries;
+}
+
+std::vector<int> ArrayReader::integers(const std::string& name) const {
+  const Handle& array = internals_->array(name);
+  internals_->requireClass(array, name, H5T_INTEGER, "whole numbers");
+  std::vector<int> entries(entryCount(internals_->shapeOf(array)));
+  internals_->requireRead(
+      H5Dread(array.id(), H5T_NATIVE_INT, H5S_ALL, H5S_ALL, H5P_DEFAULT, entries.data()), name);
+  return entries;
+}
+
+std::vector<std::string> ArrayReader::texts(const std::string& name) const {
+  const Handle& array = internals_->array(name);
+  internals_->requireClass(array, name, H5T_STRING, "texts");
+  const Handle stored(H5Dget_type(array.id()), H5Tclose);
+  if (H5Tis_variable_str(stored.id()) <= 0) {
+    internals_->refuse(fmt::format("the array {} does not hold texts of any length", name));
+  }
+  const Handle type = textType();
+  std::vector<char*> pointers(entryCount(internals_->shapeOf(array)));
+  internals_->requireRead(
+      H5Dread(array.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, pointers.data()), name);
+  std::vector<std::string> texts;
+  for (char* pointer : pointers) {
+    texts.emplace_back(pointer == nullptr ? "" : pointer);
+    H5free_memory(pointer);
+  }
+  return texts;
+}
+
+std::vector<double> ArrayReader::row(const std::string& name, std::size_t index) const {
+  const Handle& array = internals_->array(name);
+  Shape rowShape = internals_->shapeOf(array);
+  if (rowShape.empty() || index >= rowShape.front()) {
+    internals_->refuse(fmt::format("the array {} has no row {}", name, index));
+  }
+  rowShape.erase(rowShape.begin());
+  internals_->requireClass(array, name, H5T_FLOAT, "numbers");
+  std::vector<double> entries(entryCount(rowShape));
+  const Handle inFile(H5Dget_space(array.id()), H5Sclose);
+  const Handle inMemory = spaceOf({entries.size()});
+  selectRow(inFile.id(), index, rowShape);
+  internals_->requireRead(H5Dread(array.id(), H5T_NATIVE_DOUBLE, inMemory.id(), inFile.id(),
+                                  H5P_DEFAULT, entries.data()),
+                          name);
+  return entries;
+}
+
+std::string ArrayReader::textAttribute(const std::string& object, const std::string& name) const {
+  const Handle attribute = internals_->attribute(object, name, H5T_STRING);
+  const Handle stored(H5Aget_type(attribute.id()), H5Tclose);
+  if (H5Tis_variable_str(stored.id()) <= 0) {
+    internals_->refuse(fmt::format("the attribute {} of {} is missing or of another kind", name,
+                                   shownObject(object)));
+  }
+  const Handle type = textType();
+  char* pointer = nullptr;
+  if (H5Aread(attribute.id(), type.id(), &pointer) < 0) {
+    internals_->refuse(fmt::format("the attribute {} is damaged", name));
+  }
+  std::string text = pointer == nullptr ? "" : pointer;
+  H5free_memory(pointer);
+  return text;
+}
+
+double ArrayReader::numberAttribute(const std::string& object, const std::string& name) const {
+  const Handle attribute = internals_->attribute(object, name, H5T_FLOAT);
+  double number = 0;
+  if (H5Aread(attribute.id(), H5T_NATIVE_DOUBLE, &number) < 0) {
+    internals_->refuse(fmt::format("the attribute {} is damaged", name));
+  }
+  return number;
+}
+
+std::string arrayLibraryVersion() {
+  unsigned major = 0;
+  unsigned minor = 0;
+  unsigned release = 0;
+  H5get_libversion(&major, &minor, &release);
+  return fmt::format("{}.{}.{}", major, minor, release);
+}
+
+}  // namespace kirireel

@@ -1,0 +1,91 @@
+/// Files of named arrays with attributes: HDF5, which h5py, MATLAB and h5dump read. No HDF5 header
+/// is needed to use them.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace kirireel {
+
+/// The lengths of an array's dimensions, slowest first.
+using Shape = std::vector<std::size_t>;
+
+/// The number of entries of an array.
+std::size_t entryCount(const Shape& shape);
+
+/// Writes a file of arrays. Names are paths such as "model/vertices"; a group must be made before
+/// what stands in it. Numbers are stored as IEEE doubles or 32-bit integers, little-endian, without
+/// any time stamp: the same calls give the same bytes.
+class ArrayWriter {
+ public:
+  /// Makes the file. `shownPath` is the name that messages give it.
+  /// Every function throws OutputError when the file cannot be written.
+  ArrayWriter(const std::filesystem::path& path, std::filesystem::path shownPath);
+  ~ArrayWriter();
+  ArrayWriter(const ArrayWriter&) = delete;
+  ArrayWriter& operator=(const ArrayWriter&) = delete;
+
+  void addGroup(const std::string& name);
+
+  void write(const std::string& name, std::span<const double> entries, const Shape& shape);
+  void write(const std::string& name, std::span<const int> entries, const Shape& shape);
+  /// A list of texts, UTF-8.
+  void write(const std::string& name, const std::vector<std::string>& texts);
+
+  /// Makes an array of doubles that grows along its first dimension, compressed in chunks.
+  void addSeries(const std::string& name, const Shape& rowShape);
+  /// Adds one row to the end of a series.
+  void append(const std::string& name, std::span<const double> row);
+
+  /// Notes a property of a group or an array ("/" is the file itself).
+  void setAttribute(const std::string& object, const std::string& name, const std::string& text);
+  void setAttribute(const std::string& object, const std::string& name, double number);
+
+  /// Writes what is pending and closes the file.
+  void close();
+
+ private:
+  struct Internals;
+  std::unique_ptr<Internals> internals_;
+};
+
+/// Reads a file of arrays. Every function throws InputError that names the file and what in it is
+/// missing, of another kind or damaged.
+class ArrayReader {
+ public:
+  /// Opens the file; refuses one that is missing, cut short or of another format.
+  explicit ArrayReader(std::filesystem::path path);
+  ~ArrayReader();
+  ArrayReader(const ArrayReader&) = delete;
+  ArrayReader& operator=(const ArrayReader&) = delete;
+
+  /// Throws an InputError: what was found in the file, and how to mend it.
+  [[noreturn]] void refuse(const std::string& found) const;
+
+  bool has(const std::string& name) const;
+  bool hasAttribute(const std::string& object, const std::string& name) const;
+  Shape shape(const std::string& name) const;
+
+  std::vector<double> doubles(const std::string& name) const;
+  std::vector<int> integers(const std::string& name) const;
+  std::vector<std::string> texts(const std::string& name) const;
+
+  /// One row of an array of doubles, from 0.
+  std::vector<double> row(const std::string& name, std::size_t index) const;
+
+  std::string textAttribute(const std::string& object, const std::string& name) const;
+  double numberAttribute(const std::string& object, const std::string& name) const;
+
+ private:
+  struct Internals;
+  std::unique_ptr<Internals> internals_;
+};
+
+/// The version of HDF5 in use, e.g. "1.10.8".
+std::string arrayLibraryVersion();
+
+}  // namespace kirireel

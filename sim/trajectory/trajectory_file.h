@@ -1,0 +1,83 @@
+/// trajectory.h5: a run as a file, from which pictures and meshes are made again without
+/// simulating.
+///
+/// HDF5; h5py, MATLAB and h5dump read it. Every array says its unit in the attribute "unit".
+///
+///     /                       attributes format = "kirireel trajectory", format_version
+///     settings                the run's settings, JSON (one text)
+///     model/                  attribute name
+///       tile_sizes            tiles            vertices of each tile
+///       vertices, target      vertices x 3     m; tile by tile; target only if there is one
+///       joints                joints x 5       tile, vertex, tile, vertex, face (1 bottom, 2 top,
+///       3 both) pulled_tiles          (only if given)
+///     bricks/                 attributes rule_thickness, rule_mass, rule_density
+///       bottom, top           vertices x 3     m, brick axes
+///       normal                bricks x 3
+///       thickness, volume, mass                m, m^3, kg
+///       inertia               bricks x 3 x 3   kg m^2, about the centre of mass
+///     ground/                 attributes height, friction; only if there is one
+///     time                    samples          s
+///     position                samples x bricks x 3   m, of the centres of mass
+///     rotation                samples x bricks x 4   unit quaternions w x y z, brick axes to world
+///     measures/NAME           samples          m; joint_gap, target_error, penetration
+///     events/time, text       events           s
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "sim/trajectory/trajectory.h"
+
+namespace kirireel {
+
+/// Writes a trajectory sample by sample; what it keeps in memory does not grow with their number.
+/// The file appears under its final name in finish(), whole after any number of samples; a writer
+/// that goes without it leaves nothing. Doubles are stored exactly, and the same run gives the same
+/// bytes. Throws OutputError when the file cannot be written.
+class TrajectoryWriter {
+ public:
+  TrajectoryWriter(const std::filesystem::path& path, const Subject& subject);
+  ~TrajectoryWriter();
+  TrajectoryWriter(const TrajectoryWriter&) = delete;
+  TrajectoryWriter& operator=(const TrajectoryWriter&) = delete;
+
+  /// Adds a sample later than those before, with a pose for each brick.
+  void append(const Sample& sample);
+
+  /// Puts the file in place with the events of the whole run. Call it once.
+  void finish(const std::vector<Event>& events);
+
+ private:
+  struct Internals;
+  std::unique_ptr<Internals> internals_;
+};
+
+/// Reads a trajectory, any sample at any time. Throws InputError that names the file and what in it
+/// is missing, damaged or contradictory.
+class TrajectoryReader {
+ public:
+  /// Reads and checks everything but the poses.
+  explicit TrajectoryReader(const std::filesystem::path& path);
+  ~TrajectoryReader();
+  TrajectoryReader(const TrajectoryReader&) = delete;
+  TrajectoryReader& operator=(const TrajectoryReader&) = delete;
+
+  const Subject& subject() const;
+  const std::vector<double>& times() const;  ///< of all samples, rising, seconds; at least one
+  const std::vector<Event>& events() const;
+
+  /// One sample, its index from 0 to times().size() - 1.
+  Sample sample(std::size_t index) const;
+
+ private:
+  struct Internals;
+  std::unique_ptr<Internals> internals_;
+};
+
+/// The whole trajectory in memory. Throws InputError.
+Trajectory readTrajectory(const std::filesystem::path& path);
+
+/// Writes a whole trajectory. Throws OutputError.
+void writeTrajectory(const Trajectory& trajectory, const std::filesystem::path& path);
+
+}  // namespace kirireel

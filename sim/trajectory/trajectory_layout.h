@@ -1,0 +1,22 @@
+/// The names in trajectory.h5 that its writer and its reader share.
+#pragma once
+
+#include <array>
+
+#include "sim/trajectory/trajectory.h"
+
+namespace kirireel::layout {
+
+inline constexpr const char* kFormat = "kirireel trajectory";
+inline constexpr double kFormatVersion = 1;
+
+/// A figure that each sample has.
+struct Measure {
+  const char* name;  ///< of its array
+  double Sample::* field;
+};
+inline constexpr std::array kMeasures = {Measure{"measures/joint_gap", &Sample::jointGap},
+                                         Measure{"measures/target_error", &Sample::targetError},
+                                         Measure{"measures/penetration", &Sample::penetration}};
+
+}  // namespace kirireel::layout

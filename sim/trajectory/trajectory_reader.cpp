@@ -1,0 +1,272 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "sim/trajectory/array_file.h"
+#include "sim/trajectory/trajectory_file.h"
+#include "sim/trajectory/trajectory_layout.h"
+
+namespace kirireel {
+namespace {
+
+using layout::kMeasures;
+
+constexpr double kUnitTolerance = 1e-6;  // of the length of normals and quaternions
+
+/// Reads what a trajectory shows; every claim of the file is checked before it is used.
+class SubjectReader {
+ public:
+  explicit SubjectReader(const ArrayReader& file) : file_(file) {}
+
+  Subject read() {
+    requireFormat();
+    Subject subject;
+    readSizes();
+    subject.settings = oneText("settings");
+    subject.model = readModel();
+    readBricks(subject);
+    if (file_.has("ground")) {
+      subject.ground = Ground{file_.numberAttribute("ground", "height"),
+                              file_.numberAttribute("ground", "friction")};
+    }
+    return subject;
+  }
+
+ private:
+  void requireFormat() const {
+    if (!file_.hasAttribute("/", "format") ||
+        file_.textAttribute("/", "format") != layout::kFormat) {
+      file_.refuse("this HDF5 file is not a trajectory");
+    }
+    const double version = file_.numberAttribute("/", "format_version");
+    if (version != layout::kFormatVersion) {
+      file_.refuse(fmt::format("the format's version is {:g}, but this program reads {:g}", version,
+                               layout::kFormatVersion));
+    }
+  }
+
+  void readSizes() {
+    for (const int size : file_.integers("model/tile_sizes")) {
+      if (size < 3) file_.refuse(fmt::format("a tile in model/tile_sizes has {} vertices", size));
+      sizes_.push_back(static_cast<std::size_t>(size));
+      vertexCount_ += sizes_.back();
+    }
+    if (sizes_.empty()) file_.refuse("model/tile_sizes holds no tile");
+  }
+
+  std::string oneText(const std::string& name) const {
+    const std::vector<std::string> texts = file_.texts(name);
+    return texts.empty() ? "" : texts.front();
+  }
+
+  /// All entries of an array that must have this shape and be finite.
+  std::vector<double> numbers(const std::string& name, const Shape& shape) const {
+    const Shape found = file_.shape(name);
+    if (found != shape) {
+      file_.refuse(fmt::format("the array {} has {} entries instead of {}, or another shape", name,
+                               entryCount(found), entryCount(shape)));
+    }
+    std::vector<double> entries = file_.doubles(name);
+    if (!std::ranges::all_of(entries, [](double entry) { return std::isfinite(entry); })) {
+      file_.refuse(fmt::format("the array {} holds a number that is not finite", name));
+    }
+    return entries;
+  }
+
+  /// An array of points, dealt out tile by tile.
+  std::vector<std::vector<Vector3>> pointsOfTiles(const std::string& name) const {
+    const std::vector<double> entries = numbers(name, {vertexCount_, 3});
+    std::vector<std::vector<Vector3>> tiles;
+    const double* next = entries.data();
+    for (const std::size_t size : sizes_) {
+      std::vector<Vector3>& points = tiles.emplace_back();
+      for (std::size_t k = 0; k < size; ++k, next += 3) points.emplace_back(next);
+    }
+    return tiles;
+  }
+
+  std::vector<Tile> tiles(const std::string& name) const {
+    std::vector<Tile> tiles;
+    for (std::vector<Vector3>& points : pointsOfTiles(name)) tiles.push_back({std::move(points)});
+    return tiles;
+  }
+
+  Corner corner(int tile, int vertex) const {
+    const bool exists = tile >= 0 && static_cast<std::size_t>(tile) < sizes_.size() &&
+                        vertex >= 0 &&
+                        static_cast<std::size_t>(vertex) < sizes_[static_cast<std::size_t>(tile)];
+    if (!exists) {
+      file_.refuse(
+          fmt::format("model/joints names vertex {} of tile {}, which is not there", vertex, tile));
+    }
+    return {tile, vertex};
+  }
+
+  std::vector<Joint> readJoints() const {
+    const std::vector<int> rows = file_.integers("model/joints");
+    if (rows.size() % 5 != 0) file_.refuse("model/joints does not have 5 columns");
+    std::vector<Joint> joints;
+    for (std::size_t k = 0; k < rows.size(); k += 5) {
+      const int face = rows[k + 4];
+      if (face < 1 || face > 3) {
+        file_.refuse(fmt::format("model/joints has the face {} instead of 1, 2 or 3", face));
+      }
+      joints.push_back({corner(rows[k], rows[k + 1]), corner(rows[k + 2], rows[k + 3]),
+                        static_cast<JointFace>(face)});
+    }
+    return joints;
+  }
+
+  std::vector<int> readPulledTiles() const {
+    std::vector<int> pulled = file_.integers("model/pulled_tiles");
+    for (const int tile : pulled) static_cast<void>(corner(tile, 0));
+    return pulled;
+  }
+
+  Model readModel() const {
+    Model model;
+    model.name = file_.textAttribute("model", "name");
+    model.tiles = tiles("model/vertices");
+    if (file_.has("model/target")) model.target = tiles("model/target");
+    model.joints = readJoints();
+    if (file_.has("model/pulled_tiles")) model.pulledTiles = readPulledTiles();
+    return model;
+  }
+
+  BrickRule readBrickRule() const {
+    BrickRule rule;
+    rule.thickness = file_.numberAttribute("bricks", "rule_thickness");
+    rule.density = file_.numberAttribute("bricks", "rule_density");
+    const std::string mass = file_.textAttribute("bricks", "rule_mass");
+    if (mass != "unit" && mass != "prism") {
+      file_.refuse(fmt::format("the attribute rule_mass is \"{}\" instead of unit or prism", mass));
+    }
+    rule.mass = mass == "unit" ? MassRule::Unit : MassRule::Prism;
+    return rule;
+  }
+
+  void readBricks(Subject& subject) const {
+    const std::size_t count = sizes_.size();
+    subject.brickRule = readBrickRule();
+    const std::vector<std::vector<Vector3>> bottoms = pointsOfTiles("bricks/bottom");
+    const std::vector<std::vector<Vector3>> tops = pointsOfTiles("bricks/top");
+    const std::vector<double> normals = numbers("bricks/normal", {count, 3});
+    const std::vector<double> thicknesses = numbers("bricks/thickness", {count});
+    const std::vector<double> volumes = numbers("bricks/volume", {count});
+    const std::vector<double> masses = numbers("bricks/mass", {count});
+    const std::vector<double> inertia = numbers("bricks/inertia", {count, 3, 3});
+    for (std::size_t i = 0; i < count; ++i) {
+      Brick brick{bottoms[i], tops[i],   Vector3(&normals[3 * i]), thicknesses[i],
+                  volumes[i], masses[i], Matrix3(&inertia[9 * i])};
+      if (std::abs(brick.normal.norm() - 1) > kUnitTolerance) {
+        file_.refuse(
+            fmt::format("the normal of brick {} in bricks/normal is not a unit vector", i));
+      }
+      subject.bricks.push_back(std::move(brick));
+    }
+  }
+
+  const ArrayReader& file_;
+  std::vector<std::size_t> sizes_;  ///< vertices of each tile
+  std::size_t vertexCount_ = 0;
+};
+
+}  // namespace
+
+struct TrajectoryReader::Internals {
+  explicit Internals(const std::filesystem::path& path)
+      : file(path), subject(SubjectReader(file).read()) {
+    readTimes();
+    readMeasures();
+    readEvents();
+  }
+
+  void requireShape(const std::string& name, const Shape& shape) const {
+    if (file.shape(name) == shape) return;
+    file.refuse(fmt::format("the array {} does not have an entry for each sample and brick", name));
+  }
+
+  void readTimes() {
+    times = file.doubles("time");
+    if (times.empty()) file.refuse("there is no sample");
+    const bool rising = std::ranges::adjacent_find(times, std::greater_equal<>()) == times.end();
+    if (!rising || !std::isfinite(times.back())) file.refuse("the samples' times do not rise");
+    requireShape("position", {times.size(), subject.bricks.size(), 3});
+    requireShape("rotation", {times.size(), subject.bricks.size(), 4});
+  }
+
+  void readMeasures() {
+    for (std::size_t k = 0; k < kMeasures.size(); ++k) {
+      requireShape(kMeasures[k].name, {times.size()});
+      measures[k] = file.doubles(kMeasures[k].name);
+    }
+  }
+
+  void readEvents() {
+    const std::vector<double> eventTimes = file.doubles("events/time");
+    const std::vector<std::string> texts = file.texts("events/text");
+    if (eventTimes.size() != texts.size())
+      file.refuse("events/time and events/text differ in length");
+    for (std::size_t k = 0; k < texts.size(); ++k) events.push_back({eventTimes[k], texts[k]});
+  }
+
+  Pose pose(const double* position, const double* turn) const {
+    const Pose pose{Vector3(position), Quaternion(turn[0], turn[1], turn[2], turn[3])};
+    // Written so that NaN fails.
+    if (!pose.position.allFinite() || !(std::abs(pose.rotation.norm() - 1) <= kUnitTolerance)) {
+      file.refuse("a pose in position or rotation is not finite, or no rotation");
+    }
+    return pose;
+  }
+
+  ArrayReader file;
+  Subject subject;
+  std::vector<double> times;
+  std::array<std::vector<double>, kMeasures.size()> measures;
+  std::vector<Event> events;
+};
+
+TrajectoryReader::TrajectoryReader(const std::filesystem::path& path)
+    : internals_(std::make_unique<Internals>(path)) {}
+
+TrajectoryReader::~TrajectoryReader() = default;
+
+const Subject& TrajectoryReader::subject() const {
+  return internals_->subject;
+}
+
+const std::vector<double>& TrajectoryReader::times() const {
+  return internals_->times;
+}
+
+const std::vector<Event>& TrajectoryReader::events() const {
+  return internals_->events;
+}
+
+Sample TrajectoryReader::sample(std::size_t index) const {
+  const Internals& in = *internals_;
+  Sample sample;
+  sample.time = in.times.at(index);
+  for (std::size_t k = 0; k < kMeasures.size(); ++k) {
+    sample.*kMeasures[k].field = in.measures[k][index];
+  }
+  const std::vector<double> positions = in.file.row("position", index);
+  const std::vector<double> rotations = in.file.row("rotation", index);
+  for (std::size_t i = 0; i < in.subject.bricks.size(); ++i) {
+    sample.poses.push_back(in.pose(&positions[3 * i], &rotations[4 * i]));
+  }
+  return sample;
+}
+
+Trajectory readTrajectory(const std::filesystem::path& path) {
+  const TrajectoryReader reader(path);
+  Trajectory trajectory{reader.subject(), {}, reader.events()};
+  for (std::size_t i = 0; i < reader.times().size(); ++i) {
+    trajectory.samples.push_back(reader.sample(i));
+  }
+  return trajectory;
+}
+
+}  // namespace kirireel

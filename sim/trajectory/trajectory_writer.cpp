@@ -1,0 +1,180 @@
+#include "sim/base/pending_file.h"
+#include "sim/trajectory/array_file.h"
+#include "sim/trajectory/trajectory_file.h"
+#include "sim/trajectory/trajectory_layout.h"
+
+namespace kirireel {
+namespace {
+
+void append(std::vector<double>& numbers, const Vector3& vector) {
+  numbers.insert(numbers.end(), vector.data(), vector.data() + 3);
+}
+
+std::vector<double> flatten(const std::vector<Tile>& tiles) {
+  std::vector<double> numbers;
+  for (const Tile& tile : tiles) {
+    for (const Vector3& vertex : tile.vertices) append(numbers, vertex);
+  }
+  return numbers;
+}
+
+/// One field of all bricks, point by point.
+std::vector<double> flatten(const std::vector<Brick>& bricks, std::vector<Vector3> Brick::*field) {
+  std::vector<double> numbers;
+  for (const Brick& brick : bricks) {
+    for (const Vector3& point : brick.*field) append(numbers, point);
+  }
+  return numbers;
+}
+
+std::vector<double> flatten(const std::vector<Brick>& bricks, double Brick::*field) {
+  std::vector<double> numbers;
+  for (const Brick& brick : bricks) numbers.push_back(brick.*field);
+  return numbers;
+}
+
+std::vector<double> inertias(const std::vector<Brick>& bricks) {
+  std::vector<double> numbers;
+  // Symmetric: rows and columns are alike.
+  for (const Brick& brick : bricks) {
+    numbers.insert(numbers.end(), brick.inertia.data(), brick.inertia.data() + 9);
+  }
+  return numbers;
+}
+
+void writeArray(ArrayWriter& file, const std::string& name, const std::vector<double>& numbers,
+                const Shape& shape, const char* unit) {
+  file.write(name, std::span<const double>(numbers), shape);
+  file.setAttribute(name, "unit", std::string(unit));
+}
+
+/// Points of all tiles, metres.
+void writePoints(ArrayWriter& file, const std::string& name, const std::vector<double>& numbers) {
+  writeArray(file, name, numbers, {numbers.size() / 3, 3}, "m");
+}
+
+void writeJoints(ArrayWriter& file, const std::vector<Joint>& joints) {
+  std::vector<int> rows;
+  for (const Joint& joint : joints) {
+    rows.insert(rows.end(), {joint.a.tile, joint.a.vertex, joint.b.tile, joint.b.vertex,
+                             static_cast<int>(joint.face)});
+  }
+  file.write("model/joints", std::span<const int>(rows), {joints.size(), 5});
+  file.setAttribute("model/joints", "columns",
+                    std::string("tile a, vertex a, tile b, vertex b, face (1 bottom, 2 top, 3 "
+                                "both)"));
+}
+
+void writeModel(ArrayWriter& file, const Model& model) {
+  file.addGroup("model");
+  file.setAttribute("model", "name", model.name);
+  std::vector<int> sizes;
+  for (const Tile& tile : model.tiles) sizes.push_back(static_cast<int>(tile.vertices.size()));
+  file.write("model/tile_sizes", std::span<const int>(sizes), {sizes.size()});
+  writePoints(file, "model/vertices", flatten(model.tiles));
+  if (model.target) writePoints(file, "model/target", flatten(*model.target));
+  writeJoints(file, model.joints);
+  if (model.pulledTiles) {
+    file.write("model/pulled_tiles", std::span<const int>(*model.pulledTiles),
+               {model.pulledTiles->size()});
+  }
+}
+
+void writeBricks(ArrayWriter& file, const std::vector<Brick>& bricks, const BrickRule& rule) {
+  file.addGroup("bricks");
+  file.setAttribute("bricks", "rule_thickness", rule.thickness);
+  file.setAttribute("bricks", "rule_mass",
+                    std::string(rule.mass == MassRule::Unit ? "unit" : "prism"));
+  file.setAttribute("bricks", "rule_density", rule.density);
+  const std::size_t count = bricks.size();
+  writePoints(file, "bricks/bottom", flatten(bricks, &Brick::bottom));
+  writePoints(file, "bricks/top", flatten(bricks, &Brick::top));
+  std::vector<double> normals;
+  for (const Brick& brick : bricks) append(normals, brick.normal);
+  writeArray(file, "bricks/normal", normals, {count, 3}, "1");
+  writeArray(file, "bricks/thickness", flatten(bricks, &Brick::thickness), {count}, "m");
+  writeArray(file, "bricks/volume", flatten(bricks, &Brick::volume), {count}, "m^3");
+  writeArray(file, "bricks/mass", flatten(bricks, &Brick::mass), {count}, "kg");
+  writeArray(file, "bricks/inertia", inertias(bricks), {count, 3, 3}, "kg m^2");
+}
+
+void addSeries(ArrayWriter& file, const std::string& name, const Shape& rowShape,
+               const char* unit) {
+  file.addSeries(name, rowShape);
+  file.setAttribute(name, "unit", std::string(unit));
+}
+
+}  // namespace
+
+struct TrajectoryWriter::Internals {
+  Internals(const std::filesystem::path& path, std::size_t bricks)
+      : pending(path), file(pending.path(), path), brickCount(bricks) {}
+
+  PendingFile pending;
+  ArrayWriter file;
+  std::size_t brickCount;
+};
+
+TrajectoryWriter::TrajectoryWriter(const std::filesystem::path& path, const Subject& subject)
+    : internals_(std::make_unique<Internals>(path, subject.bricks.size())) {
+  ArrayWriter& file = internals_->file;
+  file.setAttribute("/", "format", std::string(layout::kFormat));
+  file.setAttribute("/", "format_version", layout::kFormatVersion);
+  file.write("settings", {subject.settings});
+  writeModel(file, subject.model);
+  writeBricks(file, subject.bricks, subject.brickRule);
+  if (subject.ground) {
+    file.addGroup("ground");
+    file.setAttribute("ground", "height", subject.ground->height);
+    file.setAttribute("ground", "friction", subject.ground->friction);
+  }
+  addSeries(file, "time", {}, "s");
+  addSeries(file, "position", {subject.bricks.size(), 3}, "m");
+  addSeries(file, "rotation", {subject.bricks.size(), 4}, "1");
+  file.setAttribute("rotation", "columns", std::string("w, x, y, z"));
+  file.addGroup("measures");
+  for (const layout::Measure& measure : layout::kMeasures) addSeries(file, measure.name, {}, "m");
+}
+
+TrajectoryWriter::~TrajectoryWriter() = default;
+
+void TrajectoryWriter::append(const Sample& sample) {
+  ArrayWriter& file = internals_->file;
+  std::vector<double> positions;
+  std::vector<double> rotations;
+  positions.reserve(3 * sample.poses.size());
+  rotations.reserve(4 * sample.poses.size());
+  for (const Pose& pose : sample.poses) {
+    kirireel::append(positions, pose.position);
+    const Quaternion& turn = pose.rotation;
+    rotations.insert(rotations.end(), {turn.w(), turn.x(), turn.y(), turn.z()});
+  }
+  file.append("time", {&sample.time, 1});
+  file.append("position", positions);
+  file.append("rotation", rotations);
+  for (const layout::Measure& measure : layout::kMeasures)
+    file.append(measure.name, {&(sample.*measure.field), 1});
+}
+
+void TrajectoryWriter::finish(const std::vector<Event>& events) {
+  ArrayWriter& file = internals_->file;
+  std::vector<double> times;
+  std::vector<std::string> texts;
+  for (const Event& event : events) {
+    times.push_back(event.time);
+    texts.push_back(event.text);
+  }
+  file.addGroup("events");
+  writeArray(file, "events/time", times, {times.size()}, "s");
+  file.write("events/text", texts);
+  file.close();
+  internals_->pending.commit();
+}
+
+void writeTrajectory(const Trajectory& trajectory, const std::filesystem::path& path) {
+  TrajectoryWriter writer(path, trajectory);
+  for (const Sample& sample : trajectory.samples) writer.append(sample);
+  writer.finish(trajectory.events);
+}
+
+}  // namespace kirireel

@@ -1,0 +1,285 @@
+#include "sim/trajectory/trajectory_file.h"
+
+#include <cmath>
+#include <fstream>
+#include <random>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/base/error.h"
+#include "sim/model/tessellation.h"
+#include "sim/trajectory/array_file.h"
+#include "tests/support/files.h"
+#include "tests/support/program.h"
+
+namespace kirireel {
+namespace {
+
+using test::bytesOf;
+using test::hasProgram;
+using test::outputOf;
+using test::TemporaryFolder;
+using ::testing::HasSubstr;
+
+/// Poses of random bits, so that no digit can be lost unseen.
+Trajectory randomTrajectory(int samples) {
+  Scene scene;
+  scene.model = makeTessellation({});
+  scene.environment.ground = Ground{-0.25, 0.125};
+  scene.brick.thickness = 0.1;
+  Trajectory trajectory{subjectOf(scene)};
+  trajectory.settings = "{\"seed\": 1, \"name\": \"Ångström\"}";
+  std::mt19937_64 generator(1);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (int k = 0; k < samples; ++k) {
+    Sample sample;
+    sample.time = k / 60.0;
+    for (std::size_t i = 0; i < trajectory.bricks.size(); ++i) {
+      const auto vector = [&] { return Vector3(uniform(generator), uniform(generator), 1e-300); };
+      sample.poses.push_back({vector(), rotationFromVector(vector())});
+    }
+    sample.jointGap = uniform(generator);
+    sample.targetError = uniform(generator);
+    sample.penetration = uniform(generator);
+    trajectory.samples.push_back(sample);
+  }
+  trajectory.events = {{0.25, "paused"}, {1.5, "settled: came to rest 1e-7 from the target"}};
+  return trajectory;
+}
+
+bool samePoints(const std::vector<Vector3>& a, const std::vector<Vector3>& b) {
+  return a == b;
+}
+
+void expectSameTiles(const std::vector<Tile>& a, const std::vector<Tile>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_TRUE(samePoints(a[i].vertices, b[i].vertices)) << i;
+  }
+}
+
+void expectSameSubject(const Subject& a, const Subject& b) {
+  EXPECT_EQ(a.model.name, b.model.name);
+  expectSameTiles(a.model.tiles, b.model.tiles);
+  ASSERT_EQ(a.model.target.has_value(), b.model.target.has_value());
+  if (a.model.target) expectSameTiles(*a.model.target, *b.model.target);
+  EXPECT_EQ(a.model.pulledTiles, b.model.pulledTiles);
+  ASSERT_EQ(a.model.joints.size(), b.model.joints.size());
+  for (std::size_t k = 0; k < a.model.joints.size(); ++k) {
+    EXPECT_EQ(a.model.joints[k].a, b.model.joints[k].a);
+    EXPECT_EQ(a.model.joints[k].b, b.model.joints[k].b);
+    EXPECT_EQ(a.model.joints[k].face, b.model.joints[k].face);
+  }
+  EXPECT_EQ(a.brickRule.thickness, b.brickRule.thickness);
+  EXPECT_EQ(a.brickRule.mass, b.brickRule.mass);
+  EXPECT_EQ(a.brickRule.density, b.brickRule.density);
+  EXPECT_EQ(a.ground.has_value(), b.ground.has_value());
+  EXPECT_EQ(a.settings, b.settings);
+}
+
+void expectSameBricks(const std::vector<Brick>& a, const std::vector<Brick>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_TRUE(samePoints(a[i].bottom, b[i].bottom) && samePoints(a[i].top, b[i].top)) << i;
+    EXPECT_EQ(a[i].normal, b[i].normal);
+    EXPECT_EQ(a[i].thickness, b[i].thickness);
+    EXPECT_EQ(a[i].volume, b[i].volume);
+    EXPECT_EQ(a[i].mass, b[i].mass);
+    EXPECT_EQ(a[i].inertia, b[i].inertia);
+  }
+}
+
+void expectSameSample(const Sample& a, const Sample& b) {
+  EXPECT_EQ(a.time, b.time);
+  EXPECT_EQ(a.jointGap, b.jointGap);
+  EXPECT_EQ(a.targetError, b.targetError);
+  EXPECT_EQ(a.penetration, b.penetration);
+  ASSERT_EQ(a.poses.size(), b.poses.size());
+  for (std::size_t i = 0; i < a.poses.size(); ++i) {
+    EXPECT_EQ(a.poses[i].position, b.poses[i].position);
+    EXPECT_EQ(a.poses[i].rotation.coeffs(), b.poses[i].rotation.coeffs());
+  }
+}
+
+/// What a call throws, as its message.
+template <typename Error, typename Call>
+std::string messageOf(const Call& call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "nothing was thrown";
+}
+
+std::string refusalOf(const std::filesystem::path& file) {
+  return messageOf<InputError>([&] { readTrajectory(file); });
+}
+
+TEST(TrajectoryFile, KeepsEveryBit) {
+  const TemporaryFolder folder;
+  Trajectory written = randomTrajectory(7);
+  written.model.pulledTiles = {0, 3};
+  writeTrajectory(written, folder / "run.h5");
+  const Trajectory read = readTrajectory(folder / "run.h5");
+  expectSameSubject(read, written);
+  expectSameBricks(read.bricks, written.bricks);
+  EXPECT_EQ(read.ground->height, -0.25);
+  EXPECT_EQ(read.ground->friction, 0.125);
+  EXPECT_EQ(read.events, written.events);
+  ASSERT_EQ(read.samples.size(), 7U);
+  for (std::size_t k = 0; k < 7; ++k) expectSameSample(read.samples[k], written.samples[k]);
+}
+
+TEST(TrajectoryFile, LeavesOutWhatIsAbsent) {
+  const TemporaryFolder folder;
+  Trajectory written = randomTrajectory(1);
+  written.model.target.reset();
+  written.model.joints.clear();
+  written.ground.reset();
+  written.events.clear();
+  writeTrajectory(written, folder / "run.h5");
+  const Trajectory read = readTrajectory(folder / "run.h5");
+  expectSameSubject(read, written);
+  EXPECT_TRUE(read.events.empty());
+}
+
+TEST(TrajectoryFile, GivesAnySampleInAnyOrder) {
+  const TemporaryFolder folder;
+  const Trajectory written = randomTrajectory(2500);  // several chunks
+  writeTrajectory(written, folder / "run.h5");
+  const TrajectoryReader reader(folder / "run.h5");
+  EXPECT_EQ(reader.times().size(), 2500U);
+  for (const std::size_t k : {2499, 0, 1024, 1023, 7}) {
+    expectSameSample(reader.sample(k), written.samples[k]);
+  }
+}
+
+TEST(TrajectoryFile, HasTheSameBytesInTwoRuns) {
+  const TemporaryFolder folder;
+  writeTrajectory(randomTrajectory(30), folder / "first.h5");
+  writeTrajectory(randomTrajectory(30), folder / "second.h5");
+  EXPECT_TRUE(bytesOf(folder / "first.h5") == bytesOf(folder / "second.h5"));
+}
+
+TEST(TrajectoryFile, LeavesNothingWhenAbandoned) {
+  const TemporaryFolder folder;
+  {
+    const Trajectory trajectory = randomTrajectory(1);
+    TrajectoryWriter writer(folder / "run.h5", trajectory);
+    writer.append(trajectory.samples.front());
+  }
+  EXPECT_TRUE(folder.isEmpty());
+}
+
+TEST(TrajectoryFile, OpensInPython) {
+  if (outputOf("/usr/bin/python3 -c 'import h5py; print(1)'").empty()) {
+    GTEST_SKIP() << "install python3-h5py to judge trajectories by another program";
+  }
+  const TemporaryFolder folder;
+  const Trajectory written = randomTrajectory(50);
+  writeTrajectory(written, folder / "run.h5");
+  std::ofstream(folder / "read.py") << R"(
+import h5py, sys
+f = h5py.File(sys.argv[1])
+print(f.attrs["format"], f.attrs["format_version"], f["model"].attrs["name"])
+print(f["position"].shape, f["position"].dtype, f["position"].attrs["unit"])
+print(f["rotation"].shape, f["model/joints"].shape, f["events/text"].asstr()[0])
+print(f["position"][49, 15, 1].hex(), f["rotation"][0, 2, 0].hex())
+print(f["settings"].asstr()[0])
+)";
+  const std::string text = outputOf("/usr/bin/python3 '" + (folder / "read.py").string() + "' '" +
+                                    (folder / "run.h5").string() + "'");
+  EXPECT_THAT(text, HasSubstr("kirireel trajectory 1.0 " + written.model.name + "\n"));
+  EXPECT_THAT(text, HasSubstr("(50, 16, 3) float64 m\n(50, 16, 4) (24, 5) paused\n"));
+  // Python's hex() of a double reads back exactly; strtod reads it.
+  const std::size_t at = text.find("paused\n") + 7;
+  char* next = nullptr;
+  EXPECT_EQ(std::strtod(text.c_str() + at, &next), written.samples[49].poses[15].position.y());
+  EXPECT_EQ(std::strtod(next, nullptr), written.samples[0].poses[2].rotation.w());
+  EXPECT_THAT(text, HasSubstr("Ångström"));
+}
+
+TEST(TrajectoryFile, RefusesAFileThatIsNotThereOrForeign) {
+  const TemporaryFolder folder;
+  const std::string mend = "; give a whole trajectory.h5 as kirireel record leaves it";
+  const std::filesystem::path file = folder / "run.h5";
+  EXPECT_EQ(refusalOf(file), file.string() +
+                                 ": error: there is no such file; give a trajectory.h5 as "
+                                 "kirireel record leaves it");
+  std::ofstream(file) << "0 0 0 1 0 0 1 1 0\n";
+  EXPECT_EQ(refusalOf(file), file.string() + ": error: this is not an HDF5 file" + mend);
+  ArrayWriter(file, file).close();
+  EXPECT_EQ(refusalOf(file), file.string() + ": error: this HDF5 file is not a trajectory" + mend);
+}
+
+TEST(TrajectoryFile, RefusesAFileThatIsCutShort) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder / "run.h5";
+  writeTrajectory(randomTrajectory(200), file);
+  const auto whole = std::filesystem::file_size(file);
+  for (const double share : {0.99, 0.5, 0.1, 0.001}) {
+    std::filesystem::resize_file(file, static_cast<std::uintmax_t>(share * whole));
+    EXPECT_THAT(refusalOf(file), HasSubstr("run.h5: error: ")) << share;
+    EXPECT_THAT(refusalOf(file), HasSubstr("; give a whole trajectory.h5")) << share;
+  }
+}
+
+TEST(TrajectoryFile, NoticesAChangedByteAmongThePoses) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder / "run.h5";
+  writeTrajectory(randomTrajectory(200), file);
+  const std::string whole = bytesOf(file);
+  for (const double share : {0.4, 0.5, 0.6, 0.7}) {  // nearly all of the file are poses
+    std::string bytes = whole;
+    bytes[static_cast<std::size_t>(share * bytes.size())] ^= 1;
+    std::ofstream(file, std::ios::binary | std::ios::trunc) << bytes;
+    EXPECT_THAT(refusalOf(file), HasSubstr(" is damaged; give a whole trajectory.h5")) << share;
+  }
+}
+
+/// A trajectory's file with one array replaced.
+template <typename Change>
+std::string refusalAfter(const Change& change) {
+  const TemporaryFolder folder;
+  Trajectory trajectory = randomTrajectory(3);
+  change(trajectory);
+  writeTrajectory(trajectory, folder / "run.h5");
+  const std::string message = refusalOf(folder / "run.h5");
+  return message.substr(std::min(message.size(), message.find("error: ")));
+}
+
+TEST(TrajectoryFile, RefusesContradictions) {
+  const std::string mend = "; give a whole trajectory.h5 as kirireel record leaves it";
+  EXPECT_EQ(refusalAfter([](Trajectory& t) { t.samples.clear(); }),
+            "error: there is no sample" + mend);
+  EXPECT_EQ(refusalAfter([](Trajectory& t) { t.samples[2].time = 0; }),
+            "error: the samples' times do not rise" + mend);
+  EXPECT_EQ(refusalAfter([](Trajectory& t) { t.samples[1].poses[2].position.x() = NAN; }),
+            "error: a pose in position or rotation is not finite, or no rotation" + mend);
+  EXPECT_EQ(refusalAfter([](Trajectory& t) { t.samples[1].poses[2].rotation.w() = 3; }),
+            "error: a pose in position or rotation is not finite, or no rotation" + mend);
+  EXPECT_EQ(refusalAfter([](Trajectory& t) { t.model.joints[0].b.vertex = 4; }),
+            "error: model/joints names vertex 4 of tile " +
+                std::to_string(makeTessellation({}).joints[0].b.tile) + ", which is not there" +
+                mend);
+  EXPECT_EQ(refusalAfter([](Trajectory& t) { t.model.joints[0].face = static_cast<JointFace>(7); }),
+            "error: model/joints has the face 7 instead of 1, 2 or 3" + mend);
+  EXPECT_EQ(
+      refusalAfter([](Trajectory& t) { t.model.target->pop_back(); }),
+      "error: the array model/target has 180 entries instead of 192, or another shape" + mend);
+  EXPECT_EQ(refusalAfter([](Trajectory& t) { t.bricks[3].normal *= 2; }),
+            "error: the normal of brick 3 in bricks/normal is not a unit vector" + mend);
+  EXPECT_EQ(refusalAfter([](Trajectory& t) { t.model.tiles[0].vertices.clear(); }),
+            "error: a tile in model/tile_sizes has 0 vertices" + mend);
+}
+
+TEST(TrajectoryFile, SaysThatItCannotBeWritten) {
+  EXPECT_THAT(
+      messageOf<OutputError>([] { writeTrajectory(randomTrajectory(1), "/proc/kirireel/run.h5"); }),
+      HasSubstr("/proc/kirireel: error: cannot write in this folder"));
+}
+
+}  // namespace
+}  // namespace kirireel
