@@ -48,16 +48,18 @@ class Handle {
   herr_t (*close_)(hid_t) = nullptr;
 };
 
-/// Before anything else: failures are thrown, not printed; nothing is retried as the program ends;
-/// and no file is locked, which network file systems often refuse.
-Handle accessProperties() {
-  static const bool once = [] {
-    H5dont_atexit();
-    return true;
-  }();
+/// Comes before any other call of HDF5: failures are thrown, not printed, and nothing is tried
+/// again as the program ends.
+void startLibrary() {
+  static const herr_t once = H5dont_atexit();
   static_cast<void>(once);
   H5Eset_auto(H5E_DEFAULT, nullptr, nullptr);
+}
+
+Handle accessProperties() {
+  startLibrary();
   Handle properties(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  // Network file systems often refuse locks.
   H5Pset_file_locking(properties.id(), false, true);
   // The format of HDF5 1.8: what describes the arrays has checksums, and MATLAB still reads it.
   H5Pset_libver_bounds(properties.id(), H5F_LIBVER_V18, H5F_LIBVER_V18);
@@ -122,8 +124,9 @@ struct ArrayWriter::Internals {
     std::size_t rows = 0;
   };
 
-  void check(bool done) const {
+  void check(bool done) {
     if (done) return;
+    failed = true;
     const std::string reason = errno != 0 ? std::strerror(errno) : "HDF5 reports no reason";
     throw OutputError(
         fmt::format("{}: error: cannot be written ({}); free some space or choose another folder "
@@ -142,11 +145,9 @@ struct ArrayWriter::Internals {
 
   void writeWhole(const std::string& name, hid_t stored, hid_t given, const void* entries,
                   const Shape& shape) {
-    Handle array = make(name, stored, spaceOf(shape), untimed(H5P_DATASET_CREATE));
-    if (entryCount(shape) > 0) {
-      check(H5Dwrite(array.id(), given, H5S_ALL, H5S_ALL, H5P_DEFAULT, entries) >= 0);
-    }
-    check(array.close());
+    arrays.push_back(make(name, stored, spaceOf(shape), untimed(H5P_DATASET_CREATE)));
+    if (entryCount(shape) == 0) return;
+    check(H5Dwrite(arrays.back().id(), given, H5S_ALL, H5S_ALL, H5P_DEFAULT, entries) >= 0);
   }
 
   void setAttribute(const std::string& object, const std::string& name, hid_t stored, hid_t given,
@@ -161,7 +162,9 @@ struct ArrayWriter::Internals {
 
   std::filesystem::path shownPath;
   Handle file;
+  std::vector<Handle> arrays;
   std::map<std::string, Series> series;
+  bool failed = false;
 };
 
 ArrayWriter::ArrayWriter(const std::filesystem::path& path, std::filesystem::path shownPath)
@@ -175,7 +178,12 @@ ArrayWriter::ArrayWriter(const std::filesystem::path& path, std::filesystem::pat
   in.check(in.file.valid());
 }
 
-ArrayWriter::~ArrayWriter() = default;
+ArrayWriter::~ArrayWriter() {
+  // After a failed write (disk full) HDF5 crashes when the file is closed, so it stays open; the
+  // list keeps it reachable and is itself never destroyed.
+  static auto* const kept = new std::vector<std::unique_ptr<Internals>>;
+  if (internals_->failed) kept->push_back(std::move(internals_));
+}
 
 void ArrayWriter::addGroup(const std::string& name) {
   errno = 0;
@@ -245,6 +253,7 @@ void ArrayWriter::setAttribute(const std::string& object, const std::string& nam
 
 void ArrayWriter::close() {
   errno = 0;
+  for (Handle& array : internals_->arrays) internals_->check(array.close());
   for (auto& [name, series] : internals_->series) internals_->check(series.array.close());
   internals_->check(internals_->file.close());
 }
@@ -425,6 +434,7 @@ double ArrayReader::numberAttribute(const std::string& object, const std::string
 }
 
 std::string arrayLibraryVersion() {
+  startLibrary();
   unsigned major = 0;
   unsigned minor = 0;
   unsigned release = 0;
