@@ -8,8 +8,9 @@
 ///     model/                  attribute name
 ///       tile_sizes            tiles            vertices of each tile
 ///       vertices, target      vertices x 3     m; tile by tile; target only if there is one
-///       joints                joints x 5       tile, vertex, tile, vertex, face (1 bottom, 2 top,
-///       3 both) pulled_tiles          (only if given)
+///       joints                joints x 6       tile, vertex, tile, vertex, face, kind
+///       joint_apart           joints x 3       m, corner b to a, of links and fixed joints
+///       pulled_tiles          (only if given)
 ///     bricks/                 attributes rule_thickness, rule_mass, rule_density
 ///       bottom, top           vertices x 3     m, brick axes
 ///       normal                bricks x 3

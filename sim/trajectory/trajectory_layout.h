@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 
 #include "sim/trajectory/trajectory.h"
 
@@ -9,6 +10,7 @@ namespace kirireel::layout {
 
 inline constexpr const char* kFormat = "kirireel trajectory";
 inline constexpr double kFormatVersion = 1;
+inline constexpr std::size_t kJointColumns = 6;
 
 /// A figure that each sample has.
 struct Measure {

@@ -104,17 +104,29 @@ class SubjectReader {
     return {tile, vertex};
   }
 
+  /// A column of model/joints that must lie within a range.
+  int within(int value, int least, int most, const char* column) const {
+    if (value < least || value > most) {
+      file_.refuse(fmt::format("model/joints has the {} {} instead of {} to {}", column, value,
+                               least, most));
+    }
+    return value;
+  }
+
   std::vector<Joint> readJoints() const {
     const std::vector<int> rows = file_.integers("model/joints");
-    if (rows.size() % 5 != 0) file_.refuse("model/joints does not have 5 columns");
+    const std::size_t count = rows.size() / layout::kJointColumns;
+    if (rows.size() != layout::kJointColumns * count) {
+      file_.refuse(fmt::format("model/joints does not have {} columns", layout::kJointColumns));
+    }
+    const std::vector<double> apart = numbers("model/joint_apart", {count, 3});
     std::vector<Joint> joints;
-    for (std::size_t k = 0; k < rows.size(); k += 5) {
-      const int face = rows[k + 4];
-      if (face < 1 || face > 3) {
-        file_.refuse(fmt::format("model/joints has the face {} instead of 1, 2 or 3", face));
-      }
-      joints.push_back({corner(rows[k], rows[k + 1]), corner(rows[k + 2], rows[k + 3]),
-                        static_cast<JointFace>(face)});
+    for (std::size_t k = 0; k < count; ++k) {
+      const int* row = &rows[layout::kJointColumns * k];
+      joints.push_back({corner(row[0], row[1]), corner(row[2], row[3]),
+                        static_cast<JointFace>(within(row[4], 1, 3, "face")),
+                        static_cast<JointKind>(within(row[5], 0, 2, "kind")),
+                        Vector3(&apart[3 * k])});
     }
     return joints;
   }

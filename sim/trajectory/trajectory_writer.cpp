@@ -55,14 +55,17 @@ void writePoints(ArrayWriter& file, const std::string& name, const std::vector<d
 
 void writeJoints(ArrayWriter& file, const std::vector<Joint>& joints) {
   std::vector<int> rows;
+  std::vector<double> apart;
   for (const Joint& joint : joints) {
     rows.insert(rows.end(), {joint.a.tile, joint.a.vertex, joint.b.tile, joint.b.vertex,
-                             static_cast<int>(joint.face)});
+                             static_cast<int>(joint.face), static_cast<int>(joint.kind)});
+    append(apart, joint.apart);
   }
-  file.write("model/joints", std::span<const int>(rows), {joints.size(), 5});
+  file.write("model/joints", std::span<const int>(rows), {joints.size(), layout::kJointColumns});
   file.setAttribute("model/joints", "columns",
                     std::string("tile a, vertex a, tile b, vertex b, face (1 bottom, 2 top, 3 "
-                                "both)"));
+                                "both), kind (0 pivot, 1 link, 2 fixed)"));
+  writePoints(file, "model/joint_apart", apart);
 }
 
 void writeModel(ArrayWriter& file, const Model& model) {

@@ -70,6 +70,8 @@ void expectSameSubject(const Subject& a, const Subject& b) {
     EXPECT_EQ(a.model.joints[k].a, b.model.joints[k].a);
     EXPECT_EQ(a.model.joints[k].b, b.model.joints[k].b);
     EXPECT_EQ(a.model.joints[k].face, b.model.joints[k].face);
+    EXPECT_EQ(a.model.joints[k].kind, b.model.joints[k].kind);
+    EXPECT_EQ(a.model.joints[k].apart, b.model.joints[k].apart);
   }
   EXPECT_EQ(a.brickRule.thickness, b.brickRule.thickness);
   EXPECT_EQ(a.brickRule.mass, b.brickRule.mass);
@@ -121,6 +123,7 @@ TEST(TrajectoryFile, KeepsEveryBit) {
   const TemporaryFolder folder;
   Trajectory written = randomTrajectory(7);
   written.model.pulledTiles = {0, 3};
+  written.model.joints.push_back(makeFixedJoint(written.model.tiles, 0, 5));
   writeTrajectory(written, folder / "run.h5");
   const Trajectory read = readTrajectory(folder / "run.h5");
   expectSameSubject(read, written);
@@ -192,7 +195,7 @@ print(f["settings"].asstr()[0])
   const std::string text = outputOf("/usr/bin/python3 '" + (folder / "read.py").string() + "' '" +
                                     (folder / "run.h5").string() + "'");
   EXPECT_THAT(text, HasSubstr("kirireel trajectory 1.0 " + written.model.name + "\n"));
-  EXPECT_THAT(text, HasSubstr("(50, 16, 3) float64 m\n(50, 16, 4) (24, 5) paused\n"));
+  EXPECT_THAT(text, HasSubstr("(50, 16, 3) float64 m\n(50, 16, 4) (24, 6) paused\n"));
   // Python's hex() of a double reads back exactly; strtod reads it.
   const std::size_t at = text.find("paused\n") + 7;
   char* next = nullptr;
@@ -265,7 +268,7 @@ TEST(TrajectoryFile, RefusesContradictions) {
                 std::to_string(makeTessellation({}).joints[0].b.tile) + ", which is not there" +
                 mend);
   EXPECT_EQ(refusalAfter([](Trajectory& t) { t.model.joints[0].face = static_cast<JointFace>(7); }),
-            "error: model/joints has the face 7 instead of 1, 2 or 3" + mend);
+            "error: model/joints has the face 7 instead of 1 to 3" + mend);
   EXPECT_EQ(
       refusalAfter([](Trajectory& t) { t.model.target->pop_back(); }),
       "error: the array model/target has 180 entries instead of 192, or another shape" + mend);
