@@ -25,7 +25,7 @@ constexpr double kFarthestDrawn = 20;
 void requireValidSettings(const RecordSettings& settings) {
   requireValidSize(settings.size);
   if (settings.snapshots) layOutGrid(settings.size, settings.grid);
-  if (settings.video) requireValidSettings(videoSettings(settings));
+  if (settings.video) requireValidSettings(output::kVideo, videoSettings(settings));
   if (settings.framesPerSecond < 1 || settings.framesPerSecond > 240) {
     throw InputError(fmt::format("error: {} frames a second are not possible; give --fps 1 to 240",
                                  settings.framesPerSecond));

@@ -1,16 +1,18 @@
 #include "render/video/video.h"
 
-#include <algorithm>
 #include <array>
+#include <cstring>
+#include <utility>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 extern "C" {
 #include <libavcodec/avcodec.h>
+#include <libavfilter/avfilter.h>
+#include <libavfilter/buffersink.h>
+#include <libavfilter/buffersrc.h>
 #include <libavformat/avformat.h>
 #include <libavutil/opt.h>
-#include <libswscale/swscale.h>
 }
 
 #include "sim/base/error.h"
@@ -18,9 +20,6 @@ extern "C" {
 
 namespace kirireel {
 namespace {
-
-constexpr std::array kPresets = {"ultrafast", "superfast", "veryfast", "faster",   "fast",
-                                 "medium",    "slow",      "slower",   "veryslow", "placebo"};
 
 // x264's macroblock tree (a bit-rate saving) reads unset memory, and so gives other bytes from run
 // to run, where a row of macroblocks is no whole number of its vectors: 8 macroblocks of 16 pixels.
@@ -31,10 +30,15 @@ struct Free {
   void operator()(AVCodecContext* encoder) const { avcodec_free_context(&encoder); }
   void operator()(AVFrame* image) const { av_frame_free(&image); }
   void operator()(AVPacket* packet) const { av_packet_free(&packet); }
-  void operator()(SwsContext* converter) const { sws_freeContext(converter); }
+  void operator()(AVFilterGraph* graph) const { avfilter_graph_free(&graph); }
+  void operator()(AVFilterInOut* ends) const { avfilter_inout_free(&ends); }
   void operator()(AVFormatContext* container) const {
-    avio_closep(&container->pb);
-    avformat_free_context(container);
+    if (container->iformat != nullptr) {
+      avformat_close_input(&container);
+    } else {
+      avio_closep(&container->pb);
+      avformat_free_context(container);
+    }
   }
 };
 template <typename T>
@@ -46,80 +50,91 @@ std::string reasonOf(int code) {
   return text.data();
 }
 
-/// A copy with every pixel composed over white.
-std::vector<std::uint8_t> overWhite(const Frame& frame) {
-  std::vector<std::uint8_t> pixels = frame.pixels;
-  for (std::size_t k = 0; k < pixels.size(); k += 4) {
-    const int alpha = pixels[k + 3];
-    for (std::size_t channel = k; channel < k + 3; ++channel) {
-      const int mixed = pixels[channel] * alpha + 255 * (255 - alpha);
-      pixels[channel] = static_cast<std::uint8_t>((mixed + 127) / 255);
+/// Copies a frame, every pixel composed over white unless alpha is kept.
+void copyPixels(const Frame& frame, bool keepAlpha, AVFrame& image) {
+  const std::size_t rowBytes = static_cast<std::size_t>(frame.size.width) * 4;
+  const bool opaque = keepAlpha || isOpaque(frame);
+  for (int y = 0; y < frame.size.height; ++y) {
+    const std::uint8_t* from = frame.pixels.data() + frame.rowStart(y);
+    std::uint8_t* to = image.data[0] + static_cast<std::ptrdiff_t>(y) * image.linesize[0];
+    std::memcpy(to, from, rowBytes);
+    for (std::size_t k = 0; !opaque && k < rowBytes; ++k) {
+      const int alpha = from[k | 3];
+      to[k] = (k & 3) == 3
+                  ? 255
+                  : static_cast<std::uint8_t>((from[k] * alpha + 255 * (255 - alpha) + 127) / 255);
     }
   }
-  return pixels;
 }
+
+/// A dictionary of libav's options, freed at the end of its scope.
+class Options {
+ public:
+  Options() = default;
+  ~Options() { av_dict_free(&dictionary_); }
+  Options(const Options&) = delete;
+  Options& operator=(const Options&) = delete;
+
+  void set(const char* name, const std::string& value) {
+    av_dict_set(&dictionary_, name, value.c_str(), 0);
+  }
+  AVDictionary** get() { return &dictionary_; }
+
+ private:
+  AVDictionary* dictionary_ = nullptr;
+};
 
 }  // namespace
-
-void requireValidSettings(const VideoSettings& settings) {
-  requireValidSize(settings.size);
-  const auto [width, height] = settings.size;
-  if (width % 2 != 0 || height % 2 != 0) {
-    throw InputError(
-        fmt::format("error: a video of {} x {} pixels has an odd side; H.264 needs even "
-                    "ones, for example --size {}x{}",
-                    width, height, width + width % 2, height + height % 2));
-  }
-  if (settings.framesPerSecond < 1 || settings.framesPerSecond > 1000) {
-    throw InputError(fmt::format("error: {} frames a second are not possible; give 1 to 1000",
-                                 settings.framesPerSecond));
-  }
-  if (settings.crf < 0 || settings.crf > 51) {
-    throw InputError(
-        fmt::format("error: the video's crf is {}; give 0 (lossless) to 51 (worst), for example 18",
-                    settings.crf));
-  }
-  if (std::ranges::find(kPresets, settings.preset) == kPresets.end()) {
-    throw InputError(fmt::format("error: x264 has no preset \"{}\"; give one of {}",
-                                 settings.preset, fmt::join(kPresets, ", ")));
-  }
-}
 
 struct VideoWriter::Internals {
   Internals(std::filesystem::path path, const VideoSettings& videoSettings);
 
+  void openFilters();
   void openEncoder();
+  void setQuality() const;
   void openContainer();
-  void openConverter();
   void requireOpen() const;
-  void convert(const Frame& frame);
+  void put(const Frame& frame);
+  void pullFiltered();
   void encode(const AVFrame* input);
+  void close();
+  void moveIndexToFront();
 
   /// Throws OutputError when a libav call reported an error.
   void check(int code) const;
+  /// The same, where the size is what may be wrong.
+  void requireAccepted(int code) const;
+  bool isMp4() const { return std::strcmp(format.muxer, "mp4") == 0; }
 
   VideoSettings settings;
+  const VideoFormat& format;
   PendingFile file;
+  Owned<AVFilterGraph> filters;
   Owned<AVCodecContext> encoder;
   Owned<AVFormatContext> container;
-  Owned<SwsContext> converter;
-  Owned<AVFrame> image;
+  Owned<AVFrame> image;     ///< as given
+  Owned<AVFrame> filtered;  ///< as encoded
   Owned<AVPacket> packet;
-  AVStream* stream = nullptr;  ///< owned by the container
-  std::int64_t frames = 0;     ///< written so far
+  AVFilterContext* source = nullptr;  ///< owned by the filters
+  AVFilterContext* sink = nullptr;    ///< owned by the filters
+  AVStream* stream = nullptr;         ///< owned by the container
+  std::int64_t frames = 0;            ///< written so far
   bool finished = false;
 };
 
 VideoWriter::Internals::Internals(std::filesystem::path path, const VideoSettings& videoSettings)
     : settings(videoSettings),
+      format(videoFormatOf(path)),
       file(std::move(path)),
       image(av_frame_alloc()),
+      filtered(av_frame_alloc()),
       packet(av_packet_alloc()) {
   // libav prints on the error stream by itself; what matters is thrown.
   av_log_set_level(AV_LOG_QUIET);
+  if (settings.encoder.empty()) settings.encoder = format.encoder;
+  openFilters();
   openEncoder();
   openContainer();
-  openConverter();
 }
 
 void VideoWriter::Internals::check(int code) const {
@@ -130,45 +145,95 @@ void VideoWriter::Internals::check(int code) const {
                   file.finalPath().string(), reasonOf(code)));
 }
 
+void VideoWriter::Internals::requireAccepted(int code) const {
+  if (code >= 0) return;
+  throw OutputError(
+      fmt::format("{}: error: {} refuses a video of {} x {} pixels ({}); try a smaller "
+                  "--size",
+                  file.finalPath().string(), settings.encoder, settings.size.width,
+                  settings.size.height, reasonOf(code)));
+}
+
+void VideoWriter::Internals::openFilters() {
+  filters.reset(avfilter_graph_alloc());
+  filters->nb_threads = 1;
+  const auto [width, height] = settings.size;
+  const std::string given = fmt::format(
+      "video_size={}x{}:pix_fmt={}:time_base=1/{}:frame_rate={}:pixel_aspect=1/1", width, height,
+      static_cast<int>(AV_PIX_FMT_RGBA), settings.framesPerSecond, settings.framesPerSecond);
+  requireAccepted(avfilter_graph_create_filter(&source, avfilter_get_by_name("buffer"), "in",
+                                               given.c_str(), nullptr, filters.get()));
+  check(avfilter_graph_create_filter(&sink, avfilter_get_by_name("buffersink"), "out", nullptr,
+                                     nullptr, filters.get()));
+  const auto end = [](const char* name, AVFilterContext* filter) {
+    AVFilterInOut* made = avfilter_inout_alloc();
+    *made = {av_strdup(name), filter, 0, nullptr};
+    return made;
+  };
+  AVFilterInOut* from = end("in", source);
+  AVFilterInOut* to = end("out", sink);
+  const int code = avfilter_graph_parse_ptr(filters.get(), format.conversion, &to, &from, nullptr);
+  avfilter_inout_free(&from);
+  avfilter_inout_free(&to);
+  check(code);
+  requireAccepted(avfilter_graph_config(filters.get(), nullptr));
+
+  image->width = width;
+  image->height = height;
+  image->format = AV_PIX_FMT_RGBA;
+  image->sample_aspect_ratio = {1, 1};
+  requireAccepted(av_frame_get_buffer(image.get(), 0));
+}
+
+/// Each encoder takes the options that it knows and leaves the others.
+void VideoWriter::Internals::setQuality() const {
+  void* options = encoder->priv_data;
+  const int crf = settings.crf.value_or(format.usualCrf);
+  if (crf >= 0) av_opt_set_int(options, "crf", crf, 0);
+  if (settings.encoder == "libx264") {
+    av_opt_set(options, "preset", settings.preset.c_str(), 0);
+    if (settings.size.width % kTreeWidth != 0) av_opt_set_int(options, "mbtree", 0, 0);
+  } else if (settings.encoder == "libvpx-vp9") {
+    av_opt_set_int(options, "cpu-used", 5 - presetStep(settings.preset) / 2, 0);
+  } else if (settings.encoder == "ffv1") {
+    encoder->level = 3;  // slices with checksums
+  }
+}
+
 void VideoWriter::Internals::openEncoder() {
   const AVCodec* codec = avcodec_find_encoder_by_name(settings.encoder.c_str());
   if (codec == nullptr) {
     throw OutputError(
         fmt::format("{}: error: libavcodec has no encoder {} here, so no video can be "
-                    "made; install Debian's libavcodec-extra, or an FFmpeg built with it",
+                    "made; install Debian's libavcodec-extra, or choose another with --encoder or "
+                    "another ending with --video",
                     file.finalPath().string(), settings.encoder));
   }
   encoder.reset(avcodec_alloc_context3(codec));
   encoder->width = settings.size.width;
   encoder->height = settings.size.height;
   encoder->sample_aspect_ratio = {1, 1};
-  encoder->pix_fmt = AV_PIX_FMT_YUV420P;
-  encoder->time_base = {1, settings.framesPerSecond};
-  encoder->framerate = {settings.framesPerSecond, 1};
-  encoder->color_primaries = AVCOL_PRI_BT709;
-  encoder->color_trc = AVCOL_TRC_BT709;
-  encoder->colorspace = AVCOL_SPC_BT709;
-  encoder->color_range = AVCOL_RANGE_MPEG;
-  encoder->chroma_sample_location = AVCHROMA_LOC_LEFT;
+  encoder->pix_fmt = static_cast<AVPixelFormat>(av_buffersink_get_format(sink));
+  encoder->time_base = av_buffersink_get_time_base(sink);
+  encoder->framerate = av_buffersink_get_frame_rate(sink);
+  if (encoder->pix_fmt == AV_PIX_FMT_YUV420P) {
+    encoder->color_primaries = AVCOL_PRI_BT709;
+    encoder->color_trc = AVCOL_TRC_BT709;
+    encoder->colorspace = AVCOL_SPC_BT709;
+    encoder->color_range = AVCOL_RANGE_MPEG;
+    encoder->chroma_sample_location = AVCHROMA_LOC_LEFT;
+  }
   // x264 with several threads gives other bytes for another number of them.
   encoder->thread_count = 1;
   encoder->flags |= AV_CODEC_FLAG_GLOBAL_HEADER | AV_CODEC_FLAG_BITEXACT;
-  av_opt_set_int(encoder->priv_data, "crf", settings.crf, 0);
-  av_opt_set(encoder->priv_data, "preset", settings.preset.c_str(), 0);
-  if (settings.size.width % kTreeWidth != 0) av_opt_set_int(encoder->priv_data, "mbtree", 0, 0);
+  setQuality();
   const int code = avcodec_open2(encoder.get(), codec, nullptr);
-  if (code < 0) {
-    throw OutputError(
-        fmt::format("{}: error: {} refuses a video of {} x {} pixels ({}); try a smaller "
-                    "--size",
-                    file.finalPath().string(), settings.encoder, settings.size.width,
-                    settings.size.height, reasonOf(code)));
-  }
+  requireAccepted(code);
 }
 
 void VideoWriter::Internals::openContainer() {
   AVFormatContext* made = nullptr;
-  check(avformat_alloc_output_context2(&made, nullptr, "mp4", file.path().c_str()));
+  check(avformat_alloc_output_context2(&made, nullptr, format.muxer, file.path().c_str()));
   container.reset(made);
   // No creation time, no library version: the same frames give the same bytes.
   container->flags |= AVFMT_FLAG_BITEXACT;
@@ -177,29 +242,14 @@ void VideoWriter::Internals::openContainer() {
   stream->avg_frame_rate = encoder->framerate;
   check(avcodec_parameters_from_context(stream->codecpar, encoder.get()));
   check(avio_open(&container->pb, file.path().c_str(), AVIO_FLAG_WRITE));
-  // The index goes to the front, so that players can start before they have the whole file.
-  AVDictionary* options = nullptr;
-  av_dict_set(&options, "movflags", "+faststart", 0);
-  const int code = avformat_write_header(container.get(), &options);
-  av_dict_free(&options);
-  check(code);
-}
-
-void VideoWriter::Internals::openConverter() {
-  const auto [width, height] = settings.size;
-  converter.reset(sws_getContext(width, height, AV_PIX_FMT_RGBA, width, height, AV_PIX_FMT_YUV420P,
-                                 SWS_BICUBIC | SWS_ACCURATE_RND | SWS_FULL_CHR_H_INP, nullptr,
-                                 nullptr, nullptr));
-  const int* bt709 = sws_getCoefficients(SWS_CS_ITU709);
-  constexpr int kFullRange = 1;
-  constexpr int kLimitedRange = 0;
-  constexpr int kUnchanged = 1 << 16;  // contrast and saturation, 16.16 fixed point
-  check(sws_setColorspaceDetails(converter.get(), bt709, kFullRange, bt709, kLimitedRange, 0,
-                                 kUnchanged, kUnchanged));
-  image->width = width;
-  image->height = height;
-  image->format = AV_PIX_FMT_YUV420P;
-  check(av_frame_get_buffer(image.get(), 0));
+  Options options;
+  if (isMp4()) {
+    options.set("movflags", "+delay_moov+default_base_moof");
+    options.set("frag_duration", "1000000");  // microseconds
+  }
+  if (std::strcmp(format.muxer, "apng") == 0) options.set("plays", "0");  // again and again
+  container->flush_packets = 1;
+  check(avformat_write_header(container.get(), options.get()));
 }
 
 void VideoWriter::Internals::requireOpen() const {
@@ -208,14 +258,25 @@ void VideoWriter::Internals::requireOpen() const {
       fmt::format("{}: error: the video is finished already", file.finalPath().string()));
 }
 
-void VideoWriter::Internals::convert(const Frame& frame) {
-  // The encoder may still hold the buffer of the frame before.
+void VideoWriter::Internals::put(const Frame& frame) {
+  // The filters may still hold the buffer of the frame before.
   check(av_frame_make_writable(image.get()));
-  const std::vector<std::uint8_t> composed =
-      isOpaque(frame) ? std::vector<std::uint8_t>() : overWhite(frame);
-  const std::uint8_t* pixels = composed.empty() ? frame.pixels.data() : composed.data();
-  const int stride = 4 * frame.size.width;
-  sws_scale(converter.get(), &pixels, &stride, 0, frame.size.height, image->data, image->linesize);
+  copyPixels(frame, format.transparent, *image);
+  image->pts = frames++;
+  check(av_buffersrc_add_frame_flags(source, image.get(), AV_BUFFERSRC_FLAG_KEEP_REF));
+  pullFiltered();
+}
+
+/// Encodes what has come through the filters.
+void VideoWriter::Internals::pullFiltered() {
+  while (true) {
+    const int code = av_buffersink_get_frame(sink, filtered.get());
+    if (code == AVERROR(EAGAIN) || code == AVERROR_EOF) return;
+    check(code);
+    filtered->pict_type = AV_PICTURE_TYPE_NONE;
+    encode(filtered.get());
+    av_frame_unref(filtered.get());
+  }
 }
 
 void VideoWriter::Internals::encode(const AVFrame* input) {
@@ -233,8 +294,52 @@ void VideoWriter::Internals::encode(const AVFrame* input) {
   }
 }
 
+void VideoWriter::Internals::close() {
+  check(av_buffersrc_add_frame(source, nullptr));
+  pullFiltered();
+  encode(nullptr);
+  check(av_write_trailer(container.get()));
+  check(container->pb->error);
+  check(avio_closep(&container->pb));
+}
+
+/// Copies the fragments into one file that starts with its index, so that players can start before
+/// they have the whole file.
+void VideoWriter::Internals::moveIndexToFront() {
+  AVFormatContext* opened = nullptr;
+  check(avformat_open_input(&opened, file.path().c_str(), nullptr, nullptr));
+  const Owned<AVFormatContext> fragments(opened);
+  const AVStream* from = fragments->streams[0];
+
+  std::filesystem::path wholeName = file.finalPath();
+  wholeName.replace_extension(".whole.mp4");
+  PendingFile whole(wholeName);
+  AVFormatContext* made = nullptr;
+  check(avformat_alloc_output_context2(&made, nullptr, format.muxer, whole.path().c_str()));
+  container.reset(made);
+  container->flags |= AVFMT_FLAG_BITEXACT;
+  AVStream* to = avformat_new_stream(container.get(), nullptr);
+  check(avcodec_parameters_copy(to->codecpar, from->codecpar));
+  to->time_base = from->time_base;
+  to->avg_frame_rate = encoder->framerate;
+  check(avio_open(&container->pb, whole.path().c_str(), AVIO_FLAG_WRITE));
+  Options options;
+  options.set("movflags", "+faststart");
+  check(avformat_write_header(container.get(), options.get()));
+  while (av_read_frame(fragments.get(), packet.get()) >= 0) {
+    av_packet_rescale_ts(packet.get(), from->time_base, to->time_base);
+    packet->pos = -1;
+    check(av_interleaved_write_frame(container.get(), packet.get()));
+    check(container->pb->error);
+  }
+  check(av_write_trailer(container.get()));
+  check(container->pb->error);
+  check(avio_closep(&container->pb));
+  std::filesystem::rename(whole.path(), file.path());
+}
+
 VideoWriter::VideoWriter(std::filesystem::path path, const VideoSettings& settings) {
-  requireValidSettings(settings);
+  requireValidSettings(path, settings);
   internals_ = std::make_unique<Internals>(std::move(path), settings);
 }
 
@@ -248,9 +353,7 @@ void VideoWriter::write(const Frame& frame) {
                                   in.file.finalPath().string(), frame.size.width, frame.size.height,
                                   in.settings.size.width, in.settings.size.height));
   }
-  in.convert(frame);
-  in.image->pts = in.frames++;
-  in.encode(in.image.get());
+  in.put(frame);
 }
 
 void VideoWriter::finish() {
@@ -260,10 +363,8 @@ void VideoWriter::finish() {
     throw OutputError(
         fmt::format("{}: error: a video needs at least one frame", in.file.finalPath().string()));
   }
-  in.encode(nullptr);
-  in.check(av_write_trailer(in.container.get()));
-  in.check(in.container->pb->error);
-  in.check(avio_closep(&in.container->pb));
+  in.close();
+  if (in.isMp4()) in.moveIndexToFront();
   in.file.commit();
   in.finished = true;
 }

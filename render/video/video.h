@@ -1,32 +1,60 @@
-/// H.264 video in MP4, as every player and paper supplement takes it. No FFmpeg header is needed to
-/// use it.
+/// Videos, encoded as their frames come. No FFmpeg header is needed to make them.
 #pragma once
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "render/picture/frame.h"
 
 namespace kirireel {
 
-/// How a video is encoded.
+/// How a video is encoded. Its format is that of its file's ending, see videoFormats().
 struct VideoSettings {
-  FrameSize size;                   ///< pixels; both sides even, as halved colour planes need
-  int framesPerSecond = 60;         ///< 1 to 1000
-  int crf = 18;                     ///< constant quality, 0 (lossless) to 51; 18 looks lossless
-  std::string preset = "veryfast";  ///< of x264, "ultrafast" to "placebo"
-  std::string encoder = "libx264";  ///< of libavcodec; one that takes x264's options
+  FrameSize size;            ///< pixels
+  int framesPerSecond = 60;  ///< 1 to 1000; a GIF shows at most 50
+  std::optional<int> crf;    ///< constant quality, from 0 (best); absent: the format's usual one
+  std::string preset = "veryfast";  ///< of x264, "ultrafast" to "placebo"; VP9 has steps like it
+  std::string encoder;              ///< of libavcodec; empty: the format's usual one
 };
 
+/// A kind of video file.
+struct VideoFormat {
+  const char* ending;   ///< of its files, with the dot
+  const char* name;     ///< that people know it by
+  const char* muxer;    ///< of libavformat
+  const char* encoder;  ///< of libavcodec, unless another is asked for
+  /// Filters of libavfilter from sRGB to what the encoder takes.
+  const char* conversion;
+  bool evenSides;    ///< colour planes of half the size
+  bool transparent;  ///< keeps alpha; else what is transparent shows white
+  int usualCrf;      ///< looks lossless; negative when there is no such quality
+  int worstCrf;
+};
+
+/// All formats: .mp4 (H.264), .webm (VP9), .gif, .apng, .mkv (FFV1, lossless).
+const std::vector<VideoFormat>& videoFormats();
+
+/// The format of a file by its ending. Throws InputError for an ending that stands for none.
+const VideoFormat& videoFormatOf(const std::filesystem::path& file);
+
 /// Throws InputError that names the setting, what was given and what is allowed.
-void requireValidSettings(const VideoSettings& settings);
+void requireValidSettings(const std::filesystem::path& file, const VideoSettings& settings);
+
+/// The place of an x264 preset in its list, 0 ("ultrafast") to 9 ("placebo").
+int presetStep(const std::string& preset);
 
 /// Encodes frames as they come. The file appears under its final name in finish(); a writer that
 /// goes without it leaves nothing. The same frames and settings give the same bytes.
 ///
-/// Colours are converted to BT.709, limited range, 4:2:0, and the stream says so: untagged, players
-/// guess by the picture's size.
+/// Until finish() an MP4 is written in fragments of a second under the name of a pending file, so
+/// that even what a killed process leaves there plays.
+///
+/// Colours of MP4 and WebM are converted to BT.709, limited range, 4:2:0, and the stream says so:
+/// untagged, players guess by the picture's size. GIF gets the best 256 colours of each frame; APNG
+/// and FFV1 keep every byte.
 class VideoWriter {
  public:
   /// Throws InputError for settings out of range, OutputError when the encoder is missing or the
@@ -36,8 +64,8 @@ class VideoWriter {
   VideoWriter(const VideoWriter&) = delete;
   VideoWriter& operator=(const VideoWriter&) = delete;
 
-  /// Appends a frame of the settings' size; what is transparent shows white. Throws OutputError
-  /// (disk full, a frame of another size, already finished).
+  /// Appends a frame of the settings' size. Throws OutputError (disk full, a frame of another size,
+  /// already finished).
   void write(const Frame& frame);
 
   /// Encodes what is pending and puts the file in place. Call it once, after one frame at least;

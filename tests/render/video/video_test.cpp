@@ -9,6 +9,8 @@
 #include <gtest/gtest.h>
 #include <malloc.h>
 #include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "sim/base/error.h"
 #include "tests/support/files.h"
@@ -143,27 +145,71 @@ TEST(Video, IsWhatFfprobeSaysItIs) {
   EXPECT_THAT(stream, ::testing::Not(HasSubstr("creation_time")));
 }
 
-TEST(Video, KeepsFlatColours) {
-  if (!hasProgram("ffmpeg")) GTEST_SKIP() << "install ffmpeg to judge videos by its decoder";
-  const std::array<Colour, 8> colours = {{{255, 255, 255, 255},
-                                          {0, 0, 0, 255},
-                                          {128, 128, 128, 255},
-                                          {230, 40, 30, 255},
-                                          {30, 160, 60, 255},
-                                          {20, 60, 200, 255},
-                                          {240, 200, 80, 255},
-                                          {120, 40, 140, 255}}};
+constexpr std::array<Colour, 8> kStripes = {{{255, 255, 255, 255},
+                                             {0, 0, 0, 255},
+                                             {128, 128, 128, 255},
+                                             {230, 40, 30, 255},
+                                             {30, 160, 60, 255},
+                                             {20, 60, 200, 255},
+                                             {240, 200, 80, 255},
+                                             {120, 40, 140, 255}}};
+
+/// A video of three frames of upright stripes, 40 pixels wide.
+void writeStripes(const std::filesystem::path& path) {
   Frame frame = makeFrame(kSize, {255, 255, 255, 255});
-  for (int k = 0; k < 8; ++k) fill(frame, 40 * k, 0, 40, 180, colours[k]);
-  const TemporaryFolder folder;
-  VideoWriter writer(folder / "flat.mp4", settingsOf(kSize));
+  for (int k = 0; k < 8; ++k) fill(frame, 40 * k, 0, 40, 180, kStripes[k]);
+  VideoWriter writer(path, settingsOf(kSize));
   for (int k = 0; k < 3; ++k) writer.write(frame);
   writer.finish();
-  const DecodedFrame decoded(folder / "flat.mp4", 2, kSize);
-  ASSERT_TRUE(decoded.isWhole());
-  for (int k = 0; k < 8; ++k) {
-    SCOPED_TRACE(k);
-    expectColour(decoded, 40 * k + 20, 90, colours[k], 2);  // measured: 1.5
+}
+
+TEST(Video, KeepsFlatColours) {
+  if (!hasProgram("ffmpeg")) GTEST_SKIP() << "install ffmpeg to judge videos by its decoder";
+  for (const char* name : {"flat.mp4", "flat.webm"}) {
+    const TemporaryFolder folder;
+    writeStripes(folder / name);
+    const DecodedFrame decoded(folder / name, 2, kSize);
+    ASSERT_TRUE(decoded.isWhole());
+    for (int k = 0; k < 8; ++k) {
+      SCOPED_TRACE(std::string(name) + " " + std::to_string(k));
+      expectColour(decoded, 40 * k + 20, 90, kStripes[k], 2);  // measured: 1.5 in both
+    }
+  }
+}
+
+TEST(Video, KeepsFlatColoursExactlyWithoutChroma) {
+  if (!hasProgram("ffmpeg")) GTEST_SKIP() << "install ffmpeg to judge videos by its decoder";
+  for (const char* name : {"flat.gif", "flat.apng", "flat.mkv"}) {
+    const TemporaryFolder folder;
+    writeStripes(folder / name);
+    const std::string pixels =
+        outputOf("ffmpeg -i '" + (folder / name).string() + "' -f rawvideo -pix_fmt rgb24 -");
+    ASSERT_GE(pixels.size(), 2U * 320 * 180 * 3) << name;
+    for (int k = 0; k < 8; ++k) {
+      const char* pixel = pixels.data() + 3 * (90 * 320 + 40 * k + 20);
+      const Colour found = {static_cast<std::uint8_t>(pixel[0]),
+                            static_cast<std::uint8_t>(pixel[1]),
+                            static_cast<std::uint8_t>(pixel[2]), 255};
+      EXPECT_EQ(found, kStripes[k]) << name << " " << k;
+    }
+  }
+}
+
+TEST(Video, OtherFormatsAreWhatFfprobeSaysTheyAre) {
+  if (!hasProgram("ffprobe")) GTEST_SKIP() << "install ffmpeg to judge videos by ffprobe";
+  const TemporaryFolder folder;
+  const std::vector<std::pair<const char*, std::vector<const char*>>> expected = {
+      {"disk.webm",
+       {"codec_name=vp9", "pix_fmt=yuv420p", "color_range=tv", "color_space=bt709",
+        "color_transfer=bt709", "color_primaries=bt709", "nb_read_frames=25"}},
+      {"disk.gif", {"codec_name=gif", "r_frame_rate=50/1", "nb_read_frames=20"}},
+      {"disk.apng", {"codec_name=apng", "pix_fmt=rgba", "nb_read_frames=25"}},
+      {"disk.mkv", {"codec_name=ffv1", "pix_fmt=bgr0", "nb_read_frames=25"}}};
+  for (const auto& [name, lines] : expected) {
+    writeDiskVideo(folder / name, 25);
+    const std::string stream =
+        outputOf("ffprobe -v error -count_frames -show_streams '" + (folder / name).string() + "'");
+    for (const char* line : lines) EXPECT_THAT(stream, HasSubstr(line)) << name;
   }
 }
 
@@ -214,11 +260,30 @@ std::string bytesWithMemoryOf(int pattern, FrameSize size, const std::string& pr
 
 TEST(Video, HasTheSameBytesInTwoRuns) {
   const TemporaryFolder folder;
-  writeDiskVideo(folder / "first.mp4", 25);
-  writeDiskVideo(folder / "second.mp4", 25);
-  const std::string first = bytesOf(folder / "first.mp4");
-  EXPECT_GT(first.size(), 1000U);
-  EXPECT_TRUE(first == bytesOf(folder / "second.mp4"));
+  for (const VideoFormat& format : videoFormats()) {
+    const std::string ending = format.ending;
+    writeDiskVideo(folder / ("first" + ending), 25);
+    writeDiskVideo(folder / ("second" + ending), 25);
+    const std::string first = bytesOf(folder / ("first" + ending));
+    EXPECT_GT(first.size(), 1000U);
+    EXPECT_TRUE(first == bytesOf(folder / ("second" + ending))) << ending;
+  }
+}
+
+TEST(Video, PlaysAsFarAsItGotWhenItsProcessIsKilled) {
+  if (!hasProgram("ffprobe")) GTEST_SKIP() << "install ffmpeg to judge videos by ffprobe";
+  const TemporaryFolder folder;
+  const pid_t child = ::fork();
+  if (child == 0) {
+    VideoWriter writer(folder / "disk.mp4", settingsOf(kSize));
+    for (int k = 0; k < 300; ++k) writer.write(diskFrame(k % 30));
+    ::kill(::getpid(), SIGKILL);
+  }
+  ::waitpid(child, nullptr, 0);
+  const std::string frames =
+      outputOf("ffprobe -v error -count_frames -show_entries stream=nb_read_frames -of csv=p=0 '" +
+               (folder / "disk.part.mp4").string() + "'");
+  EXPECT_GE(std::atoi(frames.c_str()), 180);  // measured: 240 of 300; x264 looks ahead
 }
 
 TEST(Video, HasTheSameBytesWhateverIsInMemory) {
@@ -246,7 +311,7 @@ TEST(Video, RefusesSettingsOutOfRange) {
   const auto refusal = [](auto change) {
     VideoSettings settings = settingsOf(kSize);
     change(settings);
-    return messageOf<InputError>([&] { requireValidSettings(settings); });
+    return messageOf<InputError>([&] { requireValidSettings("disk.mp4", settings); });
   };
   EXPECT_EQ(
       refusal([](VideoSettings& s) {
@@ -257,11 +322,28 @@ TEST(Video, RefusesSettingsOutOfRange) {
   EXPECT_EQ(refusal([](VideoSettings& s) { s.framesPerSecond = 0; }),
             "error: 0 frames a second are not possible; give 1 to 1000");
   EXPECT_EQ(refusal([](VideoSettings& s) { s.crf = 52; }),
-            "error: the video's crf is 52; give 0 (lossless) to 51 (worst), for example 18");
+            "error: the video's crf is 52; give 0 (best) to 51 (worst), for example 18");
   EXPECT_EQ(refusal([](VideoSettings& s) { s.preset = "quick"; }),
             "error: x264 has no preset \"quick\"; give one of ultrafast, superfast, veryfast, "
             "faster, fast, medium, slow, slower, veryslow, placebo");
   EXPECT_THAT(refusal([](VideoSettings& s) { s.size = {0, 480}; }), HasSubstr("0 x 480"));
+  EXPECT_THAT(refusal([](VideoSettings& s) { s.size = {100000, 480}; }), HasSubstr("100000 x 480"));
+}
+
+TEST(Video, RefusesWhatItsFormatDoesNotHave) {
+  const auto refusal = [](const char* file, const VideoSettings& settings) {
+    return messageOf<InputError>([&] { requireValidSettings(file, settings); });
+  };
+  EXPECT_EQ(refusal("disk.avi", settingsOf(kSize)),
+            "disk.avi: error: no video format goes with this name; let it end in .mp4, .webm, "
+            ".gif, .apng, .mkv");
+  VideoSettings settings = settingsOf({641, 480});
+  EXPECT_EQ(refusal("disk.gif", settings), "nothing was thrown");
+  EXPECT_THAT(refusal("disk.webm", settings), HasSubstr("an odd side; VP9 needs even ones"));
+  settings = settingsOf(kSize);
+  settings.crf = 63;
+  EXPECT_EQ(refusal("disk.webm", settings), "nothing was thrown");
+  EXPECT_EQ(refusal("disk.gif", settings), "error: GIF has no crf to choose; leave --crf away");
 }
 
 TEST(Video, SaysWhichEncoderIsMissing) {
@@ -272,7 +354,8 @@ TEST(Video, SaysWhichEncoderIsMissing) {
   EXPECT_EQ(messageOf<OutputError>([&] { VideoWriter writer(path, settings); }),
             path.string() +
                 ": error: libavcodec has no encoder libx999 here, so no video can be made; "
-                "install Debian's libavcodec-extra, or an FFmpeg built with it");
+                "install Debian's libavcodec-extra, or choose another with --encoder or another "
+                "ending with --video");
   EXPECT_TRUE(folder.isEmpty());
 }
 
