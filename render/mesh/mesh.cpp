@@ -198,18 +198,39 @@ std::string objText(const std::vector<Brick>& bricks, const std::vector<Vector3>
   return text;
 }
 
-std::string plyText(const std::vector<Brick>& bricks, const std::vector<Vector3>& corners,
-                    const std::filesystem::path& path) {
-  std::vector<Face> faces;
+/// The triangles of all bricks, by the numbers of their corners.
+std::vector<Face> allTriangles(const std::vector<Brick>& bricks) {
+  std::vector<Face> triangles;
   unsigned first = 0;
   for (const Brick& brick : bricks) {
     const auto sides = static_cast<unsigned>(brick.bottom.size());
-    std::ranges::copy(facesOf(sides, first), std::back_inserter(faces));
+    std::ranges::copy(triangulated(facesOf(sides, first)), std::back_inserter(triangles));
     first += 2 * sides;
   }
+  return triangles;
+}
+
+std::unique_ptr<aiScene> sceneOf(std::unique_ptr<aiMesh> mesh) {
   std::vector<std::unique_ptr<aiMesh>> meshes;
-  meshes.push_back(sharedMesh(first, triangulated(faces)));
-  const std::string numbers = exported(*sceneOf(std::move(meshes)), "ply", path);
+  meshes.push_back(std::move(mesh));
+  return sceneOf(std::move(meshes));
+}
+
+/// Binary STL holds single precision and no shared vertices: nothing to fill in after.
+std::string stlBytes(const std::vector<Brick>& bricks, const std::vector<Vector3>& corners,
+                     const std::filesystem::path& path) {
+  auto mesh = sharedMesh(static_cast<unsigned>(corners.size()), allTriangles(bricks));
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    const Eigen::Vector3f point = corners[k].cast<float>();
+    mesh->mVertices[k] = {point.x(), point.y(), point.z()};
+  }
+  return exported(*sceneOf(std::move(mesh)), "stlb", path);
+}
+
+std::string plyText(const std::vector<Brick>& bricks, const std::vector<Vector3>& corners,
+                    const std::filesystem::path& path) {
+  auto mesh = sharedMesh(static_cast<unsigned>(corners.size()), allTriangles(bricks));
+  const std::string numbers = exported(*sceneOf(std::move(mesh)), "ply", path);
   constexpr std::string_view kFloat = "property float ";
   std::string text;
   std::string_view rest = numbers;
@@ -227,16 +248,20 @@ std::string plyText(const std::vector<Brick>& bricks, const std::vector<Vector3>
 
 void writeMesh(const std::filesystem::path& path, const std::vector<Brick>& bricks,
                const Poses& poses) {
+  const std::vector<Vector3> corners = worldCorners(bricks, poses);
   const std::string ending = path.extension().string();
-  if (ending != ".obj" && ending != ".ply") {
+  if (ending == ".obj") {
+    writeTextFile(path, objText(bricks, corners, path));
+  } else if (ending == ".ply") {
+    writeTextFile(path, plyText(bricks, corners, path));
+  } else if (ending == ".stl") {
+    writeTextFile(path, stlBytes(bricks, corners, path));
+  } else {
     throw InputError(
         fmt::format("{}: error: \"{}\" is no mesh format known here; let the name end "
-                    "in .obj or .ply",
+                    "in .obj, .ply or .stl",
                     path.string(), ending));
   }
-  const std::vector<Vector3> corners = worldCorners(bricks, poses);
-  writeTextFile(path,
-                ending == ".obj" ? objText(bricks, corners, path) : plyText(bricks, corners, path));
 }
 
 std::string meshLibraryVersion() {

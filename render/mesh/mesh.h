@@ -13,11 +13,13 @@ namespace kirireel {
 
 /// Writes all bricks, at least one, at the given poses; the ending of the path chooses the format:
 /// - .obj: one group a brick named TILE_00000 and so on, polygons, flat normals;
-/// - .ply: one mesh, ASCII, triangles, vertices shared within a brick, no normals.
+/// - .ply: one mesh, ASCII, triangles, vertices shared within a brick, no normals;
+/// - .stl: triangles, binary.
 ///
 /// Every brick is closed, outward, and apart from its neighbours even where they touch: a joint
-/// would else be an edge of four faces. Coordinates are in metres and read back to the last bit.
-/// Throws InputError for another ending, OutputError when the file cannot be written.
+/// would else be an edge of four faces. Coordinates are in metres and, but for STL's single
+/// precision, read back to the last bit. Throws InputError for another ending, OutputError when the
+/// file cannot be written.
 void writeMesh(const std::filesystem::path& path, const std::vector<Brick>& bricks,
                const Poses& poses);
 

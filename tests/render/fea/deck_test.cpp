@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/render/fea/layouts.h"
+#include "tests/support/layouts.h"
 #include "tests/render/fea/read_deck.h"
 
 namespace kirireel {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
-#include "tests/render/fea/layouts.h"
+#include "tests/support/layouts.h"
 
 namespace kirireel {
 namespace {
@@ -92,6 +92,13 @@ TEST(ElementMesh, RefusesPatchesThatAreTooSmallOrTooLarge) {
   EXPECT_EQ(refusal(layout, {.perEdge = 8, .joints = JointStyle::Patch, .patchRadius = 0.8}),
             "error: joint patches of radius 0.8 m overlap on tile 0; keep the radius below half of "
             "its shortest edge");
+}
+
+TEST(ElementMesh, RefusesJointsThatHoldNoCornersTogether) {
+  Layout layout = test::hingedSquares();
+  layout.joints[2].kind = JointKind::Link;
+  EXPECT_EQ(refusal(layout),
+            "error: joint 2 does not hold two corners together; a mesh can hold pivots alone");
 }
 
 TEST(ElementMesh, RefusesToTieATileToItself) {

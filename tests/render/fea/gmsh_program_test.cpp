@@ -4,7 +4,7 @@
 
 #include "render/fea/gmsh.h"
 #include "sim/base/pending_file.h"
-#include "tests/render/fea/layouts.h"
+#include "tests/support/layouts.h"
 #include "tests/render/fea/read_deck.h"
 #include "tests/support/files.h"
 #include "tests/support/program.h"

@@ -1,0 +1,272 @@
+#include "render/mesh/animation.h"
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "sim/base/error.h"
+
+namespace kirireel {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "glTF is little-endian");
+
+using Json = nlohmann::ordered_json;
+
+// glTF's own numbers.
+constexpr int kFloat = 5126;
+constexpr int kUnsigned = 5125;
+constexpr int kVertexTarget = 34962;
+constexpr int kIndexTarget = 34963;
+constexpr std::uint32_t kMagic = 0x46546C67;
+constexpr std::uint32_t kJsonChunk = 0x4E4F534A;
+constexpr std::uint32_t kBinaryChunk = 0x004E4942;
+
+template <typename T>
+void appendBytes(std::string& bytes, const T& value) {
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+void appendVector(std::string& bytes, const Vector3& v) {
+  for (const double x : {v.x(), v.y(), v.z()}) appendBytes(bytes, static_cast<float>(x));
+}
+
+/// The sections of the binary part, which become glTF's buffer views.
+enum View { kPositions, kNormals, kIndices, kTimes, kMoves, kTurns, kViewCount };
+
+/// What the JSON says, and the bytes that it speaks of.
+struct Asset {
+  Json accessors = Json::array();
+  std::array<std::string, kViewCount> views;
+
+  /// Declares `count` values of a view. Returns the accessor's number.
+  std::size_t declare(View view, const char* type, int componentType, std::size_t count,
+                      std::size_t byteOffset) {
+    accessors.push_back({{"bufferView", view},
+                         {"byteOffset", byteOffset},
+                         {"componentType", componentType},
+                         {"count", count},
+                         {"type", type}});
+    return accessors.size() - 1;
+  }
+};
+
+/// Positions and their bounds, rounded to single precision as they are stored.
+class Bounds {
+ public:
+  void add(const Vector3& point) {
+    const Eigen::Vector3f rounded = point.cast<float>();
+    least_ = least_.cwiseMin(rounded);
+    most_ = most_.cwiseMax(rounded);
+  }
+
+  void note(Json& accessor) const {
+    accessor["min"] = {least_.x(), least_.y(), least_.z()};
+    accessor["max"] = {most_.x(), most_.y(), most_.z()};
+  }
+
+ private:
+  Eigen::Vector3f least_ = Eigen::Vector3f::Constant(std::numeric_limits<float>::max());
+  Eigen::Vector3f most_ = Eigen::Vector3f::Constant(std::numeric_limits<float>::lowest());
+};
+
+/// Each face has its own vertices, so that it can have its own normal.
+Json meshJson(const Brick& brick, const std::string& name, Asset& asset) {
+  const std::vector<std::vector<Vector3>> faces = brickFaces(brick);
+  std::size_t vertices = 0;
+  std::size_t triangles = 0;
+  for (const std::vector<Vector3>& face : faces) {
+    vertices += face.size();
+    triangles += face.size() - 2;
+  }
+  const auto declareNext = [&](View view, const char* type, int componentType, std::size_t count) {
+    return asset.declare(view, type, componentType, count, asset.views[view].size());
+  };
+  const std::size_t positions = declareNext(kPositions, "VEC3", kFloat, vertices);
+  const std::size_t normals = declareNext(kNormals, "VEC3", kFloat, vertices);
+  const std::size_t indices = declareNext(kIndices, "SCALAR", kUnsigned, 3 * triangles);
+  Bounds bounds;
+  std::uint32_t first = 0;
+  for (const std::vector<Vector3>& face : faces) {
+    const Vector3 normal = (face[2] - face[1]).cross(face[0] - face[1]).normalized();
+    for (const Vector3& point : face) {
+      appendVector(asset.views[kPositions], point);
+      appendVector(asset.views[kNormals], normal);
+      bounds.add(point);
+    }
+    for (std::uint32_t k = 2; k < face.size(); ++k) {
+      for (const std::uint32_t corner : {0U, k - 1, k}) {
+        appendBytes(asset.views[kIndices], first + corner);
+      }
+    }
+    first += static_cast<std::uint32_t>(face.size());
+  }
+  bounds.note(asset.accessors[positions]);
+  return {
+      {"name", name},
+      {"primitives", Json::array({{{"attributes", {{"POSITION", positions}, {"NORMAL", normals}}},
+                                   {"indices", indices},
+                                   {"material", 0}}})}};
+}
+
+/// Puts single precision numbers at their place in a view.
+template <std::size_t count>
+void place(std::string& view, std::size_t index, const std::array<double, count>& numbers) {
+  std::array<float, count> rounded{};
+  for (std::size_t k = 0; k < count; ++k) rounded[k] = static_cast<float>(numbers[k]);
+  std::memcpy(view.data() + index * sizeof rounded, rounded.data(), sizeof rounded);
+}
+
+/// Reads key by key what glTF stores brick by brick. Returns the poses of the first.
+/// Quaternions keep their sign from key to key, or viewers turn the long way.
+Poses readKeys(std::size_t brickCount, std::size_t keyCount,
+               const std::function<AnimationKey(std::size_t)>& key, Asset& asset) {
+  asset.views[kMoves].resize(brickCount * keyCount * 3 * sizeof(float));
+  asset.views[kTurns].resize(brickCount * keyCount * 4 * sizeof(float));
+  Poses first;
+  Poses last;
+  for (std::size_t k = 0; k < keyCount; ++k) {
+    AnimationKey read = key(k);
+    appendBytes(asset.views[kTimes], static_cast<float>(read.time));
+    for (std::size_t brick = 0; brick < brickCount; ++brick) {
+      const Vector3& p = read.poses[brick].position;
+      Quaternion& q = read.poses[brick].rotation;
+      if (k > 0 && q.dot(last[brick].rotation) < 0) q.coeffs() = -q.coeffs();
+      place<3>(asset.views[kMoves], brick * keyCount + k, {p.x(), p.y(), p.z()});
+      place<4>(asset.views[kTurns], brick * keyCount + k, {q.x(), q.y(), q.z(), q.w()});
+    }
+    if (k == 0) first = read.poses;
+    last = std::move(read.poses);
+  }
+  return first;
+}
+
+Json animationJson(std::size_t brickCount, std::size_t keyCount, float endTime, Asset& asset) {
+  const std::size_t times = asset.declare(kTimes, "SCALAR", kFloat, keyCount, 0);
+  asset.accessors[times]["min"] = {0.0};
+  asset.accessors[times]["max"] = {endTime};
+  Json samplers = Json::array();
+  Json channels = Json::array();
+  const auto add = [&](std::size_t output, std::size_t brick, const char* path) {
+    channels.push_back(
+        {{"sampler", samplers.size()}, {"target", {{"node", brick + 1}, {"path", path}}}});
+    samplers.push_back({{"input", times}, {"output", output}});
+  };
+  for (std::size_t brick = 0; brick < brickCount; ++brick) {
+    const std::size_t first = brick * keyCount;
+    add(asset.declare(kMoves, "VEC3", kFloat, keyCount, first * 3 * sizeof(float)), brick,
+        "translation");
+    add(asset.declare(kTurns, "VEC4", kFloat, keyCount, first * 4 * sizeof(float)), brick,
+        "rotation");
+  }
+  return {{"name", "deployment"}, {"samplers", samplers}, {"channels", channels}};
+}
+
+Json nodeJson(const Pose& pose, const std::string& name, std::size_t mesh) {
+  const auto f = [](double x) { return static_cast<float>(x); };
+  const Vector3& p = pose.position;
+  const Quaternion& q = pose.rotation;
+  return {{"name", name},
+          {"mesh", mesh},
+          {"translation", {f(p.x()), f(p.y()), f(p.z())}},
+          {"rotation", {f(q.x()), f(q.y()), f(q.z()), f(q.w())}}};
+}
+
+Json materialJson() {
+  return {{"name", "sheet"},
+          {"pbrMetallicRoughness",
+           {{"baseColorFactor", {0.35, 0.55, 0.75, 1.0}}, {"metallicFactor", 0.0}}}};
+}
+
+Json nodesJson(const Poses& start, std::size_t brickCount) {
+  Json children = Json::array();
+  for (std::size_t k = 0; k < brickCount; ++k) children.push_back(k + 1);
+  const double half = std::sqrt(0.5);
+  Json nodes = Json::array();
+  nodes.push_back(
+      {{"name", "kirigami"}, {"rotation", {-half, 0, 0, half}}, {"children", children}});
+  for (std::size_t k = 0; k < brickCount; ++k) {
+    nodes.push_back(nodeJson(start[k], fmt::format("TILE_{:05}", k), k));
+  }
+  return nodes;
+}
+
+Json viewsJson(const Asset& asset) {
+  Json views = Json::array();
+  std::size_t offset = 0;
+  for (int view = 0; view < kViewCount; ++view) {
+    Json json = {{"buffer", 0}, {"byteOffset", offset}, {"byteLength", asset.views[view].size()}};
+    const bool isVertex = view == kPositions || view == kNormals;
+    if (isVertex) json["byteStride"] = 3 * sizeof(float);
+    if (isVertex) json["target"] = kVertexTarget;
+    if (view == kIndices) json["target"] = kIndexTarget;
+    offset += asset.views[view].size();
+    views.push_back(std::move(json));
+  }
+  return views;
+}
+
+/// Chunks begin at multiples of four bytes.
+void appendChunk(std::string& file, std::uint32_t type, const std::string& bytes, char filler) {
+  const std::size_t padding = (4 - bytes.size() % 4) % 4;
+  appendBytes(file, static_cast<std::uint32_t>(bytes.size() + padding));
+  appendBytes(file, type);
+  file.append(bytes).append(padding, filler);
+}
+
+/// The file's length is a number of 32 bits.
+void requireAddressable(std::size_t bytes) {
+  constexpr std::size_t kMost = std::size_t{7} << 29U;  // leaves half a GiB to the JSON
+  if (bytes <= kMost) return;
+  throw InputError(
+      fmt::format("error: the animation would hold {} bytes, at most {} fit into a "
+                  ".glb; record fewer samples",
+                  bytes, kMost));
+}
+
+std::string glbFile(const std::string& json, const std::string& binary) {
+  std::string chunks;
+  appendChunk(chunks, kJsonChunk, json, ' ');
+  appendChunk(chunks, kBinaryChunk, binary, '\0');
+  std::string file;
+  appendBytes(file, kMagic);
+  appendBytes(file, std::uint32_t{2});
+  appendBytes(file, static_cast<std::uint32_t>(12 + chunks.size()));
+  return file + chunks;
+}
+
+}  // namespace
+
+std::string animationBytes(const std::vector<Brick>& bricks, std::size_t keyCount,
+                           const std::function<AnimationKey(std::size_t)>& key) {
+  Asset asset;
+  Json meshes = Json::array();
+  for (std::size_t k = 0; k < bricks.size(); ++k) {
+    meshes.push_back(meshJson(bricks[k], fmt::format("TILE_{:05}", k), asset));
+  }
+  const Poses start = readKeys(bricks.size(), keyCount, key, asset);
+  float endTime = 0;
+  std::memcpy(&endTime, &asset.views[kTimes].end()[-4], sizeof endTime);
+  Json json = {{"asset", {{"version", "2.0"}, {"generator", "Kirireel"}}},
+               {"scene", 0},
+               {"scenes", Json::array({{{"nodes", {0}}}})},
+               {"nodes", nodesJson(start, bricks.size())},
+               {"meshes", std::move(meshes)},
+               {"materials", Json::array({materialJson()})}};
+  json["animations"] = Json::array({animationJson(bricks.size(), keyCount, endTime, asset)});
+  std::string binary;
+  json["accessors"] = std::move(asset.accessors);
+  json["bufferViews"] = viewsJson(asset);
+  for (const std::string& view : asset.views) binary += view;
+  requireAddressable(binary.size());
+  json["buffers"] = {{{"byteLength", binary.size()}}};
+  return glbFile(json.dump(), binary);
+}
+
+}  // namespace kirireel

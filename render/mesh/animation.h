@@ -1,0 +1,30 @@
+/// A whole deployment as an animated glTF scene, for viewers and presentations.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "sim/base/geometry.h"
+#include "sim/brick/brick.h"
+
+namespace kirireel {
+
+/// The poses of all bricks at one time.
+struct AnimationKey {
+  double time = 0;  ///< seconds, rising
+  Poses poses;
+};
+
+/// The bytes of a binary glTF 2.0 file (.glb): one node and one mesh a brick, named TILE_00000 and
+/// so on, below a node that turns z up into glTF's y up; one animation with a position and a
+/// rotation a brick and key. Flat outward faces, one material, single precision. The keys are asked
+/// for one by one, in order, the first at time 0; at least one. Throws InputError when they do not
+/// fit.
+///
+/// Written without assimp, whose exporter copies all that it has for each channel: 33 s for 1,600
+/// tiles and 121 keys, where this takes a second.
+std::string animationBytes(const std::vector<Brick>& bricks, std::size_t keyCount,
+                           const std::function<AnimationKey(std::size_t)>& key);
+
+}  // namespace kirireel
