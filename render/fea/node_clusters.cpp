@@ -141,6 +141,12 @@ std::vector<JointNodes> jointNodes(const std::vector<Joint>& joints,
                                    const std::vector<TileElements>& tiles) {
   std::vector<JointNodes> nodes;
   for (const Joint& joint : joints) {
+    if (joint.kind != JointKind::Pivot) {
+      throw InputError(
+          fmt::format("error: joint {} does not hold two corners together; a mesh can "
+                      "hold pivots alone",
+                      nodes.size()));
+    }
     nodes.push_back({nodesAt(tiles[joint.a.tile].edges[joint.a.vertex], joint.face),
                      nodesAt(tiles[joint.b.tile].edges[joint.b.vertex], joint.face)});
   }

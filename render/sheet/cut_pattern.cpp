@@ -1,0 +1,277 @@
+#include "render/sheet/cut_pattern.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "sim/base/error.h"
+
+namespace kirireel {
+namespace {
+
+using Vector2 = Eigen::Vector2d;
+
+constexpr double kFlatness = 1e-6;     ///< of the model size, that vertices may be off the plane
+constexpr double kSameVertex = 1e-4;   ///< of the tile size, within which edges coincide
+constexpr double kClosedAngle = 1e-6;  ///< radians: a narrower gap counts as closed
+
+/// A tile seen from the side that it faces: anticlockwise.
+using FlatTile = std::vector<Vector2>;
+
+void requireFlat(const Model& model, const Vector3& normal) {
+  const Vector3& origin = model.tiles[0].vertices[0];
+  for (std::size_t t = 0; t < model.tiles.size(); ++t) {
+    if (tileNormal(model.tiles[t]).dot(normal) < 0) {
+      throw InputError(
+          fmt::format("error: tile {} faces the other way than tile 0; a cut pattern "
+                      "needs all tiles on one side: reverse its vertices",
+                      t));
+    }
+    for (const Vector3& vertex : model.tiles[t].vertices) {
+      const double height = std::abs((vertex - origin).dot(normal));
+      if (height <= kFlatness * modelSize(model)) continue;
+      throw InputError(
+          fmt::format("error: the start is not flat: tile {} reaches {:.3g} m out of "
+                      "the plane of tile 0; only planar models have a cut pattern",
+                      t, height));
+    }
+  }
+}
+
+std::vector<FlatTile> flatTiles(const Model& model) {
+  const Vector3 normal = tileNormal(model.tiles[0]);
+  requireFlat(model, normal);
+  const Quaternion turn = Quaternion::FromTwoVectors(normal, Vector3::UnitZ());
+  std::vector<FlatTile> tiles;
+  for (const Tile& tile : model.tiles) {
+    FlatTile& flat = tiles.emplace_back();
+    for (const Vector3& vertex : tile.vertices) flat.push_back((turn * vertex).head<2>());
+  }
+  return tiles;
+}
+
+/// The end of an edge of a tile: edge k runs from vertex k to the next.
+struct EdgeEnd {
+  int tile = 0;
+  int edge = 0;
+  bool atStart = false;
+
+  auto operator<=>(const EdgeEnd&) const = default;
+};
+
+/// How much shorter edges are at their ends than in the model, metres.
+using Trims = std::map<EdgeEnd, double>;
+
+double trimAt(const Trims& trims, const EdgeEnd& end) {
+  const auto found = trims.find(end);
+  return found == trims.end() ? 0 : found->second;
+}
+
+/// The gap between two tiles at a corner that they share, anticlockwise from the first's edge to
+/// the second's.
+struct CornerGap {
+  EdgeEnd first;
+  EdgeEnd second;
+  double angle = 0;  ///< radians, 0 when closed
+};
+
+class PatternMaker {
+ public:
+  PatternMaker(const Model& model, double hingeWidth)
+      : tiles_(flatTiles(model)), width_(hingeWidth), same_(kSameVertex * tileSize(model)) {
+    for (std::size_t j = 0; j < model.joints.size(); ++j) addHinge(model.joints[j], j);
+    addEdges();
+  }
+
+  std::vector<PatternLine> take() { return std::move(lines_); }
+
+ private:
+  int sides(int tile) const { return static_cast<int>(tiles_[tile].size()); }
+  int after(int tile, int k) const { return (k + 1) % sides(tile); }
+  int before(int tile, int k) const { return (k + sides(tile) - 1) % sides(tile); }
+
+  const Vector2& corner(const Corner& c) const { return tiles_[c.tile][c.vertex]; }
+
+  /// From the given end into the edge.
+  Vector2 direction(const EdgeEnd& end) const {
+    const FlatTile& tile = tiles_[end.tile];
+    const Vector2 along = (tile[after(end.tile, end.edge)] - tile[end.edge]).normalized();
+    return end.atStart ? along : Vector2(-along);
+  }
+
+  CornerGap gapBetween(const Corner& a, const Corner& b) const {
+    CornerGap gap;
+    gap.first = {a.tile, before(a.tile, a.vertex), false};
+    gap.second = {b.tile, b.vertex, true};
+    const Vector2 from = direction(gap.first);
+    const Vector2 to = direction(gap.second);
+    gap.angle = std::atan2(from.x() * to.y() - from.y() * to.x(), from.dot(to));
+    if (gap.angle < -kClosedAngle) gap.angle += 2 * std::numbers::pi;
+    gap.angle = std::max(gap.angle, 0.0);
+    return gap;
+  }
+
+  void addHinge(const Joint& joint, std::size_t number) {
+    if (joint.kind != JointKind::Pivot) {
+      throw InputError(
+          fmt::format("error: joint {} does not hold two corners together; a cut "
+                      "pattern knows hinges at corners alone",
+                      number));
+    }
+    const CornerGap ahead = gapBetween(joint.a, joint.b);
+    const CornerGap behind = gapBetween(joint.b, joint.a);
+    const CornerGap& gap = ahead.angle <= behind.angle ? ahead : behind;
+    const double trim = width_ / std::cos(gap.angle / 2);
+    const Vector2 middle = 0.5 * (corner(joint.a) + corner(joint.b));
+    const Vector2 ends[] = {middle + trim * direction(gap.first),
+                            middle + trim * direction(gap.second)};
+    for (const EdgeEnd& end : {gap.first, gap.second}) {
+      double& kept = trims_[end];
+      kept = std::max(kept, trim);
+    }
+    lines_.push_back({PatternLayer::Hinges, middle, 0.5 * (ends[0] + ends[1])});
+    if (gap.angle > kClosedAngle) lines_.push_back({PatternLayer::Cuts, ends[0], ends[1]});
+  }
+
+  /// The same edge of another tile, which runs the other way; found by its middle.
+  std::optional<std::pair<int, int>> twinOf(int tile, int edge) const {
+    const Vector2 from = tiles_[tile][edge];
+    const Vector2 to = tiles_[tile][after(tile, edge)];
+    const auto [column, row] = cellOf(0.5 * (from + to));
+    for (long x = column - 1; x <= column + 1; ++x) {
+      for (long y = row - 1; y <= row + 1; ++y) {
+        const auto [first, last] = edges_.equal_range({x, y});
+        for (auto found = first; found != last; ++found) {
+          const auto [t, e] = found->second;
+          if (t == tile) continue;
+          const bool isSame =
+              (tiles_[t][e] - to).norm() < same_ && (tiles_[t][after(t, e)] - from).norm() < same_;
+          if (isSame) return found->second;
+        }
+      }
+    }
+    return std::nullopt;
+  }
+
+  std::pair<long, long> cellOf(const Vector2& point) const {
+    return {std::lround(point.x() / same_), std::lround(point.y() / same_)};
+  }
+
+  void addEdges() {
+    const int count = static_cast<int>(tiles_.size());
+    for (int t = 0; t < count; ++t) {
+      for (int e = 0; e < sides(t); ++e) {
+        const Vector2 middle = 0.5 * (tiles_[t][e] + tiles_[t][after(t, e)]);
+        edges_.emplace(cellOf(middle), std::pair{t, e});
+      }
+    }
+    for (int t = 0; t < count; ++t) {
+      for (int e = 0; e < sides(t); ++e) addEdge(t, e);
+    }
+  }
+
+  void addEdge(int tile, int edge) {
+    const auto twin = twinOf(tile, edge);
+    if (twin && twin->first < tile) return;  // drawn with its twin
+    double atStart = trimAt(trims_, {tile, edge, true});
+    double atEnd = trimAt(trims_, {tile, edge, false});
+    if (twin) {
+      atStart = std::max(atStart, trimAt(trims_, {twin->first, twin->second, false}));
+      atEnd = std::max(atEnd, trimAt(trims_, {twin->first, twin->second, true}));
+    }
+    const Vector2 from = tiles_[tile][edge];
+    const Vector2 to = tiles_[tile][after(tile, edge)];
+    const double length = (to - from).norm();
+    if (atStart + atEnd >= length) {
+      throw InputError(
+          fmt::format("error: hinges {} m wide leave nothing to cut of edge {} of tile "
+                      "{}, {:.3g} m long; choose a smaller --hinge-width",
+                      width_, edge, tile, length));
+    }
+    const Vector2 along = (to - from) / length;
+    lines_.push_back({twin ? PatternLayer::Slits : PatternLayer::Cuts, from + atStart * along,
+                      to - atEnd * along});
+  }
+
+  std::vector<FlatTile> tiles_;
+  double width_;
+  double same_;  ///< metres within which points coincide
+  Trims trims_;
+  std::multimap<std::pair<long, long>, std::pair<int, int>> edges_;  ///< by their middles
+  std::vector<PatternLine> lines_;
+};
+
+/// How a layer looks.
+struct LayerLook {
+  PatternLayer layer;
+  const char* name;
+  const char* svgStyle;
+  int dxfColour;
+};
+
+constexpr LayerLook kLooks[] = {
+    {PatternLayer::Cuts, "cuts", "stroke=\"#d00000\"", 1},
+    {PatternLayer::Slits, "slits", "stroke=\"#0000d0\"", 5},
+    {PatternLayer::Hinges, "hinges", "stroke=\"#008000\" stroke-dasharray=\"1 1\"", 3},
+};
+
+}  // namespace
+
+std::vector<PatternLine> cutPattern(const Model& model, double hingeWidth) {
+  if (!(hingeWidth > 0)) {
+    throw InputError(
+        fmt::format("error: hinges cannot be {} m wide; give a positive --hinge-width, "
+                    "or the sheet falls apart",
+                    hingeWidth));
+  }
+  return PatternMaker(model, hingeWidth).take();
+}
+
+std::string svgText(const std::vector<PatternLine>& lines) {
+  constexpr double kMillimetres = 1000;
+  constexpr double kMargin = 5;
+  Eigen::AlignedBox2d box;
+  for (const PatternLine& line : lines) box.extend(line.from).extend(line.to);
+  const Vector2 size = kMillimetres * box.sizes() + Vector2::Constant(2 * kMargin);
+  std::string text = fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}mm\" height=\"{1}mm\" "
+      "viewBox=\"0 0 {0} {1}\">\n",
+      size.x(), size.y());
+  // SVG's y runs down.
+  const auto x = [&](const Vector2& p) { return kMargin + kMillimetres * (p.x() - box.min().x()); };
+  const auto y = [&](const Vector2& p) { return kMargin + kMillimetres * (box.max().y() - p.y()); };
+  for (const LayerLook& look : kLooks) {
+    text += fmt::format("<g id=\"{}\" fill=\"none\" stroke-width=\"0.1\" {}>\n", look.name,
+                        look.svgStyle);
+    for (const PatternLine& line : lines) {
+      if (line.layer != look.layer) continue;
+      text += fmt::format("<path d=\"M {} {} L {} {}\"/>\n", x(line.from), y(line.from), x(line.to),
+                          y(line.to));
+    }
+    text += "</g>\n";
+  }
+  return text + "</svg>\n";
+}
+
+std::string dxfText(const std::vector<PatternLine>& lines) {
+  std::string text =
+      "0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1009\n9\n$INSUNITS\n70\n6\n0\nENDSEC\n"
+      "0\nSECTION\n2\nTABLES\n0\nTABLE\n2\nLAYER\n70\n3\n";
+  for (const LayerLook& look : kLooks) {
+    text +=
+        fmt::format("0\nLAYER\n2\n{}\n70\n0\n62\n{}\n6\nCONTINUOUS\n", look.name, look.dxfColour);
+  }
+  text += "0\nENDTAB\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n";
+  for (const PatternLine& line : lines) {
+    const LayerLook& look = kLooks[static_cast<int>(line.layer)];
+    text += fmt::format("0\nLINE\n8\n{}\n10\n{}\n20\n{}\n11\n{}\n21\n{}\n", look.name,
+                        line.from.x(), line.from.y(), line.to.x(), line.to.y());
+  }
+  return text + "0\nENDSEC\n0\nEOF\n";
+}
+
+}  // namespace kirireel

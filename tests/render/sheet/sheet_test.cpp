@@ -1,0 +1,164 @@
+#include <map>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "render/sheet/cut_pattern.h"
+#include "render/sheet/planar_files.h"
+#include "sim/base/error.h"
+#include "sim/model/tessellation.h"
+
+namespace kirireel {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+TessellationShape shapeOf(int columns, int rows, double angle) {
+  TessellationShape shape;
+  shape.columns = columns;
+  shape.rows = rows;
+  shape.startAngle = angle;
+  return shape;
+}
+
+/// PyKirigami's rules for reading a planar OBJ back: "v" rows are vertices, "f" rows are tiles in
+/// order, numbers count from 1 and end at a slash, all else is passed over.
+std::vector<Tile> readAsPyKirigamiDoes(const std::string& text) {
+  std::vector<Vector3> vertices;
+  std::vector<Tile> tiles;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream row(line);
+    std::string key;
+    row >> key;
+    if (key == "v") {
+      std::string x, y, z;
+      row >> x >> y >> z;
+      vertices.emplace_back(std::stod(x), std::stod(y), std::stod(z));
+    }
+    if (key != "f") continue;
+    Tile& tile = tiles.emplace_back();
+    for (std::string corner; row >> corner;) {
+      tile.vertices.push_back(vertices.at(std::stoi(corner.substr(0, corner.find('/'))) - 1));
+    }
+  }
+  return tiles;
+}
+
+TEST(PlanarObj, IsReadBackToTheSameTarget) {
+  const std::vector<Tile> tiles = tessellationTiles(shapeOf(3, 2, 0), 1.0 / 3);
+  const std::string text = planarObjText(tiles);
+  EXPECT_THAT(text, StartsWith("# 24 vertices 6 faces\nv "));
+  EXPECT_THAT(text, testing::EndsWith("\n\nf 1 2 3 4\nf 5 6 7 8\nf 9 10 11 12\nf 13 14 15 16\n"
+                                      "f 17 18 19 20\nf 21 22 23 24\n"));
+  const std::vector<Tile> read = readAsPyKirigamiDoes(text);
+  ASSERT_EQ(read.size(), tiles.size());
+  for (std::size_t t = 0; t < tiles.size(); ++t) EXPECT_EQ(read[t].vertices, tiles[t].vertices);
+}
+
+TEST(Fold, SharesVerticesAtJointsAndKeepsEveryState) {
+  const Model model = makeTessellation(shapeOf(2, 2, 0));
+  const std::vector<Tile> open = tessellationTiles(shapeOf(2, 2, 0), 0.9);
+  const json fold = json::parse(foldText(model, {{0, model.tiles}, {1.5, open}}));
+  EXPECT_EQ(fold["file_spec"], 1.1);
+  // Sixteen corners, four joints.
+  EXPECT_EQ(fold["vertices_coords"].size(), 12U);
+  EXPECT_EQ(fold["edges_vertices"].size(), 16U);
+  EXPECT_EQ(fold["kirireel:joints"].size(), 4U);
+  ASSERT_EQ(fold["file_frames"].size(), 1U);
+  const json& frame = fold["file_frames"][0];
+  EXPECT_EQ(frame["frame_title"], "t = 1.5 s");
+  EXPECT_EQ(frame["frame_parent"], 0);
+  EXPECT_EQ(frame["frame_inherit"], true);
+  for (std::size_t t = 0; t < 4; ++t) {
+    for (std::size_t k = 0; k < 4; ++k) {
+      const std::vector<double> at =
+          frame["vertices_coords"][fold["faces_vertices"][t][k].get<int>()];
+      // Measured: 2e-16.
+      EXPECT_LT((Vector3(at[0], at[1], at[2]) - open[t].vertices[k]).norm(), 1e-14);
+    }
+  }
+}
+
+std::map<PatternLayer, double> lengths(const std::vector<PatternLine>& lines) {
+  std::map<PatternLayer, double> sums;
+  for (const PatternLine& line : lines) sums[line.layer] += (line.to - line.from).norm();
+  return sums;
+}
+
+TEST(CutPattern, KeepsANeckOfTheChosenWidthAtEachJoint) {
+  // 2 x 2 closed unit squares: an outline of 8, four inner edges, four joints on them.
+  const double width = 0.05;
+  const std::vector<PatternLine> lines = cutPattern(makeTessellation(shapeOf(2, 2, 0)), width);
+  std::map<PatternLayer, double> sums = lengths(lines);
+  EXPECT_NEAR(sums[PatternLayer::Cuts], 8, 1e-12);
+  EXPECT_NEAR(sums[PatternLayer::Slits], 4 - 4 * width, 1e-12);
+  EXPECT_NEAR(sums[PatternLayer::Hinges], 4 * width, 1e-12);
+}
+
+TEST(CutPattern, ClosesOpenGapsWithALine) {
+  // Opened by theta, each joint's gap ends where its chord is the width away from the joint.
+  const double theta = 0.4;
+  const double width = 0.05;
+  const Model model = makeTessellation(shapeOf(2, 1, theta));
+  std::map<PatternLayer, double> sums = lengths(cutPattern(model, width));
+  EXPECT_EQ(sums.count(PatternLayer::Slits), 0U);
+  EXPECT_NEAR(sums[PatternLayer::Hinges], width, 1e-12);
+  const double cut = 8 - 2 * width / std::cos(theta / 2) + 2 * width * std::tan(theta / 2);
+  EXPECT_NEAR(sums[PatternLayer::Cuts], cut, 1e-12);
+}
+
+std::string refusal(const Model& model, double width) {
+  try {
+    cutPattern(model, width);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(CutPattern, SaysWhatHasNone) {
+  Model model = makeTessellation(shapeOf(2, 2, 0));
+  EXPECT_EQ(refusal(model, 0),
+            "error: hinges cannot be 0 m wide; give a positive --hinge-width, "
+            "or the sheet falls apart");
+  EXPECT_EQ(refusal(model, 1.5),
+            "error: hinges 1.5 m wide leave nothing to cut of edge 1 of tile 0, 1 m long; choose a "
+            "smaller --hinge-width");
+  Model raised = model;
+  raised.tiles[3].vertices[2].z() = 0.5;
+  EXPECT_EQ(refusal(raised, 0.1),
+            "error: the start is not flat: tile 3 reaches 0.5 m out of the plane of tile 0; only "
+            "planar models have a cut pattern");
+  Model turned = model;
+  std::reverse(turned.tiles[2].vertices.begin(), turned.tiles[2].vertices.end());
+  EXPECT_EQ(refusal(turned, 0.1),
+            "error: tile 2 faces the other way than tile 0; a cut pattern needs all tiles on one "
+            "side: reverse its vertices");
+  model.joints[1].kind = JointKind::Link;
+  EXPECT_EQ(refusal(model, 0.1),
+            "error: joint 1 does not hold two corners together; a cut pattern knows hinges at "
+            "corners alone");
+}
+
+TEST(CutPattern, DrawsLayersInSvgAndDxf) {
+  const std::vector<PatternLine> lines = {{PatternLayer::Cuts, {0, 0}, {0.1, 0}},
+                                          {PatternLayer::Slits, {0, 0}, {0, 0.2}},
+                                          {PatternLayer::Hinges, {0, 0.2}, {0, 0.25}}};
+  const std::string svg = svgText(lines);
+  EXPECT_THAT(svg, HasSubstr("width=\"110mm\" height=\"260mm\" viewBox=\"0 0 110 260\""));
+  EXPECT_THAT(svg, HasSubstr("<g id=\"cuts\" fill=\"none\" stroke-width=\"0.1\" "
+                             "stroke=\"#d00000\">\n<path d=\"M 5 255 L 105 255\"/>\n</g>"));
+  EXPECT_THAT(svg, HasSubstr("<g id=\"slits\""));
+  const std::string dxf = dxfText(lines);
+  EXPECT_THAT(dxf, HasSubstr("0\nLINE\n8\nslits\n10\n0\n20\n0\n11\n0\n21\n0.2\n"));
+  EXPECT_THAT(dxf, HasSubstr("0\nLINE\n8\nhinges\n10\n0\n20\n0.2\n11\n0\n21\n0.25\n"));
+  EXPECT_THAT(dxf, testing::EndsWith("0\nENDSEC\n0\nEOF\n"));
+}
+
+}  // namespace
+}  // namespace kirireel
