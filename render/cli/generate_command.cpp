@@ -4,39 +4,44 @@
 
 #include "render/cli/exit_codes.h"
 #include "render/cli/option_group.h"
+#include "sim/generate/families.h"
 #include "sim/model/folder.h"
 
 namespace kirireel {
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180;
+void addParameter(OptionGroup& group, const FamilyParameter& parameter, GenerateOrder& order) {
+  const Range range{parameter.least, parameter.most};
+  const auto read = [&order, range, name = parameter.name,
+                     whole = parameter.whole](const OptionValue& typed) {
+    order.values[name] =
+        whole ? static_cast<double>(parseInteger(typed, range)) : parseNumber(typed, range);
+  };
+  group.value("--" + parameter.name, parameter.unit, fmt::format("{:.6g}", parameter.usual),
+              parameter.help, read);
+}
+
+void addFamily(CLI::App& generate, const Family& family, GenerateOrder& order) {
+  CLI::App* command = generate.add_subcommand(family.name, family.help);
+  addPlace(*command, "FOLDER", order.folder, "where the model goes");
+  OptionGroup shape(*command, "Shape");
+  for (const FamilyParameter& parameter : family.parameters) addParameter(shape, parameter, order);
+  shape.choice<std::optional<JointFace>>("--face", order.face,
+                                         {{"auto", std::nullopt},
+                                          {"both", JointFace::Both},
+                                          {"bottom", JointFace::Bottom},
+                                          {"top", JointFace::Top}},
+                                         "faces that joints lie on");
+  command->parse_complete_callback([&order, name = family.name] { order.family = name; });
+  command->footer(fmt::format("Example:\n  kirireel generate {} my_model", family.name));
+}
 
 }  // namespace
 
 CLI::App* addGenerateCommand(CLI::App& program, GenerateOrder& order) {
   CLI::App* generate = program.add_subcommand("generate", "make a model folder from parameters");
-  CLI::App* command =
-      generate->add_subcommand("tessellation", "rotating rectangles, joined at their corners");
-  addPlace(*command, "FOLDER", order.folder, "where the model goes");
-  OptionGroup group(*command, "Shape");
-  TessellationShape& shape = order.shape;
-  group.integer("--columns", shape.columns, {1, 1000}, "COUNT", "tiles along x");
-  group.integer("--rows", shape.rows, {1, 1000}, "COUNT", "tiles along y");
-  group.number("--length", shape.length, {1e-9, 1e9}, "METRES", "of a tile along x when closed");
-  group.number("--width", shape.width, {1e-9, 1e9}, "METRES", "of a tile along y when closed");
-  const auto angle = [&group](const std::string& name, double& target, const std::string& help) {
-    group.value(name, "DEGREES", fmt::format("{:g}", target / kDegree), help,
-                [&target](const OptionValue& typed) {
-                  target = parseNumber(typed, {0, 180}) * kDegree;
-                });
-  };
-  angle("--start-angle", shape.startAngle, "between neighbours at the start, 0 is closed");
-  angle("--target-angle", shape.targetAngle, "between neighbours at the target");
-  group.choice<JointFace>(
-      "--face", shape.face,
-      {{"both", JointFace::Both}, {"bottom", JointFace::Bottom}, {"top", JointFace::Top}},
-      "faces that joints lie on");
-  command->footer("Example:\n  kirireel generate tessellation my_model --columns 8 --rows 5");
+  for (const Family& family : families()) addFamily(*generate, family, order);
+  generate->footer("kirireel generate FAMILY --help explains a family.");
   return generate;
 }
 
@@ -48,7 +53,10 @@ void requireFamily(const CLI::App& generate) {
 }
 
 int carryOut(const GenerateOrder& order) {
-  const Model model = makeTessellation(order.shape);
+  Model model = generateModel(familyNamed(order.family), order.values);
+  if (order.face) {
+    for (Joint& joint : model.joints) joint.face = *order.face;
+  }
   writeModelFolder(model, order.folder);
   fmt::print("{}: {} tiles, {} joints\n", order.folder.string(), model.tiles.size(),
              model.joints.size());

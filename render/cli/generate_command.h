@@ -2,8 +2,11 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
 
-#include "sim/model/tessellation.h"
+#include "sim/model/model.h"
 
 namespace CLI {
 class App;
@@ -11,9 +14,11 @@ class App;
 
 namespace kirireel {
 
-/// A model to be made, and the folder that it goes to.
+/// A model to be made, and the place that it goes to.
 struct GenerateOrder {
-  TessellationShape shape;
+  std::string family;
+  std::map<std::string, double> values;  ///< of the family's parameters, those that were given
+  std::optional<JointFace> face;         ///< of all joints; absent: chosen from the deployed shape
   std::filesystem::path folder;
 };
 

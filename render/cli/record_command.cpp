@@ -22,6 +22,16 @@ void addFolderOptions(CLI::App& command, RecordOrder& order) {
   group.flag("--json", "print the summary as JSON", [&order] { order.printJson = true; });
 }
 
+void addFaceOptions(CLI::App& command, RecordOrder& order) {
+  OptionGroup group(command, "Joints");
+  group.choice<std::optional<FaceRule>>(
+      "--faces", order.faces,
+      {{"model", std::nullopt}, {"fold", FaceRule::Fold}, {"pykirigami", FaceRule::PyKirigami}},
+      "face of each joint, the model's or by the target's folds");
+  group.flag("--auto-detect-connections", "the same as --faces pykirigami",
+             [&order] { order.faces = FaceRule::PyKirigami; });
+}
+
 void addRunOptions(CLI::App& command, RecordOrder& order) {
   addPlace(command, "MODEL", order.model,
            "folder with vertices.txt, constraints.txt and optionally target.txt, pull.txt");
@@ -29,6 +39,7 @@ void addRunOptions(CLI::App& command, RecordOrder& order) {
   OptionGroup(command, "Output")
       .integer("--fps", order.settings.framesPerSecond, {1, 240}, "COUNT",
                "frames, and samples, a simulated second");
+  addFaceOptions(command, order);
   addSceneOptions(command, order.scene);
 }
 
@@ -92,6 +103,7 @@ int carryOut(const RecordOrder& order) {
   noteSignals();
   Scene scene = order.scene;
   scene.model = readModel(findModel(order.model));
+  if (order.faces) chooseJointFaces(scene.model, *order.faces);
   if (scene.environment.ground) scene.environment.ground->height = lowestPoint(scene);
   RecordSettings settings = order.settings;
   if (settings.folder.empty()) settings.folder = std::filesystem::path("out") / scene.model.name;

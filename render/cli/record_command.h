@@ -2,8 +2,10 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
 #include "render/record/record.h"
+#include "sim/model/face_choice.h"
 #include "sim/scene/scene.h"
 
 namespace CLI {
@@ -15,6 +17,7 @@ namespace kirireel {
 /// What is to be deployed, and what it leaves.
 struct RecordOrder {
   std::filesystem::path model;
+  std::optional<FaceRule> faces;  ///< how joints' faces are chosen; absent: as the model has them
   Scene scene;              ///< everything but the model; the ground's height is not known yet
   RecordSettings settings;  ///< the folder is empty when --out was not given
   bool printJson = false;   ///< the summary on standard output as JSON

@@ -64,6 +64,7 @@ void chooseJointFaces(Model& model, FaceRule rule) {
   const std::vector<Tile>& deployed = model.target ? *model.target : model.tiles;
   const bool planar = liesFlat(model.tiles, tolerance) && liesFlat(deployed, tolerance);
   for (Joint& joint : model.joints) {
+    if (joint.kind != JointKind::Pivot) continue;
     joint.face = planar ? JointFace::Both : faceOf(joint, deployed, rule, tolerance);
   }
 }

@@ -17,7 +17,7 @@ enum class FaceRule {
                ///< the fold about it is positive
 };
 
-/// Replaces the faces of all joints of the model.
+/// Replaces the faces of all pivots of the model.
 void chooseJointFaces(Model& model, FaceRule rule);
 
 }  // namespace kirireel

@@ -1,4 +1,5 @@
-/// The rotating rectangles: m x n tiles joined at corners, one degree of freedom in the plane.
+/// The rotating rectangles and parallelograms: m x n tiles joined at corners, one degree of freedom
+/// in the plane.
 #pragma once
 
 #include "sim/model/model.h"
@@ -10,7 +11,8 @@ struct TessellationShape {
   int columns = 4;                          ///< tiles along x, at least 1
   int rows = 4;                             ///< tiles along y, at least 1
   double length = 1;                        ///< of a tile along x when closed, positive
-  double width = 1;                         ///< of a tile along y when closed, positive
+  double width = 1;                         ///< of a tile's other side, positive
+  double skew = 0;                          ///< of that side from the y axis, clockwise, below pi/2
   double startAngle = 0;                    ///< between neighbouring tiles, 0 (closed) to pi
   double targetAngle = 1.5707963267948966;  ///< of the target, 0 to pi
   JointFace face = JointFace::Both;

@@ -157,18 +157,35 @@ TEST(CommandLine, GroundFrictionImpliesGround) {
   }
 }
 
-TEST(CommandLine, GeneratesTessellations) {
+TEST(CommandLine, GeneratesFamilies) {
   const GenerateOrder order = std::get<GenerateOrder>(parseCommandLine(
       {"generate", "tessellation", "here", "--columns", "3", "--rows", "2", "--length", "2",
        "--width", "0.5", "--start-angle", "30", "--target-angle", "120", "--face", "bottom"}));
+  EXPECT_EQ(order.family, "tessellation");
   EXPECT_EQ(order.folder, "here");
-  EXPECT_EQ(order.shape.columns, 3);
-  EXPECT_EQ(order.shape.rows, 2);
-  EXPECT_EQ(order.shape.length, 2);
-  EXPECT_EQ(order.shape.width, 0.5);
-  EXPECT_NEAR(order.shape.startAngle, M_PI / 6, 1e-15);
-  EXPECT_NEAR(order.shape.targetAngle, 2 * M_PI / 3, 1e-15);
-  EXPECT_EQ(order.shape.face, JointFace::Bottom);
+  EXPECT_EQ(order.values, (std::map<std::string, double>{{"columns", 3},
+                                                         {"rows", 2},
+                                                         {"length", 2},
+                                                         {"width", 0.5},
+                                                         {"start-angle", 30},
+                                                         {"target-angle", 120}}));
+  EXPECT_EQ(order.face, JointFace::Bottom);
+  const GenerateOrder cap = std::get<GenerateOrder>(parseCommandLine({"generate", "cap", "there"}));
+  EXPECT_EQ(cap.family, "cap");
+  EXPECT_TRUE(cap.values.empty());
+  EXPECT_FALSE(cap.face);
+}
+
+TEST(CommandLine, ChoosesFacesOfJoints) {
+  const auto facesOf = [](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"record", "fan"});
+    return std::get<RecordOrder>(parseCommandLine(arguments)).faces;
+  };
+  EXPECT_FALSE(facesOf({}));
+  EXPECT_FALSE(facesOf({"--faces", "model"}));
+  EXPECT_EQ(facesOf({"--faces", "fold"}), FaceRule::Fold);
+  EXPECT_EQ(facesOf({"--faces", "pykirigami"}), FaceRule::PyKirigami);
+  EXPECT_EQ(facesOf({"--auto_detect_connections"}), FaceRule::PyKirigami);
 }
 
 TEST(CommandLine, UnknownOptionSuggestsTheNearest) {

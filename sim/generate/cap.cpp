@@ -1,0 +1,208 @@
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <utility>
+
+#include "sim/generate/shell_parts.h"
+#include "sim/generate/shells.h"
+
+namespace kirireel {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+/// Adds that two points mirror each other in the plane through the origin across an axis.
+void addMirror(EquationRows& rows, const UnknownPoint& a, const UnknownPoint& b, int axis) {
+  for (int k = 0; k < std::min(a.dimension, b.dimension); ++k) {
+    const double sign = k == axis ? -1 : 1;
+    rows.begin(a.value[k] - sign * b.value[k]);
+    rows.slope(a.first + k, 1);
+    rows.slope(b.first + k, -sign);
+  }
+}
+
+/// The flat square and its cap.
+struct CapPair {
+  std::vector<Tile> square;  ///< in the plane z = 0
+  std::vector<Tile> cap;
+  double half = 0;  ///< half the square's side
+};
+
+/// The equations of a square of tiles that becomes a spherical cap. Every side of the cap lies in a
+/// plane through the sphere's centre.
+class CapDesign {
+ public:
+  CapDesign(std::string family, const CapShape& shape)
+      : family_(std::move(family)),
+        shape_(shape),
+        lattice_{shape.size, shape.size},
+        tips_(tips(lattice_)) {
+    square_ = {nodesClosedAtStart(lattice_), 2, 0};
+    cap_ = {openNodes(lattice_), 3, square_.count()};
+    half_ = square_.count() + cap_.count();
+  }
+
+  CapPair solve() const {
+    const std::vector<Tile> start = startCap();
+    const double half = 0.5 * shape_.size * meanEdge(start);
+    Eigen::VectorXd unknowns = Eigen::VectorXd::Zero(half_ + 1);
+    cap_.pack(start, unknowns);
+    square_.pack(mapped(unitTiles(lattice_, 0),
+                        [&](const Vector3& v) { return Vector3(2 * half / shape_.size * v); }),
+                 unknowns);
+    unknowns[half_] = half;
+    const FlatRectangle rectangle(lattice_, square_, half_, half_);
+    const Eigen::VectorXd wantedCap = unknowns;
+    const auto source = [&](const Eigen::VectorXd& values, DesignEquations& equations) {
+      addExact(equations.exact, rectangle, values);
+      addWanted(equations.wanted, rectangle, wantedCap, values);
+    };
+    const Eigen::VectorXd found = fitFamily(family_, source, unknowns, {1e-3, 200});
+    return {square_.tiles(found), cap_.tiles(found), found[half_]};
+  }
+
+ private:
+  /// The regular open sheet, its box mapped to the cap's.
+  std::vector<Tile> startCap() const {
+    const std::vector<Tile> flat = unitTiles(lattice_, 0.4 * kPi);
+    const Vector3 half = halfExtent(flat);
+    return mapped(flat, [&](const Vector3& vertex) {
+      const double u = std::tan(shape_.halfAngle * vertex.x() / half.x());
+      const double v = std::tan(shape_.halfAngle * vertex.y() / half.y());
+      return Vector3(shape_.radius * Vector3(u, v, 1).normalized());
+    });
+  }
+
+  UnknownPoint tip(const Eigen::VectorXd& values, int number) const {
+    const LatticeCorner& corner = tips_[std::size_t(number)];
+    return cap_.point(values, lattice_.tileAt(corner.cell), corner.corner);
+  }
+
+  void addExact(EquationRows& rows, const FlatRectangle& rectangle,
+                const Eigen::VectorXd& values) const {
+    addCongruence(rows, square_, cap_, values);
+    addPlanarity(rows, cap_, values);
+    rectangle.addExact(rows, values);
+    const double tangent = std::tan(shape_.halfAngle);
+    for (int k = 0; k < 4 * shape_.size; ++k) {
+      const Vector3 normal = outwards(sideOf(lattice_, k)) - tangent * Vector3::UnitZ();
+      addPosition(rows, tip(values, k), normal, 0);
+      addOnSphere(rows, tip(values, k), shape_.radius);
+    }
+    addMirrors(rows, rectangle, values);
+  }
+
+  /// The number of the tip or boundary node that is the mirror image across x = 0 or y = 0: they
+  /// are counted round the square, tips from 1/2.
+  int mirrored(int number, int axis, bool isTip) const {
+    const int count = 4 * shape_.size;
+    const int sum = (axis == 0 ? shape_.size : 3 * shape_.size) - (isTip ? 1 : 0);
+    return ((sum - number) % count + count) % count;
+  }
+
+  /// Mirrored tips and boundary nodes, so that caps meet each other on a cube.
+  void addMirrors(EquationRows& rows, const FlatRectangle& rectangle,
+                  const Eigen::VectorXd& values) const {
+    for (int k = 0; k < 4 * shape_.size; ++k) {
+      for (const int axis : {0, 1}) {
+        addMirror(rows, tip(values, k), tip(values, mirrored(k, axis, true)), axis);
+        addMirror(rows, rectangle.boundaryPoint(values, k),
+                  rectangle.boundaryPoint(values, mirrored(k, axis, false)), axis);
+      }
+    }
+  }
+
+  void addWanted(EquationRows& rows, const FlatRectangle& rectangle, const Eigen::VectorXd& start,
+                 const Eigen::VectorXd& values) const {
+    for (int node = 0; node < cap_.nodes.nodeCount; ++node) {
+      const UnknownPoint point = cap_.point(values, node);
+      addOnSphere(rows, point, shape_.radius, 0.3);
+      addNear(rows, point, cap_.point(start, node).value, 0.05);
+    }
+    rectangle.addEvenGrid(rows, values, 0.05);
+  }
+
+  std::string family_;
+  CapShape shape_;
+  Lattice lattice_;
+  std::vector<LatticeCorner> tips_;
+  StateUnknowns square_;
+  StateUnknowns cap_;
+  int half_ = 0;
+};
+
+/// The rotations that bring a cap about +z to all six faces of a cube. The ones to the sides are
+/// chosen so that the tips of as many caps as can be meet in both states.
+std::array<Matrix3, 6> cubeFaces() {
+  const auto halfTurn = [](double x, double y, double z) {
+    return Matrix3(Eigen::AngleAxisd(kPi, Vector3(x, y, z).normalized()).toRotationMatrix());
+  };
+  const Matrix3 toY = halfTurn(0, 1, 1);
+  return {Matrix3::Identity(), halfTurn(1, 0, 0),       toY,
+          halfTurn(0, -1, 1),  halfTurn(1, 1, 0) * toY, halfTurn(-1, 1, 0) * toY};
+}
+
+/// A corner's place at the start and at the target, in units in which all corners that coincide
+/// round to the same numbers.
+std::array<long, 6> placeOf(const Model& model, const Corner& corner, double unit) {
+  std::array<long, 6> place{};
+  const std::size_t tile = std::size_t(corner.tile), vertex = std::size_t(corner.vertex);
+  for (int axis = 0; axis < 3; ++axis) {
+    place[std::size_t(axis)] = std::lround(model.tiles[tile].vertices[vertex][axis] / unit);
+    place[std::size_t(axis + 3)] = std::lround((*model.target)[tile].vertices[vertex][axis] / unit);
+  }
+  return place;
+}
+
+/// Joins the tips of different caps that coincide at the start and at the target.
+void joinCaps(Model& model, const Lattice& lattice) {
+  const double unit = 1e-6 * modelSize(model);
+  std::map<std::array<long, 6>, Corner> known;
+  for (int face = 0; face < 6; ++face) {
+    for (const LatticeCorner& tip : tips(lattice)) {
+      const Corner corner{face * lattice.tileCount() + lattice.tileAt(tip.cell), tip.corner};
+      const auto [entry, isNew] = known.try_emplace(placeOf(model, corner, unit), corner);
+      if (!isNew) model.joints.push_back({entry->second, corner, JointFace::Bottom});
+    }
+  }
+}
+
+}  // namespace
+
+Model makeSphericalCap(const CapShape& shape) {
+  const CapPair pair = CapDesign("cap", shape).solve();
+  Model model;
+  model.name = "cap";
+  model.tiles = pair.square;
+  model.target = pair.cap;
+  model.joints = latticeJoints({shape.size, shape.size}, JointFace::Bottom);
+  return model;
+}
+
+Model makeCubeToSphere(const CapShape& shape) {
+  CapShape face = shape;
+  face.halfAngle = kPi / 4;
+  const CapPair pair = CapDesign("cube-to-sphere", face).solve();
+  const Lattice lattice{shape.size, shape.size};
+  Model model;
+  model.name = "cube-to-sphere";
+  model.target.emplace();
+  for (const Matrix3& turn : cubeFaces()) {
+    const int first = static_cast<int>(model.tiles.size());
+    for (Joint joint : latticeJoints(lattice, JointFace::Bottom)) {
+      joint.a.tile += first;
+      joint.b.tile += first;
+      model.joints.push_back(joint);
+    }
+    const Vector3 lift(0, 0, pair.half);
+    const auto place = [&](const Vector3& v) { return Vector3(turn * (v + lift)); };
+    for (const Tile& tile : mapped(pair.square, place)) model.tiles.push_back(tile);
+    const auto rotate = [&](const Vector3& v) { return Vector3(turn * v); };
+    for (const Tile& tile : mapped(pair.cap, rotate)) model.target->push_back(tile);
+  }
+  joinCaps(model, lattice);
+  return model;
+}
+
+}  // namespace kirireel

@@ -1,0 +1,61 @@
+/// Least squares under exact equations: the one solver behind all designed sheets.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+
+namespace kirireel {
+
+/// Values of equations (zero when they hold) and their slopes, at one point.
+class EquationRows {
+ public:
+  /// Starts the next equation.
+  void begin(double value) { values_.push_back(value); }
+  /// Adds to the slope of the equation begun last along one unknown, numbered from 0.
+  void slope(int unknown, double value) {
+    slopes_.emplace_back(static_cast<int>(values_.size()) - 1, unknown, value);
+  }
+
+  /// One entry an equation.
+  Eigen::VectorXd values() const;
+  /// (equations x unknowns).
+  Eigen::SparseMatrix<double> slopes(int unknowns) const;
+
+ private:
+  std::vector<double> values_;
+  std::vector<Eigen::Triplet<double>> slopes_;
+};
+
+/// The equations of a design.
+struct DesignEquations {
+  EquationRows wanted;  ///< to hold as nearly as they can, in the sum of squares
+  EquationRows exact;   ///< to hold to rounding; may repeat each other
+};
+
+/// Writes the equations at the given unknowns: the same ones with slopes along the same unknowns at
+/// every call.
+using DesignSource = std::function<void(const Eigen::VectorXd& unknowns, DesignEquations&)>;
+
+/// How a fit proceeds.
+struct FitSettings {
+  double damping = 1e-3;  ///< of the first round's step, positive
+  int rounds = 200;       ///< at most
+};
+
+/// What a fit arrived at.
+struct Fit {
+  Eigen::VectorXd unknowns;
+  double violation = 0;  ///< the largest exact equation's value
+};
+
+/// Minimises |wanted|^2 / 2 subject to exact = 0 from the given start: damped Gauss-Newton steps,
+/// each from one quasi-definite system (which needs no pivots and minds no repeated equations), a
+/// line search on |wanted|^2 / 2 + rho |exact|_1 (Nocedal and Wright, Numerical Optimization,
+/// chapter 18), and at the end Newton steps of least length on the exact equations alone. The
+/// violation returned says whether they came to hold.
+Fit fitDesign(const DesignSource& source, Eigen::VectorXd start, const FitSettings& settings);
+
+}  // namespace kirireel

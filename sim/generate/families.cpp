@@ -1,0 +1,398 @@
+#include "sim/generate/families.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "sim/base/error.h"
+#include "sim/generate/lattice_designs.h"
+#include "sim/generate/rotors.h"
+#include "sim/generate/shells.h"
+#include "sim/generate/tiling.h"
+#include "sim/measure/sheet.h"
+#include "sim/model/face_choice.h"
+#include "sim/model/tessellation.h"
+
+namespace kirireel {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+// What a generated model may be off by, as a part of a tile. Largest met: 7e-15.
+constexpr double kExact = 1e-9;
+// Overlap that counts, as a part of a tile; neighbours in a closed sheet touch to rounding.
+constexpr double kTouching = 1e-7;
+// The least sine of a corner of a generated tile.
+constexpr double kConvex = 1e-3;
+
+using Parameters = std::vector<FamilyParameter>;
+
+FamilyParameter count(const std::string& name, const std::string& help, double usual, double least,
+                      double most) {
+  return {name, "COUNT", help, usual, least, most, true};
+}
+
+FamilyParameter length(const std::string& name, const std::string& help, double usual) {
+  return {name, "METRES", help, usual, 1e-6, 1e6, false};
+}
+
+FamilyParameter angle(const std::string& name, const std::string& help, double usual, double least,
+                      double most) {
+  return {name, "DEGREES", help, usual, least, most, false};
+}
+
+FamilyParameter startAngle(double most = 180) {
+  return angle("start-angle", "between neighbours at the start, 0 is closed", 0, 0, most);
+}
+
+FamilyParameter targetAngle(double usual, double most = 180) {
+  return angle("target-angle", "between neighbours at the target", usual, 0, most);
+}
+
+Lattice latticeOf(const FamilyValues& values) {
+  return {values.whole("columns"), values.whole("rows")};
+}
+
+Model fieldModel(const TurningField& field, const FamilyValues& values) {
+  Model model;
+  model.tiles = field.tiles(values.angle("start-angle"));
+  model.target = field.tiles(values.angle("target-angle"));
+  model.joints = latticeJoints(field.lattice(), JointFace::Both);
+  return model;
+}
+
+Model tessellationModel(const FamilyValues& values) {
+  TessellationShape shape;
+  shape.columns = values.whole("columns");
+  shape.rows = values.whole("rows");
+  shape.length = values.number("length");
+  shape.width = values.number("width");
+  shape.skew = values.angle("skew");
+  shape.startAngle = values.angle("start-angle");
+  shape.targetAngle = values.angle("target-angle");
+  return makeTessellation(shape);
+}
+
+Model fanModel(const FamilyValues& values) {
+  FanShape shape;
+  shape.lattice = latticeOf(values);
+  shape.outerRadius = values.number("outer-radius");
+  shape.innerRadius = values.number("inner-radius");
+  shape.halfAngle = 0.5 * values.angle("angle");
+  return fieldModel(fanField(shape), values);
+}
+
+RotorShape rotorShape(const FamilyValues& values) {
+  return {values.whole("columns"), values.whole("rows"), values.angle("start-angle"),
+          values.angle("target-angle")};
+}
+
+CapShape capShape(const FamilyValues& values) {
+  CapShape shape;
+  shape.size = 2 * values.whole("half-size");
+  shape.radius = values.number("radius");
+  return shape;
+}
+
+/// The tile turned about the vertical through a point.
+Tile turned(Tile tile, const Vector3& centre, double turn) {
+  const Matrix3 rotation = Eigen::AngleAxisd(turn, Vector3::UnitZ()).toRotationMatrix();
+  for (Vector3& vertex : tile.vertices) vertex = centre + rotation * (vertex - centre);
+  return tile;
+}
+
+/// Four quads round a slit that is bent in the middle. In the plane, the slit opens to a kite: its
+/// upper side becomes the mirror image of its lower one.
+Model nonrigidModel(const FamilyValues& values) {
+  const double left = values.number("left"), right = values.number("right");
+  const double depth = values.number("depth");
+  const double side = 1.5 * std::max({left, right, depth});
+  const Vector3 leftTip(-left, 0, 0), rightTip(right, 0, 0), middle(0, -depth, 0);
+  Model model;
+  model.tiles = {{{{-side, -side, 0}, {0, -side, 0}, middle, leftTip}},
+                 {{leftTip, middle, {0, side, 0}, {-side, side, 0}}},
+                 {{{0, -side, 0}, {side, -side, 0}, rightTip, middle}},
+                 {{middle, rightTip, {side, side, 0}, {0, side, 0}}}};
+  model.target = model.tiles;
+  (*model.target)[1] = turned(model.tiles[1], leftTip, 2 * std::atan2(depth, left));
+  (*model.target)[3] = turned(model.tiles[3], rightTip, -2 * std::atan2(depth, right));
+  model.joints = latticeJoints({2, 2}, JointFace::Both);
+  return model;
+}
+
+/// What becomes of a tiling.
+Family tilingFamily(const std::string& name, const std::string& help, Tiling (*tiling)(int),
+                    const std::string& construction, double usual) {
+  Family family;
+  family.name = name + "-" + construction;
+  family.help = help;
+  family.parameters = {
+      count("tiles", "of the tiling, at least; whole rings are used", usual, 10, 5000)};
+  if (construction == "chain") {
+    family.make = [tiling](const FamilyValues& values) {
+      return makeChain(tiling(values.whole("tiles")));
+    };
+  } else if (construction == "removal") {
+    family.make = [tiling](const FamilyValues& values) {
+      return makeThinned(tiling(values.whole("tiles")));
+    };
+  } else {
+    family.parameters.push_back(startAngle());
+    family.parameters.push_back(targetAngle(90));
+    family.make = [tiling](const FamilyValues& values) {
+      return makeExpanded(tiling(values.whole("tiles")), values.angle("start-angle"),
+                          values.angle("target-angle"));
+    };
+  }
+  return family;
+}
+
+void appendTilings(std::vector<Family>& all) {
+  const struct {
+    std::string name;
+    std::string what;
+    Tiling (*tiling)(int);
+    double chainTiles;
+    double removalTiles;
+  } tilings[] = {
+      {"stampfli", "the twelvefold Stampfli tiling", stampfliTiling, 24, 132},
+      {"penrose", "the fivefold Penrose tiling", penroseTiling, 30, 100},
+      {"ammann-beenker", "the eightfold Ammann-Beenker tiling", ammannBeenkerTiling, 48, 100}};
+  for (const auto& [name, what, tiling, chainTiles, removalTiles] : tilings) {
+    all.push_back(tilingFamily(name, what + " as one closed chain (a Hamiltonian cycle)", tiling,
+                               "chain", chainTiles));
+    all.push_back(
+        tilingFamily(name, what + " without its narrow rhombi", tiling, "removal", removalTiles));
+    all.push_back(tilingFamily(name, what + " with the cells of its grids between its tiles",
+                               tiling, "expansion", chainTiles));
+  }
+}
+
+void appendLattices(std::vector<Family>& all) {
+  const auto columns = [](double usual, double least, double most) {
+    return count("columns", "tiles along x", usual, least, most);
+  };
+  const auto rows = [](double usual, double least, double most) {
+    return count("rows", "tiles along y", usual, least, most);
+  };
+  all.push_back(
+      {"tessellation",
+       "rotating rectangles or parallelograms",
+       {columns(4, 1, 1000), rows(4, 1, 1000), length("length", "of a tile along x when closed", 1),
+        length("width", "of a tile's other side", 1),
+        angle("skew", "of that side from the vertical, clockwise", 0, -80, 80), startAngle(),
+        targetAngle(90)},
+       tessellationModel});
+  all.push_back({"quads",
+                 "irregular quads, closed at 0 and at 180 degrees",
+                 {columns(6, 2, 60),
+                  rows(6, 2, 60),
+                  {"irregularity", "SHARE", "of a tile, by which the sides move", 0.2, 0, 0.4},
+                  count("seed", "of the random numbers", 1, 0, 1e9),
+                  startAngle(),
+                  targetAngle(180)},
+                 [](const FamilyValues& values) {
+                   const unsigned seed = static_cast<unsigned>(values.whole("seed"));
+                   return fieldModel(
+                       irregularField(latticeOf(values), values.number("irregularity"), seed),
+                       values);
+                 }});
+  all.push_back({"fan",
+                 "a rectangle that becomes a sector of a ring",
+                 {columns(6, 2, 60), rows(6, 2, 60), length("outer-radius", "of the ring", 10),
+                  length("inner-radius", "of the ring", 1),
+                  angle("angle", "of the sector", 60, 5, 180), startAngle(), targetAngle(180)},
+                 fanModel});
+  all.push_back({"heart",
+                 "a heart that becomes another shape",
+                 {columns(4, 4, 60), rows(4, 4, 60), startAngle(), targetAngle(180)},
+                 [](const FamilyValues& values) {
+                   return fieldModel(heartField(latticeOf(values)), values);
+                 }});
+  all.push_back({"square-to-disk",
+                 "a square that becomes a polygon inscribed in a circle",
+                 {count("half-size", "tiles along a side are twice this and one more", 2, 1, 10),
+                  startAngle(), targetAngle(180)},
+                 [](const FamilyValues& values) {
+                   return fieldModel(squareToDiskField(2 * values.whole("half-size") + 1), values);
+                 }});
+  all.push_back({"square-to-circle",
+                 "a square whose tips come to stand on a circle",
+                 {count("half-size", "tiles along a side are twice this", 3, 2, 20), startAngle(),
+                  targetAngle(90)},
+                 [](const FamilyValues& values) {
+                   return fieldModel(squareToCircleField(2 * values.whole("half-size")), values);
+                 }});
+}
+
+void appendRegular(std::vector<Family>& all) {
+  const auto cells = [](const std::string& name, double least) {
+    return count(name, "cells", 4, least, 300);
+  };
+  all.push_back(
+      {"triangles",
+       "rotating triangles (kagome), two a cell",
+       {cells("columns", 1), cells("rows", 1), startAngle(240), targetAngle(60, 240)},
+       [](const FamilyValues& values) { return makeRotatingTriangles(rotorShape(values)); }});
+  all.push_back(
+      {"hexagons",
+       "hexagons and triangles that turn against each other",
+       {cells("columns", 2), cells("rows", 2), startAngle(), targetAngle(60)},
+       [](const FamilyValues& values) { return makeHexagonsAndTriangles(rotorShape(values)); }});
+  all.push_back(
+      {"nonrigid",
+       "four quads that only bending lets out of their plane's lock",
+       {length("left", "of the slit, from its bend", 1),
+        length("right", "of the slit, from its bend", 1), length("depth", "of the bend", 0.3)},
+       nonrigidModel});
+}
+
+void appendShells(std::vector<Family>& all) {
+  const FamilyParameter radius = length("radius", "of the sphere", 3.4641016151377544);
+  all.push_back({"cylinder",
+                 "a tube that becomes a slimmer, longer one",
+                 {count("half-columns", "tiles round the tube are twice this", 3, 2, 100),
+                  count("rows", "tiles along the tube", 6, 1, 200),
+                  length("length", "of a tile round the tube at the start", 2),
+                  length("width", "of a tile along the tube at the start", 1)},
+                 [](const FamilyValues& values) {
+                   return makeCylinder({2 * values.whole("half-columns"), values.whole("rows"),
+                                        values.number("length"), values.number("width")});
+                 }});
+  all.push_back({"cap",
+                 "a flat square that becomes a cap of a sphere",
+                 {count("half-size", "tiles along a side are twice this", 4, 1, 6), radius,
+                  angle("angle", "from the sphere's pole to the middle of a side", 45, 10, 60)},
+                 [](const FamilyValues& values) {
+                   CapShape shape = capShape(values);
+                   shape.halfAngle = values.angle("angle");
+                   return makeSphericalCap(shape);
+                 }});
+  all.push_back({"cube-to-sphere",
+                 "a cube that becomes a sphere",
+                 {count("half-size", "tiles along a cube's edge are twice this", 3, 1, 5), radius},
+                 [](const FamilyValues& values) { return makeCubeToSphere(capShape(values)); }});
+  all.push_back({"moebius",
+                 "a flat strip that becomes a twisted band",
+                 {count("half-columns", "tiles along the strip are twice this", 6, 5, 30),
+                  count("half-rows", "tiles across are twice this", 1, 1, 3),
+                  count("half-twists", "0 for a plain band, 1 for Moebius's", 1, 0, 3),
+                  length("radius", "of the band's middle line", 3)},
+                 [](const FamilyValues& values) {
+                   BandShape shape;
+                   shape.columns = 2 * values.whole("half-columns");
+                   shape.rows = 2 * values.whole("half-rows");
+                   shape.halfTwists = values.whole("half-twists");
+                   shape.radius = values.number("radius");
+                   return makeMoebiusBand(shape);
+                 }});
+  all.push_back({"sphere-to-saddle",
+                 "a cap of a sphere that becomes a saddle",
+                 {count("half-columns", "tiles along x are twice this", 5, 2, 8),
+                  count("half-rows", "tiles along y are twice this", 5, 2, 8),
+                  length("radius", "of the sphere", 6.9),
+                  {"curvature", "1/METRES", "c of the saddle z = c (x^2 - y^2)", 0.4, 0.01, 1},
+                  length("width", "of the sheet's longer side", 6)},
+                 [](const FamilyValues& values) {
+                   return makeSphereToSaddle({2 * values.whole("half-columns"),
+                                              2 * values.whole("half-rows"),
+                                              values.number("radius"), values.number("curvature"),
+                                              values.number("width")});
+                 }});
+}
+
+/// The value of a parameter, given or usual.
+double checkedValue(const Family& family, const FamilyParameter& parameter,
+                    const std::map<std::string, double>& given) {
+  const auto found = given.find(parameter.name);
+  if (found == given.end()) return parameter.usual;
+  const double value = found->second;
+  const bool inRange = value >= parameter.least && value <= parameter.most;
+  if (inRange && (!parameter.whole || value == std::floor(value))) return value;
+  throw InputError(fmt::format("{}: error: {} is {:g}; give a {}number from {:g} to {:g}",
+                               family.name, parameter.name, value, parameter.whole ? "whole " : "",
+                               parameter.least, parameter.most));
+}
+
+std::vector<std::string> names(const auto& things) {
+  std::vector<std::string> names;
+  for (const auto& thing : things) names.push_back(thing.name);
+  return names;
+}
+
+FamilyValues checkedValues(const Family& family, const std::map<std::string, double>& given) {
+  std::map<std::string, double> values;
+  for (const FamilyParameter& parameter : family.parameters) {
+    values[parameter.name] = checkedValue(family, parameter, given);
+  }
+  for (const auto& [name, value] : given) {
+    if (values.contains(name)) continue;
+    throw InputError(fmt::format("{}: error: there is no parameter {}; give some of {}",
+                                 family.name, name, fmt::join(names(family.parameters), ", ")));
+  }
+  return FamilyValues(values);
+}
+
+/// Why the tiles of one state make no sheet; empty when they do.
+std::string stateFault(const Model& model, const std::vector<Tile>& tiles) {
+  const double size = tileSize(model);
+  if (!(largestJointGap(model.joints, tiles) <= kExact * size)) return "its joints do not close";
+  if (!(largestUnevenness(tiles) <= kExact * size)) return "its tiles are not flat";
+  if (!(leastCornerSine(tiles) >= kConvex)) return "its tiles are not convex";
+  const std::vector<TileOverlap> overlaps = tileOverlaps(tiles, kTouching * size);
+  if (overlaps.empty()) return "";
+  return fmt::format("its tiles {} and {} overlap by {:.2g} m", overlaps[0].tileA,
+                     overlaps[0].tileB, overlaps[0].depth);
+}
+
+std::string modelFault(const Model& model) {
+  const std::string atStart = stateFault(model, model.tiles);
+  if (!atStart.empty()) return atStart + " at the start";
+  if (!model.target) return "";
+  if (!(largestShapeChange(model.tiles, *model.target) <= kExact * tileSize(model))) {
+    return "its tiles change their shape";
+  }
+  const std::string atTarget = stateFault(model, *model.target);
+  return atTarget.empty() ? "" : atTarget + " at the target";
+}
+
+}  // namespace
+
+double FamilyValues::angle(const std::string& name) const {
+  return number(name) * kDegree;
+}
+
+const std::vector<Family>& families() {
+  static const std::vector<Family> all = [] {
+    std::vector<Family> list;
+    appendLattices(list);
+    appendRegular(list);
+    appendShells(list);
+    appendTilings(list);
+    return list;
+  }();
+  return all;
+}
+
+const Family& familyNamed(const std::string& name) {
+  for (const Family& family : families()) {
+    if (family.name == name) return family;
+  }
+  throw InputError(fmt::format("error: there is no family {}; give one of {}", name,
+                               fmt::join(names(families()), ", ")));
+}
+
+Model generateModel(const Family& family, const std::map<std::string, double>& given) {
+  Model model = family.make(checkedValues(family, given));
+  model.name = family.name;
+  chooseJointFaces(model, FaceRule::Fold);
+  const std::string fault = modelFault(model);
+  if (fault.empty()) return model;
+  throw InputError(
+      fmt::format("{}: error: no sheet with these parameters was found ({}); give values nearer to "
+                  "the usual ones",
+                  family.name, fault));
+}
+
+}  // namespace kirireel

@@ -1,0 +1,318 @@
+#include "sim/generate/lattice_designs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <random>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "sim/base/error.h"
+#include "sim/generate/lattice_equations.h"
+
+namespace kirireel {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+// An exact equation that is off by more than this does not hold. Largest met: 4e-15.
+constexpr double kExact = 1e-11;
+
+TurningField unitField(const Lattice& lattice) {
+  return regularField(lattice, 1, Complex(0, 1));
+}
+
+Fit fitted(const std::string& family, const DesignSource& source, Eigen::VectorXd start,
+           const FitSettings& settings) {
+  Fit fit = fitDesign(source, std::move(start), settings);
+  if (fit.violation <= kExact) return fit;
+  throw InputError(
+      fmt::format("{}: error: no sheet of this shape was found (equations miss by {:.2g}); give "
+                  "parameters nearer to the usual ones",
+                  family, fit.violation));
+}
+
+std::vector<Block> allBlocks(const Lattice& lattice) {
+  std::vector<Block> blocks = innerBlocks(lattice);
+  for (const auto& more : {sideBlocksClosedAtStart(lattice), sideBlocksClosedAtEnd(lattice)}) {
+    blocks.insert(blocks.end(), more.begin(), more.end());
+  }
+  return blocks;
+}
+
+void addRhombicBlocks(EquationRows& rows, const LatticeUnknowns& unknowns,
+                      const TurningField& field, const std::vector<Block>& blocks,
+                      const Eigen::VectorXd& values) {
+  for (const Block& block : blocks) unknowns.addBlock(rows, field, block, values, -1);
+}
+
+void addWantedPoint(EquationRows& rows, const LatticeUnknowns& unknowns, const TurningField& field,
+                    const LatticeCorner& corner, double angle, Complex point) {
+  unknowns.addPosition(rows, field, corner, angle, 1, point.real());
+  unknowns.addPosition(rows, field, corner, angle, Complex(0, 1), point.imag());
+}
+
+/// A corner and where it should go.
+struct WantedPoint {
+  LatticeCorner corner;
+  Complex point;
+};
+
+/// The sheet with rhombic voids, closed at both ends, whose corners at `angle` are nearest to the
+/// wanted points. All equations are linear, so that the fit is one step.
+TurningField rhombicField(const std::string& family, const Lattice& lattice, double angle,
+                          const std::vector<WantedPoint>& wanted) {
+  const LatticeUnknowns unknowns(lattice);
+  const TurningField zero(lattice);
+  const auto source = [&](const Eigen::VectorXd& values, DesignEquations& equations) {
+    const TurningField field = unknowns.field(values);
+    addRhombicBlocks(equations.exact, unknowns, field, allBlocks(lattice), values);
+    for (const WantedPoint& point : wanted) {
+      addWantedPoint(equations.wanted, unknowns, field, point.corner, angle, point.point);
+    }
+    // What the corners leave open stays small.
+    unknowns.addConstants(equations.wanted, field, zero, 1e-2);
+  };
+  FitSettings settings;
+  settings.damping = 1e-9;
+  settings.rounds = 10;
+  const Eigen::VectorXd start = unknowns.pack(unitField(lattice), 0);
+  return unknowns.field(fitted(family, source, start, settings).unknowns);
+}
+
+/// A point of the heart curve x = 16 sin a |sin a|, y = 13 cos a - 5 cos 2a - 2 cos 3a (over 8),
+/// from the lower tip anticlockwise as t goes from 0 to 1.
+Complex heartPoint(double t) {
+  const double a = kPi - 2 * kPi * t;
+  const double x = 16 * std::sin(a) * std::abs(std::sin(a));
+  const double y = 13 * std::cos(a) - 5 * std::cos(2 * a) - 2 * std::cos(3 * a);
+  return Complex(x, y) / 8.0;
+}
+
+/// Points at equal distances along a closed curve given over [0, 1].
+std::vector<Complex> evenPoints(const std::function<Complex(double)>& curve, int count) {
+  constexpr int kPieces = 20000;
+  std::vector<double> lengths{0};
+  for (int k = 0; k < kPieces; ++k) {
+    const double step = std::abs(curve((k + 1.0) / kPieces) - curve(double(k) / kPieces));
+    lengths.push_back(lengths.back() + step);
+  }
+  std::vector<Complex> points;
+  for (int k = 0; k < count; ++k) {
+    const double wanted = lengths.back() * k / count;
+    const auto above = std::upper_bound(lengths.begin(), lengths.end(), wanted);
+    const double piece = static_cast<double>(above - lengths.begin() - 1);
+    const double share = (wanted - *(above - 1)) / (*above - *(above - 1));
+    points.push_back(curve((piece + share) / kPieces));
+  }
+  return points;
+}
+
+/// Half the extent of a field's corners at an angle, along x and y, about the origin.
+Complex halfExtent(const TurningField& field, double angle) {
+  double x = 0, y = 0;
+  for (const Tile& tile : field.tiles(angle)) {
+    for (const Vector3& vertex : tile.vertices) {
+      x = std::max(x, std::abs(vertex.x()));
+      y = std::max(y, std::abs(vertex.y()));
+    }
+  }
+  return {x, y};
+}
+
+/// Round figures of a sheet with voids of any ratio: the exact conditions that the two designs
+/// share.
+class RoundDesign {
+ public:
+  RoundDesign(std::string family, int size, double angle, std::vector<Block> sideBlocks)
+      : family_(std::move(family)),
+        lattice_{size, size},
+        unknowns_(lattice_),
+        blocks_(innerBlocks(lattice_)),
+        sideBlocks_(std::move(sideBlocks)),
+        tips_(tips(lattice_)),
+        angle_(angle) {}
+
+  int logarithm(std::size_t block) const {
+    return unknowns_.firstFurther() + static_cast<int>(block);
+  }
+  int radius() const { return logarithm(blocks_.size()); }
+  const LatticeUnknowns& unknowns() const { return unknowns_; }
+  const std::vector<Block>& blocks() const { return blocks_; }
+  const std::vector<LatticeCorner>& tipCorners() const { return tips_; }
+  const Lattice& lattice() const { return lattice_; }
+
+  /// Closed voids, and tips on the circle.
+  void addExact(EquationRows& rows, const TurningField& field,
+                const Eigen::VectorXd& values) const {
+    for (std::size_t k = 0; k < blocks_.size(); ++k) {
+      unknowns_.addBlock(rows, field, blocks_[k], values, logarithm(k));
+    }
+    addRhombicBlocks(rows, unknowns_, field, sideBlocks_, values);
+    for (const LatticeCorner& tip : tips_) {
+      const Complex position = field.corner(tip.cell, tip.corner, angle_);
+      const Complex outwards = position / std::abs(position);
+      unknowns_.addPosition(rows, field, tip, angle_, outwards, values[radius()]);
+      rows.slope(radius(), -1);
+    }
+  }
+
+  TurningField fit(const DesignSource& source, double firstRadius, double damping) const {
+    const int further = static_cast<int>(blocks_.size()) + 1;
+    Eigen::VectorXd start = unknowns_.pack(unitField(lattice_), further);
+    start[radius()] = firstRadius;
+    FitSettings settings;
+    settings.damping = damping;
+    return unknowns_.field(fitted(family_, source, start, settings).unknowns);
+  }
+
+ private:
+  std::string family_;
+  Lattice lattice_;
+  LatticeUnknowns unknowns_;
+  std::vector<Block> blocks_;
+  std::vector<Block> sideBlocks_;
+  std::vector<LatticeCorner> tips_;
+  double angle_;
+};
+
+/// The place of node k of the closed boundary on a square of half side h about the origin.
+Complex squarePoint(const Lattice& lattice, int node) {
+  const int size = lattice.columns;
+  const double half = 0.5 * size;
+  const int side = node / size;
+  const Complex onBottom(node % size - half, -half);
+  return onBottom * std::pow(Complex(0, 1), side);
+}
+
+/// Appends weight * (unknown - value).
+void addValue(EquationRows& rows, int unknown, double found, double wanted, double weight) {
+  rows.begin(weight * (found - wanted));
+  rows.slope(unknown, weight);
+}
+
+std::vector<Block> allSideBlocks(const Lattice& lattice) {
+  std::vector<Block> blocks = sideBlocksClosedAtStart(lattice);
+  const std::vector<Block> more = sideBlocksClosedAtEnd(lattice);
+  blocks.insert(blocks.end(), more.begin(), more.end());
+  return blocks;
+}
+
+}  // namespace
+
+TurningField fanField(const FanShape& shape) {
+  const TurningField regular = unitField(shape.lattice);
+  const Complex half = halfExtent(regular, kPi);
+  std::vector<WantedPoint> wanted;
+  for (int tile = 0; tile < shape.lattice.tileCount(); ++tile) {
+    for (int k = 0; k < 4; ++k) {
+      const Cell cell = shape.lattice.cellOf(tile);
+      const Complex position = regular.corner(cell, k, kPi);
+      const double x = position.real() / half.real();
+      const double y = position.imag() / half.imag();
+      if (std::max(std::abs(x), std::abs(y)) < 1 - 1e-9) continue;
+      const double distance =
+          shape.innerRadius + 0.5 * (1 + y) * (shape.outerRadius - shape.innerRadius);
+      wanted.push_back({{cell, k}, std::polar(distance, kPi / 2 - shape.halfAngle * x)});
+    }
+  }
+  return rhombicField("fan", shape.lattice, kPi, wanted);
+}
+
+TurningField heartField(const Lattice& lattice) {
+  const std::vector<LatticeCorner> nodes = closedBoundary(lattice);
+  const int count = static_cast<int>(nodes.size());
+  const std::vector<Complex> points = evenPoints(heartPoint, count);
+  // The lower tip stands in the middle of the left side.
+  const int tip = 2 * lattice.columns + lattice.rows + lattice.rows / 2;
+  std::vector<WantedPoint> wanted;
+  for (int k = 0; k < count; ++k) {
+    wanted.push_back({nodes[std::size_t(k)], points[std::size_t((k - tip + count) % count)]});
+  }
+  return rhombicField("heart", lattice, 0, wanted);
+}
+
+TurningField squareToDiskField(int size) {
+  const Lattice lattice{size, size};
+  const RoundDesign design("square-to-disk", size, kPi, allSideBlocks(lattice));
+  const LatticeUnknowns& unknowns = design.unknowns();
+  const TurningField regular = unitField(lattice);
+  const std::vector<LatticeCorner> nodes = closedBoundary(lattice);
+  const auto source = [&](const Eigen::VectorXd& values, DesignEquations& equations) {
+    const TurningField field = unknowns.field(values);
+    design.addExact(equations.exact, field, values);
+    // Evenly spaced nodes: without that the tiles at the square's corners collapse.
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+      addWantedPoint(equations.exact, unknowns, field, nodes[k], 0,
+                     squarePoint(lattice, static_cast<int>(k)));
+    }
+    unknowns.addConstants(equations.wanted, field, regular, 0.1);
+    for (std::size_t k = 0; k < design.blocks().size(); ++k) {
+      const int logarithm = design.logarithm(k);
+      const double wanted = isEven(design.blocks()[k].lowerLeft) ? -0.8 : 0.8;
+      addValue(equations.wanted, logarithm, values[logarithm], wanted, 0.3);
+    }
+  };
+  return design.fit(source, 0.58 * size, 0.1);
+}
+
+TurningField squareToCircleField(int size) {
+  const Lattice lattice{size, size};
+  const RoundDesign design("square-to-circle", size, kPi / 2, sideBlocksClosedAtStart(lattice));
+  const LatticeUnknowns& unknowns = design.unknowns();
+  const TurningField regular = unitField(lattice);
+  const std::vector<LatticeCorner> nodes = closedBoundary(lattice);
+  const Complex half = halfExtent(regular, kPi / 2);
+  const double radius = 1.15 * half.real();
+  const auto source = [&](const Eigen::VectorXd& values, DesignEquations& equations) {
+    const TurningField field = unknowns.field(values);
+    design.addExact(equations.exact, field, values);
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+      const int node = static_cast<int>(k);
+      const Complex point = squarePoint(lattice, node);
+      const Complex along = std::pow(Complex(0, 1), node / size);
+      const Complex across = along * Complex(0, -1);
+      const auto onSide = [&](Complex direction) {
+        unknowns.addPosition(equations.exact, field, nodes[k], 0, direction, 0.5 * size);
+      };
+      onSide(across);
+      // A node at a square's corner lies on two sides.
+      if (node % size == 0) onSide(-along);
+      unknowns.addPosition(equations.wanted, field, nodes[k], 0, along,
+                           (std::conj(along) * point).real(), 0.2);
+    }
+    // Tips spread round the circle as the square maps to the disk.
+    for (const LatticeCorner& tip : design.tipCorners()) {
+      const Complex box = regular.corner(tip.cell, tip.corner, kPi / 2) / half.real();
+      const double u = box.real(), v = box.imag();
+      const Complex onDisk =
+          radius * Complex(u * std::sqrt(1 - v * v / 2), v * std::sqrt(1 - u * u / 2));
+      const Complex tangent = Complex(0, 1) * onDisk / std::abs(onDisk);
+      unknowns.addPosition(equations.wanted, field, tip, kPi / 2, tangent, 0, 0.3);
+    }
+    unknowns.addConstants(equations.wanted, field, regular, 0.05);
+    for (std::size_t k = 0; k < design.blocks().size(); ++k) {
+      const int logarithm = design.logarithm(k);
+      addValue(equations.wanted, logarithm, values[logarithm], 0, 0.3);
+    }
+  };
+  return design.fit(source, radius, 1e-2);
+}
+
+TurningField irregularField(const Lattice& lattice, double irregularity, unsigned seed) {
+  const TurningField regular = unitField(lattice);
+  std::mt19937 generator(seed);
+  const auto random = [&] { return irregularity * (generator() / 2147483648.0 - 1); };
+  std::vector<WantedPoint> wanted;
+  for (const LatticeCorner& node : closedBoundary(lattice)) {
+    // One after the other: the order in which arguments are evaluated is open.
+    const double x = random();
+    const double y = random();
+    const Complex place = regular.corner(node.cell, node.corner, 0);
+    wanted.push_back({node, place + Complex(x, y)});
+  }
+  return rhombicField("quads", lattice, 0, wanted);
+}
+
+}  // namespace kirireel

@@ -1,0 +1,151 @@
+#include "sim/generate/rotors.h"
+
+#include <cmath>
+#include <complex>
+#include <map>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+namespace kirireel {
+namespace {
+
+using Complex = std::complex<double>;
+
+/// A place on the triangular lattice: cell numbers and the kind of tile in the cell.
+struct Place {
+  int column = 0;
+  int row = 0;
+  int kind = 0;
+
+  auto operator<=>(const Place&) const = default;
+};
+
+/// A pattern of tiles edge to edge, those of kind 0 next to others only: with c the centre of a
+/// tile of kind 0 and d that of a neighbour, the corner that they share is c + ratio (d - c). So
+///   v(theta) = (1 - ratio) c e^(i theta / 2) + ratio d e^(-i theta / 2)
+/// keeps all tiles rigid and all joints closed at every theta.
+struct Pattern {
+  Complex ratio;
+  Complex (*centre)(const Place&);
+  /// Anticlockwise; some may stand outside the sheet.
+  std::vector<Place> (*neighbours)(const Place&);
+};
+
+std::vector<Tile> tilesAt(const Pattern& pattern, const std::vector<Place>& places, double angle) {
+  const Complex turn = std::polar(1.0, 0.5 * angle);
+  std::vector<Tile> tiles;
+  for (const Place& place : places) {
+    Tile& tile = tiles.emplace_back();
+    for (const Place& neighbour : pattern.neighbours(place)) {
+      Complex first = pattern.centre(place);
+      Complex second = pattern.centre(neighbour);
+      if (place.kind != 0) std::swap(first, second);
+      const Complex corner =
+          (1.0 - pattern.ratio) * first * turn + pattern.ratio * second * std::conj(turn);
+      tile.vertices.emplace_back(corner.real() + 0.0, corner.imag() + 0.0, 0);
+    }
+  }
+  return tiles;
+}
+
+std::vector<Joint> jointsOf(const Pattern& pattern, const std::vector<Place>& places) {
+  std::map<Place, int> numbers;
+  for (const Place& place : places) numbers.emplace(place, static_cast<int>(numbers.size()));
+  const auto cornerTowards = [&](const Place& from, const Place& to) {
+    const std::vector<Place> around = pattern.neighbours(from);
+    int corner = 0;
+    while (around[std::size_t(corner)] != to) ++corner;
+    return corner;
+  };
+  std::vector<Joint> joints;
+  for (const Place& place : places) {
+    if (place.kind != 0) continue;
+    for (const Place& neighbour : pattern.neighbours(place)) {
+      const auto there = numbers.find(neighbour);
+      if (there == numbers.end()) continue;
+      joints.push_back({{numbers.at(place), cornerTowards(place, neighbour)},
+                        {there->second, cornerTowards(neighbour, place)},
+                        JointFace::Both});
+    }
+  }
+  return joints;
+}
+
+Model makeSheet(const std::string& name, const Pattern& pattern, const std::vector<Place>& places,
+                const RotorShape& shape) {
+  Model model;
+  model.name = name;
+  model.tiles = tilesAt(pattern, places, shape.startAngle);
+  model.target = tilesAt(pattern, places, shape.targetAngle);
+  model.joints = jointsOf(pattern, places);
+  return model;
+}
+
+const double kRoot3 = std::sqrt(3.0);
+
+/// Triangular lattice with unit edges.
+Complex latticePoint(double column, double row) {
+  return {column + 0.5 * row, 0.5 * kRoot3 * row};
+}
+
+/// Kind 0 points up from the cell's corner, kind 1 down.
+constexpr Complex kTriangleRatio{0.5, 0.8660254037844386};
+
+Complex triangleCentre(const Place& place) {
+  const double third = (place.kind + 1) / 3.0;
+  return latticePoint(place.column + third, place.row + third);
+}
+
+std::vector<Place> triangleNeighbours(const Place& place) {
+  const auto [i, j, kind] = place;
+  if (kind == 0) return {{i, j, 1}, {i - 1, j, 1}, {i, j - 1, 1}};
+  return {{i, j + 1, 0}, {i, j, 0}, {i + 1, j, 0}};
+}
+
+/// Kind 0 is a hexagon on the cell's corner, kinds 1 and 2 the triangles in the cell: between the
+/// hexagons of its first three and its last three corners.
+constexpr Complex kHexagonRatio{0.75, 0.4330127018922193};
+
+Complex hexagonPatternCentre(const Place& place) {
+  const double third = place.kind / 3.0;
+  return 2.0 * latticePoint(place.column + third, place.row + third);
+}
+
+std::vector<Place> hexagonPatternNeighbours(const Place& place) {
+  const auto [i, j, kind] = place;
+  if (kind == 0) {
+    return {{i, j, 1},         {i - 1, j, 2}, {i - 1, j, 1},
+            {i - 1, j - 1, 2}, {i, j - 1, 1}, {i, j - 1, 2}};
+  }
+  if (kind == 1) return {{i, j, 0}, {i + 1, j, 0}, {i, j + 1, 0}};
+  return {{i + 1, j, 0}, {i + 1, j + 1, 0}, {i, j + 1, 0}};
+}
+
+}  // namespace
+
+Model makeRotatingTriangles(const RotorShape& shape) {
+  const Pattern pattern{kTriangleRatio, triangleCentre, triangleNeighbours};
+  std::vector<Place> places;
+  for (int i = 0; i < shape.columns; ++i) {
+    for (int j = 0; j < shape.rows; ++j) {
+      for (const int kind : {0, 1}) places.push_back({i, j, kind});
+    }
+  }
+  return makeSheet("triangles", pattern, places, shape);
+}
+
+Model makeHexagonsAndTriangles(const RotorShape& shape) {
+  const Pattern pattern{kHexagonRatio, hexagonPatternCentre, hexagonPatternNeighbours};
+  std::vector<Place> places;
+  for (int i = 0; i < shape.columns; ++i) {
+    for (int j = 0; j < shape.rows; ++j) {
+      places.push_back({i, j, 0});
+      if (i + 1 == shape.columns || j + 1 == shape.rows) continue;
+      for (const int kind : {1, 2}) places.push_back({i, j, kind});
+    }
+  }
+  return makeSheet("hexagons", pattern, places, shape);
+}
+
+}  // namespace kirireel

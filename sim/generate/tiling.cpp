@@ -1,0 +1,309 @@
+#include "sim/generate/tiling.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+namespace kirireel {
+namespace {
+
+using Complex = std::complex<double>;
+constexpr double kPi = std::numbers::pi;
+
+double dot(Complex a, Complex b) {
+  return (std::conj(a) * b).real();
+}
+
+double cross(Complex a, Complex b) {
+  return (std::conj(a) * b).imag();
+}
+
+/// A vertex by its whole coordinates.
+using VertexKey = std::vector<int>;
+
+/// A tile before its vertices are numbered.
+struct LooseTile {
+  std::vector<VertexKey> keys;  ///< in order round the tile
+  std::vector<Complex> corners;
+  Complex dual;
+  bool isThin = false;
+
+  Complex centre() const {
+    return std::accumulate(corners.begin(), corners.end(), Complex()) / double(corners.size());
+  }
+};
+
+/// The nearest whole rings with at least so many tiles, the vertices numbered.
+Tiling assemble(std::vector<LooseTile> loose, int wanted, double spread) {
+  // The angle decides among equals, and rounding decides nothing.
+  const auto rank = [](const LooseTile& tile) {
+    const Complex centre = tile.centre();
+    const double angle = std::arg(centre * std::polar(1.0, 1e-7));
+    return std::pair(std::lround(1e6 * std::abs(centre)), std::lround(1e6 * angle));
+  };
+  std::stable_sort(loose.begin(), loose.end(),
+                   [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
+  std::size_t count = std::min(loose.size(), std::size_t(wanted));
+  while (count < loose.size() && rank(loose[count]).first == rank(loose[count - 1]).first) ++count;
+  Tiling tiling;
+  tiling.spread = spread;
+  std::map<VertexKey, int> numbers;
+  for (std::size_t t = 0; t < count; ++t) {
+    LooseTile& tile = loose[t];
+    std::vector<int>& vertices = tiling.tiles.emplace_back();
+    for (std::size_t k = 0; k < tile.keys.size(); ++k) {
+      const auto [entry, isNew] =
+          numbers.try_emplace(tile.keys[k], static_cast<int>(numbers.size()));
+      if (isNew) tiling.vertices.push_back(tile.corners[k]);
+      vertices.push_back(entry->second);
+    }
+    const Complex first = tile.corners[1] - tile.corners[0];
+    if (cross(first, tile.corners[2] - tile.corners[1]) < 0) {
+      std::reverse(vertices.begin(), vertices.end());
+    }
+    tiling.duals.push_back(tile.dual);
+    tiling.isThin.push_back(tile.isThin);
+  }
+  return tiling;
+}
+
+/// Superposed grids of parallel lines: grid i has the lines direction_i . y + offset = whole
+/// number.
+class LineGrids {
+ public:
+  LineGrids(int count, double firstAngleStep, double offset) : offset_(offset) {
+    for (int i = 0; i < count; ++i) directions_.push_back(std::polar(1.0, i * firstAngleStep));
+  }
+
+  /// The rhombus dual to the crossing of two lines.
+  LooseTile rhombus(int gridA, int lineA, int gridB, int lineB) const {
+    const Complex a = directions_[std::size_t(gridA)], b = directions_[std::size_t(gridB)];
+    const double sine = cross(a, b);
+    LooseTile tile;
+    tile.dual = Complex(0, 1) * ((lineB - offset_) * a - (lineA - offset_) * b) / sine;
+    VertexKey key;
+    for (const Complex& direction : directions_) {
+      key.push_back(static_cast<int>(std::ceil(dot(direction, tile.dual) + offset_)));
+    }
+    for (const auto& [stepA, stepB] : {std::pair(0, 0), {1, 0}, {1, 1}, {0, 1}}) {
+      key[std::size_t(gridA)] = lineA + stepA;
+      key[std::size_t(gridB)] = lineB + stepB;
+      tile.keys.push_back(key);
+      tile.corners.push_back(position(key));
+    }
+    tile.isThin = std::abs(sine) < narrowestSine() + 1e-9;
+    return tile;
+  }
+
+  /// The rhombi of all crossings of the lines with numbers up to `reach`.
+  std::vector<LooseTile> rhombi(int reach) const {
+    std::vector<LooseTile> tiles;
+    const int count = static_cast<int>(directions_.size());
+    for (int gridA = 0; gridA < count; ++gridA) {
+      for (int gridB = gridA + 1; gridB < count; ++gridB) {
+        for (int lineA = -reach; lineA <= reach; ++lineA) {
+          for (int lineB = -reach; lineB <= reach; ++lineB) {
+            LooseTile tile = rhombus(gridA, lineA, gridB, lineB);
+            // Further out, crossings with other grids' further lines are missing.
+            if (std::abs(tile.dual) < reach - 1) tiles.push_back(std::move(tile));
+          }
+        }
+      }
+    }
+    return tiles;
+  }
+
+  double spread() const { return 0.5 * static_cast<double>(directions_.size()); }
+
+ private:
+  /// Counted so that the middle of the grids is the middle of the tiling.
+  Complex position(const VertexKey& key) const {
+    Complex sum;
+    for (std::size_t i = 0; i < key.size(); ++i) sum += (key[i] - offset_ - 0.5) * directions_[i];
+    return sum;
+  }
+
+  double narrowestSine() const {
+    double least = 1;
+    for (const Complex& direction : directions_) {
+      const double sine = std::abs(cross(directions_[0], direction));
+      if (sine > 1e-9) least = std::min(least, sine);
+    }
+    return least;
+  }
+
+  std::vector<Complex> directions_;
+  double offset_;
+};
+
+/// How many lines each grid needs so that so many tiles are whole.
+int reachFor(int tiles, double spread) {
+  // A unit of the tiling's area holds at least one tile; the rest is for the rim.
+  return static_cast<int>(std::ceil(std::sqrt(tiles / kPi) / spread)) + 4;
+}
+
+/// The hexagonal cells about the points of a triangular lattice.
+class Honeycomb {
+ public:
+  explicit Honeycomb(double angle)
+      : first_(std::polar(1.0, angle)), second_(std::polar(1.0, angle + kPi / 3)) {}
+
+  struct Cell {
+    int column = 0;
+    int row = 0;
+  };
+  /// A side between two cells, or a corner between three.
+  struct Side {
+    std::array<Cell, 2> cells;
+    std::array<Complex, 2> ends;
+  };
+  struct Corner {
+    std::array<Cell, 3> cells;
+    Complex place;
+  };
+
+  Complex centre(const Cell& cell) const {
+    return double(cell.column) * first_ + double(cell.row) * second_;
+  }
+
+  Cell cellAt(Complex point) const {
+    const double area = cross(first_, second_);
+    const int column = static_cast<int>(std::floor(cross(point, second_) / area));
+    const int row = static_cast<int>(std::floor(cross(first_, point) / area));
+    Cell nearest{column, row};
+    for (const Cell& cell : {Cell{column + 1, row}, {column, row + 1}, {column + 1, row + 1}}) {
+      if (std::abs(point - centre(cell)) < std::abs(point - centre(nearest))) nearest = cell;
+    }
+    return nearest;
+  }
+
+  std::vector<Corner> corners(int reach) const {
+    std::vector<Corner> found;
+    forCells(reach, [&](int i, int j) {
+      for (const std::array<Cell, 3>& cells :
+           {std::array<Cell, 3>{{{i, j}, {i + 1, j}, {i, j + 1}}},
+            std::array<Cell, 3>{{{i + 1, j}, {i + 1, j + 1}, {i, j + 1}}}}) {
+        found.push_back({cells, middle(cells)});
+      }
+    });
+    return found;
+  }
+
+  std::vector<Side> sides(int reach) const {
+    std::vector<Side> found;
+    forCells(reach, [&](int i, int j) {
+      const auto append = [&](const Cell& other, const Cell& left, const Cell& right) {
+        const Cell self{i, j};
+        found.push_back({{self, other},
+                         {middle(std::array<Cell, 3>{self, other, left}),
+                          middle(std::array<Cell, 3>{self, other, right})}});
+      };
+      append({i + 1, j}, {i, j + 1}, {i + 1, j - 1});
+      append({i, j + 1}, {i - 1, j + 1}, {i + 1, j});
+      append({i - 1, j + 1}, {i - 1, j}, {i, j + 1});
+    });
+    return found;
+  }
+
+ private:
+  template <typename Action>
+  static void forCells(int reach, const Action& action) {
+    for (int i = -reach; i <= reach; ++i) {
+      for (int j = -reach; j <= reach; ++j) action(i, j);
+    }
+  }
+
+  Complex middle(const std::array<Cell, 3>& cells) const {
+    return (centre(cells[0]) + centre(cells[1]) + centre(cells[2])) / 3.0;
+  }
+
+  Complex first_;
+  Complex second_;
+};
+
+/// Where two segments cross.
+std::optional<Complex> crossing(const Honeycomb::Side& a, const Honeycomb::Side& b) {
+  const Complex alongA = a.ends[1] - a.ends[0];
+  const Complex alongB = b.ends[1] - b.ends[0];
+  const double sine = cross(alongA, alongB);
+  if (std::abs(sine) < 1e-9) return std::nullopt;
+  const double shareA = cross(b.ends[0] - a.ends[0], alongB) / sine;
+  const double shareB = cross(b.ends[0] - a.ends[0], alongA) / sine;
+  if (shareA < 0 || shareA > 1 || shareB < 0 || shareB > 1) return std::nullopt;
+  return a.ends[0] + shareA * alongA;
+}
+
+/// The two honeycombs behind the twelvefold tiling.
+class HoneycombPair {
+ public:
+  std::vector<LooseTile> tiles(int reach) const {
+    std::vector<LooseTile> found;
+    appendTriangles(honeycombs_[0], honeycombs_[1], false, reach, found);
+    appendTriangles(honeycombs_[1], honeycombs_[0], true, reach, found);
+    const std::vector<Honeycomb::Side> sides = honeycombs_[1].sides(reach);
+    for (const Honeycomb::Side& a : honeycombs_[0].sides(reach)) {
+      for (const Honeycomb::Side& b : sides) {
+        if (std::abs(a.ends[0] - b.ends[0]) > 2) continue;
+        if (const auto place = crossing(a, b)) appendRhombus(a, b, *place, found);
+      }
+    }
+    return found;
+  }
+
+ private:
+  void appendCorner(LooseTile& tile, const Honeycomb::Cell& a, const Honeycomb::Cell& b) const {
+    tile.keys.push_back({a.column, a.row, b.column, b.row});
+    tile.corners.push_back(honeycombs_[0].centre(a) + honeycombs_[1].centre(b));
+  }
+
+  void appendTriangles(const Honeycomb& own, const Honeycomb& other, bool swapped, int reach,
+                       std::vector<LooseTile>& found) const {
+    for (const Honeycomb::Corner& corner : own.corners(reach)) {
+      const Honeycomb::Cell within = other.cellAt(corner.place);
+      LooseTile& tile = found.emplace_back();
+      tile.dual = corner.place;
+      for (const Honeycomb::Cell& cell : corner.cells) {
+        appendCorner(tile, swapped ? within : cell, swapped ? cell : within);
+      }
+    }
+  }
+
+  void appendRhombus(const Honeycomb::Side& a, const Honeycomb::Side& b, Complex place,
+                     std::vector<LooseTile>& found) const {
+    LooseTile& tile = found.emplace_back();
+    tile.dual = place;
+    appendCorner(tile, a.cells[0], b.cells[0]);
+    appendCorner(tile, a.cells[1], b.cells[0]);
+    appendCorner(tile, a.cells[1], b.cells[1]);
+    appendCorner(tile, a.cells[0], b.cells[1]);
+    const Complex edge = tile.corners[1] - tile.corners[0];
+    tile.isThin = std::abs(cross(edge, tile.corners[2] - tile.corners[1])) < 0.6;
+  }
+
+  std::array<Honeycomb, 2> honeycombs_{Honeycomb(0), Honeycomb(kPi / 6)};
+};
+
+}  // namespace
+
+Tiling penroseTiling(int tiles) {
+  // Offsets that add up to a whole number make Penrose's tiling; these keep the symmetry.
+  const LineGrids grids(5, 2 * kPi / 5, 0.4);
+  return assemble(grids.rhombi(reachFor(tiles, grids.spread())), tiles, grids.spread());
+}
+
+Tiling ammannBeenkerTiling(int tiles) {
+  const LineGrids grids(4, kPi / 4, 0.5);
+  return assemble(grids.rhombi(reachFor(tiles, grids.spread())), tiles, grids.spread());
+}
+
+Tiling stampfliTiling(int tiles) {
+  constexpr double kSpread = 2;
+  return assemble(HoneycombPair().tiles(reachFor(tiles, kSpread)), tiles, kSpread);
+}
+
+}  // namespace kirireel

@@ -1,0 +1,181 @@
+#include "sim/generate/families.h"
+
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "sim/base/error.h"
+#include "tests/sim/generate/sheet_checks.h"
+
+namespace kirireel {
+namespace {
+
+using Given = std::map<std::string, double>;
+
+/// A family and what is asked of it.
+struct Request {
+  std::string family;
+  Given given;
+};
+
+void PrintTo(const Request& request, std::ostream* stream) {
+  *stream << request.family;
+  for (const auto& [name, value] : request.given) *stream << ' ' << name << ' ' << value;
+}
+
+Model made(const Request& request) {
+  return generateModel(familyNamed(request.family), request.given);
+}
+
+bool isFlat(const std::vector<Tile>& tiles) {
+  return liesFlat(tiles, 1e-12);
+}
+
+class GeneratedSheet : public testing::TestWithParam<Request> {};
+
+TEST_P(GeneratedSheet, IsCongruentClosedConvexAndFreeOfOverlap) {
+  const Model model = made(GetParam());
+  ASSERT_FALSE(model.tiles.empty());
+  std::vector<const std::vector<Tile>*> states = {&model.tiles};
+  if (model.target) states.push_back(&*model.target);
+  for (const std::vector<Tile>* tiles : states) {
+    EXPECT_LT(test::opening(model, *tiles), 1e-9);  // measured 1.1e-14 at most
+    EXPECT_LT(test::warp(*tiles), 1e-9);            // measured 2e-15 at most
+    const bool flat = isFlat(*tiles);
+    for (const Tile& tile : *tiles) {
+      const Vector3 up = flat ? Vector3(0, 0, 1) : test::cornerNormal(tile);
+      EXPECT_GT(test::convexity(tile, up), 1e-3);
+    }
+    EXPECT_EQ(test::overlaps(*tiles, flat), 0);
+  }
+  if (!model.target) return;
+  EXPECT_LT(test::incongruence(model), 1e-9);  // measured 9e-15 at most
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Family, GeneratedSheet,
+    testing::Values(
+        Request{"tessellation", {}}, Request{"tessellation", {{"columns", 7}, {"rows", 3}}},
+        Request{"tessellation", {{"columns", 9}, {"rows", 10}, {"length", 2}, {"skew", 30}}},
+        Request{"tessellation", {{"skew", -50}, {"target-angle", 140}}}, Request{"quads", {}},
+        Request{"quads", {{"columns", 4}, {"rows", 8}, {"seed", 2}}},
+        Request{"quads", {{"columns", 12}, {"rows", 12}, {"irregularity", 0.1}}},
+        Request{"fan", {}}, Request{"fan", {{"columns", 4}, {"rows", 4}}},
+        Request{"fan", {{"columns", 8}, {"rows", 8}, {"angle", 90}}}, Request{"heart", {}},
+        Request{"heart", {{"columns", 6}, {"rows", 6}}},
+        Request{"heart", {{"columns", 10}, {"rows", 10}}}, Request{"square-to-disk", {}},
+        Request{"square-to-disk", {{"half-size", 1}}},
+        Request{"square-to-disk", {{"half-size", 4}}}, Request{"square-to-circle", {}},
+        Request{"square-to-circle", {{"half-size", 2}}},
+        Request{"square-to-circle", {{"half-size", 5}}}, Request{"triangles", {}},
+        Request{"triangles", {{"columns", 2}, {"rows", 7}, {"target-angle", 120}}},
+        Request{"triangles", {{"columns", 8}, {"rows", 8}, {"target-angle", 240}}},
+        Request{"hexagons", {}}, Request{"hexagons", {{"columns", 2}, {"rows", 2}}},
+        Request{"hexagons", {{"columns", 6}, {"rows", 5}, {"target-angle", 180}}},
+        Request{"nonrigid", {}}, Request{"nonrigid", {{"left", 0.5}, {"right", 2}}},
+        Request{"nonrigid", {{"depth", 0.8}}}, Request{"cylinder", {}},
+        Request{"cylinder", {{"half-columns", 2}, {"rows", 3}}},
+        Request{"cylinder", {{"half-columns", 8}, {"rows", 9}, {"length", 1.5}}}));
+
+INSTANTIATE_TEST_SUITE_P(
+    Shell, GeneratedSheet,
+    testing::Values(Request{"cap", {}}, Request{"cap", {{"half-size", 2}}},
+                    Request{"cap", {{"half-size", 3}, {"angle", 30}}},
+                    Request{"cap", {{"half-size", 5}}}, Request{"cube-to-sphere", {}},
+                    Request{"cube-to-sphere", {{"half-size", 2}}},
+                    Request{"cube-to-sphere", {{"half-size", 4}}}, Request{"moebius", {}},
+                    Request{"moebius", {{"half-columns", 8}}},
+                    Request{"moebius", {{"half-columns", 10}, {"half-twists", 3}}},
+                    Request{"moebius", {{"half-twists", 0}}}, Request{"sphere-to-saddle", {}},
+                    Request{"sphere-to-saddle", {{"half-columns", 3}, {"half-rows", 3}}},
+                    Request{"sphere-to-saddle", {{"half-columns", 5}, {"half-rows", 3}}}));
+
+INSTANTIATE_TEST_SUITE_P(
+    Tiling, GeneratedSheet,
+    testing::Values(
+        Request{"stampfli-chain", {}}, Request{"stampfli-chain", {{"tiles", 216}}},
+        Request{"stampfli-chain", {{"tiles", 84}}}, Request{"stampfli-removal", {}},
+        Request{"stampfli-removal", {{"tiles", 84}}}, Request{"stampfli-removal", {{"tiles", 300}}},
+        Request{"stampfli-expansion", {}}, Request{"stampfli-expansion", {{"tiles", 84}}},
+        Request{"stampfli-expansion", {{"tiles", 200}, {"target-angle", 180}}},
+        Request{"penrose-chain", {}}, Request{"penrose-chain", {{"tiles", 65}}},
+        Request{"penrose-chain", {{"tiles", 100}}}, Request{"penrose-removal", {}},
+        Request{"penrose-removal", {{"tiles", 50}}}, Request{"penrose-removal", {{"tiles", 300}}},
+        Request{"penrose-expansion", {}}, Request{"penrose-expansion", {{"tiles", 100}}},
+        Request{"penrose-expansion", {{"tiles", 200}, {"target-angle", 180}}},
+        Request{"ammann-beenker-chain", {}}, Request{"ammann-beenker-chain", {{"tiles", 72}}},
+        Request{"ammann-beenker-chain", {{"tiles", 100}}}, Request{"ammann-beenker-removal", {}},
+        Request{"ammann-beenker-removal", {{"tiles", 50}}},
+        Request{"ammann-beenker-removal", {{"tiles", 300}}},
+        Request{"ammann-beenker-expansion", {}},
+        Request{"ammann-beenker-expansion", {{"tiles", 100}}},
+        Request{"ammann-beenker-expansion", {{"tiles", 200}, {"target-angle", 180}}}));
+
+/// Families whose published models have so many tiles and joints.
+TEST(Families, HaveThePublishedCounts) {
+  const struct {
+    Request request;
+    std::size_t tiles, joints;
+  } published[] = {{{"cylinder", {}}, 36, 66},
+                   {{"cube-to-sphere", {}}, 216, 408},
+                   {{"cube-to-sphere", {{"half-size", 4}}}, 384, 736},
+                   {{"sphere-to-saddle", {}}, 100, 180},
+                   {{"moebius", {}}, 24, 34},
+                   {{"fan", {}}, 36, 60},
+                   {{"heart", {}}, 16, 24},
+                   {{"square-to-disk", {}}, 25, 40},
+                   {{"square-to-circle", {}}, 36, 60},
+                   {{"nonrigid", {}}, 4, 4},
+                   {{"stampfli-chain", {}}, 24, 24},
+                   {{"stampfli-removal", {}}, 108, 132}};
+  for (const auto& [request, tiles, joints] : published) {
+    const Model model = made(request);
+    EXPECT_EQ(model.tiles.size(), tiles) << request.family;
+    EXPECT_EQ(model.joints.size(), joints) << request.family;
+  }
+}
+
+std::string messageFor(const Request& request) {
+  try {
+    made(request);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Families, SayWhatIsWrongWithARequest) {
+  EXPECT_EQ(messageFor({"cap", {{"half-size", 9}}}),
+            "cap: error: half-size is 9; give a whole number from 1 to 6");
+  EXPECT_EQ(messageFor({"cap", {{"half-size", 2.5}}}),
+            "cap: error: half-size is 2.5; give a whole number from 1 to 6");
+  EXPECT_EQ(messageFor({"nonrigid", {{"depth", -1}}}),
+            "nonrigid: error: depth is -1; give a number from 1e-06 to 1e+06");
+  EXPECT_EQ(messageFor({"heart", {{"size", 3}}}),
+            "heart: error: there is no parameter size; give some of columns, rows, start-angle, "
+            "target-angle");
+  EXPECT_TRUE(messageFor({"hart", {}})
+                  .starts_with("error: there is no family hart; give one of tessellation, quads,"));
+}
+
+TEST(Families, RefuseSheetsThatAreNone) {
+  // Tiles of the narrow strip fold over.
+  EXPECT_EQ(messageFor({"heart", {{"columns", 8}, {"rows", 8}}}),
+            "heart: error: no sheet with these parameters was found (its tiles are not convex at "
+            "the start); give values nearer to the usual ones");
+  EXPECT_EQ(messageFor({"ammann-beenker-chain", {{"tiles", 20}}}),
+            "chain: error: none through all of these 24 tiles was found; give another number of "
+            "tiles");
+}
+
+TEST(Families, GiveTheSameModelEveryTime) {
+  for (const char* family : {"moebius", "penrose-chain", "quads"}) {
+    const Model first = made({family, {}}), second = made({family, {}});
+    for (std::size_t i = 0; i < first.tiles.size(); ++i) {
+      EXPECT_EQ(first.tiles[i].vertices, second.tiles[i].vertices) << family;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace kirireel
