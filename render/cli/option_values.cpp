@@ -52,6 +52,53 @@ bool isBetween(int number, int least, int most) {
 
 }  // namespace
 
+Colour parseColour(const OptionValue& value) {
+  std::string_view digits = value.text;
+  if (digits.starts_with('#')) digits.remove_prefix(1);
+  unsigned bits = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), bits, 16);
+  if (digits.size() != 6 || error != std::errc() || end != digits.data() + digits.size()) {
+    throw valueError(value, "red, green and blue in hexadecimal, for example 80AEDC");
+  }
+  const auto channel = [bits](int shift) { return static_cast<std::uint8_t>(bits >> shift); };
+  return {channel(16), channel(8), channel(0)};
+}
+
+std::vector<CameraKey> parseCameraKeys(const OptionValue& value) {
+  constexpr double kDegree = M_PI / 180;
+  std::vector<CameraKey> keys;
+  for (const std::string_view text : split(value.text, ',')) {
+    const std::vector<std::string_view> parts = split(text, ':');
+    if (parts.size() != 4) {
+      throw valueError({value.name, std::string(text)},
+                       "TIME:YAW:PITCH:ZOOM, for example 2.5:90:-20:1.5");
+    }
+    const auto part = [&](int k, Range range) {
+      return parseNumber({value.name, std::string(parts[k])}, range);
+    };
+    const ViewAngles view =
+        viewFromYawPitch(part(1, {-36000, 36000}) * kDegree, part(2, {-90, 90}) * kDegree);
+    keys.push_back({part(0, {0, 1e6}), view, part(3, {1e-3, 1e3})});
+  }
+  return keys;
+}
+
+CaptionParts parseCaption(const OptionValue& value) {
+  CaptionParts parts{false, false, false, false};
+  if (value.text == "none") return parts;
+  const Choices<bool CaptionParts::*> choices = {{"time", &CaptionParts::time},
+                                                 {"angle", &CaptionParts::angle},
+                                                 {"error", &CaptionParts::error},
+                                                 {"gap", &CaptionParts::gap},
+                                                 {"none", nullptr}};
+  for (const std::string_view word : split(value.text, ',')) {
+    const auto part = parseChoice<bool CaptionParts::*>({value.name, std::string(word)}, choices);
+    if (part == nullptr) throw valueError(value, "none alone, or parts such as time,error");
+    parts.*part = true;
+  }
+  return parts;
+}
+
 InputError valueError(const OptionValue& value, const std::string& wanted) {
   return InputError(
       fmt::format("error: {}: '{}' is not allowed; give {}", value.name, value.text, wanted));

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "render/grid/grid.h"
+#include "render/picture/camera_path.h"
 #include "render/picture/frame.h"
 #include "sim/base/error.h"
 #include "sim/base/geometry.h"
@@ -42,6 +43,15 @@ GridShape parseGrid(const OptionValue& value);
 
 /// "-9.81" (along z, as PyKirigami has it) or "0,0,-9.81".
 Vector3 parseGravity(const OptionValue& value);
+
+/// "80AEDC" or "#80AEDC": red, green and blue in hexadecimal.
+Colour parseColour(const OptionValue& value);
+
+/// "0:50:-35:1,2.5:90:-20:1.5": keys of a camera as TIME:YAW:PITCH:ZOOM, seconds and degrees.
+std::vector<CameraKey> parseCameraKeys(const OptionValue& value);
+
+/// "time,error": parts of a caption, or "none".
+CaptionParts parseCaption(const OptionValue& value);
 
 /// The error of a value that is not allowed: "--NAME: 'TEXT' is not allowed; give WANTED".
 InputError valueError(const OptionValue& value, const std::string& wanted);

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "render/cli/look_options.h"
 #include "render/cli/option_group.h"
 
 namespace kirireel {
@@ -10,16 +11,17 @@ void addPictureOptions(CLI::App& command, RecordSettings& settings) {
   OptionGroup group(command, "Pictures");
   group.value("--size", "WxH", "1280x720", "of each picture, pixels",
               [&](const OptionValue& typed) { settings.size = parseSize(typed); });
-  group.choice<std::optional<ViewAngles>>(
-      "--view", settings.view,
-      {{"auto", std::nullopt},
-       {"top", kTopView},
-       {"front", kFrontView},
-       {"iso", kIsometricView},
-       {"oblique", kObliqueView}},
-      "where the camera stands, auto is top for a flat model, else iso");
   group.value("--grid", "RxC", "3x3", "rows and columns of the snapshot grid",
               [&](const OptionValue& typed) { settings.grid = parseGrid(typed); });
+  group.value("--captions", "PARTS", "time",
+              "under the grid's pictures: time, angle, error, gap; or none",
+              [&](const OptionValue& typed) { settings.captions = parseCaption(typed); });
+  group.flag("--scale-bar", "a length under the grid; needs a parallel projection",
+             [&settings] { settings.scaleBar = true; });
+  group.value("--dpi", "COUNT", "not noted", "dots per inch noted in PNG files, for print",
+              [&](const OptionValue& typed) {
+                settings.dotsPerInch = parseNumber(typed, {1, 100000});
+              });
   group.choice<SnapshotSpacing>(
       "--snapshots", settings.spacing,
       {{"progress", SnapshotSpacing::Progress}, {"time", SnapshotSpacing::Time}},
@@ -29,6 +31,7 @@ void addPictureOptions(CLI::App& command, RecordSettings& settings) {
   group.flag("--no-video", "no deployment.mp4", [&settings] { settings.video = false; });
   group.flag("--no-snapshots", "no snapshots.png", [&settings] { settings.snapshots = false; });
   group.flag("--no-meshes", "no OBJ and PLY files", [&settings] { settings.meshes = false; });
+  addLookOptions(command, settings.look);
 }
 
 }  // namespace kirireel

@@ -20,6 +20,11 @@ constexpr int kSmallestText = 9;
 constexpr double kStripEms = 1.6;
 constexpr double kBaselineEms = 1.25;
 
+/// Height of the strip of a scale below the pictures, in ems of its text; and the longest bar of
+/// length, in widths of a picture.
+constexpr double kScaleEms = 2;
+constexpr double kLongestBar = 0.5;
+
 /// What stays around the models when pictures are trimmed, in heights of the trimmed picture.
 constexpr double kTrimMargin = 0.05;
 /// Least width of a trimmed picture, in its heights: room for a caption like "t = 12.34 s".
@@ -60,6 +65,36 @@ Frame cutOut(const Frame& frame, const PixelBox& box) {
   return part;
 }
 
+/// The size at which the widest caption fits under its picture, at most the layout's.
+int captionSize(const std::vector<GridPicture>& pictures, const GridLayout& layout) {
+  const LabelWriter writer(layout.textSize);
+  int widest = 1;
+  for (const GridPicture& picture : pictures) {
+    widest = std::max(widest, writer.width(picture.caption));
+  }
+  const double share = std::min(1.0, static_cast<double>(layout.picture.width) / widest);
+  return std::max(kSmallestText, static_cast<int>(share * layout.textSize));
+}
+
+/// Draws the scales that all pictures share, one below the other at the lower end of the sheet.
+void drawScales(Frame& sheet, const GridLayout& layout, const GridStyle& style) {
+  if (layout.scales == 0) return;
+  const ScaleDrawer drawer(layout.textSize, style.text);
+  const int middle = sheet.size.width / 2;
+  int y = sheet.size.height - layout.gap / 2 - layout.scales * layout.scaleHeight +
+          layout.scaleHeight / 2;
+  if (style.metresPerPixel) {
+    const ScaleLength length =
+        roundLength(kLongestBar * layout.picture.width * *style.metresPerPixel);
+    const int pixels = static_cast<int>(std::lround(length.metres / *style.metresPerPixel));
+    drawer.drawScaleBar(sheet, length.text, pixels, middle, y);
+    y += layout.scaleHeight;
+  }
+  if (style.colourScale) {
+    drawer.drawColourBar(sheet, *style.colourScale, middle, y, sheet.size.width - 2 * layout.gap);
+  }
+}
+
 void requireFitting(const std::vector<GridPicture>& pictures, GridShape shape) {
   const int count = static_cast<int>(pictures.size());
   if (count > shape.cells()) {
@@ -92,12 +127,15 @@ GridLayout layOutGrid(FrameSize picture, GridShape shape, const GridStyle& style
   layout.textSize =
       std::max(kSmallestText, static_cast<int>(std::lround(style.captionSize * picture.height)));
   layout.captionHeight = static_cast<int>(std::lround(kStripEms * layout.textSize));
+  layout.scaleHeight = static_cast<int>(std::lround(kScaleEms * layout.textSize));
+  layout.scales = (style.colourScale ? 1 : 0) + (style.metresPerPixel ? 1 : 0);
   // In 64 bits: rows and columns may be anything that a person typed.
   const long long width =
       layout.gap + shape.columns * static_cast<long long>(picture.width + layout.gap);
   const long long height =
       layout.gap +
-      shape.rows * static_cast<long long>(picture.height + layout.captionHeight + layout.gap);
+      shape.rows * static_cast<long long>(picture.height + layout.captionHeight + layout.gap) +
+      static_cast<long long>(layout.scales) * layout.scaleHeight;
   if (width > kMaxFrameSide || height > kMaxFrameSide) {
     throw InputError(fmt::format(
         "error: a grid of {} x {} pictures of {} x {} pixels needs {} x {} pixels and "
@@ -113,7 +151,7 @@ Frame composeGrid(const std::vector<GridPicture>& pictures, GridShape shape,
   if (pictures.empty()) throw InputError("error: a grid needs at least one picture; give it some");
   const GridLayout layout = layOutGrid(pictures.front().frame.size, shape, style);
   requireFitting(pictures, shape);
-  const LabelWriter writer(layout.textSize);
+  const LabelWriter writer(captionSize(pictures, layout));
   Frame sheet = makeFrame(layout.sheet, style.background);
   for (int cell = 0; cell < static_cast<int>(pictures.size()); ++cell) {
     const GridPicture& picture = pictures[cell];
@@ -125,6 +163,7 @@ Frame composeGrid(const std::vector<GridPicture>& pictures, GridShape shape,
                          static_cast<int>(std::lround(kBaselineEms * layout.textSize));
     writer.draw(sheet, picture.caption, textLeft, baseline, style.text);
   }
+  drawScales(sheet, layout, style);
   return sheet;
 }
 
@@ -138,8 +177,13 @@ void trimAlike(std::vector<GridPicture>& pictures) {
   for (GridPicture& picture : pictures) picture.frame = cutOut(picture.frame, box);
 }
 
-std::string timeCaption(double seconds) {
-  return fmt::format("t = {:.2f} s", seconds);
+std::string captionText(const CaptionParts& parts, const CaptionValues& values) {
+  std::vector<std::string> texts;
+  if (parts.time) texts.push_back(fmt::format("t = {:.2f} s", values.time));
+  if (parts.angle) texts.push_back(fmt::format("{:.1f} deg", values.angle * 180 / M_PI));
+  if (parts.error && values.error) texts.push_back(fmt::format("error {:.2g} m", *values.error));
+  if (parts.gap) texts.push_back(fmt::format("gap {:.2g} m", values.gap));
+  return fmt::format("{}", fmt::join(texts, ", "));
 }
 
 }  // namespace kirireel

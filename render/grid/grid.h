@@ -1,9 +1,11 @@
 /// Snapshot grids: several pictures on one sheet with a caption under each.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "render/grid/scale.h"
 #include "render/picture/frame.h"
 
 namespace kirireel {
@@ -32,8 +34,12 @@ void trimAlike(std::vector<GridPicture>& pictures);
 struct GridStyle {
   Colour background = {255, 255, 255};
   Colour text = {30, 30, 30};
-  double captionSize = 0.065;  ///< height of the text (its em)
+  double captionSize = 0.065;  ///< height of the text (its em); captions that need less get less
   double gap = 0.04;           ///< between cells and around the sheet
+  /// What the colours of all pictures mean: drawn below them when given.
+  std::optional<ColourScale> colourScale;
+  /// Of all pictures: a bar of a round length is drawn below them when given.
+  std::optional<double> metresPerPixel;
 };
 
 /// Where the cells of a grid stand, pixels.
@@ -43,6 +49,8 @@ struct GridLayout {
   int gap = 0;            ///< around every cell
   int captionHeight = 0;  ///< strip under each picture
   int textSize = 0;       ///< em of the caption
+  int scaleHeight = 0;    ///< strip for each scale below all pictures
+  int scales = 0;         ///< strips below all pictures
 
   /// Left edge of a column of pictures.
   int left(int column) const { return gap + column * (picture.width + gap); }
@@ -60,7 +68,23 @@ GridLayout layOutGrid(FrameSize picture, GridShape shape, const GridStyle& style
 Frame composeGrid(const std::vector<GridPicture>& pictures, GridShape shape,
                   const GridStyle& style = {});
 
-/// "t = 1.25 s".
-std::string timeCaption(double seconds);
+/// What the caption of a picture says.
+struct CaptionParts {
+  bool time = true;
+  bool angle = false;  ///< by which the brick that has turned most is turned from its start
+  bool error = false;  ///< target error; left out where there is no target
+  bool gap = false;    ///< largest joint gap
+};
+
+/// The state that a caption describes.
+struct CaptionValues {
+  double time = 0;              ///< simulated seconds
+  double angle = 0;             ///< radians
+  std::optional<double> error;  ///< metres
+  double gap = 0;               ///< metres
+};
+
+/// For example "t = 1.25 s, 45.0 deg, error 0.0012 m"; empty when it has no parts.
+std::string captionText(const CaptionParts& parts, const CaptionValues& values);
 
 }  // namespace kirireel

@@ -7,12 +7,13 @@
 
 #include "render/gl/context.h"
 #include "render/grid/grid.h"
-#include "render/picture/painter.h"
 #include "render/png/png.h"
 #include "render/record/output_folder.h"
 #include "render/record/snapshot_choice.h"
 #include "render/record/stopwatch.h"
-#include "sim/brick/brick.h"
+#include "render/studio/studio.h"
+#include "sim/base/error.h"
+#include "sim/measure/brick_measures.h"
 
 namespace kirireel {
 namespace {
@@ -20,64 +21,79 @@ namespace {
 /// The camera looks at about this many samples: enough for any smooth motion.
 constexpr std::size_t kSamplesFramed = 100;
 
-void append(std::vector<Vector3>& points, const std::vector<Vector3>& more) {
-  points.insert(points.end(), more.begin(), more.end());
-}
-
-/// Corners of all bricks at the start, at the target and on the way.
-std::vector<Vector3> pointsToFrame(const Scene& scene, const Trajectory& trajectory) {
-  std::vector<Vector3> points;
+/// The run as a studio sees it, with everything in sight that the look asks for.
+Motif motifFor(const Scene& scene, const Trajectory& trajectory, const RecordSettings& settings) {
+  Motif motif = makeMotif(scene.model, scene.brick, scene.environment.ground);
   const std::vector<Sample>& samples = trajectory.samples;
+  motif.endTime = samples.back().time;
+  if (settings.look.fit == FitScope::Ends) return motif;
   const std::size_t stride = 1 + samples.size() / kSamplesFramed;
-  for (std::size_t i = 0; i < samples.size(); i += stride) {
-    append(points, brickCorners(trajectory.bricks, samples[i].poses));
-  }
-  append(points, brickCorners(trajectory.bricks, samples.back().poses));
-  if (scene.model.target) {
-    const std::vector<Brick> bricks = makeBricks(*scene.model.target, scene.brick);
-    append(points, brickCorners(bricks, startPoses(*scene.model.target, bricks)));
-  }
-  return points;
+  for (std::size_t i = 0; i < samples.size(); i += stride) keepInSight(motif, samples[i].poses);
+  keepInSight(motif, samples.back().poses);
+  return motif;
 }
 
-Style styleFor(const Scene& scene, const Trajectory& trajectory) {
-  Style style;
-  if (scene.environment.ground) {
-    style.plate = groundUnder(pointsToFrame(scene, trajectory), scene.environment.ground->height);
-  }
-  return style;
-}
-
-/// One painter, one camera and the clock of what they cost.
+/// A studio for one trajectory, and the clock of what it costs.
 class Photographer {
  public:
   Photographer(const Scene& scene, const Trajectory& trajectory, const RecordSettings& settings,
                double& cpuSeconds)
       : trajectory_(trajectory),
-        camera_(cameraFor(scene, trajectory, settings)),
-        painter_(settings.size, trajectory.bricks, styleFor(scene, trajectory)),
+        studio_(settings.size, settings.look, motifFor(scene, trajectory, settings)),
         cpuSeconds_(cpuSeconds) {}
 
-  Frame take(int sample) {
+  const Stage& stage() const { return studio_.stage(); }
+
+  Frame take(int number, Studio::Scales scales) {
     const CpuTimer timer(cpuSeconds_);
-    return painter_.paint(trajectory_.samples[static_cast<std::size_t>(sample)].poses, camera_);
+    const Sample& sample = trajectory_.samples[static_cast<std::size_t>(number)];
+    return studio_.take({sample.time, sample.poses, {}}, scales);
   }
 
  private:
   const Trajectory& trajectory_;
-  Camera camera_;
-  Painter painter_;
+  Studio studio_;
   double& cpuSeconds_;
 };
 
-void writeSnapshots(Photographer& photographer, const Trajectory& trajectory,
-                    const RecordSettings& settings, RunSummary& summary) {
-  std::vector<GridPicture> pictures;
-  for (const int sample : chooseSnapshots(trajectory, settings.grid.cells(), settings.spacing)) {
-    const double time = trajectory.samples[static_cast<std::size_t>(sample)].time;
-    pictures.push_back({photographer.take(sample), timeCaption(time)});
+/// The look of a grid of pictures from this stage.
+GridStyle gridStyle(const Stage& stage, const RecordSettings& settings) {
+  GridStyle style;
+  style.background = stage.style().background;
+  style.text = stage.style().text;
+  style.colourScale = stage.colourScale();
+  if (!settings.scaleBar) return style;
+  const std::optional<double> height = stage.sharedHeight();
+  if (!height) {
+    throw InputError(
+        "error: one scale bar cannot hold all over a picture in perspective or from a moving "
+        "camera; add --projection parallel, or leave --scale-bar away");
   }
-  writePng(composeGrid(pictures, settings.grid), settings.folder / output::kSnapshots);
+  style.metresPerPixel = *height / settings.size.height;
+  return style;
+}
+
+std::string captionOf(const Sample& sample, const Scene& scene, const Stage& stage,
+                      const CaptionParts& parts) {
+  const std::vector<double> turned = brickRotations(stage.motif().start, sample.poses);
+  CaptionValues values{sample.time, *std::max_element(turned.begin(), turned.end()), std::nullopt,
+                       sample.jointGap};
+  if (scene.model.target) values.error = sample.targetError;
+  return captionText(parts, values);
+}
+
+void writeSnapshots(Photographer& photographer, const Scene& scene, const Trajectory& trajectory,
+                    const RecordSettings& settings, RunSummary& summary) {
+  const GridStyle style = gridStyle(photographer.stage(), settings);
+  std::vector<GridPicture> pictures;
+  for (const int number : chooseSnapshots(trajectory, settings.grid.cells(), settings.spacing)) {
+    const Sample& sample = trajectory.samples[static_cast<std::size_t>(number)];
+    pictures.push_back({photographer.take(number, Studio::Scales::None),
+                        captionOf(sample, scene, photographer.stage(), settings.captions)});
+  }
+  trimAlike(pictures);
+  writePng(composeGrid(pictures, settings.grid, style), settings.folder / output::kSnapshots,
+           {.dotsPerInch = settings.dotsPerInch});
   summary.files.emplace_back(output::kSnapshots);
 }
 
@@ -100,7 +116,7 @@ class FrameSink {
       ++summary_.videoFrames;
     }
     if (settings_.frames) {
-      writePng(frame, settings_.folder / frameFile(number));
+      writePng(frame, settings_.folder / frameFile(number), {.dotsPerInch = settings_.dotsPerInch});
       summary_.files.push_back(frameFile(number).string());
     }
   }
@@ -129,7 +145,7 @@ void writeFrames(Photographer& photographer, const Trajectory& trajectory,
   FrameSink sink(settings, summary);
   const int count = static_cast<int>(trajectory.samples.size());
   for (int i = 0; i < count; ++i) {
-    sink.put(photographer.take(i), i);
+    sink.put(photographer.take(i, Studio::Scales::Drawn), i);
     const bool goOn = observer({"painting", (i + 1.0) / count});
     if (!goOn && i + 1 < count) {
       markInterrupted(summary, trajectory.samples[static_cast<std::size_t>(i)].time);
@@ -140,16 +156,6 @@ void writeFrames(Photographer& photographer, const Trajectory& trajectory,
 }
 
 }  // namespace
-
-Camera cameraFor(const Scene& scene, const Trajectory& trajectory, const RecordSettings& settings) {
-  const std::vector<Vector3> points = pointsToFrame(scene, trajectory);
-  CameraFit fit;
-  fit.view = settings.view.value_or(defaultView(points));
-  // Straight from above or in front, equal lengths should look equal.
-  fit.orthographic = fit.view == kTopView || fit.view == kFrontView;
-  fit.aspect = settings.size.aspect();
-  return fitCamera(points, fit);
-}
 
 VideoSettings videoSettings(const RecordSettings& settings) {
   VideoSettings video;
@@ -164,7 +170,7 @@ void paintAlbum(const Scene& scene, const Trajectory& trajectory, const RecordSe
   if (!settings.snapshots && !paintsFrames) return;
   Photographer photographer(scene, trajectory, settings, summary.recordCost.cpuSecondsRender);
   summary.graphics = graphicsVersion();
-  if (settings.snapshots) writeSnapshots(photographer, trajectory, settings, summary);
+  if (settings.snapshots) writeSnapshots(photographer, scene, trajectory, settings, summary);
   if (paintsFrames) writeFrames(photographer, trajectory, settings, observer, summary);
 }
 

@@ -6,9 +6,6 @@
 
 namespace kirireel {
 
-/// The camera that shows the start, the target and everything in between, for all pictures alike.
-Camera cameraFor(const Scene& scene, const Trajectory& trajectory, const RecordSettings& settings);
-
 /// How the run's video is encoded.
 VideoSettings videoSettings(const RecordSettings& settings);
 

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "render/grid/grid.h"
-#include "render/picture/camera.h"
 #include "render/picture/frame.h"
+#include "render/studio/look.h"
 #include "sim/deploy/deployment.h"
 #include "sim/scene/scene.h"
 
@@ -24,11 +24,14 @@ enum class SnapshotSpacing {
 
 /// What a run leaves, and where.
 struct RecordSettings {
-  std::filesystem::path folder;    ///< made if need be; a former run's files in it are replaced
-  FrameSize size;                  ///< of video frames and of each snapshot; even when video is on
-  int framesPerSecond = 60;        ///< of the video, and samples a simulated second; 1 to 240
-  std::optional<ViewAngles> view;  ///< absent: from above for flat models, else from a corner
+  std::filesystem::path folder;  ///< made if need be; a former run's files in it are replaced
+  FrameSize size;                ///< of video frames and of each snapshot; even when video is on
+  int framesPerSecond = 60;      ///< of the video, and samples a simulated second; 1 to 240
+  Look look;                     ///< of all pictures
   GridShape grid;
+  CaptionParts captions;              ///< under the grid's pictures
+  bool scaleBar = false;              ///< a length under the grid; needs a parallel projection
+  std::optional<double> dotsPerInch;  ///< noted in PNG files, for print
   SnapshotSpacing spacing = SnapshotSpacing::Progress;
   bool video = true;      ///< deployment.mp4
   bool snapshots = true;  ///< snapshots.png

@@ -105,7 +105,7 @@ Json pictureJson(const RecordSettings& settings) {
   return {{"width", settings.size.width},
           {"height", settings.size.height},
           {"frames_per_second", settings.framesPerSecond},
-          {"view", viewJson(settings.view)},
+          {"view", viewJson(settings.look.camera.view)},
           {"grid_rows", settings.grid.rows},
           {"grid_columns", settings.grid.columns},
           {"snapshots", settings.spacing == SnapshotSpacing::Time ? "time" : "progress"}};

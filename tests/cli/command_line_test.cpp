@@ -1,5 +1,7 @@
 #include "render/cli/command_line.h"
 
+#include <cmath>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -116,18 +118,59 @@ TEST(CommandLine, ReadsEveryPhysicalOption) {
 
 TEST(CommandLine, ReadsEveryPictureOption) {
   const RecordSettings settings =
-      recordOrder({"record", "fan", "--out", "here", "--size", "640x360", "--fps", "30", "--grid",
-                   "2x4", "--view", "top", "--snapshots", "time", "--frames", "--no-video",
-                   "--no-snapshots", "--no-meshes"})
+      recordOrder({"record",         "fan",         "--out",      "here",
+                   "--size",         "640x360",     "--fps",      "30",
+                   "--grid",         "2x4",         "--view",     "top",
+                   "--snapshots",    "time",        "--frames",   "--no-video",
+                   "--no-snapshots", "--no-meshes", "--captions", "angle,gap",
+                   "--scale-bar",    "--dpi",       "300"})
           .settings;
   EXPECT_EQ(settings.folder, "here");
   EXPECT_EQ(settings.size, (FrameSize{640, 360}));
   EXPECT_EQ(settings.framesPerSecond, 30);
   EXPECT_EQ(settings.grid, (GridShape{2, 4}));
-  EXPECT_EQ(settings.view, kTopView);
+  EXPECT_EQ(settings.look.camera.view, kTopView);
   EXPECT_EQ(settings.spacing, SnapshotSpacing::Time);
+  EXPECT_TRUE(settings.captions.angle && settings.captions.gap);
+  EXPECT_FALSE(settings.captions.time || settings.captions.error);
+  EXPECT_TRUE(settings.scaleBar);
+  EXPECT_EQ(settings.dotsPerInch, 300);
   EXPECT_TRUE(settings.frames);
   EXPECT_FALSE(settings.video || settings.snapshots || settings.meshes);
+}
+
+TEST(CommandLine, ReadsEveryOptionOfTheLook) {
+  const Look look =
+      recordOrder({"record", "fan", "--theme", "dark", "--colour", "rotation", "--colour-map",
+                   "cividis", "--colour-most", "90", "--brick-colour", "#102030", "--ground-look",
+                   "shadow", "--transparent", "--no-outlines", "--mark-joints", "--target-lines"})
+          .settings.look;
+  EXPECT_EQ(look.theme, Theme::Dark);
+  EXPECT_EQ(look.colouring, Colouring::Rotation);
+  EXPECT_EQ(look.map, ColourMap::Cividis);
+  EXPECT_EQ(look.colourMost, 90);
+  EXPECT_EQ(look.brickColour, (Colour{16, 32, 48}));
+  EXPECT_EQ(look.ground, GroundLook::Shadow);
+  EXPECT_TRUE(look.transparent && look.jointMarks && look.targetLines);
+  EXPECT_FALSE(look.outlines);
+}
+
+TEST(CommandLine, ReadsEveryOptionOfTheCamera) {
+  const Look look =
+      recordOrder({"record", "fan", "--yaw", "30", "--projection", "parallel", "--zoom", "2",
+                   "--margin", "0.1", "--distance", "7", "--fit", "ends", "--orbit", "180",
+                   "--camera-keys", "0:50:-35:1,2.5:90:-20:1.5"})
+          .settings.look;
+  EXPECT_EQ(look.camera.view, viewFromYawPitch(30 * M_PI / 180, -35 * M_PI / 180));
+  EXPECT_EQ(look.camera.orthographic, true);
+  EXPECT_EQ(look.camera.zoom, 2);
+  EXPECT_EQ(look.camera.margin, 0.1);
+  EXPECT_EQ(look.camera.distance, 7);
+  EXPECT_EQ(look.fit, FitScope::Ends);
+  EXPECT_EQ(look.camera.orbit, M_PI);
+  const CameraKey last{2.5, viewFromYawPitch(90 * M_PI / 180, -20 * M_PI / 180), 1.5};
+  ASSERT_EQ(look.camera.keys.size(), 2U);
+  EXPECT_EQ(look.camera.keys[1], last);
 }
 
 TEST(CommandLine, TakesPyKirigamisCommand) {

@@ -94,5 +94,44 @@ TEST(OptionChoice, NamesTheChoices) {
             "error: --contacts: 'some' is not allowed; give all, unjoined or none");
 }
 
+TEST(OptionColour, IsHexadecimal) {
+  EXPECT_EQ(parseColour({"--brick-colour", "80aeDC"}), (Colour{128, 174, 220}));
+  for (const char* text : {"", "80AED", "80AEDCFF", "sky", "80AEDG", "0x80AE", "-80AED"}) {
+    EXPECT_EQ(messageOf([&] {
+                parseColour({"--brick-colour", text});
+              }),
+              fmt::format("error: --brick-colour: '{}' is not allowed; give red, green and blue in "
+                          "hexadecimal, for example 80AEDC",
+                          text));
+  }
+}
+
+TEST(OptionCameraKeys, SayWhichKeyIsWrong) {
+  EXPECT_EQ(messageOf([] {
+              parseCameraKeys({"--camera-keys", "0:0:0:1,2:30:4"});
+            }),
+            "error: --camera-keys: '2:30:4' is not allowed; give TIME:YAW:PITCH:ZOOM, for example "
+            "2.5:90:-20:1.5");
+  EXPECT_EQ(messageOf([] {
+              parseCameraKeys({"--camera-keys", "0:0:-91:1"});
+            }),
+            "error: --camera-keys: '-91' is not allowed; give a number from -90 to 90");
+}
+
+TEST(OptionCaption, NamesParts) {
+  const CaptionParts none = parseCaption({"--captions", "none"});
+  EXPECT_FALSE(none.time || none.angle || none.error || none.gap);
+  EXPECT_TRUE(parseCaption({"--captions", "error,time"}).error);
+  EXPECT_EQ(messageOf([] {
+              parseCaption({"--captions", "time,colour"});
+            }),
+            "error: --captions: 'colour' is not allowed; give time, angle, error, gap or none");
+  EXPECT_EQ(messageOf([] {
+              parseCaption({"--captions", "time,none"});
+            }),
+            "error: --captions: 'time,none' is not allowed; give none alone, or parts such as "
+            "time,error");
+}
+
 }  // namespace
 }  // namespace kirireel

@@ -1,6 +1,7 @@
 #include "render/grid/grid.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <string>
 
@@ -81,7 +82,7 @@ TEST(Grid, FillsRowsFromTheLeftAndLeavesTheRestBlank) {
 
 TEST(Grid, CentresCaptionsInTheStripUnderThePicture) {
   std::vector<GridPicture> pictures = colouredPictures(1, {300, 200});
-  pictures[0].caption = timeCaption(1.25);
+  pictures[0].caption = "t = 1.25 s";
   GridStyle style;
   style.captionSize = 0.15;
   const GridLayout layout = layOutGrid({300, 200}, {1, 1}, style);
@@ -149,9 +150,57 @@ TEST(TrimAlike, LeavesEmptyAndFullPicturesAlone) {
   EXPECT_EQ(pictures[0].frame.size, (FrameSize{40, 30}));
 }
 
-TEST(TimeCaption, HasTwoDecimals) {
-  EXPECT_EQ(timeCaption(1.25), "t = 1.25 s");
-  EXPECT_EQ(timeCaption(0), "t = 0.00 s");
+TEST(CaptionText, SaysTheChosenParts) {
+  const CaptionValues values{1.25, M_PI / 4, 0.00123, 4.56e-13};
+  EXPECT_EQ(captionText({}, values), "t = 1.25 s");
+  EXPECT_EQ(captionText({true, true, true, true}, values),
+            "t = 1.25 s, 45.0 deg, error 0.0012 m, gap 4.6e-13 m");
+  EXPECT_EQ(captionText({false, false, false, false}, values), "");
+  EXPECT_EQ(captionText({true, false, true, false}, {0, 0, std::nullopt, 0}), "t = 0.00 s");
+}
+
+TEST(Grid, ShrinksCaptionsThatAreTooWide) {
+  std::vector<GridPicture> pictures = colouredPictures(2, {220, 200});
+  for (GridPicture& picture : pictures) picture.caption = "t = 1.25 s, error 1.2e-03 m";
+  const GridLayout layout = layOutGrid({220, 200}, {1, 2});
+  const Frame sheet = composeGrid(pictures, {1, 2});
+  // Nothing is written between the columns or beside them.
+  for (int y = layout.upper(0) + 200; y < sheet.size.height; ++y) {
+    for (int x = 0; x < layout.gap; ++x) {
+      ASSERT_EQ(sheet.at(x, y), GridStyle().background);
+      ASSERT_EQ(sheet.at(layout.left(1) - 1 - x, y), GridStyle().background);
+    }
+  }
+}
+
+TEST(Grid, DrawsABarOfTheTrueLengthBelowAllPictures) {
+  GridStyle style;
+  style.metresPerPixel = 0.013;
+  const GridLayout layout = layOutGrid({300, 200}, {1, 2}, style);
+  const Frame sheet = composeGrid(colouredPictures(2, {300, 200}), {1, 2}, style);
+  EXPECT_EQ(sheet.size.height, layOutGrid({300, 200}, {1, 2}).sheet.height + layout.scaleHeight);
+  // Half a picture's width is 1.95 m, so that the bar stands for 1 m.
+  int longest = 0;
+  for (int y = layout.upper(0) + 200 + layout.captionHeight; y < sheet.size.height; ++y) {
+    int run = 0;
+    for (int x = 0; x < sheet.size.width; ++x) {
+      run = sheet.at(x, y) == style.text ? run + 1 : 0;
+      longest = std::max(longest, run);
+    }
+  }
+  EXPECT_EQ(longest, std::lround(1 / 0.013));
+}
+
+TEST(Grid, DrawsTheScaleOfColoursBelowAllPictures) {
+  GridStyle style;
+  style.colourScale = ColourScale{ColourMap::Cividis, 0, 2, "displacement, m"};
+  const Frame sheet = composeGrid(colouredPictures(4, {300, 200}), {2, 2}, style);
+  const Colour bright = mapColour(ColourMap::Cividis, 1);
+  int found = 0;
+  for (int y = sheet.size.height - 40; y < sheet.size.height; ++y) {
+    for (int x = 0; x < sheet.size.width; ++x) found += sheet.at(x, y) == bright ? 1 : 0;
+  }
+  EXPECT_GT(found, 3);
 }
 
 }  // namespace

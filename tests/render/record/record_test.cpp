@@ -156,7 +156,7 @@ bool hasFreeBorder(const Frame& frame) {
 TEST_F(RecordTest, CameraShowsEveryFrameWhole) {
   settings_.frames = true;
   for (const ViewAngles view : {kTopView, kFrontView, kIsometricView}) {
-    settings_.view = view;
+    settings_.look.camera.view = view;
     const RunSummary summary = record(tessellationScene(), settings_, proceed_);
     for (const std::string& file : summary.files) {
       if (!file.starts_with("frames/")) continue;

@@ -1,0 +1,56 @@
+/// Scales on pictures: what a colour means, and how long a length is.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "render/grid/label.h"
+#include "render/picture/frame.h"
+#include "render/picture/palette.h"
+
+namespace kirireel {
+
+/// What the colours of a picture mean.
+struct ColourScale {
+  ColourMap map = ColourMap::Viridis;
+  double least = 0;   ///< the value of the scale's dark end
+  double most = 1;    ///< the value of its bright end
+  std::string title;  ///< quantity and unit, ASCII, for example "target error, m"
+};
+
+/// The share of the scale at which a value stands, 0 to 1 within it.
+double shareOf(const ColourScale& scale, double value);
+
+/// A length that a bar stands for: 1, 2 or 5 times a power of ten, at most `longest`, and how it is
+/// written, for example "0.5 m" or "20 mm".
+struct ScaleLength {
+  double metres = 1;
+  std::string text;
+};
+
+/// The longest such length. longest: metres, positive.
+ScaleLength roundLength(double longest);
+
+/// Draws scales into pictures in one size of text.
+class ScaleDrawer {
+ public:
+  /// em: of the text, pixels. Throws OutputError when the font is missing.
+  ScaleDrawer(int em, Colour text) : writer_(em), em_(em), text_(text) {}
+
+  /// Draws a horizontal bar of colours with its title to the left, its ends' values at its ends.
+  /// Its middle line is row y; it is centred on column x, as wide as fits in `width` pixels.
+  void drawColourBar(Frame& frame, const ColourScale& scale, int x, int y, int width) const;
+
+  /// Draws a bar of `pixels` pixels with its text to the right; both centred on column x, middle
+  /// line on row y.
+  void drawScaleBar(Frame& frame, const std::string& text, int pixels, int x, int y) const;
+
+ private:
+  int baseline(int y) const;
+
+  LabelWriter writer_;
+  int em_;
+  Colour text_;
+};
+
+}  // namespace kirireel

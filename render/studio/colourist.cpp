@@ -1,0 +1,199 @@
+#include "render/studio/colourist.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include <Eigen/Geometry>
+
+#include "sim/base/error.h"
+#include "sim/measure/brick_measures.h"
+
+namespace kirireel {
+namespace {
+
+constexpr double kDegree = M_PI / 180;
+
+/// Lengths of congruent tiles may differ by this part.
+constexpr double kCongruence = 1e-4;
+
+/// Shapes that colours can tell apart.
+constexpr int kMostKinds = 7;
+
+/// A brick is at its start or its target within this part of a tile's mean edge.
+constexpr double kArrival = 0.01;
+
+constexpr Colour kAtStart = {168, 178, 192};
+constexpr Colour kMoving = {246, 184, 96};
+constexpr Colour kAtTarget = {110, 186, 150};
+
+/// Sides and shortest diagonals in order of length: equal for congruent polygons.
+std::vector<double> signature(const std::vector<Vector3>& corners) {
+  const std::size_t count = corners.size();
+  std::vector<double> sides, diagonals;
+  for (std::size_t k = 0; k < count; ++k) {
+    sides.push_back((corners[(k + 1) % count] - corners[k]).norm());
+    diagonals.push_back((corners[(k + 2) % count] - corners[k]).norm());
+  }
+  std::sort(sides.begin(), sides.end());
+  std::sort(diagonals.begin(), diagonals.end());
+  sides.insert(sides.end(), diagonals.begin(), diagonals.end());
+  return sides;
+}
+
+bool alike(const std::vector<double>& a, const std::vector<double>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](double x, double y) {
+    return std::abs(x - y) <= kCongruence * std::max(x, y);
+  });
+}
+
+/// The number of each entry in the list of entries that differ, in order of appearance.
+template <typename T, typename Same>
+std::vector<int> numbered(const std::vector<T>& entries, const Same& same) {
+  std::vector<T> known;
+  std::vector<int> numbers;
+  for (const T& entry : entries) {
+    const auto found = std::find_if(known.begin(), known.end(),
+                                    [&](const T& other) { return same(entry, other); });
+    numbers.push_back(static_cast<int>(found - known.begin()));
+    if (found == known.end()) known.push_back(entry);
+  }
+  return numbers;
+}
+
+double meanEdge(const std::vector<Brick>& bricks) {
+  double sum = 0;
+  int count = 0;
+  for (const Brick& brick : bricks) {
+    for (std::size_t k = 0; k < brick.bottom.size(); ++k) {
+      sum += (brick.bottom[(k + 1) % brick.bottom.size()] - brick.bottom[k]).norm();
+      ++count;
+    }
+  }
+  return count > 0 ? sum / count : 1;
+}
+
+const char* titleOf(Colouring colouring) {
+  switch (colouring) {
+    case Colouring::TargetError:
+      return "target error, m";
+    case Colouring::Displacement:
+      return "displacement, m";
+    case Colouring::Rotation:
+      return "rotation, degrees";
+    default:
+      return "joint gap, m";
+  }
+}
+
+bool isMeasure(Colouring colouring) {
+  return colouring != Colouring::Plain && colouring != Colouring::Shape &&
+         colouring != Colouring::State;
+}
+
+/// One colour on both faces, so that it means the same from both sides.
+BrickColours evenShades(Colour colour) {
+  BrickColours shades = shadesOf(colour);
+  shades.bottom = colour;
+  return shades;
+}
+
+double largest(const std::vector<double>& values) {
+  return values.empty() ? 0 : *std::max_element(values.begin(), values.end());
+}
+
+/// Of the points' bounding box.
+double diagonal(const std::vector<Vector3>& points) {
+  Eigen::AlignedBox3d box;
+  for (const Vector3& point : points) box.extend(point);
+  return box.diagonal().norm();
+}
+
+}  // namespace
+
+std::vector<int> shapeKinds(const std::vector<Brick>& bricks) {
+  std::vector<std::vector<double>> signatures;
+  std::vector<std::size_t> corners;
+  for (const Brick& brick : bricks) {
+    signatures.push_back(signature(brick.bottom));
+    corners.push_back(brick.bottom.size());
+  }
+  std::vector<int> kinds = numbered(signatures, alike);
+  const bool many = std::any_of(kinds.begin(), kinds.end(), [](int k) { return k >= kMostKinds; });
+  return many ? numbered(corners, std::equal_to<>()) : kinds;
+}
+
+Colourist::Colourist(const Look& look, const Motif& motif)
+    : colouring_(look.colouring), motif_(motif) {
+  if (colouring_ == Colouring::TargetError && !motif.target) {
+    throw InputError(
+        "error: the model has no target, so there is no target error to show; give another "
+        "--colour or add target.txt");
+  }
+  if (colouring_ == Colouring::Shape) {
+    for (const int kind : shapeKinds(motif.bricks)) kinds_.push_back(shadesOf(kindColour(kind)));
+  }
+  if (isMeasure(colouring_)) {
+    const double unit = colouring_ == Colouring::Rotation ? kDegree : 1;
+    scale_ = ColourScale{look.map, 0, look.colourMost.value_or(largestExpected() / unit),
+                         titleOf(colouring_)};
+  }
+}
+
+double Colourist::largestExpected() const {
+  switch (colouring_) {
+    case Colouring::TargetError:
+    case Colouring::Displacement:
+      // All the way to the target, or without one half of what is in sight.
+      return motif_.target ? largest(brickTargetErrors(*motif_.target, motif_.bricks, motif_.start))
+                           : 0.5 * diagonal(motif_.points);
+    case Colouring::Rotation:
+      return 0.5 * M_PI;
+    default:
+      // Exact joints stay far below this, a baseline solver's do not.
+      return 1e-6 * meanEdge(motif_.bricks);
+  }
+}
+
+std::vector<double> Colourist::values(const Poses& poses) const {
+  switch (colouring_) {
+    case Colouring::TargetError:
+      return brickTargetErrors(*motif_.target, motif_.bricks, poses);
+    case Colouring::Displacement:
+      return brickDisplacements(motif_.start, poses);
+    case Colouring::Rotation: {
+      std::vector<double> degrees = brickRotations(motif_.start, poses);
+      for (double& angle : degrees) angle /= kDegree;
+      return degrees;
+    }
+    default:
+      return brickJointGaps(motif_.pivots, poses);
+  }
+}
+
+std::vector<BrickColours> Colourist::stateColours(const Poses& poses) const {
+  const double near = kArrival * meanEdge(motif_.bricks);
+  const std::vector<double> moved = brickDisplacements(motif_.start, poses);
+  const std::vector<double> turned = brickRotations(motif_.start, poses);
+  std::vector<double> away(poses.size(), near + 1);
+  if (motif_.target) away = brickTargetErrors(*motif_.target, motif_.bricks, poses);
+  std::vector<BrickColours> colours;
+  for (std::size_t brick = 0; brick < poses.size(); ++brick) {
+    const bool atStart = moved[brick] < near && turned[brick] < kArrival;
+    const Colour colour = away[brick] < near ? kAtTarget : atStart ? kAtStart : kMoving;
+    colours.push_back(shadesOf(colour));
+  }
+  return colours;
+}
+
+std::vector<BrickColours> Colourist::colours(const Poses& poses) const {
+  if (colouring_ == Colouring::State) return stateColours(poses);
+  if (!scale_) return kinds_;
+  std::vector<BrickColours> colours;
+  for (const double value : values(poses)) {
+    colours.push_back(evenShades(mapColour(scale_->map, shareOf(*scale_, value))));
+  }
+  return colours;
+}
+
+}  // namespace kirireel

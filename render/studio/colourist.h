@@ -1,0 +1,54 @@
+/// Chooses the colours of bricks by what they are or do.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "render/grid/scale.h"
+#include "render/picture/sketch.h"
+#include "render/studio/look.h"
+#include "sim/brick/brick.h"
+#include "sim/model/model.h"
+
+namespace kirireel {
+
+/// A run as a studio sees it.
+struct Motif {
+  std::vector<Brick> bricks;
+  Poses start;                              ///< one a brick
+  std::vector<Pivot> pivots;                ///< of all joints
+  std::optional<std::vector<Tile>> target;  ///< one tile a brick, world axes
+  std::optional<double> groundHeight;       ///< z of the scene's ground, if it has one, metres
+  std::vector<Vector3> points;              ///< what cameras must hold in sight, world axes
+  double endTime = 0;                       ///< simulated seconds at the end of the run
+};
+
+/// Numbers the shapes of tiles: congruent tiles (mirror images too) have one number, from 0 in
+/// order of appearance. More than seven shapes are numbered by their count of corners instead.
+std::vector<int> shapeKinds(const std::vector<Brick>& bricks);
+
+/// Decides the colours of all bricks in every picture of one run.
+class Colourist {
+ public:
+  /// Throws InputError when the colouring needs a target and there is none. The motif must outlive
+  /// the colourist.
+  Colourist(const Look& look, const Motif& motif);
+
+  /// One entry a brick; none when all bricks have the style's colours.
+  std::vector<BrickColours> colours(const Poses& poses) const;
+
+  /// What the colours mean, when they are those of a measure. The same for the whole run.
+  const std::optional<ColourScale>& scale() const { return scale_; }
+
+ private:
+  std::vector<double> values(const Poses& poses) const;
+  std::vector<BrickColours> stateColours(const Poses& poses) const;
+  double largestExpected() const;
+
+  Colouring colouring_;
+  const Motif& motif_;
+  std::vector<BrickColours> kinds_;  ///< one a brick, when coloured by shape
+  std::optional<ColourScale> scale_;
+};
+
+}  // namespace kirireel

@@ -1,0 +1,57 @@
+/// What is asked of the pictures of a run.
+#pragma once
+
+#include <optional>
+
+#include "render/picture/camera_path.h"
+#include "render/picture/frame.h"
+#include "render/picture/palette.h"
+
+namespace kirireel {
+
+/// Page that the pictures are meant for.
+enum class Theme { Light, Dark };
+
+/// What the colours of the bricks say.
+enum class Colouring {
+  Plain,         ///< nothing: one set of colours
+  Shape,         ///< which tiles are congruent; by their number of corners when many shapes differ
+  State,         ///< whether a brick is at its start, on its way, or at its target
+  TargetError,   ///< largest distance of a vertex from its target
+  Displacement,  ///< distance from the start
+  Rotation,      ///< angle from the start
+  JointGap,      ///< largest gap of the brick's joints
+};
+
+/// What lies under the bricks.
+enum class GroundLook {
+  Auto,    ///< a plate and a shadow when the scene has a ground, else nothing
+  Plate,   ///< a plate and a shadow
+  Shadow,  ///< a shadow on the page
+  None,    ///< nothing
+};
+
+/// What the camera must hold in sight.
+enum class FitScope {
+  Run,   ///< the start, the target and everything in between
+  Ends,  ///< the start and the target; what leaves them on the way is cut off
+};
+
+/// The look of all pictures of a run.
+struct Look {
+  Theme theme = Theme::Light;
+  bool transparent = false;  ///< no background
+  Colouring colouring = Colouring::Plain;
+  ColourMap map = ColourMap::Viridis;  ///< of colours by a measure
+  /// Value at the bright end of the scale, metres or degrees; absent: the largest to be expected.
+  std::optional<double> colourMost;
+  std::optional<Colour> brickColour;  ///< of all bricks, where the colouring is plain
+  bool outlines = true;               ///< dark lines on the edges of tiles
+  bool jointMarks = false;            ///< a dot on each joint
+  bool targetLines = false;           ///< the target's tiles as lines over everything
+  GroundLook ground = GroundLook::Auto;
+  CameraChoice camera;
+  FitScope fit = FitScope::Run;
+};
+
+}  // namespace kirireel

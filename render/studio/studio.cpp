@@ -1,0 +1,140 @@
+#include "render/studio/studio.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "sim/base/error.h"
+
+namespace kirireel {
+namespace {
+
+/// Em of the text of a bar of colours, and its middle above the lower border, in heights of the
+/// picture; and the smallest text that can be read, pixels.
+constexpr double kTextSize = 0.034;
+constexpr double kBarHeight = 0.05;
+constexpr int kSmallestText = 9;
+
+void append(std::vector<Vector3>& points, const std::vector<Vector3>& more) {
+  points.insert(points.end(), more.begin(), more.end());
+}
+
+/// Where a ground that the scene does not have is drawn: under everything in sight.
+double groundHeight(const Motif& motif) {
+  if (motif.groundHeight) return *motif.groundHeight;
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const Vector3& point : motif.points) lowest = std::min(lowest, point.z());
+  return lowest;
+}
+
+std::optional<GroundPlate> plateFor(const Look& look, const Motif& motif) {
+  const bool wanted = look.ground == GroundLook::Auto ? motif.groundHeight.has_value()
+                                                      : look.ground != GroundLook::None;
+  if (!wanted || motif.points.empty()) return std::nullopt;
+  GroundPlate plate = groundUnder(motif.points, groundHeight(motif));
+  plate.visible = look.ground != GroundLook::Shadow;
+  return plate;
+}
+
+Style styleFor(const Look& look, const Motif& motif) {
+  Style style = look.theme == Theme::Dark ? darkStyle() : Style();
+  if (look.transparent) {
+    style.background.alpha = 0;
+    style.shadow = {0, 0, 0, 56};
+  }
+  if (look.brickColour) style.brick = shadesOf(*look.brickColour);
+  if (!look.outlines) style.edgeWidth = 0;
+  style.plate = plateFor(look, motif);
+  return style;
+}
+
+/// Refuses a bad size before anything is made of it.
+double aspectOf(FrameSize size) {
+  requireValidSize(size);
+  return size.aspect();
+}
+
+}  // namespace
+
+Motif makeMotif(const Model& model, const BrickRule& rule, const std::optional<Ground>& ground) {
+  Motif motif;
+  motif.bricks = makeBricks(model.tiles, rule);
+  motif.start = startPoses(model.tiles, motif.bricks);
+  motif.pivots = makePivots(model.joints, motif.bricks);
+  motif.target = model.target;
+  if (ground) motif.groundHeight = ground->height;
+  keepInSight(motif, motif.start);
+  if (motif.target) {
+    const std::vector<Brick> atTarget = makeBricks(*motif.target, rule);
+    append(motif.points, brickCorners(atTarget, startPoses(*motif.target, atTarget)));
+  }
+  return motif;
+}
+
+void keepInSight(Motif& motif, const Poses& poses) {
+  append(motif.points, brickCorners(motif.bricks, poses));
+}
+
+Stage::Stage(const Look& look, Motif motif, double aspect)
+    : motif_(std::move(motif)),
+      style_(styleFor(look, motif_)),
+      colourist_(look, motif_),
+      cameras_(look.camera, motif_.points, aspect, motif_.endTime),
+      jointMarks_(look.jointMarks),
+      targetLines_(look.targetLines) {
+  if (!targetLines_ || motif_.target) return;
+  throw InputError(
+      "error: the model has no target to draw; leave --target-lines away or add target.txt");
+}
+
+Shot Stage::shot(const Moment& moment) const {
+  Shot shot{moment.poses, colourist_.colours(moment.poses), moment.pinned, {}, {}};
+  if (jointMarks_) {
+    for (const Pivot& pivot : motif_.pivots) {
+      shot.marks.push_back(moment.poses[pivot.brickA].apply(pivot.pointA));
+    }
+  }
+  if (targetLines_) shot.overlay = *motif_.target;
+  return shot;
+}
+
+Camera Stage::camera(const Moment& moment) const {
+  const Camera camera = cameras_.at(moment.time);
+  if (camera.orthographic) return camera;
+  if (const auto brick = brickAround(motif_.bricks, moment.poses, camera.eye)) {
+    throw InputError(
+        fmt::format("error: at {:.4g} s the camera stands within brick {}; move it away with "
+                    "--distance, or choose --projection parallel",
+                    moment.time, *brick));
+  }
+  return camera;
+}
+
+std::optional<double> Stage::sharedHeight() const {
+  const Camera camera = cameras_.at(0);
+  if (!cameras_.isStill() || !camera.orthographic) return std::nullopt;
+  return camera.viewHeight;
+}
+
+Studio::Studio(FrameSize size, const Look& look, Motif motif)
+    : stage_(look, std::move(motif), aspectOf(size)),
+      painter_(size, stage_.motif().bricks, stage_.style()) {}
+
+Frame Studio::take(const Moment& moment, Scales scales) {
+  const Camera camera = stage_.camera(moment);
+  Frame frame = painter_.paint(stage_.shot(moment), camera);
+  if (scales == Scales::None || !stage_.colourScale()) return frame;
+  const FrameSize size = frame.size;
+  if (!scaleDrawer_) {
+    const int em = std::max(kSmallestText, static_cast<int>(std::lround(kTextSize * size.height)));
+    scaleDrawer_.emplace(em, stage_.style().text);
+  }
+  scaleDrawer_->drawColourBar(frame, *stage_.colourScale(), size.width / 2,
+                              size.height - static_cast<int>(std::lround(kBarHeight * size.height)),
+                              size.width);
+  return frame;
+}
+
+}  // namespace kirireel

@@ -1,0 +1,85 @@
+/// Photographs a run: one look and one camera for all its pictures.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "render/grid/scale.h"
+#include "render/picture/camera_path.h"
+#include "render/picture/painter.h"
+#include "render/picture/sketch.h"
+#include "render/studio/colourist.h"
+#include "render/studio/look.h"
+#include "sim/scene/scene.h"
+
+namespace kirireel {
+
+/// One moment of a run.
+struct Moment {
+  double time = 0;          ///< simulated seconds
+  const Poses& poses;       ///< one a brick
+  std::vector<int> pinned;  ///< bricks that are held
+};
+
+/// The motif of a model whose bricks are made by the rule, on the scene's ground if it has one.
+/// Cameras hold the start and the target in sight; add to its points what else they should.
+Motif makeMotif(const Model& model, const BrickRule& rule, const std::optional<Ground>& ground);
+
+/// Adds the corners of the motif's bricks at these poses to what cameras must hold in sight.
+void keepInSight(Motif& motif, const Poses& poses);
+
+/// Everything that decides a picture but the painter: shots, style and cameras. Needs no graphics
+/// context.
+class Stage {
+ public:
+  /// Throws InputError when the look asks for what the motif lacks.
+  Stage(const Look& look, Motif motif, double aspect);
+  Stage(const Stage&) = delete;
+  Stage& operator=(const Stage&) = delete;
+
+  /// What the picture of a moment shows.
+  Shot shot(const Moment& moment) const;
+
+  /// The camera of a moment. Throws InputError when it stands within a brick.
+  Camera camera(const Moment& moment) const;
+
+  const Motif& motif() const { return motif_; }
+  const Style& style() const { return style_; }
+
+  /// What the bricks' colours mean, when they are those of a measure.
+  const std::optional<ColourScale>& colourScale() const { return colourist_.scale(); }
+
+  /// Height of every picture, metres, when one scale holds all over all of them: the camera stands
+  /// still and projects in parallel.
+  std::optional<double> sharedHeight() const;
+
+ private:
+  Motif motif_;
+  Style style_;
+  Colourist colourist_;
+  CameraPath cameras_;
+  bool jointMarks_;
+  bool targetLines_;
+};
+
+/// A stage with a painter. Belongs to the thread that makes it.
+class Studio {
+ public:
+  /// Throws as Stage and Painter do.
+  Studio(FrameSize size, const Look& look, Motif motif);
+
+  /// Whether a picture says what its colours mean, when they are those of a measure.
+  enum class Scales { None, Drawn };
+
+  /// The picture of a moment. Throws InputError when the camera stands within a brick.
+  Frame take(const Moment& moment, Scales scales = Scales::None);
+
+  const Stage& stage() const { return stage_; }
+
+ private:
+  Stage stage_;
+  Painter painter_;
+  std::optional<ScaleDrawer> scaleDrawer_;  ///< made when first needed
+};
+
+}  // namespace kirireel

@@ -1,0 +1,26 @@
+/// Measures of each brick by itself, for colours and tables.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "sim/base/geometry.h"
+#include "sim/brick/brick.h"
+#include "sim/model/model.h"
+
+namespace kirireel {
+
+/// For each brick the largest distance of its bottom vertices from their targets, metres.
+std::vector<double> brickTargetErrors(const std::vector<Tile>& target,
+                                      const std::vector<Brick>& bricks, const Poses& poses);
+
+/// For each brick the distance of its centre of mass from where it started, metres.
+std::vector<double> brickDisplacements(const Poses& start, const Poses& poses);
+
+/// For each brick the angle by which it is turned from its start, radians, 0 to pi.
+std::vector<double> brickRotations(const Poses& start, const Poses& poses);
+
+/// For each brick the largest gap of its pivots, metres; 0 for a brick without joints.
+std::vector<double> brickJointGaps(std::span<const Pivot> pivots, const Poses& poses);
+
+}  // namespace kirireel

@@ -1,0 +1,127 @@
+#include "render/studio/colourist.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "render/studio/studio.h"
+#include "sim/base/error.h"
+#include "sim/model/tessellation.h"
+
+namespace kirireel {
+namespace {
+
+std::vector<Brick> bricksOf(const std::vector<Tile>& tiles) {
+  return makeBricks(tiles, {});
+}
+
+Tile polygon(std::initializer_list<std::pair<double, double>> corners) {
+  Tile tile;
+  for (const auto& [x, y] : corners) tile.vertices.emplace_back(x, y, 0);
+  return tile;
+}
+
+/// A tessellation whose target stands 2 m above its start.
+Motif tessellationMotif() {
+  Model model = makeTessellation({});
+  model.target = model.tiles;
+  for (Tile& tile : *model.target) {
+    for (Vector3& vertex : tile.vertices) vertex.z() += 2;
+  }
+  return makeMotif(model, {}, std::nullopt);
+}
+
+/// Poses of the motif's bricks when they have been lifted.
+Poses lifted(const Motif& motif, double height) {
+  Poses poses = motif.start;
+  for (Pose& pose : poses) pose.position.z() += height;
+  return poses;
+}
+
+Look coloured(Colouring colouring) {
+  Look look;
+  look.colouring = colouring;
+  return look;
+}
+
+TEST(ShapeKinds, CountsCongruentTilesAsOne) {
+  // A triangle, its mirror image turned by a quarter, a square, the triangle twice as large.
+  const std::vector<Tile> tiles = {
+      polygon({{0, 0}, {3, 0}, {0, 1}}), polygon({{5, 5}, {6, 5}, {6, 8}}),
+      polygon({{0, 0}, {1, 0}, {1, 1}, {0, 1}}), polygon({{0, 0}, {6, 0}, {0, 2}})};
+  EXPECT_EQ(shapeKinds(bricksOf(tiles)), (std::vector<int>{0, 0, 1, 2}));
+}
+
+TEST(ShapeKinds, TellsARhombusFromASquare) {
+  const double h = std::sqrt(0.75);
+  const std::vector<Tile> tiles = {polygon({{0, 0}, {1, 0}, {1, 1}, {0, 1}}),
+                                   polygon({{0, 0}, {1, 0}, {1.5, h}, {0.5, h}})};
+  EXPECT_EQ(shapeKinds(bricksOf(tiles)), (std::vector<int>{0, 1}));
+}
+
+TEST(ShapeKinds, CountsCornersWhenShapesAreMany) {
+  std::vector<Tile> tiles;
+  for (int k = 1; k < 9; ++k) tiles.push_back(polygon({{0, 0}, {k, 0}, {0, 1}}));
+  tiles.push_back(polygon({{0, 0}, {1, 0}, {1, 1}, {0, 1}}));
+  EXPECT_EQ(shapeKinds(bricksOf(tiles)), (std::vector<int>{0, 0, 0, 0, 0, 0, 0, 0, 1}));
+}
+
+TEST(Colourist, LeavesPlainBricksToTheStyle) {
+  const Motif motif = tessellationMotif();
+  const Colourist colourist({}, motif);
+  EXPECT_TRUE(colourist.colours(motif.start).empty());
+  EXPECT_FALSE(colourist.scale().has_value());
+}
+
+TEST(Colourist, SpansTheScaleFromStartToTarget) {
+  const Motif motif = tessellationMotif();
+  const Colourist colourist(coloured(Colouring::TargetError), motif);
+  EXPECT_EQ(colourist.scale()->title, "target error, m");
+  for (const BrickColours& colours : colourist.colours(lifted(motif, 2))) {
+    EXPECT_EQ(colours.top, mapColour(ColourMap::Viridis, 0));
+    EXPECT_EQ(colours.bottom, colours.top);
+  }
+  for (const BrickColours& colours : colourist.colours(motif.start)) {
+    EXPECT_EQ(colours.top, mapColour(ColourMap::Viridis, 1));
+  }
+  EXPECT_EQ(colourist.colours(lifted(motif, 1))[3].top, mapColour(ColourMap::Viridis, 0.5));
+}
+
+TEST(Colourist, ShowsRotationsInDegrees) {
+  const Motif motif = tessellationMotif();
+  Look look = coloured(Colouring::Rotation);
+  look.colourMost = 90;
+  const Colourist colourist(look, motif);
+  EXPECT_NEAR(colourist.scale()->most, 90, 1e-12);
+  const Colour expected = mapColour(ColourMap::Viridis, 0.5);
+  Poses poses = motif.start;
+  for (Pose& pose : poses) pose.rotation = rotationFromVector(Vector3(0, 0, M_PI / 4));
+  for (const BrickColours& colours : colourist.colours(poses)) EXPECT_EQ(colours.top, expected);
+}
+
+TEST(Colourist, TellsStartWayAndTargetApart) {
+  const Motif motif = tessellationMotif();
+  const Colourist colourist(coloured(Colouring::State), motif);
+  const BrickColours start = colourist.colours(motif.start)[0];
+  const BrickColours way = colourist.colours(lifted(motif, 1))[0];
+  const BrickColours target = colourist.colours(lifted(motif, 2))[0];
+  EXPECT_NE(start, way);
+  EXPECT_NE(way, target);
+  EXPECT_NE(start, target);
+}
+
+TEST(Colourist, NeedsATargetForItsError) {
+  Motif motif = tessellationMotif();
+  motif.target.reset();
+  try {
+    Colourist(coloured(Colouring::TargetError), motif);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "error: the model has no target, so there is no target error to show; give "
+                 "another --colour or add target.txt");
+  }
+}
+
+}  // namespace
+}  // namespace kirireel

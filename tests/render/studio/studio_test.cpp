@@ -1,0 +1,111 @@
+#include "render/studio/studio.h"
+
+#include <algorithm>
+#include <functional>
+
+#include <gtest/gtest.h>
+
+#include "sim/base/error.h"
+#include "sim/model/tessellation.h"
+
+namespace kirireel {
+namespace {
+
+Motif tessellationMotif(const std::optional<Ground>& ground = std::nullopt) {
+  return makeMotif(makeTessellation({}), {}, ground);
+}
+
+std::string errorOf(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(Stage, DrawsTheGroundOnlyWhenThereIsOneOrItIsAskedFor) {
+  const Ground ground{-1, 0.5};
+  EXPECT_FALSE(Stage({}, tessellationMotif(), 1).style().plate.has_value());
+  EXPECT_EQ(Stage({}, tessellationMotif(ground), 1).style().plate->height, -1);
+  Look look;
+  look.ground = GroundLook::None;
+  EXPECT_FALSE(Stage(look, tessellationMotif(ground), 1).style().plate.has_value());
+  look.ground = GroundLook::Shadow;
+  const Stage stage(look, tessellationMotif(), 1);
+  EXPECT_FALSE(stage.style().plate->visible);
+  EXPECT_EQ(stage.style().plate->height, 0);  // the tiles' own height
+}
+
+TEST(Stage, SharesOneScaleOnlyInAStillParallelView) {
+  Look look;
+  look.camera.view = kTopView;
+  EXPECT_GT(Stage(look, tessellationMotif(), 1).sharedHeight().value(), 4);
+  look.camera.orthographic = false;
+  EXPECT_FALSE(Stage(look, tessellationMotif(), 1).sharedHeight().has_value());
+  look.camera.orthographic = true;
+  look.camera.orbit = 1;
+  EXPECT_FALSE(Stage(look, tessellationMotif(), 1).sharedHeight().has_value());
+}
+
+TEST(Stage, MarksJointsAndDrawsTheTargetOnRequest) {
+  Look look;
+  look.jointMarks = true;
+  look.targetLines = true;
+  const Stage stage(look, tessellationMotif(), 1);
+  const Shot shot = stage.shot({0, stage.motif().start, {}});
+  EXPECT_EQ(shot.marks.size(), 48U);  // 24 joints on both faces
+  EXPECT_EQ(shot.overlay.size(), 16U);
+}
+
+TEST(Stage, RefusesACameraWithinABrick) {
+  Look look;
+  look.camera.orthographic = false;
+  look.camera.view = kTopView;
+  look.camera.distance = 1e-3;
+  BrickRule rule;
+  rule.thickness = 1;
+  const Stage stage(look, makeMotif({"", {makeTessellation({}).tiles[0]}, {}, {}, {}}, rule, {}),
+                    1);
+  EXPECT_EQ(errorOf([&] {
+              stage.camera({0.25, stage.motif().start, {}});
+            }),
+            "error: at 0.25 s the camera stands within brick 0; move it away with --distance, or "
+            "choose --projection parallel");
+}
+
+TEST(Stage, RefusesLinesOfATargetThatIsNotThere) {
+  Look look;
+  look.targetLines = true;
+  Motif motif = tessellationMotif();
+  motif.target.reset();
+  EXPECT_EQ(errorOf([&] { Stage(look, motif, 1); }),
+            "error: the model has no target to draw; leave --target-lines away or add target.txt");
+}
+
+TEST(Studio, RefusesAnEmptyPictureBeforeItDividesByIt) {
+  EXPECT_EQ(errorOf([] {
+              Studio({100, 0}, {}, tessellationMotif());
+            }),
+            "error: a picture of 100 x 0 pixels cannot be drawn; width and height may be 1 to "
+            "16384, for example --size 1280x720");
+}
+
+TEST(Studio, AddsABarOfColoursToPicturesThatNeedIt) {
+  Look look;
+  look.colouring = Colouring::TargetError;
+  Studio studio({320, 180}, look, tessellationMotif());
+  const Moment moment{0, studio.stage().motif().start, {}};
+  const Frame without = studio.take(moment);
+  const Frame with = studio.take(moment, Studio::Scales::Drawn);
+  EXPECT_NE(without.pixels, with.pixels);
+  // Only the strip at the lower border differs.
+  const auto upperEnd = static_cast<std::ptrdiff_t>(without.rowStart(160));
+  EXPECT_TRUE(
+      std::equal(without.pixels.begin(), without.pixels.begin() + upperEnd, with.pixels.begin()));
+  Studio plain({320, 180}, {}, tessellationMotif());
+  EXPECT_EQ(plain.take(moment).pixels, plain.take(moment, Studio::Scales::Drawn).pixels);
+}
+
+}  // namespace
+}  // namespace kirireel

@@ -1,0 +1,57 @@
+#include "sim/measure/brick_measures.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "sim/measure/measures.h"
+#include "sim/model/tessellation.h"
+
+namespace kirireel {
+namespace {
+
+double largest(const std::vector<double>& values) {
+  return *std::max_element(values.begin(), values.end());
+}
+
+/// A tessellation with every brick moved and turned in its own way.
+struct ScatteredTiles {
+  Model model = makeTessellation({});
+  std::vector<Brick> bricks = makeBricks(model.tiles, {});
+  Poses start = startPoses(model.tiles, bricks);
+  Poses poses = start;
+
+  ScatteredTiles() {
+    for (std::size_t k = 0; k < poses.size(); ++k) {
+      poses[k].position += Vector3(0.1 * k, 0, -0.05 * k);
+      poses[k].rotation = rotationFromVector(0.2 * k * Vector3(0.6, 0, 0.8));
+    }
+  }
+};
+
+TEST(BrickMeasures, HaveTheWholeRunsMeasuresAsTheirLargest) {
+  const ScatteredTiles tiles;
+  const std::vector<Pivot> pivots = makePivots(tiles.model.joints, tiles.bricks);
+  EXPECT_EQ(largest(brickTargetErrors(*tiles.model.target, tiles.bricks, tiles.poses)),
+            targetError(*tiles.model.target, tiles.bricks, tiles.poses));
+  EXPECT_EQ(largest(brickJointGaps(pivots, tiles.poses)), jointGap(pivots, tiles.poses).max);
+}
+
+TEST(BrickMeasures, TellHowFarEachBrickWentAndTurned) {
+  const ScatteredTiles tiles;
+  const std::vector<double> moved = brickDisplacements(tiles.start, tiles.poses);
+  const std::vector<double> turned = brickRotations(tiles.start, tiles.poses);
+  for (std::size_t k = 0; k < tiles.poses.size(); ++k) {
+    EXPECT_NEAR(moved[k], std::hypot(0.1, 0.05) * k, 1e-12);
+    EXPECT_NEAR(turned[k], std::min(0.2 * k, 2 * M_PI - 0.2 * k), 1e-7);  // measured 3e-8
+  }
+}
+
+TEST(BrickMeasures, AreZeroForABrickWithoutJoints) {
+  const ScatteredTiles tiles;
+  EXPECT_EQ(largest(brickJointGaps({}, tiles.poses)), 0);
+}
+
+}  // namespace
+}  // namespace kirireel
