@@ -3,14 +3,32 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace kirireel {
+
+/// The libraries that contexts come from. Both run the same software renderer on a machine without
+/// a graphics card.
+enum class GraphicsLibrary {
+  Osmesa,  ///< Mesa's own; gone from Mesa 25.1 on
+  Egl,     ///< EGL on Mesa's surfaceless platform; may use a graphics card where there is one
+};
+
+/// The libraries that the program was built with, at least one; the first is used unless told
+/// otherwise.
+std::vector<GraphicsLibrary> builtGraphicsLibraries();
+
+/// Chooses the library of all contexts made later. One process uses one library: call it before the
+/// first context is made. Throws InputError when the program was built without it.
+void setGraphicsLibrary(GraphicsLibrary library);
 
 /// Sets how many extra threads the software renderer uses, for contexts made later; 0 draws on the
 /// calling thread, the efficient choice while other threads simulate and encode. Changes the
 /// environment of the process: call it before other threads start. A value that the user has set
 /// (LP_NUM_THREADS) stays.
 void setRasterThreads(int count);
+
+class Backend;
 
 /// The graphics context of one thread. Every use must be on the thread that made it.
 class Context {
@@ -25,8 +43,7 @@ class Context {
   void makeCurrent();
 
  private:
-  struct Handle;
-  std::unique_ptr<Handle> handle_;
+  std::unique_ptr<Backend> backend_;
 };
 
 /// OpenGL's version and its maker's, of the context that is current on this thread.

@@ -1,5 +1,70 @@
-/// The OpenGL functions that the library exports; included by sources only.
+/// The OpenGL functions in use; included by sources only. They are looked up when a context is
+/// made, because the libraries that make contexts do not share them.
 #pragma once
 
-#define GL_GLEXT_PROTOTYPES 1
 #include <GL/glcorearb.h>
+
+namespace kirireel {
+
+/// Every function that the program calls: its type and its name.
+#define KIRIREEL_OPENGL_FUNCTIONS(FUNCTION)                             \
+  FUNCTION(PFNGLACTIVETEXTUREPROC, glActiveTexture)                     \
+  FUNCTION(PFNGLATTACHSHADERPROC, glAttachShader)                       \
+  FUNCTION(PFNGLBINDBUFFERPROC, glBindBuffer)                           \
+  FUNCTION(PFNGLBINDFRAMEBUFFERPROC, glBindFramebuffer)                 \
+  FUNCTION(PFNGLBINDRENDERBUFFERPROC, glBindRenderbuffer)               \
+  FUNCTION(PFNGLBINDTEXTUREPROC, glBindTexture)                         \
+  FUNCTION(PFNGLBINDVERTEXARRAYPROC, glBindVertexArray)                 \
+  FUNCTION(PFNGLBUFFERDATAPROC, glBufferData)                           \
+  FUNCTION(PFNGLCHECKFRAMEBUFFERSTATUSPROC, glCheckFramebufferStatus)   \
+  FUNCTION(PFNGLCLEARPROC, glClear)                                     \
+  FUNCTION(PFNGLCLEARCOLORPROC, glClearColor)                           \
+  FUNCTION(PFNGLCOMPILESHADERPROC, glCompileShader)                     \
+  FUNCTION(PFNGLCREATEPROGRAMPROC, glCreateProgram)                     \
+  FUNCTION(PFNGLCREATESHADERPROC, glCreateShader)                       \
+  FUNCTION(PFNGLDELETEBUFFERSPROC, glDeleteBuffers)                     \
+  FUNCTION(PFNGLDELETEFRAMEBUFFERSPROC, glDeleteFramebuffers)           \
+  FUNCTION(PFNGLDELETEPROGRAMPROC, glDeleteProgram)                     \
+  FUNCTION(PFNGLDELETERENDERBUFFERSPROC, glDeleteRenderbuffers)         \
+  FUNCTION(PFNGLDELETESHADERPROC, glDeleteShader)                       \
+  FUNCTION(PFNGLDELETETEXTURESPROC, glDeleteTextures)                   \
+  FUNCTION(PFNGLDELETEVERTEXARRAYSPROC, glDeleteVertexArrays)           \
+  FUNCTION(PFNGLDEPTHFUNCPROC, glDepthFunc)                             \
+  FUNCTION(PFNGLDISABLEPROC, glDisable)                                 \
+  FUNCTION(PFNGLDRAWARRAYSPROC, glDrawArrays)                           \
+  FUNCTION(PFNGLENABLEPROC, glEnable)                                   \
+  FUNCTION(PFNGLENABLEVERTEXATTRIBARRAYPROC, glEnableVertexAttribArray) \
+  FUNCTION(PFNGLFRAMEBUFFERRENDERBUFFERPROC, glFramebufferRenderbuffer) \
+  FUNCTION(PFNGLFRAMEBUFFERTEXTURE2DPROC, glFramebufferTexture2D)       \
+  FUNCTION(PFNGLGENBUFFERSPROC, glGenBuffers)                           \
+  FUNCTION(PFNGLGENFRAMEBUFFERSPROC, glGenFramebuffers)                 \
+  FUNCTION(PFNGLGENRENDERBUFFERSPROC, glGenRenderbuffers)               \
+  FUNCTION(PFNGLGENTEXTURESPROC, glGenTextures)                         \
+  FUNCTION(PFNGLGENVERTEXARRAYSPROC, glGenVertexArrays)                 \
+  FUNCTION(PFNGLGETERRORPROC, glGetError)                               \
+  FUNCTION(PFNGLGETPROGRAMINFOLOGPROC, glGetProgramInfoLog)             \
+  FUNCTION(PFNGLGETPROGRAMIVPROC, glGetProgramiv)                       \
+  FUNCTION(PFNGLGETSHADERINFOLOGPROC, glGetShaderInfoLog)               \
+  FUNCTION(PFNGLGETSHADERIVPROC, glGetShaderiv)                         \
+  FUNCTION(PFNGLGETSTRINGPROC, glGetString)                             \
+  FUNCTION(PFNGLGETUNIFORMLOCATIONPROC, glGetUniformLocation)           \
+  FUNCTION(PFNGLLINKPROGRAMPROC, glLinkProgram)                         \
+  FUNCTION(PFNGLPIXELSTOREIPROC, glPixelStorei)                         \
+  FUNCTION(PFNGLREADPIXELSPROC, glReadPixels)                           \
+  FUNCTION(PFNGLRENDERBUFFERSTORAGEPROC, glRenderbufferStorage)         \
+  FUNCTION(PFNGLSCISSORPROC, glScissor)                                 \
+  FUNCTION(PFNGLSHADERSOURCEPROC, glShaderSource)                       \
+  FUNCTION(PFNGLTEXIMAGE2DPROC, glTexImage2D)                           \
+  FUNCTION(PFNGLTEXPARAMETERIPROC, glTexParameteri)                     \
+  FUNCTION(PFNGLUNIFORM1FPROC, glUniform1f)                             \
+  FUNCTION(PFNGLUNIFORM2FPROC, glUniform2f)                             \
+  FUNCTION(PFNGLUNIFORM4FPROC, glUniform4f)                             \
+  FUNCTION(PFNGLUSEPROGRAMPROC, glUseProgram)                           \
+  FUNCTION(PFNGLVERTEXATTRIBPOINTERPROC, glVertexAttribPointer)         \
+  FUNCTION(PFNGLVIEWPORTPROC, glViewport)
+
+#define KIRIREEL_DECLARE(type, name) inline type name = nullptr;
+KIRIREEL_OPENGL_FUNCTIONS(KIRIREEL_DECLARE)
+#undef KIRIREEL_DECLARE
+
+}  // namespace kirireel

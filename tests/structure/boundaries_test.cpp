@@ -104,6 +104,7 @@ TEST(Boundaries, JointsAndMeasuresDoNotKnowTheWorld) {
 
 TEST(Boundaries, EachLibraryStaysInOneSourceFile) {
   EXPECT_THAT(usersOf("GL/osmesa\\.h"), SizeIs(1));
+  EXPECT_THAT(usersOf("EGL/.*"), SizeIs(1));
   EXPECT_THAT(usersOf("libav.*|libsw.*"), SizeIs(1));
   EXPECT_THAT(usersOf("png\\.h"), SizeIs(1));
   EXPECT_THAT(usersOf("hdf5\\.h|H5.*|highfive/.*"), SizeIs(1));

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
@@ -44,10 +45,28 @@ TEST(ContextDeathTest, SaysWhatToDoWithoutOpenGl) {
     std::fputs(messageOf([] { const Context context; }).c_str(), stderr);
     std::exit(0);
   };
-  EXPECT_EXIT(makeContext(), ::testing::ExitedWithCode(0),
-              "error: cannot make an OpenGL 3.3 context off screen; check that the package "
-              "libosmesa6 is installed and that no MESA_ or GALLIUM_ variable is set in the "
-              "environment");
+  EXPECT_EXIT(
+      makeContext(), ::testing::ExitedWithCode(0),
+      "error: cannot make an OpenGL 3.3 context off screen with osmesa; check that the package "
+      "libosmesa6 is installed and that no MESA_ or GALLIUM_ variable is set in the "
+      "environment");
+}
+
+TEST(GraphicsLibrary, IsOneThatTheProgramWasBuiltWith) {
+  const std::vector<GraphicsLibrary> built = builtGraphicsLibraries();
+  ASSERT_FALSE(built.empty());
+  for (const auto& [library, message] :
+       {std::pair{GraphicsLibrary::Osmesa, "built without OSMesa; choose --gl egl, or install"},
+        std::pair{GraphicsLibrary::Egl, "built without EGL; choose --gl osmesa, or install"}}) {
+    if (std::find(built.begin(), built.end(), library) != built.end()) continue;
+    std::string text;
+    try {
+      setGraphicsLibrary(library);
+    } catch (const InputError& error) {
+      text = error.what();
+    }
+    EXPECT_THAT(text, ::testing::HasSubstr(message));
+  }
 }
 
 TEST(Context, LeavesTheUsersNumberOfThreads) {

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "render/gl/context.h"
 #include "sim/base/error.h"
 #include "tests/render/picture/sample_bricks.h"
 #include "tests/support/program.h"
@@ -343,8 +344,8 @@ TEST(Painter, SharesAThreadWithAnother) {
 }
 
 /// What picture_hash prints under these settings of the environment.
-std::string hashUnder(const std::string& environment) {
-  return test::outputOf("env " + environment + " " PICTURE_HASH_PROGRAM);
+std::string hashUnder(const std::string& environment, const std::string& library = "") {
+  return test::outputOf("env " + environment + " " PICTURE_HASH_PROGRAM " " + library);
 }
 
 TEST(Painter, PaintsTheSameBytesWithAnyNumberOfThreads) {
@@ -353,6 +354,15 @@ TEST(Painter, PaintsTheSameBytesWithAnyNumberOfThreads) {
   EXPECT_EQ(hashUnder("LP_NUM_THREADS=0"), alone);
   EXPECT_EQ(hashUnder("LP_NUM_THREADS=2"), alone);
   EXPECT_EQ(hashUnder("LP_NATIVE_VECTOR_WIDTH=128"), alone);
+}
+
+TEST(Painter, PaintsTheSameBytesThroughEgl) {
+  const std::vector<GraphicsLibrary> built = builtGraphicsLibraries();
+  if (built.size() < 2) GTEST_SKIP() << "built with one of OSMesa and EGL; install the other";
+  const std::string egl = hashUnder("LP_NUM_THREADS=0", "egl");
+  if (egl.empty()) GTEST_SKIP() << "EGL has no display without a screen here";
+  EXPECT_EQ(egl, hashUnder("LP_NUM_THREADS=0"));
+  EXPECT_EQ(hashUnder("LP_NUM_THREADS=2", "egl"), egl);
 }
 
 TEST(Painter, RefusesAnEmptyPicture) {

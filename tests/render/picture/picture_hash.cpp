@@ -1,18 +1,26 @@
 /// Prints a hash of a picture, so that a test can compare processes with different environments.
+/// Use: picture_hash [egl]
 #include <cstdint>
 #include <cstdio>
+#include <string_view>
 
+#include "render/gl/context.h"
 #include "render/picture/painter.h"
 #include "tests/render/picture/sample_bricks.h"
 
-int main() {
+int main(int count, char** arguments) {
   using namespace kirireel;
+  if (count > 1 && std::string_view(arguments[1]) == "egl") {
+    setGraphicsLibrary(GraphicsLibrary::Egl);
+  }
   const SampleBricks sample = tumbledBricks();
   const FrameSize size{640, 360};
   CameraFit fit;
   fit.aspect = size.aspect();
   const Camera camera = fitCamera(brickCorners(sample.bricks, sample.poses), fit);
-  const Frame frame = Painter(size, sample.bricks, {}).paint(sample.poses, camera);
+  Style style;
+  style.plate = groundUnder(brickCorners(sample.bricks, sample.poses), -1);
+  const Frame frame = Painter(size, sample.bricks, style).paint(sample.poses, camera);
   std::uint64_t hash = 14695981039346656037U;  // FNV-1a
   for (const std::uint8_t byte : frame.pixels) hash = (hash ^ byte) * 1099511628211U;
   std::printf("%016llx\n", static_cast<unsigned long long>(hash));
