@@ -30,6 +30,12 @@ void addPictureOptions(CLI::App& command, RecordSettings& settings) {
              [&settings] { settings.frames = true; });
   group.flag("--no-video", "no deployment.mp4", [&settings] { settings.video = false; });
   group.flag("--no-snapshots", "no snapshots.png", [&settings] { settings.snapshots = false; });
+  group.flag("--svg", "the grid's pictures as snapshot_01.svg ..., hidden surfaces removed",
+             [&settings] { settings.svg = true; });
+  group.choice<std::optional<GraphicsLibrary>>(
+      "--gl", settings.graphics,
+      {{"auto", std::nullopt}, {"osmesa", GraphicsLibrary::Osmesa}, {"egl", GraphicsLibrary::Egl}},
+      "library that draws off screen");
   group.flag("--no-meshes", "no OBJ and PLY files", [&settings] { settings.meshes = false; });
   addLookOptions(command, settings.look);
 }

@@ -12,7 +12,9 @@
 #include "render/record/snapshot_choice.h"
 #include "render/record/stopwatch.h"
 #include "render/studio/studio.h"
+#include "render/vector/svg.h"
 #include "sim/base/error.h"
+#include "sim/base/pending_file.h"
 #include "sim/measure/brick_measures.h"
 
 namespace kirireel {
@@ -46,11 +48,21 @@ class Photographer {
 
   Frame take(int number, Studio::Scales scales) {
     const CpuTimer timer(cpuSeconds_);
-    const Sample& sample = trajectory_.samples[static_cast<std::size_t>(number)];
-    return studio_.take({sample.time, sample.poses, {}}, scales);
+    return studio_.take(moment(number), scales);
+  }
+
+  /// The same picture as vector graphics.
+  std::string draw(int number, FrameSize size) const {
+    return svgText(stage().sketch(moment(number)), stage().camera(moment(number)), size,
+                   stage().style().background);
   }
 
  private:
+  Moment moment(int number) const {
+    const Sample& sample = trajectory_.samples[static_cast<std::size_t>(number)];
+    return {sample.time, sample.poses, {}};
+  }
+
   const Trajectory& trajectory_;
   Studio studio_;
   double& cpuSeconds_;
@@ -90,6 +102,9 @@ void writeSnapshots(Photographer& photographer, const Scene& scene, const Trajec
     const Sample& sample = trajectory.samples[static_cast<std::size_t>(number)];
     pictures.push_back({photographer.take(number, Studio::Scales::None),
                         captionOf(sample, scene, photographer.stage(), settings.captions)});
+    if (!settings.svg) continue;
+    summary.files.push_back(snapshotDrawing(static_cast<int>(pictures.size())).string());
+    writeTextFile(settings.folder / summary.files.back(), photographer.draw(number, settings.size));
   }
   trimAlike(pictures);
   writePng(composeGrid(pictures, settings.grid, style), settings.folder / output::kSnapshots,
@@ -168,6 +183,7 @@ void paintAlbum(const Scene& scene, const Trajectory& trajectory, const RecordSe
                 const ProgressObserver& observer, RunSummary& summary) {
   const bool paintsFrames = settings.video || settings.frames;
   if (!settings.snapshots && !paintsFrames) return;
+  if (settings.graphics) setGraphicsLibrary(*settings.graphics);
   Photographer photographer(scene, trajectory, settings, summary.recordCost.cpuSecondsRender);
   summary.graphics = graphicsVersion();
   if (settings.snapshots) writeSnapshots(photographer, scene, trajectory, settings, summary);

@@ -15,8 +15,8 @@ namespace fs = std::filesystem;
 
 bool isRunFile(const fs::path& file) {
   static const std::regex names(
-      "deployment\\.mp4|snapshots\\.png|(initial|final)\\.(obj|mtl|ply)|final_vertices\\.txt|"
-      "trajectory\\.h5|summary\\.json");
+      "deployment\\.mp4|snapshots\\.png|snapshot_[0-9]+\\.svg|(initial|final)\\.(obj|mtl|ply)|"
+      "final_vertices\\.txt|trajectory\\.h5|summary\\.json");
   return std::regex_match(file.filename().string(), names);
 }
 
@@ -40,6 +40,10 @@ void removeFiles(const fs::path& folder, bool (*isOurs)(const fs::path&)) {
 
 fs::path frameFile(int number) {
   return fs::path(output::kFrames) / fmt::format("frame_{:05}.png", number);
+}
+
+fs::path snapshotDrawing(int number) {
+  return fmt::format("snapshot_{:02}.svg", number);
 }
 
 void makeFolder(const fs::path& folder) {

@@ -20,6 +20,9 @@ inline constexpr const char* kFrames = "frames";  ///< a folder
 /// "frames/frame_00042.png".
 std::filesystem::path frameFile(int number);
 
+/// "snapshot_01.svg": number counts from 1.
+std::filesystem::path snapshotDrawing(int number);
+
 /// Makes the folder, checks that it can be written, and removes what an earlier run left under the
 /// names above, so that files of two runs never stand side by side. Nothing else is touched.
 /// Throws OutputError.

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "render/gl/context.h"
 #include "render/grid/grid.h"
 #include "render/picture/frame.h"
 #include "render/studio/look.h"
@@ -24,6 +25,7 @@ enum class SnapshotSpacing {
 
 /// What a run leaves, and where.
 struct RecordSettings {
+  std::optional<GraphicsLibrary> graphics;  ///< that draws; absent: the program's first
   std::filesystem::path folder;  ///< made if need be; a former run's files in it are replaced
   FrameSize size;                ///< of video frames and of each snapshot; even when video is on
   int framesPerSecond = 60;      ///< of the video, and samples a simulated second; 1 to 240
@@ -35,6 +37,7 @@ struct RecordSettings {
   SnapshotSpacing spacing = SnapshotSpacing::Progress;
   bool video = true;      ///< deployment.mp4
   bool snapshots = true;  ///< snapshots.png
+  bool svg = false;       ///< snapshot_01.svg ..., the grid's pictures as vector graphics
   bool meshes = true;     ///< initial and final, OBJ and PLY
   bool frames = false;    ///< frames/frame_00000.png ..., every frame of the video
 };

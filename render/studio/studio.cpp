@@ -112,6 +112,12 @@ Camera Stage::camera(const Moment& moment) const {
   return camera;
 }
 
+Sketch Stage::sketch(const Moment& moment) const {
+  Sketch sketch;
+  Sketcher(motif_.bricks, style_).draw(shot(moment), camera(moment), sketch);
+  return sketch;
+}
+
 std::optional<double> Stage::sharedHeight() const {
   const Camera camera = cameras_.at(0);
   if (!cameras_.isStill() || !camera.orthographic) return std::nullopt;

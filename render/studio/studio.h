@@ -43,6 +43,9 @@ class Stage {
   /// The camera of a moment. Throws InputError when it stands within a brick.
   Camera camera(const Moment& moment) const;
 
+  /// The same as polygons in space, for vector graphics. Throws as camera().
+  Sketch sketch(const Moment& moment) const;
+
   const Motif& motif() const { return motif_; }
   const Style& style() const { return style_; }
 

@@ -123,7 +123,8 @@ TEST(CommandLine, ReadsEveryPictureOption) {
                    "--grid",         "2x4",         "--view",     "top",
                    "--snapshots",    "time",        "--frames",   "--no-video",
                    "--no-snapshots", "--no-meshes", "--captions", "angle,gap",
-                   "--scale-bar",    "--dpi",       "300"})
+                   "--scale-bar",    "--dpi",       "300",        "--svg",
+                   "--gl",           "egl"})
           .settings;
   EXPECT_EQ(settings.folder, "here");
   EXPECT_EQ(settings.size, (FrameSize{640, 360}));
@@ -135,6 +136,8 @@ TEST(CommandLine, ReadsEveryPictureOption) {
   EXPECT_FALSE(settings.captions.time || settings.captions.error);
   EXPECT_TRUE(settings.scaleBar);
   EXPECT_EQ(settings.dotsPerInch, 300);
+  EXPECT_TRUE(settings.svg);
+  EXPECT_EQ(settings.graphics, GraphicsLibrary::Egl);
   EXPECT_TRUE(settings.frames);
   EXPECT_FALSE(settings.video || settings.snapshots || settings.meshes);
 }

@@ -92,6 +92,24 @@ TEST_F(RecordTest, InterruptedWhilePaintingEndsTheVideoThere) {
   EXPECT_EQ(summary.videoFrames, 3);
 }
 
+TEST_F(RecordTest, DrawsEachSnapshotAsVectorsOnRequest) {
+  settings_.svg = true;
+  settings_.video = false;
+  const RunSummary summary = record(tessellationScene(), settings_, proceed_);
+  EXPECT_THAT(summary.files, Contains("snapshot_01.svg"));
+  EXPECT_THAT(summary.files, Contains("snapshot_02.svg"));
+  EXPECT_TRUE(fs::exists(settings_.folder / "snapshot_02.svg"));
+}
+
+TEST_F(RecordTest, RefusesAScaleBarInPerspective) {
+  settings_.scaleBar = true;
+  EXPECT_EQ(record(tessellationScene(), settings_, proceed_).outcome, Outcome::OutOfTime);
+  settings_.look.camera.view = kIsometricView;
+  EXPECT_EQ(messageOfRecording(),
+            "error: one scale bar cannot hold all over a picture in perspective or from a moving "
+            "camera; add --projection parallel, or leave --scale-bar away");
+}
+
 TEST_F(RecordTest, WithoutPicturesNeedsNoGraphics) {
   settings_.video = settings_.snapshots = settings_.meshes = false;
   const RunSummary summary = record(tessellationScene(), settings_, proceed_);

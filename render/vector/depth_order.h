@@ -1,0 +1,37 @@
+/// Hidden surfaces for drawings that can only paint one thing over another.
+#pragma once
+
+#include <vector>
+
+#include "render/picture/sketch.h"
+
+namespace kirireel {
+
+/// A convex polygon that remembers which of its sides came from cutting.
+struct CutPolygon {
+  std::vector<Vector3> corners;  ///< anticlockwise in the picture
+  std::vector<char> isCut;       ///< for the side from corner k to corner k + 1
+};
+
+/// A facet or a part of one.
+struct Piece {
+  CutPolygon outer;       ///< with its outline
+  CutPolygon inner;       ///< within its outline; empty where the part has none of it
+  bool outlined = false;  ///< else both are the same
+  Colour colour;
+  Vector3 normal;     ///< of the facet's plane, unit, towards the camera's side
+  double offset = 0;  ///< normal . point for the points of the plane
+};
+
+/// The pieces of a layer of facets, in the order in which they stand. Parts nearer to the camera
+/// than its near plane are cut away.
+std::vector<Piece> makePieces(const Sketch& sketch, const std::vector<Facet>& facets,
+                              const Camera& camera);
+
+/// Puts facets that all look at the camera into an order in which each hides those before it, by
+/// cutting those that lie on both sides of another's plane (binary space partition; Fuchs, Kedem
+/// and Naylor 1980). Right for facets that cross, too. A facet's plane has the camera on its front,
+/// so that what lies behind the plane comes first.
+std::vector<Piece> farthestFirst(std::vector<Piece> pieces);
+
+}  // namespace kirireel
