@@ -8,31 +8,23 @@
 namespace kirireel {
 namespace {
 
-void attachTexture(GLuint texture, int width, int height) {
-  glBindTexture(GL_TEXTURE_2D, texture);
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-  glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture, 0);
-}
-
-void attachDepth(GLuint renderbuffer, int width, int height) {
+/// A new renderbuffer that is the framebuffer's colours or depth.
+GLuint attach(GLenum format, GLenum attachment, int width, int height) {
+  GLuint renderbuffer = 0;
+  glGenRenderbuffers(1, &renderbuffer);
   glBindRenderbuffer(GL_RENDERBUFFER, renderbuffer);
-  glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT32F, width, height);
-  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, renderbuffer);
+  glRenderbufferStorage(GL_RENDERBUFFER, format, width, height);
+  glFramebufferRenderbuffer(GL_FRAMEBUFFER, attachment, GL_RENDERBUFFER, renderbuffer);
+  return renderbuffer;
 }
 
 }  // namespace
 
-Framebuffer::Framebuffer(int width, int height, Depth depth) {
+Framebuffer::Framebuffer(int width, int height) {
   glGenFramebuffers(1, &framebuffer_);
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
-  glGenTextures(1, &texture_);
-  attachTexture(texture_, width, height);
-  if (depth == Depth::Tested) {
-    glGenRenderbuffers(1, &depth_);
-    attachDepth(depth_, width, height);
-  }
+  colour_ = attach(GL_RGBA8, GL_COLOR_ATTACHMENT0, width, height);
+  depth_ = attach(GL_DEPTH_COMPONENT32F, GL_DEPTH_ATTACHMENT, width, height);
   const GLenum status = glCheckFramebufferStatus(GL_FRAMEBUFFER);
   if (glGetError() != GL_NO_ERROR || status != GL_FRAMEBUFFER_COMPLETE) {
     throw OutputError(
@@ -44,18 +36,13 @@ Framebuffer::Framebuffer(int width, int height, Depth depth) {
 
 Framebuffer::~Framebuffer() {
   glDeleteFramebuffers(1, &framebuffer_);
-  glDeleteTextures(1, &texture_);
-  if (depth_ != 0) glDeleteRenderbuffers(1, &depth_);
+  glDeleteRenderbuffers(1, &colour_);
+  glDeleteRenderbuffers(1, &depth_);
 }
 
 void Framebuffer::drawInto(int width, int height) const {
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
   glViewport(0, 0, width, height);
-}
-
-void Framebuffer::bindTexture() const {
-  glActiveTexture(GL_TEXTURE0);
-  glBindTexture(GL_TEXTURE_2D, texture_);
 }
 
 void Framebuffer::read(const Eigen::AlignedBox2i& box, int rowPixels, std::uint8_t* pixels) const {

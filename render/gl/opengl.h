@@ -6,9 +6,8 @@
 
 namespace kirireel {
 
-/// Every function that the program calls: its type and its name.
+/// Every function that the program and its benchmarks call: its type and its name.
 #define KIRIREEL_OPENGL_FUNCTIONS(FUNCTION)                             \
-  FUNCTION(PFNGLACTIVETEXTUREPROC, glActiveTexture)                     \
   FUNCTION(PFNGLATTACHSHADERPROC, glAttachShader)                       \
   FUNCTION(PFNGLBINDBUFFERPROC, glBindBuffer)                           \
   FUNCTION(PFNGLBINDFRAMEBUFFERPROC, glBindFramebuffer)                 \
@@ -27,7 +26,6 @@ namespace kirireel {
   FUNCTION(PFNGLDELETEPROGRAMPROC, glDeleteProgram)                     \
   FUNCTION(PFNGLDELETERENDERBUFFERSPROC, glDeleteRenderbuffers)         \
   FUNCTION(PFNGLDELETESHADERPROC, glDeleteShader)                       \
-  FUNCTION(PFNGLDELETETEXTURESPROC, glDeleteTextures)                   \
   FUNCTION(PFNGLDELETEVERTEXARRAYSPROC, glDeleteVertexArrays)           \
   FUNCTION(PFNGLDEPTHFUNCPROC, glDepthFunc)                             \
   FUNCTION(PFNGLDISABLEPROC, glDisable)                                 \
@@ -56,8 +54,6 @@ namespace kirireel {
   FUNCTION(PFNGLSHADERSOURCEPROC, glShaderSource)                       \
   FUNCTION(PFNGLTEXIMAGE2DPROC, glTexImage2D)                           \
   FUNCTION(PFNGLTEXPARAMETERIPROC, glTexParameteri)                     \
-  FUNCTION(PFNGLUNIFORM1FPROC, glUniform1f)                             \
-  FUNCTION(PFNGLUNIFORM2FPROC, glUniform2f)                             \
   FUNCTION(PFNGLUNIFORM4FPROC, glUniform4f)                             \
   FUNCTION(PFNGLUSEPROGRAMPROC, glUseProgram)                           \
   FUNCTION(PFNGLVERTEXATTRIBPOINTERPROC, glVertexAttribPointer)         \

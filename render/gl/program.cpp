@@ -81,14 +81,6 @@ void Program::use() const {
   glUseProgram(handle_);
 }
 
-void Program::set(const char* name, float value) const {
-  glUniform1f(glGetUniformLocation(handle_, name), value);
-}
-
-void Program::set(const char* name, float x, float y) const {
-  glUniform2f(glGetUniformLocation(handle_, name), x, y);
-}
-
 void Program::set(const char* name, float x, float y, float z, float w) const {
   glUniform4f(glGetUniformLocation(handle_, name), x, y, z, w);
 }

@@ -15,9 +15,7 @@ class Program {
   /// Makes the program the one that draws.
   void use() const;
 
-  /// Set a uniform of the program in use; a name that the shaders do not use is passed over.
-  void set(const char* name, float value) const;
-  void set(const char* name, float x, float y) const;
+  /// Sets a uniform of the program in use.
   void set(const char* name, float x, float y, float z, float w) const;
 
  private:

@@ -9,16 +9,17 @@
 #include "render/gl/framebuffer.h"
 #include "render/gl/opengl.h"
 #include "render/gl/program.h"
+#include "render/picture/average.h"
 
 namespace kirireel {
 namespace {
 
-/// Samples of a pixel, across and down: quicker and smoother here than 4 x multisampling.
-constexpr int kSamplesAcross = 2;
-constexpr int kSamplesDown = 3;
-
 /// Largest part of a picture drawn at once, pixels: bounds the memory of large pictures.
 constexpr int kMaxPartSide = 2048;
+
+/// Rows of pixels whose samples are read back at once: few enough to stay in the processor's cache
+/// until they are averaged.
+constexpr int kStripRows = 8;
 
 constexpr const char* kFaceVertexShader = R"(#version 330 core
 layout(location = 0) in vec4 clip;
@@ -36,31 +37,6 @@ flat in vec4 face;
 out vec4 colour;
 void main() { colour = face; }
 )";
-
-constexpr const char* kMeanVertexShader = R"(#version 330 core
-void main() {  // one triangle that covers everything
-  gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0);
-}
-)";
-
-// The samples hold premultiplied alpha, the means straight. Turns the rows over too: a frame
-// starts at the top.
-constexpr const char* kMeanFragmentShader = R"(#version 330 core
-uniform sampler2D picture;
-uniform float rows;
-out vec4 colour;
-void main() {
-  ivec2 pixel = ivec2(gl_FragCoord.x, rows - gl_FragCoord.y);
-  ivec2 corner = pixel * ivec2(2, 3);
-  vec4 sum = texelFetch(picture, corner, 0) + texelFetch(picture, corner + ivec2(1, 0), 0) +
-             texelFetch(picture, corner + ivec2(0, 1), 0) +
-             texelFetch(picture, corner + ivec2(1, 1), 0) +
-             texelFetch(picture, corner + ivec2(0, 2), 0) +
-             texelFetch(picture, corner + ivec2(1, 2), 0);
-  colour = vec4(sum.rgb / max(sum.a, 1.0e-6), sum.a / 6.0);
-}
-)";
-static_assert(kSamplesAcross == 2 && kSamplesDown == 3, "the shader above reads 2 x 3 samples");
 
 /// What the face shaders read of one corner of a triangle.
 struct Vertex {
@@ -226,20 +202,20 @@ struct Painter::Parts {
   Sketcher sketcher;
   Context context;
   Framebuffer samples;
-  Framebuffer means;
   Program facePainter;
-  Program averager;
   VertexBuffer vertexBuffer;
   // Kept between frames for their memory.
   Sketch sketch;
   Triangles triangles;
+  std::vector<std::uint8_t> strip;  ///< samples on their way to a frame
+  bool opaque = true;               ///< whether nothing that is drawn has another alpha than 255
 
   Parts(FrameSize frameSize, const std::vector<Brick>& bricks, const Style& style);
 
   void collectTriangles(const Shot& shot, const Camera& camera);
   void drawSamples(const PixelBox& part, const PixelBox& touched) const;
   void drawLayers() const;
-  void drawMeans(const PixelBox& part, const PixelBox& touched) const;
+  void readMeans(const PixelBox& part, const PixelBox& touched, Frame& frame);
 };
 
 Painter::Parts::Parts(FrameSize frameSize, const std::vector<Brick>& bricks, const Style& style)
@@ -247,11 +223,9 @@ Painter::Parts::Parts(FrameSize frameSize, const std::vector<Brick>& bricks, con
       background(style.background),
       sketcher(bricks, style),
       samples(std::min(size.width, kMaxPartSide) * kSamplesAcross,
-              std::min(size.height, kMaxPartSide) * kSamplesDown, Framebuffer::Depth::Tested),
-      means(std::min(size.width, kMaxPartSide), std::min(size.height, kMaxPartSide),
-            Framebuffer::Depth::None),
+              std::min(size.height, kMaxPartSide) * kSamplesDown),
       facePainter(kFaceVertexShader, kFaceFragmentShader),
-      averager(kMeanVertexShader, kMeanFragmentShader) {
+      opaque(style.background.alpha == 255 && style.shadow.alpha == 255) {
   glDepthFunc(GL_LESS);
 }
 
@@ -304,15 +278,24 @@ void Painter::Parts::drawSamples(const PixelBox& part, const PixelBox& touched) 
   drawLayers();
 }
 
-void Painter::Parts::drawMeans(const PixelBox& part, const PixelBox& touched) const {
-  means.drawInto(part.sizes().x(), part.sizes().y());
-  glScissor(touched.min().x() - part.min().x(), touched.min().y() - part.min().y(),
-            touched.sizes().x(), touched.sizes().y());
-  glDisable(GL_DEPTH_TEST);
-  averager.use();
-  averager.set("rows", static_cast<float>(part.sizes().y()));
-  samples.bindTexture();
-  glDrawArrays(GL_TRIANGLES, 0, 3);
+void Painter::Parts::readMeans(const PixelBox& part, const PixelBox& touched, Frame& frame) {
+  const int left = (touched.min().x() - part.min().x()) * kSamplesAcross;
+  const int rowSamples = touched.sizes().x() * kSamplesAcross;
+  strip.resize(std::size_t{4} * rowSamples * kStripRows * kSamplesDown);
+  for (int upper = touched.min().y(); upper < touched.max().y(); upper += kStripRows) {
+    const int rows = std::min(kStripRows, touched.max().y() - upper);
+    // OpenGL's rows start at the lower border.
+    const int lowest = (part.max().y() - upper - rows) * kSamplesDown;
+    samples.read({Eigen::Vector2i(left, lowest),
+                  Eigen::Vector2i(left + rowSamples, lowest + rows * kSamplesDown)},
+                 rowSamples, strip.data());
+    for (int row = 0; row < rows; ++row) {
+      const std::size_t first = std::size_t{4} * rowSamples * (rows - 1 - row) * kSamplesDown;
+      averageRow(
+          {strip.data() + first, rowSamples, opaque}, touched.sizes().x(),
+          frame.pixels.data() + frame.rowStart(upper + row) + std::size_t{4} * touched.min().x());
+    }
+  }
 }
 
 Painter::Painter(FrameSize size, const std::vector<Brick>& bricks, const Style& style)
@@ -340,10 +323,7 @@ Frame Painter::paint(const Shot& shot, const Camera& camera) {
     const PixelBox inside = part.intersection(touched);
     if ((inside.max().array() <= inside.min().array()).any()) continue;
     parts_->drawSamples(part, inside);
-    parts_->drawMeans(part, inside);
-    parts_->means.read(inside.translated(-part.min()), frame.size.width,
-                       frame.pixels.data() + frame.rowStart(inside.min().y()) +
-                           static_cast<std::size_t>(inside.min().x()) * 4);
+    parts_->readMeans(part, inside, frame);
   }
   return frame;
 }

@@ -55,7 +55,7 @@ struct Style {
   /// Width of the line between two flush tiles, in heights of the picture; 0 for no outlines. Lines
   /// lie on the faces, so they are foreshortened like them.
   double edgeWidth = 0.0028;
-  double markSize = 0.012;      ///< diameter of a dot, in heights of the picture
+  double markSize = 0.016;      ///< diameter of a dot, in heights of the picture
   double overlayWidth = 0.003;  ///< of lines laid over, in heights of the picture
   double ambient = 0.58;        ///< brightness of a face that no light reaches
   Light key = {Vector3(-0.36, -0.48, 0.8), 0.40};  ///< main light, from the upper left

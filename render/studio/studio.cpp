@@ -17,6 +17,9 @@ constexpr double kTextSize = 0.034;
 constexpr double kBarHeight = 0.05;
 constexpr int kSmallestText = 9;
 
+/// Width of lines in small pictures, pixels.
+constexpr double kThinnestLine = 2;
+
 void append(std::vector<Vector3>& points, const std::vector<Vector3>& more) {
   points.insert(points.end(), more.begin(), more.end());
 }
@@ -38,22 +41,24 @@ std::optional<GroundPlate> plateFor(const Look& look, const Motif& motif) {
   return plate;
 }
 
-Style styleFor(const Look& look, const Motif& motif) {
+Style styleFor(const Look& look, const Motif& motif, FrameSize size) {
   Style style = look.theme == Theme::Dark ? darkStyle() : Style();
   if (look.transparent) {
     style.background.alpha = 0;
     style.shadow = {0, 0, 0, 56};
   }
   if (look.brickColour) style.brick = shadesOf(*look.brickColour);
-  if (!look.outlines) style.edgeWidth = 0;
+  // Thinner lines would break up into dashes.
+  style.edgeWidth = look.outlines ? std::max(style.edgeWidth, kThinnestLine / size.height) : 0;
+  style.overlayWidth = std::max(style.overlayWidth, kThinnestLine / size.height);
   style.plate = plateFor(look, motif);
   return style;
 }
 
 /// Refuses a bad size before anything is made of it.
-double aspectOf(FrameSize size) {
+FrameSize validated(FrameSize size) {
   requireValidSize(size);
-  return size.aspect();
+  return size;
 }
 
 }  // namespace
@@ -77,11 +82,11 @@ void keepInSight(Motif& motif, const Poses& poses) {
   append(motif.points, brickCorners(motif.bricks, poses));
 }
 
-Stage::Stage(const Look& look, Motif motif, double aspect)
+Stage::Stage(const Look& look, Motif motif, FrameSize size)
     : motif_(std::move(motif)),
-      style_(styleFor(look, motif_)),
+      style_(styleFor(look, motif_, validated(size))),
       colourist_(look, motif_),
-      cameras_(look.camera, motif_.points, aspect, motif_.endTime),
+      cameras_(look.camera, motif_.points, size.aspect(), motif_.endTime),
       jointMarks_(look.jointMarks),
       targetLines_(look.targetLines) {
   if (!targetLines_ || motif_.target) return;
@@ -125,8 +130,7 @@ std::optional<double> Stage::sharedHeight() const {
 }
 
 Studio::Studio(FrameSize size, const Look& look, Motif motif)
-    : stage_(look, std::move(motif), aspectOf(size)),
-      painter_(size, stage_.motif().bricks, stage_.style()) {}
+    : stage_(look, std::move(motif), size), painter_(size, stage_.motif().bricks, stage_.style()) {}
 
 Frame Studio::take(const Moment& moment, Scales scales) {
   const Camera camera = stage_.camera(moment);

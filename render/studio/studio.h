@@ -33,7 +33,7 @@ void keepInSight(Motif& motif, const Poses& poses);
 class Stage {
  public:
   /// Throws InputError when the look asks for what the motif lacks.
-  Stage(const Look& look, Motif motif, double aspect);
+  Stage(const Look& look, Motif motif, FrameSize size);
   Stage(const Stage&) = delete;
   Stage& operator=(const Stage&) = delete;
 

@@ -26,33 +26,38 @@ std::string errorOf(const std::function<void()>& action) {
 
 TEST(Stage, DrawsTheGroundOnlyWhenThereIsOneOrItIsAskedFor) {
   const Ground ground{-1, 0.5};
-  EXPECT_FALSE(Stage({}, tessellationMotif(), 1).style().plate.has_value());
-  EXPECT_EQ(Stage({}, tessellationMotif(ground), 1).style().plate->height, -1);
+  EXPECT_FALSE(Stage({}, tessellationMotif(), {300, 300}).style().plate.has_value());
+  EXPECT_EQ(Stage({}, tessellationMotif(ground), {300, 300}).style().plate->height, -1);
   Look look;
   look.ground = GroundLook::None;
-  EXPECT_FALSE(Stage(look, tessellationMotif(ground), 1).style().plate.has_value());
+  EXPECT_FALSE(Stage(look, tessellationMotif(ground), {300, 300}).style().plate.has_value());
   look.ground = GroundLook::Shadow;
-  const Stage stage(look, tessellationMotif(), 1);
+  const Stage stage(look, tessellationMotif(), {300, 300});
   EXPECT_FALSE(stage.style().plate->visible);
   EXPECT_EQ(stage.style().plate->height, 0);  // the tiles' own height
+}
+
+TEST(Stage, KeepsLinesTwoPixelsWideInSmallPictures) {
+  EXPECT_EQ(Stage({}, tessellationMotif(), {160, 100}).style().edgeWidth, 0.02);
+  EXPECT_EQ(Stage({}, tessellationMotif(), {2000, 2000}).style().edgeWidth, Style().edgeWidth);
 }
 
 TEST(Stage, SharesOneScaleOnlyInAStillParallelView) {
   Look look;
   look.camera.view = kTopView;
-  EXPECT_GT(Stage(look, tessellationMotif(), 1).sharedHeight().value(), 4);
+  EXPECT_GT(Stage(look, tessellationMotif(), {300, 300}).sharedHeight().value(), 4);
   look.camera.orthographic = false;
-  EXPECT_FALSE(Stage(look, tessellationMotif(), 1).sharedHeight().has_value());
+  EXPECT_FALSE(Stage(look, tessellationMotif(), {300, 300}).sharedHeight().has_value());
   look.camera.orthographic = true;
   look.camera.orbit = 1;
-  EXPECT_FALSE(Stage(look, tessellationMotif(), 1).sharedHeight().has_value());
+  EXPECT_FALSE(Stage(look, tessellationMotif(), {300, 300}).sharedHeight().has_value());
 }
 
 TEST(Stage, MarksJointsAndDrawsTheTargetOnRequest) {
   Look look;
   look.jointMarks = true;
   look.targetLines = true;
-  const Stage stage(look, tessellationMotif(), 1);
+  const Stage stage(look, tessellationMotif(), {300, 300});
   const Shot shot = stage.shot({0, stage.motif().start, {}});
   EXPECT_EQ(shot.marks.size(), 48U);  // 24 joints on both faces
   EXPECT_EQ(shot.overlay.size(), 16U);
@@ -66,7 +71,7 @@ TEST(Stage, RefusesACameraWithinABrick) {
   BrickRule rule;
   rule.thickness = 1;
   const Stage stage(look, makeMotif({"", {makeTessellation({}).tiles[0]}, {}, {}, {}}, rule, {}),
-                    1);
+                    {300, 300});
   EXPECT_EQ(errorOf([&] {
               stage.camera({0.25, stage.motif().start, {}});
             }),
@@ -79,7 +84,9 @@ TEST(Stage, RefusesLinesOfATargetThatIsNotThere) {
   look.targetLines = true;
   Motif motif = tessellationMotif();
   motif.target.reset();
-  EXPECT_EQ(errorOf([&] { Stage(look, motif, 1); }),
+  EXPECT_EQ(errorOf([&] {
+              Stage(look, motif, {300, 300});
+            }),
             "error: the model has no target to draw; leave --target-lines away or add target.txt");
 }
 

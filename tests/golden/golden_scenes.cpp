@@ -1,0 +1,147 @@
+#include "tests/golden/golden_scenes.h"
+
+#include <cmath>
+
+#include "sim/model/tessellation.h"
+#include "tests/render/picture/sample_bricks.h"
+
+namespace kirireel::test {
+namespace {
+
+BrickRule thick(double thickness) {
+  BrickRule rule;
+  rule.thickness = thickness;
+  return rule;
+}
+
+/// Rotates bricks about z as the exact motion of a tessellation does.
+GoldenScene openingScene(const std::string& name, const TessellationShape& shape, double angle) {
+  const BrickRule rule = thick(0.15);
+  GoldenScene scene{name, makeMotif(makeTessellation(shape), rule, std::nullopt), {}};
+  const std::vector<Tile> tiles = tessellationTiles(shape, angle);
+  scene.poses = startPoses(tiles, makeBricks(tiles, rule));
+  for (std::size_t k = 0; k < scene.poses.size(); ++k) {
+    // How far the tile's first side has turned since the start.
+    const Vector3 now = tiles[k].vertices[1] - tiles[k].vertices[0];
+    const Vector3 start = scene.motif.bricks[k].bottom[1] - scene.motif.bricks[k].bottom[0];
+    const double turn = std::atan2(now.y(), now.x()) - std::atan2(start.y(), start.x());
+    scene.poses[k].rotation = rotationFromVector(Vector3(0, 0, turn));
+  }
+  keepInSight(scene.motif, scene.poses);
+  return scene;
+}
+
+/// Bricks that started flat and are on their way to a target farther out.
+GoldenScene brickScene(const std::string& name, const SampleBricks& sample, const Poses& start) {
+  GoldenScene scene{name, {}, sample.poses};
+  scene.motif.bricks = sample.bricks;
+  scene.motif.start = start;
+  for (int k = 0; k + 1 < static_cast<int>(sample.bricks.size()); ++k) {
+    scene.motif.pivots.push_back(
+        {k, k + 1, sample.bricks[k].top[2], sample.bricks[k + 1].top[0], k});
+  }
+  Poses target = sample.poses;
+  for (Pose& pose : target) pose.position *= 1.15;
+  scene.motif.target = bottomTiles(sample.bricks, target);
+  keepInSight(scene.motif, sample.poses);
+  return scene;
+}
+
+/// Bricks turned all ways at these shares of their distances.
+GoldenScene turnedScene(const std::string& name, double share) {
+  SampleBricks sample = tumbledBricks();
+  for (Pose& pose : sample.poses) pose.position *= share;
+  Poses start = sample.poses;
+  for (Pose& pose : start) pose.rotation = Quaternion::Identity();
+  return brickScene(name, sample, start);
+}
+
+/// A sheet of 8 x 6 squares whose bricks lie on a surface given by where each stands and how it is
+/// turned.
+template <typename Surface>
+GoldenScene bentScene(const std::string& name, const Surface& surface) {
+  std::vector<Tile> tiles;
+  for (int k = 0; k < 48; ++k) tiles.push_back(rectangleTile(k % 8 - 4, k / 8 - 3, 1, 1));
+  SampleBricks sample = sampleBricks(tiles, 0.12);
+  const Poses flat = sample.poses;
+  for (Pose& pose : sample.poses) pose = surface(pose.position.x(), pose.position.y());
+  return brickScene(name, sample, flat);
+}
+
+Pose onCylinder(double x, double y) {
+  const Quaternion turn = rotationFromVector(Vector3(0, x / 3, 0));
+  return {turn * Vector3(0, 0, 3) + Vector3(0, y, 0), turn};
+}
+
+Pose onCap(double x, double y) {
+  const Quaternion turn = rotationFromVector(Vector3(-y / 5, x / 5, 0));
+  return {turn * Vector3(0, 0, 5), turn};
+}
+
+Look coloured(Colouring colouring, ColourMap map = ColourMap::Viridis) {
+  Look look;
+  look.colouring = colouring;
+  look.map = map;
+  return look;
+}
+
+Look seen(const ViewAngles& view, std::optional<bool> orthographic = std::nullopt) {
+  Look look;
+  look.camera.view = view;
+  look.camera.orthographic = orthographic;
+  return look;
+}
+
+/// A look with one field changed.
+template <typename Value>
+Look with(Value Look::*field, Value value) {
+  Look look;
+  look.*field = value;
+  return look;
+}
+
+}  // namespace
+
+std::vector<GoldenScene> goldenScenes() {
+  TessellationShape rectangles;
+  rectangles.columns = 6;
+  rectangles.rows = 4;
+  rectangles.length = 1.5;
+  rectangles.width = 0.8;
+  std::vector<GoldenScene> scenes;
+  scenes.push_back(openingScene("squares", {}, 0.7));
+  scenes.push_back(openingScene("rectangles", rectangles, 1.1));
+  scenes.push_back(turnedScene("turned", 1));
+  scenes.push_back(turnedScene("crossing", 0.5));
+  scenes.push_back(bentScene("cylinder", onCylinder));
+  scenes.push_back(bentScene("cap", onCap));
+  return scenes;
+}
+
+std::vector<GoldenLook> goldenLooks() {
+  Look moving;
+  moving.camera.orbit = 2;
+  moving.camera.zoom = 1.3;
+  return {{"plain", {}, {}},
+          {"dark", with(&Look::theme, Theme::Dark), {}},
+          {"transparent", with(&Look::transparent, true), {}},
+          {"plate", with(&Look::ground, GroundLook::Plate), {}},
+          {"shadow", with(&Look::ground, GroundLook::Shadow), {}},
+          {"without outlines", with(&Look::outlines, false), {}},
+          {"brick colour", with(&Look::brickColour, std::optional(Colour{190, 120, 150})), {}},
+          {"pinned", {}, {0, 5}},
+          {"joints", with(&Look::jointMarks, true), {}},
+          {"target lines", with(&Look::targetLines, true), {}},
+          {"shape", coloured(Colouring::Shape), {}},
+          {"state", coloured(Colouring::State), {}},
+          {"error", coloured(Colouring::TargetError), {}},
+          {"displacement", coloured(Colouring::Displacement, ColourMap::Cividis), {}},
+          {"rotation", coloured(Colouring::Rotation), {}},
+          {"gap", coloured(Colouring::JointGap), {}},
+          {"top", seen(kTopView), {}},
+          {"parallel", seen(kIsometricView, true), {}},
+          {"yaw and pitch", seen(viewFromYawPitch(0.9, -0.4)), {}},
+          {"orbit", moving, {}}};
+}
+
+}  // namespace kirireel::test

@@ -1,0 +1,32 @@
+/// Scenes and looks of the golden pictures.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "render/studio/studio.h"
+
+namespace kirireel::test {
+
+/// A state in the middle of a motion.
+struct GoldenScene {
+  std::string name;  ///< of its sheet in tests/golden
+  Motif motif;
+  Poses poses;
+};
+
+/// Squares and rectangles half open, bricks turned all ways, bricks that cross, a sheet bent to
+/// half a cylinder, and one bent to a cap.
+std::vector<GoldenScene> goldenScenes();
+
+/// One way to show a scene.
+struct GoldenLook {
+  std::string name;
+  Look look;
+  std::vector<int> pinned;
+};
+
+/// Every style that there is, each once.
+std::vector<GoldenLook> goldenLooks();
+
+}  // namespace kirireel::test
