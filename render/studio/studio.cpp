@@ -17,8 +17,9 @@ constexpr double kTextSize = 0.034;
 constexpr double kBarHeight = 0.05;
 constexpr int kSmallestText = 9;
 
-/// Width of lines in small pictures, pixels.
-constexpr double kThinnestLine = 2;
+/// Widths of lines in small pictures, pixels: between two flush tiles, and of lines laid over.
+constexpr double kThinnestEdge = 2;
+constexpr double kThinnestOverlay = 1.2;
 
 void append(std::vector<Vector3>& points, const std::vector<Vector3>& more) {
   points.insert(points.end(), more.begin(), more.end());
@@ -49,8 +50,8 @@ Style styleFor(const Look& look, const Motif& motif, FrameSize size) {
   }
   if (look.brickColour) style.brick = shadesOf(*look.brickColour);
   // Thinner lines would break up into dashes.
-  style.edgeWidth = look.outlines ? std::max(style.edgeWidth, kThinnestLine / size.height) : 0;
-  style.overlayWidth = std::max(style.overlayWidth, kThinnestLine / size.height);
+  style.edgeWidth = look.outlines ? std::max(style.edgeWidth, kThinnestEdge / size.height) : 0;
+  style.overlayWidth = std::max(style.overlayWidth, kThinnestOverlay / size.height);
   style.plate = plateFor(look, motif);
   return style;
 }
