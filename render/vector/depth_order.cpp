@@ -75,14 +75,17 @@ class Sorter {
 
   void sort(std::vector<Piece> pieces) {
     if (pieces.empty()) return;
-    const Plane plane = planeOf(pieces[bestSplitter(pieces)]);
+    const std::size_t splitter = bestSplitter(pieces);
+    const Plane plane = planeOf(pieces[splitter]);
     std::vector<Piece> back, on, front;
-    for (Piece& piece : pieces) {
-      const Sides sides = sidesOf(piece, plane);
+    for (std::size_t k = 0; k < pieces.size(); ++k) {
+      Piece& piece = pieces[k];
+      // Tiles need not be exactly flat: the splitter is on its own plane by definition, so that
+      // every step takes one piece away.
+      const Sides sides = k == splitter ? Sides{} : sidesOf(piece, plane);
       if (sides.front && sides.back) {
-        const Plane reverse{-plane.normal, -plane.offset, plane.tolerance};
-        back.push_back(frontPart(piece, reverse));
-        front.push_back(frontPart(piece, plane));
+        keep(frontPart(piece, {-plane.normal, -plane.offset, plane.tolerance}), back);
+        keep(frontPart(piece, plane), front);
       } else {
         (sides.front ? front : sides.back ? back : on).push_back(std::move(piece));
       }
@@ -96,6 +99,10 @@ class Sorter {
   std::vector<Piece> sorted;
 
  private:
+  static void keep(Piece piece, std::vector<Piece>& pieces) {
+    if (!piece.outer.corners.empty()) pieces.push_back(std::move(piece));
+  }
+
   Plane planeOf(const Piece& piece) const { return {piece.normal, piece.offset, tolerance_}; }
 
   std::size_t bestSplitter(const std::vector<Piece>& pieces) const {

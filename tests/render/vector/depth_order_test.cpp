@@ -88,6 +88,14 @@ TEST(DepthOrder, PaintsTheNearestLastOnEverySightLine) {
   }
 }
 
+TEST(DepthOrder, TakesTilesThatAreNotExactlyFlat) {
+  Tile bent = rectangleTile(0, 0, 1, 1);
+  bent.vertices[2].z() += 1e-4;
+  const SampleBricks sample = sampleBricks({bent, rectangleTile(1, 0, 1, 1)}, 1e-3);
+  const std::vector<Piece> pieces = piecesOf(sample, cameraOf(sample));
+  EXPECT_GE(farthestFirst(pieces).size(), pieces.size());
+}
+
 TEST(DepthOrder, CutsAwayWhatIsNearerThanTheCameraSees) {
   SampleBricks sample = sampleBricks({rectangleTile(0, -50, 1, 100)}, 0.1);
   Camera camera;
