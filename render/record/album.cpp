@@ -172,6 +172,13 @@ void writeFrames(Photographer& photographer, const Trajectory& trajectory,
 
 }  // namespace
 
+void requirePaintable(const Scene& scene, const RecordSettings& settings) {
+  if (!settings.snapshots && !settings.video && !settings.frames) return;
+  const Motif motif = makeMotif(scene.model, scene.brick, scene.environment.ground);
+  const Stage stage(settings.look, motif, settings.size);
+  if (settings.snapshots) gridStyle(stage, settings);
+}
+
 VideoSettings videoSettings(const RecordSettings& settings) {
   VideoSettings video;
   video.size = settings.size;

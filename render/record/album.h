@@ -6,6 +6,10 @@
 
 namespace kirireel {
 
+/// Throws InputError when the look or the grid asks for what the scene cannot give: seen from its
+/// start and target, before anything is deployed.
+void requirePaintable(const Scene& scene, const RecordSettings& settings);
+
 /// How the run's video is encoded.
 VideoSettings videoSettings(const RecordSettings& settings);
 

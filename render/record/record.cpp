@@ -102,6 +102,7 @@ RunSummary record(const Scene& scene, const RecordSettings& settings,
                   const ProgressObserver& observer) {
   const Stopwatch stopwatch;
   requireValidSettings(settings);
+  requirePaintable(scene, settings);
   prepareOutputFolder(settings.folder);
 
   DeploymentResult result = deployWatched(scene, settings, observer);

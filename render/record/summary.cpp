@@ -101,11 +101,45 @@ Json viewJson(const std::optional<ViewAngles>& view) {
   return {{"azimuth", view->azimuth}, {"elevation", view->elevation}};
 }
 
+const char* colouringWord(Colouring colouring) {
+  switch (colouring) {
+    case Colouring::Shape:
+      return "shape";
+    case Colouring::State:
+      return "state";
+    case Colouring::TargetError:
+      return "error";
+    case Colouring::Displacement:
+      return "displacement";
+    case Colouring::Rotation:
+      return "rotation";
+    case Colouring::JointGap:
+      return "gap";
+    case Colouring::Plain:
+      break;
+  }
+  return "plain";
+}
+
+Json lookJson(const Look& look) {
+  return {{"theme", look.theme == Theme::Dark ? "dark" : "light"},
+          {"colour", colouringWord(look.colouring)},
+          {"transparent", look.transparent},
+          {"outlines", look.outlines},
+          {"joint_marks", look.jointMarks},
+          {"target_lines", look.targetLines},
+          {"zoom", look.camera.zoom},
+          {"margin", look.camera.margin},
+          {"orbit", look.camera.orbit},
+          {"camera_keys", look.camera.keys.size()}};
+}
+
 Json pictureJson(const RecordSettings& settings) {
   return {{"width", settings.size.width},
           {"height", settings.size.height},
           {"frames_per_second", settings.framesPerSecond},
           {"view", viewJson(settings.look.camera.view)},
+          {"look", lookJson(settings.look)},
           {"grid_rows", settings.grid.rows},
           {"grid_columns", settings.grid.columns},
           {"snapshots", settings.spacing == SnapshotSpacing::Time ? "time" : "progress"}};

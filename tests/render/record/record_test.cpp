@@ -92,6 +92,26 @@ TEST_F(RecordTest, InterruptedWhilePaintingEndsTheVideoThere) {
   EXPECT_EQ(summary.videoFrames, 3);
 }
 
+TEST_F(RecordTest, RefusesALookThatTheSceneCannotGiveBeforeDeploying) {
+  settings_.look.camera.keys = {{1, {}, 1}, {0, {}, 1}};
+  int calls = 0;
+  EXPECT_THROW(record(tessellationScene(), settings_,
+                      [&calls](const Progress&) {
+                        ++calls;
+                        return true;
+                      }),
+               InputError);
+  EXPECT_EQ(calls, 0);
+}
+
+TEST_F(RecordTest, SaysInTheSummaryHowItLooks) {
+  settings_.look.colouring = Colouring::State;
+  settings_.video = settings_.meshes = false;
+  const RunSummary summary = record(tessellationScene(), settings_, proceed_);
+  EXPECT_THAT(summaryJson(tessellationScene(), settings_, summary),
+              HasSubstr("\"colour\": \"state\""));
+}
+
 TEST_F(RecordTest, DrawsEachSnapshotAsVectorsOnRequest) {
   settings_.svg = true;
   settings_.video = false;
