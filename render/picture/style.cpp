@@ -48,12 +48,12 @@ Colour faceColour(const Vector3& normal, Colour base, const Style& style) {
 }
 
 GroundPlate groundUnder(std::span<const Vector3> points, double height) {
-  Eigen::AlignedBox2d box;
-  for (const Vector3& point : points) box.extend(point.head<2>());
+  Eigen::AlignedBox3d box;
+  for (const Vector3& point : points) box.extend(point);
   GroundPlate plate;
   plate.height = height;
-  plate.centre = box.center();
-  plate.halfSize = 2.5 * box.sizes().maxCoeff();
+  plate.centre = box.center().head<2>();
+  plate.halfSize = 4 * box.diagonal().norm();
   return plate;
 }
 

@@ -72,7 +72,8 @@ Style darkStyle();
 /// on sRGB bytes as they are. Alpha is the base's. normal: unit, outward, world axes.
 Colour faceColour(const Vector3& normal, Colour base, const Style& style);
 
-/// A ground plate around points at the given height, five times as wide as what stands on it.
+/// A ground plate around points at the given height, so wide that its borders are out of sight
+/// except from near the ground.
 GroundPlate groundUnder(std::span<const Vector3> points, double height);
 
 }  // namespace kirireel

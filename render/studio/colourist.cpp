@@ -86,11 +86,6 @@ const char* titleOf(Colouring colouring) {
   }
 }
 
-bool isMeasure(Colouring colouring) {
-  return colouring != Colouring::Plain && colouring != Colouring::Shape &&
-         colouring != Colouring::State;
-}
-
 /// One colour on both faces, so that it means the same from both sides.
 BrickColours evenShades(Colour colour) {
   BrickColours shades = shadesOf(colour);
@@ -110,6 +105,11 @@ double diagonal(const std::vector<Vector3>& points) {
 }
 
 }  // namespace
+
+bool isMeasure(Colouring colouring) {
+  return colouring != Colouring::Plain && colouring != Colouring::Shape &&
+         colouring != Colouring::State;
+}
 
 std::vector<int> shapeKinds(const std::vector<Brick>& bricks) {
   std::vector<std::vector<double>> signatures;

@@ -23,6 +23,9 @@ struct Motif {
   double endTime = 0;                       ///< simulated seconds at the end of the run
 };
 
+/// Whether the colours stand for values.
+bool isMeasure(Colouring colouring);
+
 /// Numbers the shapes of tiles: congruent tiles (mirror images too) have one number, from 0 in
 /// order of appearance. More than seven shapes are numbered by their count of corners instead.
 std::vector<int> shapeKinds(const std::vector<Brick>& bricks);

@@ -17,6 +17,11 @@ constexpr double kTextSize = 0.034;
 constexpr double kBarHeight = 0.05;
 constexpr int kSmallestText = 9;
 
+/// Light where colours stand for values: brightness of a face in the dark, and the part of the
+/// usual lights that is left.
+constexpr double kMeasureAmbient = 0.84;
+constexpr double kMeasureShade = 0.38;
+
 /// Widths of lines in small pictures, pixels: between two flush tiles, and of lines laid over.
 constexpr double kThinnestEdge = 2;
 constexpr double kThinnestOverlay = 1.2;
@@ -52,6 +57,12 @@ Style styleFor(const Look& look, const Motif& motif, FrameSize size) {
   // Thinner lines would break up into dashes.
   style.edgeWidth = look.outlines ? std::max(style.edgeWidth, kThinnestEdge / size.height) : 0;
   style.overlayWidth = std::max(style.overlayWidth, kThinnestOverlay / size.height);
+  if (isMeasure(look.colouring)) {
+    // Hardly any shade, so that colours can be read off the scale from every face.
+    style.ambient = kMeasureAmbient;
+    style.key.strength *= kMeasureShade;
+    style.fill.strength *= kMeasureShade;
+  }
   style.plate = plateFor(look, motif);
   return style;
 }
