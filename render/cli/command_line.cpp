@@ -94,12 +94,14 @@ int carryOut(const PrintOrder& order) {
 Order parseCommandLine(const std::vector<std::string>& arguments) {
   RecordOrder record;
   RecordOrder simulate;
+  RenderOrder render;
   GenerateOrder generate;
   CLI::App program("Records kirigami deployments off screen.", "kirireel");
   program.allow_extras();
   program.set_version_flag("--version", versionText());
   const CLI::App* recordCommand = addRecordCommand(program, record);
   const CLI::App* simulateCommand = addSimulateCommand(program, simulate);
+  const CLI::App* renderCommand = addRenderCommand(program, render);
   const CLI::App* generateCommand = addGenerateCommand(program, generate);
   program.footer("kirireel COMMAND --help explains a command.");
 
@@ -112,6 +114,10 @@ Order parseCommandLine(const std::vector<std::string>& arguments) {
   if (simulateCommand->parsed()) {
     requireGiven(simulate.model, "MODEL", *simulateCommand);
     return simulate;
+  }
+  if (renderCommand->parsed()) {
+    requireGiven(render.trajectory, "TRAJECTORY", *renderCommand);
+    return render;
   }
   if (generateCommand->parsed()) {
     requireFamily(*generateCommand);

@@ -7,6 +7,7 @@
 
 #include "render/cli/generate_command.h"
 #include "render/cli/record_command.h"
+#include "render/cli/render_command.h"
 
 namespace kirireel {
 
@@ -19,7 +20,7 @@ struct PrintOrder {
 int carryOut(const PrintOrder& order);
 
 /// One of the things that kirireel does.
-using Order = std::variant<RecordOrder, GenerateOrder, PrintOrder>;
+using Order = std::variant<RecordOrder, RenderOrder, GenerateOrder, PrintOrder>;
 
 /// Reads the arguments that follow the program's name. Throws InputError for an unknown option
 /// (suggesting the nearest), a value out of range, a missing or surplus argument.

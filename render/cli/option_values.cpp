@@ -99,6 +99,20 @@ CaptionParts parseCaption(const OptionValue& value) {
   return parts;
 }
 
+std::vector<FrameChoice> parseFrameChoices(const OptionValue& value) {
+  std::vector<FrameChoice> choices;
+  for (const std::string_view text : split(value.text, ',')) {
+    const bool isShare = text.ends_with('%');
+    const OptionValue number{value.name, std::string(text.substr(0, text.size() - isShare))};
+    if (isShare) {
+      choices.push_back({parseNumber(number, {0, 100}) / 100, FrameChoice::Unit::Share});
+    } else {
+      choices.push_back({parseNumber(number, {0, 1e6}), FrameChoice::Unit::Seconds});
+    }
+  }
+  return choices;
+}
+
 InputError valueError(const OptionValue& value, const std::string& wanted) {
   return InputError(
       fmt::format("error: {}: '{}' is not allowed; give {}", value.name, value.text, wanted));

@@ -8,6 +8,7 @@
 #include "render/cli/picture_options.h"
 #include "render/cli/report.h"
 #include "render/cli/run_options.h"
+#include "render/cli/video_options.h"
 #include "render/record/summary.h"
 #include "sim/model/alignment.h"
 #include "sim/model/folder.h"
@@ -77,6 +78,10 @@ CLI::App* addRecordCommand(CLI::App& program, RecordOrder& order) {
       program.add_subcommand("record", "deploy a model; leave video, pictures, meshes, summary");
   addRunOptions(*command, order);
   addPictureOptions(*command, order.settings);
+  addVideoOptions(*command, order.settings);
+  OptionGroup(*command, "Output").flag("--no-meshes", "no OBJ and PLY files", [&order] {
+    order.settings.meshes = false;
+  });
   command->footer(
       fmt::format("Examples:\n"
                   "  kirireel record data/tessellation_4x4\n"

@@ -15,7 +15,8 @@ namespace fs = std::filesystem;
 
 bool isRunFile(const fs::path& file) {
   static const std::regex names(
-      "deployment\\.mp4|snapshots\\.png|snapshot_[0-9]+\\.svg|(initial|final)\\.(obj|mtl|ply)|"
+      "deployment\\.(mp4|webm|gif|apng|mkv)|snapshots\\.png|snapshot_[0-9]+\\.svg|(initial|final)"
+      "\\.(obj|mtl|ply)|"
       "final_vertices\\.txt|trajectory\\.h5|summary\\.json");
   return std::regex_match(file.filename().string(), names);
 }

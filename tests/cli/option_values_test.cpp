@@ -133,5 +133,14 @@ TEST(OptionCaption, NamesParts) {
             "time,error");
 }
 
+TEST(OptionValues, FrameChoicesAreSecondsOrShares) {
+  using Unit = FrameChoice::Unit;
+  EXPECT_EQ(
+      parseFrameChoices({"--frames-at", "0,1.5,50%"}),
+      (std::vector<FrameChoice>{{0, Unit::Seconds}, {1.5, Unit::Seconds}, {0.5, Unit::Share}}));
+  EXPECT_THROW(parseFrameChoices({"--frames-at", "120%"}), InputError);
+  EXPECT_THROW(parseFrameChoices({"--frames-at", "soon"}), InputError);
+}
+
 }  // namespace
 }  // namespace kirireel
