@@ -154,6 +154,16 @@ void removeStale(const fs::path& file) {
                   file.string(), error.message()));
 }
 
+void requirePivots(const Model& model, const fs::path& folder) {
+  for (const Joint& joint : model.joints) {
+    if (joint.kind == JointKind::Pivot) continue;
+    throw InputError(fmt::format(
+        "{}: error: constraints.txt holds joints at corners, not the link between tiles "
+        "{} and {}; convert to a .fold file",
+        folder.string(), joint.a.tile, joint.b.tile));
+  }
+}
+
 std::string jointText(const std::vector<Joint>& joints) {
   if (joints.empty()) return "# no joints\n";
   std::string text;
@@ -170,6 +180,7 @@ Model readModelFolder(const fs::path& folder, std::vector<std::string>& warnings
   requireFolder(folder);
   const TileTable tiles = readTiles(folder / "vertices.txt");
   checkTiles(tiles);
+  checkOrientation(tiles, warnings);
   Model model;
   model.name = folderName(folder);
   model.tiles = tiles.tiles;
@@ -190,6 +201,7 @@ Model readModelFolder(const fs::path& folder, std::vector<std::string>& warnings
 }
 
 void writeModelFolder(const Model& model, const fs::path& folder) {
+  requirePivots(model, folder);
   makeFolder(folder);
   writeTiles(model.tiles, folder / "vertices.txt");
   writeTextFile(folder / "constraints.txt", jointText(model.joints));

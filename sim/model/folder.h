@@ -23,7 +23,7 @@ Model readModelFolder(const std::filesystem::path& folder, std::vector<std::stri
 
 /// Writes the model as such a folder, numbers so that reading gives the same doubles. The folder is
 /// made if need be; a target.txt or pull.txt in it that the model lacks is removed. Throws
-/// OutputError.
+/// InputError for a model with links or fixed joints, OutputError when writing fails.
 void writeModelFolder(const Model& model, const std::filesystem::path& folder);
 
 /// Writes tiles alone in the format of vertices.txt, so that a run's end can be another's target.
