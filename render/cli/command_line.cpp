@@ -96,6 +96,8 @@ Order parseCommandLine(const std::vector<std::string>& arguments) {
   RecordOrder simulate;
   RenderOrder render;
   GenerateOrder generate;
+  InspectOrder inspect;
+  ConvertOrder convert;
   CLI::App program("Records kirigami deployments off screen.", "kirireel");
   program.allow_extras();
   program.set_version_flag("--version", versionText());
@@ -103,6 +105,8 @@ Order parseCommandLine(const std::vector<std::string>& arguments) {
   const CLI::App* simulateCommand = addSimulateCommand(program, simulate);
   const CLI::App* renderCommand = addRenderCommand(program, render);
   const CLI::App* generateCommand = addGenerateCommand(program, generate);
+  const CLI::App* inspectCommand = addInspectCommand(program, inspect);
+  const CLI::App* convertCommand = addConvertCommand(program, convert);
   program.footer("kirireel COMMAND --help explains a command.");
 
   if (const std::optional<PrintOrder> page = parseInto(program, arguments)) return *page;
@@ -118,6 +122,15 @@ Order parseCommandLine(const std::vector<std::string>& arguments) {
   if (renderCommand->parsed()) {
     requireGiven(render.trajectory, "TRAJECTORY", *renderCommand);
     return render;
+  }
+  if (inspectCommand->parsed()) {
+    requireGiven(inspect.model, "MODEL", *inspectCommand);
+    return inspect;
+  }
+  if (convertCommand->parsed()) {
+    requireGiven(convert.input, "IN", *convertCommand);
+    requireGiven(convert.output, "OUT", *convertCommand);
+    return convert;
   }
   if (generateCommand->parsed()) {
     requireFamily(*generateCommand);

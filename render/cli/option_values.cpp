@@ -168,6 +168,17 @@ Vector3 parseGravity(const OptionValue& value) {
   throw valueError(value, "one number (along z) or three as X,Y,Z, in m/s^2, as in 0,0,-9.81");
 }
 
+std::vector<int> parseTiles(const OptionValue& value) {
+  std::vector<int> tiles;
+  if (value.text == "all") return tiles;
+  for (const std::string_view part : split(value.text, ',')) {
+    const std::optional<int> number = readWhole<int>(part);
+    if (!number || *number < 0) throw valueError(value, "all, or numbers of tiles, as in 3,7,8");
+    tiles.push_back(*number);
+  }
+  return tiles;
+}
+
 std::string listWords(const std::vector<std::string>& words) {
   std::string list;
   for (std::size_t i = 0; i < words.size(); ++i) {

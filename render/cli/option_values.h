@@ -57,6 +57,9 @@ std::vector<CameraKey> parseCameraKeys(const OptionValue& value);
 /// "time,error": parts of a caption, or "none".
 CaptionParts parseCaption(const OptionValue& value);
 
+/// "all" or numbers of tiles, e.g. "3,7,8"; empty for all.
+std::vector<int> parseTiles(const OptionValue& value);
+
 /// The error of a value that is not allowed: "--NAME: 'TEXT' is not allowed; give WANTED".
 InputError valueError(const OptionValue& value, const std::string& wanted);
 

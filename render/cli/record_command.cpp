@@ -4,6 +4,7 @@
 
 #include "render/cli/exit_codes.h"
 #include "render/cli/interrupt.h"
+#include "render/cli/model_place.h"
 #include "render/cli/option_group.h"
 #include "render/cli/picture_options.h"
 #include "render/cli/report.h"
@@ -11,7 +12,7 @@
 #include "render/cli/video_options.h"
 #include "render/record/summary.h"
 #include "sim/model/alignment.h"
-#include "sim/model/folder.h"
+#include "sim/model/split_tiles.h"
 
 namespace kirireel {
 namespace {
@@ -23,24 +24,27 @@ void addFolderOptions(CLI::App& command, RecordOrder& order) {
   group.flag("--json", "print the summary as JSON", [&order] { order.printJson = true; });
 }
 
-void addFaceOptions(CLI::App& command, RecordOrder& order) {
-  OptionGroup group(command, "Joints");
+void addModelOptions(CLI::App& command, RecordOrder& order) {
+  OptionGroup group(command, "Model");
+  addTargetOption(group, order.target);
   group.choice<std::optional<FaceRule>>(
       "--faces", order.faces,
       {{"model", std::nullopt}, {"fold", FaceRule::Fold}, {"pykirigami", FaceRule::PyKirigami}},
       "face of each joint, the model's or by the target's folds");
   group.flag("--auto-detect-connections", "the same as --faces pykirigami",
              [&order] { order.faces = FaceRule::PyKirigami; });
+  group.value("--split-tiles", "LIST", "none",
+              "tiles that bend, as hinged triangles: all, or 3,7,8",
+              [&order](const OptionValue& typed) { order.splitTiles = parseTiles(typed); });
 }
 
 void addRunOptions(CLI::App& command, RecordOrder& order) {
-  addPlace(command, "MODEL", order.model,
-           "folder with vertices.txt, constraints.txt and optionally target.txt, pull.txt");
+  addPlace(command, "MODEL", order.model, kModelHelp);
   addFolderOptions(command, order);
   OptionGroup(command, "Output")
       .integer("--fps", order.settings.framesPerSecond, {1, 240}, "COUNT",
                "frames, and samples, a simulated second");
-  addFaceOptions(command, order);
+  addModelOptions(command, order);
   addSceneOptions(command, order.scene);
 }
 
@@ -50,21 +54,11 @@ constexpr const char* kPeerNote =
     "--no_collision (the same as --contacts unjoined), -ss, -fd, -bt, -gp, -gf. --headless is\n"
     "accepted and does nothing: no window is ever opened.";
 
-/// A model named as it stands in data/, as PyKirigami's users do, is found there.
-std::filesystem::path findModel(const std::filesystem::path& named) {
-  const std::filesystem::path inData = "data" / named;
-  const bool onlyInData = !std::filesystem::exists(named) && std::filesystem::exists(inData);
-  return onlyInData ? inData : named;
-}
-
-Model readModel(const std::filesystem::path& folder) {
-  std::vector<std::string> warnings;
-  Model model = readModelFolder(folder, warnings);
-  for (const std::string& warning : warnings) {
-    fmt::print(stderr, "kirireel: {}\n", warning);
-  }
+Model readModel(const RecordOrder& order) {
+  Model model = readModelAt(order.model, order.target);
   alignStartToTarget(model);
-  return model;
+  if (order.faces) chooseJointFaces(model, *order.faces);
+  return order.splitTiles ? splitTiles(model, *order.splitTiles) : model;
 }
 
 int exitCode(Outcome outcome) {
@@ -107,8 +101,7 @@ CLI::App* addSimulateCommand(CLI::App& program, RecordOrder& order) {
 int carryOut(const RecordOrder& order) {
   noteSignals();
   Scene scene = order.scene;
-  scene.model = readModel(findModel(order.model));
-  if (order.faces) chooseJointFaces(scene.model, *order.faces);
+  scene.model = readModel(order);
   if (scene.environment.ground) scene.environment.ground->height = lowestPoint(scene);
   RecordSettings settings = order.settings;
   if (settings.folder.empty()) settings.folder = std::filesystem::path("out") / scene.model.name;

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <vector>
 
 #include "render/record/record.h"
 #include "sim/model/face_choice.h"
@@ -17,7 +18,9 @@ namespace kirireel {
 /// What is to be deployed, and what it leaves.
 struct RecordOrder {
   std::filesystem::path model;
+  std::filesystem::path target;   ///< another model whose start is the target; empty for none
   std::optional<FaceRule> faces;  ///< how joints' faces are chosen; absent: as the model has them
+  std::optional<std::vector<int>> splitTiles;  ///< tiles that bend, all when empty; absent: none
   Scene scene;              ///< everything but the model; the ground's height is not known yet
   RecordSettings settings;  ///< the folder is empty when --out was not given
   bool printJson = false;   ///< the summary on standard output as JSON

@@ -222,6 +222,22 @@ TEST(CommandLine, GeneratesFamilies) {
   EXPECT_FALSE(cap.face);
 }
 
+TEST(CommandLine, InspectsAndConverts) {
+  const InspectOrder inspect = std::get<InspectOrder>(
+      parseCommandLine({"inspect", "fan", "--json", "--picture", "a.png", "--thickness", "0.1"}));
+  EXPECT_EQ(inspect.model, "fan");
+  EXPECT_EQ(inspect.picture, "a.png");
+  EXPECT_TRUE(inspect.printJson);
+  EXPECT_EQ(inspect.scene.brick.thickness, 0.1);
+  const ConvertOrder convert =
+      std::get<ConvertOrder>(parseCommandLine({"convert", "fan", "fan.fold", "--target", "open"}));
+  EXPECT_EQ(convert.input, "fan");
+  EXPECT_EQ(convert.output, "fan.fold");
+  EXPECT_EQ(convert.target, "open");
+  EXPECT_EQ(messageOf({"convert", "fan"}),
+            "error: OUT is missing, as in kirireel convert OUT; see kirireel convert --help");
+}
+
 TEST(CommandLine, ChoosesFacesOfJoints) {
   const auto facesOf = [](std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), {"record", "fan"});
@@ -251,9 +267,9 @@ TEST(CommandLine, UnknownCommandSuggestsTheNearest) {
 }
 
 TEST(CommandLine, MissingAndSurplusArgumentsAreErrors) {
-  EXPECT_EQ(
-      messageOf({}),
-      "error: no command given; choose record, simulate, render or generate, see kirireel --help");
+  EXPECT_EQ(messageOf({}),
+            "error: no command given; choose record, simulate, render, generate, inspect or convert, see "
+            "kirireel --help");
   EXPECT_EQ(messageOf({"record"}),
             "error: MODEL is missing, as in kirireel record MODEL; see kirireel record --help");
   EXPECT_EQ(messageOf({"generate", "tessellation"}),

@@ -37,6 +37,16 @@ TEST(OptionNumber, RefusesEverythingElse) {
   }
 }
 
+TEST(OptionTiles, AreNumbersOrAll) {
+  EXPECT_TRUE(parseTiles({"--split-tiles", "all"}).empty());
+  EXPECT_EQ(parseTiles({"--split-tiles", "3,7,8"}), (std::vector<int>{3, 7, 8}));
+  EXPECT_EQ(
+      messageOf([] {
+        parseTiles({"--split-tiles", "3,x"});
+      }),
+      "error: --split-tiles: '3,x' is not allowed; give all, or numbers of tiles, as in 3,7,8");
+}
+
 TEST(OptionNumber, SaysWhatIsAllowed) {
   const double most = Range().most;
   EXPECT_EQ(messageOf([&] {
