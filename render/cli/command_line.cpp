@@ -9,8 +9,8 @@
 #include "render/cli/exit_codes.h"
 #include "render/cli/option_group.h"
 #include "render/cli/peer_spellings.h"
-#include "render/cli/spelling.h"
 #include "render/record/versions.h"
+#include "sim/base/spelling.h"
 
 namespace kirireel {
 namespace {
@@ -101,8 +101,8 @@ Order parseCommandLine(const std::vector<std::string>& arguments) {
   CLI::App program("Records kirigami deployments off screen.", "kirireel");
   program.allow_extras();
   program.set_version_flag("--version", versionText());
-  const CLI::App* recordCommand = addRecordCommand(program, record);
-  const CLI::App* simulateCommand = addSimulateCommand(program, simulate);
+  CLI::App* recordCommand = addRecordCommand(program, record);
+  CLI::App* simulateCommand = addSimulateCommand(program, simulate);
   const CLI::App* renderCommand = addRenderCommand(program, render);
   const CLI::App* generateCommand = addGenerateCommand(program, generate);
   const CLI::App* inspectCommand = addInspectCommand(program, inspect);
@@ -112,11 +112,11 @@ Order parseCommandLine(const std::vector<std::string>& arguments) {
   if (const std::optional<PrintOrder> page = parseInto(program, arguments)) return *page;
   requireNothingLeft(program);
   if (recordCommand->parsed()) {
-    requireGiven(record.model, "MODEL", *recordCommand);
+    completeOrder(*recordCommand, record);
     return record;
   }
   if (simulateCommand->parsed()) {
-    requireGiven(simulate.model, "MODEL", *simulateCommand);
+    completeOrder(*simulateCommand, simulate);
     return simulate;
   }
   if (renderCommand->parsed()) {

@@ -5,15 +5,12 @@
 #include "sim/model/read_model.h"
 
 namespace kirireel {
-namespace {
 
 std::filesystem::path findModel(const std::filesystem::path& named) {
   const std::filesystem::path inData = "data" / named;
   const bool onlyInData = !std::filesystem::exists(named) && std::filesystem::exists(inData);
   return onlyInData ? inData : named;
 }
-
-}  // namespace
 
 void addTargetOption(OptionGroup& group, std::filesystem::path& target) {
   group.value("--target", "MODEL", "the model's own", "another model whose start is the target",

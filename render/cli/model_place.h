@@ -15,6 +15,9 @@ inline constexpr const char* kModelHelp =
 /// Adds --target.
 void addTargetOption(OptionGroup& group, std::filesystem::path& target);
 
+/// Where a model stands: as named, or in data/ when it stands only there.
+std::filesystem::path findModel(const std::filesystem::path& named);
+
 /// Reads the model, in data/ too when it stands only there, as PyKirigami's users name theirs.
 /// Warnings go to standard error. Throws InputError.
 Model readModelAt(const std::filesystem::path& place, const std::filesystem::path& target);

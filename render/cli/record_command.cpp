@@ -11,7 +11,7 @@
 #include "render/cli/run_options.h"
 #include "render/cli/video_options.h"
 #include "render/record/summary.h"
-#include "sim/model/alignment.h"
+#include "sim/base/error.h"
 #include "sim/model/split_tiles.h"
 
 namespace kirireel {
@@ -26,7 +26,6 @@ void addFolderOptions(CLI::App& command, RecordOrder& order) {
 
 void addModelOptions(CLI::App& command, RecordOrder& order) {
   OptionGroup group(command, "Model");
-  addTargetOption(group, order.target);
   group.choice<std::optional<FaceRule>>(
       "--faces", order.faces,
       {{"model", std::nullopt}, {"fold", FaceRule::Fold}, {"pykirigami", FaceRule::PyKirigami}},
@@ -45,6 +44,7 @@ void addRunOptions(CLI::App& command, RecordOrder& order) {
       .integer("--fps", order.settings.framesPerSecond, {1, 240}, "COUNT",
                "frames, and samples, a simulated second");
   addModelOptions(command, order);
+  addSceneRequestOptions(command, order.request);
   addSceneOptions(command, order.scene);
 }
 
@@ -54,11 +54,27 @@ constexpr const char* kPeerNote =
     "--no_collision (the same as --contacts unjoined), -ss, -fd, -bt, -gp, -gf. --headless is\n"
     "accepted and does nothing: no window is ever opened.";
 
-Model readModel(const RecordOrder& order) {
-  Model model = readModelAt(order.model, order.target);
-  alignStartToTarget(model);
-  if (order.faces) chooseJointFaces(model, *order.faces);
-  return order.splitTiles ? splitTiles(model, *order.splitTiles) : model;
+/// Pins and timelines name tiles, which splitting would give other numbers.
+void requireTilesKeepNumbers(const Scene& scene) {
+  if (scene.timeline.empty()) return;
+  throw InputError(
+      "error: --split-tiles gives tiles other numbers than pins, chains of targets and timelines "
+      "name; leave one of them out");
+}
+
+Scene readScene(const RecordOrder& order) {
+  std::vector<std::string> warnings;
+  Scene scene = order.scene;
+  scene.model = readModelAt(order.model, {});
+  completeScene(order.request.parts, scene, warnings);
+  if (order.faces) chooseJointFaces(scene.model, *order.faces);
+  if (order.splitTiles) {
+    requireTilesKeepNumbers(scene);
+    scene.model = splitTiles(scene.model, *order.splitTiles);
+  }
+  if (scene.environment.ground) scene.environment.ground->height = lowestPoint(scene);
+  for (const std::string& warning : warnings) fmt::print(stderr, "kirireel: {}\n", warning);
+  return scene;
 }
 
 int exitCode(Outcome outcome) {
@@ -98,11 +114,14 @@ CLI::App* addSimulateCommand(CLI::App& program, RecordOrder& order) {
   return command;
 }
 
+void completeOrder(CLI::App& command, RecordOrder& order) {
+  requireGiven(order.model, "MODEL", command);
+  readSceneFileOf(command, findModel(order.model), order.request, order.scene);
+}
+
 int carryOut(const RecordOrder& order) {
   noteSignals();
-  Scene scene = order.scene;
-  scene.model = readModel(order);
-  if (scene.environment.ground) scene.environment.ground->height = lowestPoint(scene);
+  const Scene scene = readScene(order);
   RecordSettings settings = order.settings;
   if (settings.folder.empty()) settings.folder = std::filesystem::path("out") / scene.model.name;
 

@@ -69,6 +69,15 @@ Model readModel(const fs::path& path, const std::optional<fs::path>& target,
   return model;
 }
 
+std::vector<Tile> readTarget(const fs::path& path, const Model& model,
+                             std::vector<std::string>& warnings) {
+  if (endingOf(path) == ".txt") return readTargetFile(path, model, warnings);
+  std::vector<std::string> ignored;
+  Model other = readModel(path, std::nullopt, ignored);
+  requireSameTiles(model, other, path);
+  return std::move(other.tiles);
+}
+
 void writeModel(const Model& model, const fs::path& path) {
   const std::string ending = endingOf(path);
   if (ending == ".fold") return writeFold(model, path);

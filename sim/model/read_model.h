@@ -21,6 +21,12 @@ Model readModel(const std::filesystem::path& path,
                 const std::optional<std::filesystem::path>& target,
                 std::vector<std::string>& warnings);
 
+/// Reads another target for a model: a .txt file in the format of target.txt (a run's
+/// final_vertices.txt is one), or the start of another model in any format. Throws InputError when
+/// its tiles are not the model's.
+std::vector<Tile> readTarget(const std::filesystem::path& path, const Model& model,
+                             std::vector<std::string>& warnings);
+
 /// Writes the model in the format of the path's ending: .fold, .obj (a target goes to its
 /// NAME_deployed.obj sibling), or none for a folder. Throws InputError for another ending,
 /// OutputError when writing fails.
