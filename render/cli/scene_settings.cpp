@@ -16,17 +16,13 @@ namespace {
 /// The table of each group of options that a scene file may set.
 const std::map<std::string, std::string>& tables() {
   static const std::map<std::string, std::string> names = {
-      {"Model", "model"},
-      {"Bricks", "model"},
-      {"Actuation", "actuation"},
-      {"Environment", "environment"},
-      {"Solver", "solver"},
-      {"End of the run", "stop"},
-      {"Camera", "camera"},
-      {"Style", "style"},
-      {"Pictures", "recording"},
-      {"Recording", "recording"},
-      {"Springs to the target", "actuation"},
+      {"Model", "model"},        {"Bricks", "model"},
+      {"Joints", "model"},       {"Actuation", "actuation"},
+      {"Path", "actuation"},     {"Springs to the target", "actuation"},
+      {"Solver", "solver"},      {"Environment", "environment"},
+      {"Camera", "camera"},      {"End of the run", "stop"},
+      {"Style", "style"},        {"Look", "style"},
+      {"Pictures", "recording"}, {"Output", "recording"},
   };
   return names;
 }

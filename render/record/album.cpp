@@ -123,7 +123,7 @@ bool Album::isInSight(const Sample& sample) const {
 
 Frame Album::take(const Sample& sample, Studio::Scales scales) {
   const CpuTimer timer(report_.recordCost.cpuSecondsRender);
-  return studio_.take({sample.time, sample.poses, {}}, scales);
+  return studio_.take({sample.time, sample.poses, sample.pinned}, scales);
 }
 
 GridStyle Album::gridStyle() const {
@@ -154,7 +154,7 @@ std::string Album::caption(const Sample& sample, bool hasTarget) const {
 /// The picture of a sample as vector graphics.
 void Album::writeDrawing(const Sample& sample, int number) {
   const Stage& stage = studio_.stage();
-  const Moment moment{sample.time, sample.poses, {}};
+  const Moment moment{sample.time, sample.poses, sample.pinned};
   report_.files.push_back(snapshotDrawing(number).string());
   writeTextFile(settings_.folder / report_.files.back(),
                 svgText(stage.sketch(moment), stage.camera(moment), settings_.size,
@@ -186,7 +186,18 @@ void Album::writeChosenFrames(const TrajectoryReader& run) {
   }
 }
 
+/// The pictures that the timeline asked for.
+void Album::writeMoments(const TrajectoryReader& run) {
+  int number = 0;
+  for (const std::size_t sample : samplesOf("snapshot", run)) {
+    report_.files.push_back(momentFile(output::kSnapshotMoment, ++number, ".png"));
+    writePng(take(run.sample(sample), Studio::Scales::Drawn),
+             settings_.folder / report_.files.back(), {.dotsPerInch = settings_.dotsPerInch});
+  }
+}
+
 void Album::writeSnapshots(const TrajectoryReader& run) {
+  writeMoments(run);
   if (settings_.snapshots) writeGrid(run);
   if (!settings_.chosenFrames.empty()) writeChosenFrames(run);
 }

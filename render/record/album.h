@@ -39,7 +39,8 @@ class Album {
   /// Throws the first error of any of the three.
   bool makeFrames(const SampleFeed& feed);
 
-  /// Writes the snapshot grid and chosen frames of a finished run. Throws OutputError.
+  /// Writes the snapshot grid, the timeline's snapshots and chosen frames of a finished run. Throws
+  /// OutputError.
   void writeSnapshots(const TrajectoryReader& run);
 
  private:
@@ -54,6 +55,7 @@ class Album {
   std::string caption(const Sample& sample, bool hasTarget) const;
   void writeDrawing(const Sample& sample, int number);
   void writeGrid(const TrajectoryReader& run);
+  void writeMoments(const TrajectoryReader& run);
   void writeChosenFrames(const TrajectoryReader& run);
 
   const PictureSettings& settings_;

@@ -12,6 +12,7 @@
 #include "render/record/output_folder.h"
 #include "render/record/replay.h"
 #include "render/record/scribe.h"
+#include "render/record/snapshot_choice.h"
 #include "render/record/stopwatch.h"
 #include "render/record/summary.h"
 #include "sim/base/error.h"
@@ -107,6 +108,7 @@ void summarize(const RunEnd& end, RunSummary& summary) {
   summary.accuracy = end.result.accuracy;
   summary.assembledFloor = end.result.assembledFloor;
   summary.deployCost = end.result.cost;
+  summary.events = end.result.trajectory.events;
 }
 
 void writeEndState(const Scene& scene, const RunEnd& end, const RecordSettings& settings,
@@ -123,6 +125,20 @@ void writeEndState(const Scene& scene, const RunEnd& end, const RecordSettings& 
   };
   write(output::kInitialMesh, *end.first);
   write(output::kFinalMesh, *end.last);
+}
+
+/// Meshes of the moments that the timeline asked for.
+void writeStates(const Scene& scene, const RecordSettings& settings, RunSummary& summary) {
+  const TrajectoryReader run(settings.folder / output::kTrajectory);
+  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
+  int number = 0;
+  for (const std::size_t sample : samplesOf("export", run)) {
+    ++number;
+    for (const char* ending : {".obj", ".ply"}) {
+      summary.files.push_back(momentFile(output::kStateMoment, number, ending));
+      writeMesh(settings.folder / summary.files.back(), bricks, run.sample(sample).poses);
+    }
+  }
 }
 
 /// Where pictures come from: this thread's album, once it is known what it must hold in sight.
@@ -189,6 +205,7 @@ RunSummary record(const Scene& scene, const RecordSettings& settings,
   summarize(run.end(), summary);
   summary.files.emplace_back(output::kTrajectory);
   writeEndState(scene, run.end(), settings, summary);
+  if (settings.meshes) writeStates(scene, settings, summary);
   if (settings.paints())
     pictures.makeTheRest(TrajectoryReader(settings.folder / output::kTrajectory));
   if (summary.stoppedAt) {

@@ -93,6 +93,7 @@ struct RunSummary : PictureReport {
   Needs needs;
   Accuracy accuracy;
   double assembledFloor = -1;  ///< metres; negative when not computed
+  std::vector<Event> events;   ///< what the timeline did, and how the run ended
   DeployCost deployCost;
 };
 

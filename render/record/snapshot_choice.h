@@ -32,6 +32,10 @@ std::vector<double> marksOf(const TrajectoryReader& run, SnapshotSpacing spacing
 /// each is the one nearest to its equal share.
 std::vector<int> chooseSnapshots(const std::vector<double>& marks, int count);
 
+/// The samples at which the timeline did this ("snapshot", "export"): the first not before each
+/// event.
+std::vector<std::size_t> samplesOf(const std::string& event, const TrajectoryReader& run);
+
 /// The indices of the samples nearest to what was asked for, rising, each once. Throws InputError
 /// for a time after the run's end.
 std::vector<int> chooseFrames(const TrajectoryReader& run, const std::vector<FrameChoice>& wanted);
