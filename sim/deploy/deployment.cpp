@@ -344,7 +344,7 @@ void requireShare(double value, const char* name) {
 /// An entry that could never happen is a mistake.
 void requireInTime(const Timeline& timeline, double duration) {
   for (const TimelineEntry& entry : timeline) {
-    if (entry.when.kind != Moment::Kind::AtTime || entry.when.value <= duration) continue;
+    if (entry.when.kind != Occasion::Kind::AtTime || entry.when.value <= duration) continue;
     throw inputErrorAt(
         entry.where, fmt::format("this happens at {:g} s, but the run lasts {:g} s at most; raise "
                                  "--duration",

@@ -57,19 +57,19 @@ std::string describe(const timeline::Action& action) {
   return what.empty() ? actionName(action) : fmt::format("{} {}", actionName(action), what);
 }
 
-std::string momentText(const Moment& moment) {
+std::string momentText(const Occasion& moment) {
   switch (moment.kind) {
-    case Moment::Kind::AtTime:
+    case Occasion::Kind::AtTime:
       return fmt::format("{:g} s", moment.value);
-    case Moment::Kind::After:
+    case Occasion::Kind::After:
       return fmt::format("{:g} s after the entry before", moment.value);
-    case Moment::Kind::AtRest:
+    case Occasion::Kind::AtRest:
       return "rest";
-    case Moment::Kind::AtTarget:
+    case Occasion::Kind::AtTarget:
       return "the target";
-    case Moment::Kind::ErrorBelow:
+    case Occasion::Kind::ErrorBelow:
       return fmt::format("an error below {:g} m", moment.value);
-    case Moment::Kind::ProgressAbove:
+    case Occasion::Kind::ProgressAbove:
       return fmt::format("a progress of {:g}", moment.value);
   }
   return "";
@@ -99,19 +99,19 @@ bool TimelineRunner::carryOut(const TimelineView& view, TimelineStage& stage,
   return next_ > before;
 }
 
-bool TimelineRunner::isDue(const Moment& moment, const TimelineView& view) const {
+bool TimelineRunner::isDue(const Occasion& moment, const TimelineView& view) const {
   switch (moment.kind) {
-    case Moment::Kind::AtTime:
+    case Occasion::Kind::AtTime:
       return view.time >= moment.value - kTimeRounding;
-    case Moment::Kind::After:
+    case Occasion::Kind::After:
       return view.time >= lastTime_ + moment.value - kTimeRounding;
-    case Moment::Kind::AtRest:
+    case Occasion::Kind::AtRest:
       return view.atRest;
-    case Moment::Kind::AtTarget:
+    case Occasion::Kind::AtTarget:
       return view.atTarget;
-    case Moment::Kind::ErrorBelow:
+    case Occasion::Kind::ErrorBelow:
       return view.error < moment.value;
-    case Moment::Kind::ProgressAbove:
+    case Occasion::Kind::ProgressAbove:
       return view.error <= (1 - moment.value) * view.startError;
   }
   return false;
@@ -175,8 +175,8 @@ bool TimelineRunner::isOver(double time) const {
 
 bool TimelineRunner::waitsForTime() const {
   if (next_ == timeline_.size()) return false;
-  const Moment::Kind kind = timeline_[next_].when.kind;
-  return kind == Moment::Kind::AtTime || kind == Moment::Kind::After;
+  const Occasion::Kind kind = timeline_[next_].when.kind;
+  return kind == Occasion::Kind::AtTime || kind == Occasion::Kind::After;
 }
 
 bool TimelineRunner::waitsForState() const {

@@ -68,7 +68,7 @@ class TimelineRunner {
     double from = 0;            // seconds
   };
 
-  bool isDue(const Moment& moment, const TimelineView& view) const;
+  bool isDue(const Occasion& moment, const TimelineView& view) const;
   void carryOut(const timeline::Action& action, const TimelineView& view, TimelineStage& stage);
   void pin(const std::vector<int>& tiles, bool pinned, TimelineStage& stage);
   void startDrag(const timeline::Drag& drag, const TimelineView& view);

@@ -114,7 +114,7 @@ using namespace timeline;
 
 /// One entry in work: what was found so far.
 struct EntryParts {
-  std::vector<Moment> moments;
+  std::vector<Occasion> moments;
   std::vector<Action> actions;
 };
 
@@ -126,14 +126,14 @@ const std::string kPositiveSeconds = "a positive number of seconds, at most 1e6"
 
 void readAt(const Reader& reader, const toml::node& node, EntryParts& parts) {
   const std::string wanted = kSeconds + ", \"rest\" or \"target\"";
-  Moment moment;
+  Occasion moment;
   const auto* text = node.as_string();
   if (!text) {
-    moment = {Moment::Kind::AtTime, reader.number(node, 0, kLongest, wanted)};
+    moment = {Occasion::Kind::AtTime, reader.number(node, 0, kLongest, wanted)};
   } else if (text->get() == "rest") {
-    moment.kind = Moment::Kind::AtRest;
+    moment.kind = Occasion::Kind::AtRest;
   } else if (text->get() == "target") {
-    moment.kind = Moment::Kind::AtTarget;
+    moment.kind = Occasion::Kind::AtTarget;
   } else {
     reader.refuse(node, wanted);
   }
@@ -141,7 +141,7 @@ void readAt(const Reader& reader, const toml::node& node, EntryParts& parts) {
 }
 
 /// A moment that is one number.
-PartReader numberMoment(Moment::Kind kind, double most, const std::string& wanted) {
+PartReader numberMoment(Occasion::Kind kind, double most, const std::string& wanted) {
   return [=](const Reader& reader, const toml::node& node, EntryParts& parts) {
     parts.moments.push_back({kind, reader.number(node, 0, most, wanted)});
   };
@@ -230,10 +230,10 @@ void readPlain(const Reader& reader, const toml::node& node, EntryParts& parts) 
 const std::map<std::string, PartReader>& entryKeys() {
   static const std::map<std::string, PartReader> keys = {
       {"at", readAt},
-      {"after", numberMoment(Moment::Kind::After, kLongest, kSeconds)},
+      {"after", numberMoment(Occasion::Kind::After, kLongest, kSeconds)},
       {"error_below",
-       numberMoment(Moment::Kind::ErrorBelow, 1e6, "a number of metres, from 0 to 1e6")},
-      {"progress", numberMoment(Moment::Kind::ProgressAbove, 1, "a share from 0 to 1")},
+       numberMoment(Occasion::Kind::ErrorBelow, 1e6, "a number of metres, from 0 to 1e6")},
+      {"progress", numberMoment(Occasion::Kind::ProgressAbove, 1, "a share from 0 to 1")},
       {"pin", readPin},
       {"unpin", readUnpin},
       {"drag", readDrag},
@@ -269,7 +269,7 @@ TimelineEntry readEntry(const Reader& reader, const toml::node& node) {
                     "forces, pause, target, snapshot, export, reset, quit",
                     parts.moments.size(), parts.actions.size()));
   }
-  return {parts.moments.empty() ? Moment{} : parts.moments.front(), parts.actions.front(),
+  return {parts.moments.empty() ? Occasion{} : parts.moments.front(), parts.actions.front(),
           reader.at(node)};
 }
 

@@ -15,13 +15,13 @@ void addTargets(const std::vector<std::filesystem::path>& files, Scene& scene,
   if (files.empty()) return;
   Timeline chain;
   for (std::size_t k = 0; k + 1 < files.size(); ++k) {
-    const Moment when = k == 0 ? Moment{} : Moment{Moment::Kind::AtTarget};
+    const Occasion when = k == 0 ? Occasion{} : Occasion{Occasion::Kind::AtTarget};
     chain.push_back(
         {when, timeline::GoTo{files[k], readTarget(files[k], scene.model, warnings)}, {files[k]}});
   }
   scene.model.target = readTarget(files.back(), scene.model, warnings);
   if (chain.empty()) return;
-  chain.push_back({{Moment::Kind::AtTarget}, timeline::GoTo{}, {files.back()}});
+  chain.push_back({{Occasion::Kind::AtTarget}, timeline::GoTo{}, {files.back()}});
   scene.timeline.insert(scene.timeline.begin(), chain.begin(), chain.end());
 }
 
@@ -86,7 +86,7 @@ void completeScene(const SceneParts& parts, Scene& scene, std::vector<std::strin
   addLinks(parts.links, scene.model);
   if (!parts.pinned.empty()) {
     scene.timeline.insert(scene.timeline.begin(),
-                          {Moment{}, timeline::Pin{parts.pinned}, {"--pin"}});
+                          {Occasion{}, timeline::Pin{parts.pinned}, {"--pin"}});
   }
   checkTimeline(scene.timeline, scene.model);
 }

@@ -38,10 +38,10 @@ void check(const TimelineEntry& entry, const Model& model) {
 }
 
 bool needsTarget(const TimelineEntry& entry) {
-  const Moment::Kind kind = entry.when.kind;
+  const Occasion::Kind kind = entry.when.kind;
   const auto* goTo = std::get_if<timeline::GoTo>(&entry.action);
-  return kind == Moment::Kind::AtTarget || kind == Moment::Kind::ErrorBelow ||
-         kind == Moment::Kind::ProgressAbove || (goTo && goTo->file.empty());
+  return kind == Occasion::Kind::AtTarget || kind == Occasion::Kind::ErrorBelow ||
+         kind == Occasion::Kind::ProgressAbove || (goTo && goTo->file.empty());
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ namespace kirireel {
 
 /// When an entry of a timeline comes due. Entries happen in their order: each waits until all
 /// before it have happened.
-struct Moment {
+struct Occasion {
   enum class Kind {
     AtTime,         ///< at `value` simulated seconds
     After,          ///< `value` simulated seconds after the entry before (the start for the first)
@@ -88,7 +88,7 @@ using Action = std::variant<Pin, Unpin, Drag, Forces, Pause, GoTo, Snapshot, Exp
 
 /// One thing that happens.
 struct TimelineEntry {
-  Moment when;
+  Occasion when;
   timeline::Action action;
   FileLocation where;  ///< in the scene file, for messages
 };

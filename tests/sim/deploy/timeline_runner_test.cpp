@@ -35,8 +35,8 @@ class TimelineRunnerTest : public testing::Test {
 };
 
 TEST_F(TimelineRunnerTest, DoesWhatIsDueAtItsTime) {
-  const Timeline timeline = {{{Moment::Kind::AtTime, 0.5}, Pin{{3, 1}}},
-                             {{Moment::Kind::After, 0.25}, Unpin{}},
+  const Timeline timeline = {{{Occasion::Kind::AtTime, 0.5}, Pin{{3, 1}}},
+                             {{Occasion::Kind::After, 0.25}, Unpin{}},
                              {{}, Quit{}}};
   TimelineRunner runner(timeline, bricks);
   EXPECT_FALSE(runner.carryOut(viewAt(0.49), stage, events));
@@ -55,16 +55,16 @@ TEST_F(TimelineRunnerTest, DoesWhatIsDueAtItsTime) {
 }
 
 TEST_F(TimelineRunnerTest, TimesThatAreSumsOfStepsAreMet) {
-  const Timeline timeline = {{{Moment::Kind::AtTime, 0.3}, Quit{}}};
+  const Timeline timeline = {{{Occasion::Kind::AtTime, 0.3}, Quit{}}};
   TimelineRunner runner(timeline, bricks);
   EXPECT_TRUE(runner.carryOut(viewAt(0.1 + 0.2 - 1e-12), stage, events));
 }
 
 TEST_F(TimelineRunnerTest, WaitsForRestTargetErrorAndProgress) {
-  const Timeline timeline = {{{Moment::Kind::AtRest}, Snapshot{}},
-                             {{Moment::Kind::ErrorBelow, 0.1}, Export{}},
-                             {{Moment::Kind::ProgressAbove, 0.95}, Forces{false}},
-                             {{Moment::Kind::AtTarget}, Reset{}}};
+  const Timeline timeline = {{{Occasion::Kind::AtRest}, Snapshot{}},
+                             {{Occasion::Kind::ErrorBelow, 0.1}, Export{}},
+                             {{Occasion::Kind::ProgressAbove, 0.95}, Forces{false}},
+                             {{Occasion::Kind::AtTarget}, Reset{}}};
   TimelineRunner runner(timeline, bricks);
   TimelineView view = viewAt(0);
   EXPECT_FALSE(runner.carryOut(view, stage, events));
@@ -86,7 +86,8 @@ TEST_F(TimelineRunnerTest, WaitsForRestTargetErrorAndProgress) {
 
 TEST_F(TimelineRunnerTest, OneStateServesOneEntry) {
   // What the first does changes the state that the second waits for.
-  const Timeline timeline = {{{Moment::Kind::AtRest}, GoTo{}}, {{Moment::Kind::AtRest}, Quit{}}};
+  const Timeline timeline = {{{Occasion::Kind::AtRest}, GoTo{}},
+                             {{Occasion::Kind::AtRest}, Quit{}}};
   TimelineRunner runner(timeline, bricks);
   TimelineView view = viewAt(0);
   view.atRest = true;
@@ -97,7 +98,7 @@ TEST_F(TimelineRunnerTest, OneStateServesOneEntry) {
 }
 
 TEST_F(TimelineRunnerTest, PausesForItsTime) {
-  const Timeline timeline = {{{Moment::Kind::AtTime, 1}, Pause{0.5}}};
+  const Timeline timeline = {{{Occasion::Kind::AtTime, 1}, Pause{0.5}}};
   TimelineRunner runner(timeline, bricks);
   runner.carryOut(viewAt(1), stage, events);
   EXPECT_TRUE(runner.isPaused(1.49));

@@ -79,7 +79,7 @@ TEST(Drives, NoneLeavesTheSheetAlone) {
 
 TEST(Timelines, PinnedTilesStayAndAreFreedAgain) {
   Scene scene = sheetScene();
-  scene.timeline = {{{}, Pin{{0, 8}}}, {{Moment::Kind::AtTime, 1}, Unpin{{8}}}};
+  scene.timeline = {{{}, Pin{{0, 8}}}, {{Occasion::Kind::AtTime, 1}, Unpin{{8}}}};
   scene.stop.duration = 1.5;
   const DeploymentResult result = deploy(scene, 0.05, nullptr);
   const auto& samples = result.trajectory.samples;
@@ -95,7 +95,7 @@ TEST(Timelines, PinnedTilesStayAndAreFreedAgain) {
 
 TEST(Timelines, APauseHoldsTheSheetAndThenGoesOn) {
   Scene scene = sheetScene();
-  scene.timeline = {{{Moment::Kind::AtTime, 0.5}, Pause{0.5}}};
+  scene.timeline = {{{Occasion::Kind::AtTime, 0.5}, Pause{0.5}}};
   scene.stop.duration = 2;
   const DeploymentResult paused = deploy(scene, 0.05, nullptr);
   scene.timeline.clear();
@@ -111,7 +111,7 @@ TEST(Timelines, WaypointsEndWhereTheDirectWayEnds) {
   Scene scene = sheetScene(0.05);
   const DeploymentResult direct = deploy(scene, 1.0 / 60, nullptr);
   const Scene half = sheetScene(0.8);
-  scene.timeline = {{{}, GoTo{"half", half.model.tiles}}, {{Moment::Kind::AtTarget}, GoTo{}}};
+  scene.timeline = {{{}, GoTo{"half", half.model.tiles}}, {{Occasion::Kind::AtTarget}, GoTo{}}};
   scene.stop.duration = 60;
   const DeploymentResult chain = deploy(scene, 1.0 / 60, nullptr);
   EXPECT_EQ(chain.outcome, Outcome::Settled) << chain.reason;
@@ -124,7 +124,7 @@ TEST(Timelines, WaypointsEndWhereTheDirectWayEnds) {
 
 TEST(Timelines, ForcesOffAndOnAgain) {
   Scene scene = sheetScene();
-  scene.timeline = {{{}, Forces{false}}, {{Moment::Kind::AtTime, 1}, Forces{true}}};
+  scene.timeline = {{{}, Forces{false}}, {{Occasion::Kind::AtTime, 1}, Forces{true}}};
   const DeploymentResult result = deploy(scene, 0.1, nullptr);
   const auto& samples = result.trajectory.samples;
   EXPECT_LT(largestMove(samples[0].poses, samples[9].poses), 1e-4);
@@ -138,7 +138,7 @@ TEST(Timelines, ADragBringsItsTileToThePathsEnd) {
   const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
   const Vector3 goal = startPoses(scene.model.tiles, bricks)[8].position + Vector3(0.5, 0.2, 0);
   scene.timeline = {{{}, Drag{8, {}, {goal}, 1, 1e4, 50}},
-                    {{Moment::Kind::AtTime, 0.99}, Drag{8, {}, {goal}, 1, 1e4, 50}}};
+                    {{Occasion::Kind::AtTime, 0.99}, Drag{8, {}, {goal}, 1, 1e4, 50}}};
   scene.stop.duration = 1.9;
   const DeploymentResult result = deploy(scene, 0.1, nullptr);
   const auto& samples = result.trajectory.samples;
@@ -149,9 +149,9 @@ TEST(Timelines, ADragBringsItsTileToThePathsEnd) {
 
 TEST(Timelines, ResetGoesBackToTheStart) {
   Scene scene = sheetScene();
-  scene.timeline = {{{Moment::Kind::AtTime, 1}, Pin{{0}}},
-                    {{Moment::Kind::AtTime, 1}, Reset{}},
-                    {{Moment::Kind::AtTime, 2}, Quit{}}};
+  scene.timeline = {{{Occasion::Kind::AtTime, 1}, Pin{{0}}},
+                    {{Occasion::Kind::AtTime, 1}, Reset{}},
+                    {{Occasion::Kind::AtTime, 2}, Quit{}}};
   const DeploymentResult result = deploy(scene, 0.1, nullptr);
   const auto& samples = result.trajectory.samples;
   EXPECT_EQ(result.outcome, Outcome::OutOfTime);
@@ -164,7 +164,7 @@ TEST(Timelines, ResetGoesBackToTheStart) {
 
 TEST(Timelines, WaitingInVainEndsTheRun) {
   Scene scene = sheetScene();
-  scene.timeline = {{{Moment::Kind::ErrorBelow, 0}, Quit{}}};
+  scene.timeline = {{{Occasion::Kind::ErrorBelow, 0}, Quit{}}};
   const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
   EXPECT_EQ(result.outcome, Outcome::Locked);
   EXPECT_EQ(result.reason,
@@ -173,7 +173,7 @@ TEST(Timelines, WaitingInVainEndsTheRun) {
 
 TEST(Timelines, AnEntryAfterTheEndIsRefused) {
   Scene scene = sheetScene();
-  scene.timeline = {{{Moment::Kind::AtTime, 30}, Quit{}, {"scene.toml", 3, 1}}};
+  scene.timeline = {{{Occasion::Kind::AtTime, 30}, Quit{}, {"scene.toml", 3, 1}}};
   try {
     deploy(scene, 0.1, nullptr);
     FAIL() << "accepted";

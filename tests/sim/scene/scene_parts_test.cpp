@@ -54,8 +54,8 @@ TEST_F(ScenePartsTest, SeveralTargetsAreAChain) {
   parts_.targets = {folder_ / "a.txt", folder_ / "a.txt", folder_ / "b.txt"};
   complete();
   ASSERT_EQ(scene_.timeline.size(), 3u);
-  EXPECT_EQ(scene_.timeline[0].when.kind, Moment::Kind::After);
-  EXPECT_EQ(scene_.timeline[1].when.kind, Moment::Kind::AtTarget);
+  EXPECT_EQ(scene_.timeline[0].when.kind, Occasion::Kind::After);
+  EXPECT_EQ(scene_.timeline[1].when.kind, Occasion::Kind::AtTarget);
   EXPECT_EQ(std::get<timeline::GoTo>(scene_.timeline[1].action).tiles.size(), 16u);
   EXPECT_TRUE(std::get<timeline::GoTo>(scene_.timeline[2].action).file.empty());
 }
@@ -101,7 +101,7 @@ TEST_F(ScenePartsTest, ATargetOfAnotherShapeIsRefused) {
 TEST_F(ScenePartsTest, TheTimelineMustFitTheModel) {
   using namespace timeline;
   const FileLocation where{"scene.toml", 4, 1};
-  const auto refusalOf = [&](const Action& action, Moment when = {}) {
+  const auto refusalOf = [&](const Action& action, Occasion when = {}) {
     scene_.timeline = {{when, action, where}};
     return refusal();
   };
@@ -113,7 +113,7 @@ TEST_F(ScenePartsTest, TheTimelineMustFitTheModel) {
             at + "tile 2 has vertices 0-3, not 4; correct this number");
   EXPECT_THAT(refusalOf(GoTo{folder_ / "none.txt", {}}), HasSubstr("none.txt: error: "));
   scene_.model.target.reset();
-  EXPECT_THAT(refusalOf(Quit{}, {Moment::Kind::AtTarget}),
+  EXPECT_THAT(refusalOf(Quit{}, {Occasion::Kind::AtTarget}),
               HasSubstr(at + "this waits for a target, but there is none; add target.txt"));
 }
 
