@@ -40,10 +40,10 @@ void addSceneRequestOptions(CLI::App& command, SceneRequest& request) {
              [&request](const OptionValue& typed) { request.file = typed.text; });
   OptionGroup group(command, "Model");
   SceneParts& parts = request.parts;
-  group.values(
-      "--target", "FILE",
-      "target in place of target.txt; given several times, each is reached before the next",
-      [&parts](const OptionValue& typed) { parts.targets.emplace_back(typed.text); });
+  group.values("--target", "MODEL",
+               "target in place of the model's own: a file like target.txt, or another model whose "
+               "start it is; given several times, each is reached before the next",
+               [&parts](const OptionValue& typed) { parts.targets.emplace_back(typed.text); });
   group.values("--pin", "TILES", "tiles fixed to the world from the start, as in 3,0,7",
                [&parts](const OptionValue& typed) {
                  const auto tiles = parseIndices(typed, 0, "tile numbers, as in 3,0,7");
