@@ -9,8 +9,8 @@
 #include "render/cli/exit_codes.h"
 #include "render/cli/option_group.h"
 #include "render/cli/peer_spellings.h"
-#include "render/cli/spelling.h"
 #include "render/record/versions.h"
+#include "sim/base/spelling.h"
 
 namespace kirireel {
 namespace {
@@ -94,24 +94,43 @@ int carryOut(const PrintOrder& order) {
 Order parseCommandLine(const std::vector<std::string>& arguments) {
   RecordOrder record;
   RecordOrder simulate;
+  RenderOrder render;
   GenerateOrder generate;
+  InspectOrder inspect;
+  ConvertOrder convert;
   CLI::App program("Records kirigami deployments off screen.", "kirireel");
   program.allow_extras();
   program.set_version_flag("--version", versionText());
-  const CLI::App* recordCommand = addRecordCommand(program, record);
-  const CLI::App* simulateCommand = addSimulateCommand(program, simulate);
+  CLI::App* recordCommand = addRecordCommand(program, record);
+  CLI::App* simulateCommand = addSimulateCommand(program, simulate);
+  const CLI::App* renderCommand = addRenderCommand(program, render);
   const CLI::App* generateCommand = addGenerateCommand(program, generate);
+  const CLI::App* inspectCommand = addInspectCommand(program, inspect);
+  const CLI::App* convertCommand = addConvertCommand(program, convert);
   program.footer("kirireel COMMAND --help explains a command.");
 
   if (const std::optional<PrintOrder> page = parseInto(program, arguments)) return *page;
   requireNothingLeft(program);
   if (recordCommand->parsed()) {
-    requireGiven(record.model, "MODEL", *recordCommand);
+    completeOrder(*recordCommand, record);
     return record;
   }
   if (simulateCommand->parsed()) {
-    requireGiven(simulate.model, "MODEL", *simulateCommand);
+    completeOrder(*simulateCommand, simulate);
     return simulate;
+  }
+  if (renderCommand->parsed()) {
+    requireGiven(render.trajectory, "TRAJECTORY", *renderCommand);
+    return render;
+  }
+  if (inspectCommand->parsed()) {
+    requireGiven(inspect.model, "MODEL", *inspectCommand);
+    return inspect;
+  }
+  if (convertCommand->parsed()) {
+    requireGiven(convert.input, "IN", *convertCommand);
+    requireGiven(convert.output, "OUT", *convertCommand);
+    return convert;
   }
   if (generateCommand->parsed()) {
     requireFamily(*generateCommand);

@@ -5,8 +5,11 @@
 #include <variant>
 #include <vector>
 
+#include "render/cli/convert_command.h"
 #include "render/cli/generate_command.h"
+#include "render/cli/inspect_command.h"
 #include "render/cli/record_command.h"
+#include "render/cli/render_command.h"
 
 namespace kirireel {
 
@@ -19,7 +22,8 @@ struct PrintOrder {
 int carryOut(const PrintOrder& order);
 
 /// One of the things that kirireel does.
-using Order = std::variant<RecordOrder, GenerateOrder, PrintOrder>;
+using Order =
+    std::variant<RecordOrder, RenderOrder, GenerateOrder, InspectOrder, ConvertOrder, PrintOrder>;
 
 /// Reads the arguments that follow the program's name. Throws InputError for an unknown option
 /// (suggesting the nearest), a value out of range, a missing or surplus argument.

@@ -99,8 +99,10 @@ void addCameraOptions(CLI::App& command, Look& look) {
               [&camera](const OptionValue& typed) {
                 camera.distance = parseNumber(typed, {1e-9, 1e12});
               });
-  group.choice<FitScope>("--fit", look.fit, {{"run", FitScope::Run}, {"ends", FitScope::Ends}},
-                         "what stays in sight, the whole run or its start and target");
+  group.choice<FitScope>(
+      "--fit", look.fit,
+      {{"auto", FitScope::Auto}, {"run", FitScope::Run}, {"ends", FitScope::Ends}},
+      "what stays in sight, the whole run or its start and target");
   group.value("--orbit", "DEGREES", "0", "the camera turns about z over the run",
               [&camera](const OptionValue& typed) {
                 camera.orbit = parseNumber(typed, {-36000, 36000}) * kDegree;

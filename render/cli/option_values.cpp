@@ -99,6 +99,20 @@ CaptionParts parseCaption(const OptionValue& value) {
   return parts;
 }
 
+std::vector<FrameChoice> parseFrameChoices(const OptionValue& value) {
+  std::vector<FrameChoice> choices;
+  for (const std::string_view text : split(value.text, ',')) {
+    const bool isShare = text.ends_with('%');
+    const OptionValue number{value.name, std::string(text.substr(0, text.size() - isShare))};
+    if (isShare) {
+      choices.push_back({parseNumber(number, {0, 100}) / 100, FrameChoice::Unit::Share});
+    } else {
+      choices.push_back({parseNumber(number, {0, 1e6}), FrameChoice::Unit::Seconds});
+    }
+  }
+  return choices;
+}
+
 InputError valueError(const OptionValue& value, const std::string& wanted) {
   return InputError(
       fmt::format("error: {}: '{}' is not allowed; give {}", value.name, value.text, wanted));
@@ -152,6 +166,17 @@ Vector3 parseGravity(const OptionValue& value) {
   if (complete && numbers.size() == 1) return {0, 0, numbers[0]};
   if (complete && numbers.size() == 3) return {numbers[0], numbers[1], numbers[2]};
   throw valueError(value, "one number (along z) or three as X,Y,Z, in m/s^2, as in 0,0,-9.81");
+}
+
+std::vector<int> parseTiles(const OptionValue& value) {
+  std::vector<int> tiles;
+  if (value.text == "all") return tiles;
+  for (const std::string_view part : split(value.text, ',')) {
+    const std::optional<int> number = readWhole<int>(part);
+    if (!number || *number < 0) throw valueError(value, "all, or numbers of tiles, as in 3,7,8");
+    tiles.push_back(*number);
+  }
+  return tiles;
 }
 
 std::string listWords(const std::vector<std::string>& words) {

@@ -12,6 +12,7 @@
 #include "render/grid/grid.h"
 #include "render/picture/camera_path.h"
 #include "render/picture/frame.h"
+#include "render/record/record.h"
 #include "sim/base/error.h"
 #include "sim/base/geometry.h"
 
@@ -41,6 +42,9 @@ FrameSize parseSize(const OptionValue& value);
 /// "3x4": rows x columns, each 1 to 100.
 GridShape parseGrid(const OptionValue& value);
 
+/// "0,1.5,50%": seconds from 0, or shares of the way from 0% to 100%.
+std::vector<FrameChoice> parseFrameChoices(const OptionValue& value);
+
 /// "-9.81" (along z, as PyKirigami has it) or "0,0,-9.81".
 Vector3 parseGravity(const OptionValue& value);
 
@@ -52,6 +56,9 @@ std::vector<CameraKey> parseCameraKeys(const OptionValue& value);
 
 /// "time,error": parts of a caption, or "none".
 CaptionParts parseCaption(const OptionValue& value);
+
+/// "all" or numbers of tiles, e.g. "3,7,8"; empty for all.
+std::vector<int> parseTiles(const OptionValue& value);
 
 /// The error of a value that is not allowed: "--NAME: 'TEXT' is not allowed; give WANTED".
 InputError valueError(const OptionValue& value, const std::string& wanted);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
+#include <utility>
 
 namespace kirireel {
 namespace {
@@ -19,8 +21,18 @@ const std::map<std::string, std::string>& peerOptions() {
       {"--filter-collision", "--contacts=unjoined"},
       {"--no-collision", "--contacts=unjoined"},
       {"--num-substeps", "--substeps"},
+      {"--cm-expansion", "--actuation=expansion"},
+      {"--target-vertices-file", "--target"},
   };
   return options;
+}
+
+/// Options with a value that PyKirigami reads and does nothing with, or that only move its window's
+/// camera.
+bool isWithoutEffect(const std::string& name) {
+  static const std::set<std::string> names = {"--camera-distance", "-cd", "--max-steps",
+                                              "--auto-export-interval", "--export-prefix"};
+  return names.contains(name);
 }
 
 std::string translateName(std::string name) {
@@ -33,7 +45,9 @@ std::string translateName(std::string name) {
 
 std::vector<std::string> translatePeerSpellings(const std::vector<std::string>& arguments) {
   std::vector<std::string> translated;
+  bool skip = false;
   for (const std::string& argument : arguments) {
+    if (std::exchange(skip, false)) continue;
     if (!argument.starts_with('-')) {
       translated.push_back(argument);
       continue;
@@ -42,6 +56,10 @@ std::vector<std::string> translatePeerSpellings(const std::vector<std::string>& 
     const std::string name = translateName(argument.substr(0, nameEnd));
     const std::string value = argument.substr(nameEnd);
     if (name == "--headless") continue;
+    if (isWithoutEffect(name)) {
+      skip = value.empty();  // the value is the next argument
+      continue;
+    }
     if (name != "--model") {
       translated.push_back(name + value);
     } else if (!value.empty()) {

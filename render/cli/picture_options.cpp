@@ -7,7 +7,7 @@
 
 namespace kirireel {
 
-void addPictureOptions(CLI::App& command, RecordSettings& settings) {
+void addPictureOptions(CLI::App& command, PictureSettings& settings) {
   OptionGroup group(command, "Pictures");
   group.value("--size", "WxH", "1280x720", "of each picture, pixels",
               [&](const OptionValue& typed) { settings.size = parseSize(typed); });
@@ -28,7 +28,9 @@ void addPictureOptions(CLI::App& command, RecordSettings& settings) {
       "spacing of the grid's pictures, in equal shares of way or of time");
   group.flag("--frames", "write every frame of the video as a PNG into frames/",
              [&settings] { settings.frames = true; });
-  group.flag("--no-video", "no deployment.mp4", [&settings] { settings.video = false; });
+  group.value("--frames-at", "LIST", "none",
+              "the same of these moments: seconds, or shares of the way, such as 0,1.5,50%,100%",
+              [&](const OptionValue& typed) { settings.chosenFrames = parseFrameChoices(typed); });
   group.flag("--no-snapshots", "no snapshots.png", [&settings] { settings.snapshots = false; });
   group.flag("--svg", "the grid's pictures as snapshot_01.svg ..., hidden surfaces removed",
              [&settings] { settings.svg = true; });
@@ -36,7 +38,6 @@ void addPictureOptions(CLI::App& command, RecordSettings& settings) {
       "--gl", settings.graphics,
       {{"auto", std::nullopt}, {"osmesa", GraphicsLibrary::Osmesa}, {"egl", GraphicsLibrary::Egl}},
       "library that draws off screen");
-  group.flag("--no-meshes", "no OBJ and PLY files", [&settings] { settings.meshes = false; });
   addLookOptions(command, settings.look);
 }
 

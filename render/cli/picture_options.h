@@ -10,6 +10,6 @@ class App;
 namespace kirireel {
 
 /// Adds the options of pictures and what is made of them. The settings must outlive the parsing.
-void addPictureOptions(CLI::App& command, RecordSettings& settings);
+void addPictureOptions(CLI::App& command, PictureSettings& settings);
 
 }  // namespace kirireel

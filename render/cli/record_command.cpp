@@ -4,13 +4,15 @@
 
 #include "render/cli/exit_codes.h"
 #include "render/cli/interrupt.h"
+#include "render/cli/model_place.h"
 #include "render/cli/option_group.h"
 #include "render/cli/picture_options.h"
 #include "render/cli/report.h"
 #include "render/cli/run_options.h"
+#include "render/cli/video_options.h"
 #include "render/record/summary.h"
-#include "sim/model/alignment.h"
-#include "sim/model/folder.h"
+#include "sim/base/error.h"
+#include "sim/model/split_tiles.h"
 
 namespace kirireel {
 namespace {
@@ -22,24 +24,27 @@ void addFolderOptions(CLI::App& command, RecordOrder& order) {
   group.flag("--json", "print the summary as JSON", [&order] { order.printJson = true; });
 }
 
-void addFaceOptions(CLI::App& command, RecordOrder& order) {
-  OptionGroup group(command, "Joints");
+void addModelOptions(CLI::App& command, RecordOrder& order) {
+  OptionGroup group(command, "Model");
   group.choice<std::optional<FaceRule>>(
       "--faces", order.faces,
       {{"model", std::nullopt}, {"fold", FaceRule::Fold}, {"pykirigami", FaceRule::PyKirigami}},
       "face of each joint, the model's or by the target's folds");
   group.flag("--auto-detect-connections", "the same as --faces pykirigami",
              [&order] { order.faces = FaceRule::PyKirigami; });
+  group.value("--split-tiles", "LIST", "none",
+              "tiles that bend, as hinged triangles: all, or 3,7,8",
+              [&order](const OptionValue& typed) { order.splitTiles = parseTiles(typed); });
 }
 
 void addRunOptions(CLI::App& command, RecordOrder& order) {
-  addPlace(command, "MODEL", order.model,
-           "folder with vertices.txt, constraints.txt and optionally target.txt, pull.txt");
+  addPlace(command, "MODEL", order.model, kModelHelp);
   addFolderOptions(command, order);
   OptionGroup(command, "Output")
       .integer("--fps", order.settings.framesPerSecond, {1, 240}, "COUNT",
                "frames, and samples, a simulated second");
-  addFaceOptions(command, order);
+  addModelOptions(command, order);
+  addSceneRequestOptions(command, order.request);
   addSceneOptions(command, order.scene);
 }
 
@@ -49,21 +54,27 @@ constexpr const char* kPeerNote =
     "--no_collision (the same as --contacts unjoined), -ss, -fd, -bt, -gp, -gf. --headless is\n"
     "accepted and does nothing: no window is ever opened.";
 
-/// A model named as it stands in data/, as PyKirigami's users do, is found there.
-std::filesystem::path findModel(const std::filesystem::path& named) {
-  const std::filesystem::path inData = "data" / named;
-  const bool onlyInData = !std::filesystem::exists(named) && std::filesystem::exists(inData);
-  return onlyInData ? inData : named;
+/// Pins and timelines name tiles, which splitting would give other numbers.
+void requireTilesKeepNumbers(const Scene& scene) {
+  if (scene.timeline.empty()) return;
+  throw InputError(
+      "error: --split-tiles gives tiles other numbers than pins, chains of targets and timelines "
+      "name; leave one of them out");
 }
 
-Model readModel(const std::filesystem::path& folder) {
+Scene readScene(const RecordOrder& order) {
   std::vector<std::string> warnings;
-  Model model = readModelFolder(folder, warnings);
-  for (const std::string& warning : warnings) {
-    fmt::print(stderr, "kirireel: {}\n", warning);
+  Scene scene = order.scene;
+  scene.model = readModelAt(order.model, {});
+  completeScene(order.request.parts, scene, warnings);
+  if (order.faces) chooseJointFaces(scene.model, *order.faces);
+  if (order.splitTiles) {
+    requireTilesKeepNumbers(scene);
+    scene.model = splitTiles(scene.model, *order.splitTiles);
   }
-  alignStartToTarget(model);
-  return model;
+  if (scene.environment.ground) scene.environment.ground->height = lowestPoint(scene);
+  for (const std::string& warning : warnings) fmt::print(stderr, "kirireel: {}\n", warning);
+  return scene;
 }
 
 int exitCode(Outcome outcome) {
@@ -77,6 +88,10 @@ CLI::App* addRecordCommand(CLI::App& program, RecordOrder& order) {
       program.add_subcommand("record", "deploy a model; leave video, pictures, meshes, summary");
   addRunOptions(*command, order);
   addPictureOptions(*command, order.settings);
+  addVideoOptions(*command, order.settings);
+  OptionGroup(*command, "Output").flag("--no-meshes", "no OBJ and PLY files", [&order] {
+    order.settings.meshes = false;
+  });
   command->footer(
       fmt::format("Examples:\n"
                   "  kirireel record data/tessellation_4x4\n"
@@ -99,12 +114,14 @@ CLI::App* addSimulateCommand(CLI::App& program, RecordOrder& order) {
   return command;
 }
 
+void completeOrder(CLI::App& command, RecordOrder& order) {
+  requireGiven(order.model, "MODEL", command);
+  readSceneFileOf(command, findModel(order.model), order.request, order.scene);
+}
+
 int carryOut(const RecordOrder& order) {
   noteSignals();
-  Scene scene = order.scene;
-  scene.model = readModel(findModel(order.model));
-  if (order.faces) chooseJointFaces(scene.model, *order.faces);
-  if (scene.environment.ground) scene.environment.ground->height = lowestPoint(scene);
+  const Scene scene = readScene(order);
   RecordSettings settings = order.settings;
   if (settings.folder.empty()) settings.folder = std::filesystem::path("out") / scene.model.name;
 

@@ -3,7 +3,9 @@
 
 #include <filesystem>
 #include <optional>
+#include <vector>
 
+#include "render/cli/scene_options.h"
 #include "render/record/record.h"
 #include "sim/model/face_choice.h"
 #include "sim/scene/scene.h"
@@ -18,7 +20,9 @@ namespace kirireel {
 struct RecordOrder {
   std::filesystem::path model;
   std::optional<FaceRule> faces;  ///< how joints' faces are chosen; absent: as the model has them
+  std::optional<std::vector<int>> splitTiles;  ///< tiles that bend, all when empty; absent: none
   Scene scene;              ///< everything but the model; the ground's height is not known yet
+  SceneRequest request;     ///< what is added to the model
   RecordSettings settings;  ///< the folder is empty when --out was not given
   bool printJson = false;   ///< the summary on standard output as JSON
 };
@@ -28,6 +32,9 @@ CLI::App* addRecordCommand(CLI::App& program, RecordOrder& order);
 
 /// Adds `simulate`, which paints nothing. The order must outlive the parsing.
 CLI::App* addSimulateCommand(CLI::App& program, RecordOrder& order);
+
+/// Checks that a model was named, and reads its scene file. To be called after parsing.
+void completeOrder(CLI::App& command, RecordOrder& order);
 
 /// Reads the model, runs it, leaves its files, prints the summary. Returns the exit code.
 int carryOut(const RecordOrder& order);

@@ -47,6 +47,18 @@ std::vector<std::string> shortList(const std::vector<std::string>& files) {
 
 }  // namespace
 
+std::string describePictures(const PictureSettings& settings, const PictureReport& report) {
+  const RecordCost& cost = report.recordCost;
+  std::string text = fmt::format("{} frames: pictures {:.2f} s, video {:.2f} s; {:.1f} s in all\n",
+                                 report.videoFrames, cost.cpuSecondsRender, cost.cpuSecondsEncode,
+                                 cost.wallSeconds);
+  if (report.stoppedAt)
+    text += fmt::format("interrupted: the video ends at {:.4g} s\n", *report.stoppedAt);
+  text +=
+      fmt::format("in {}: {}\n", settings.folder.string(), fmt::join(shortList(report.files), " "));
+  return text;
+}
+
 ProgressLine::ProgressLine() : isTerminal_(::isatty(STDERR_FILENO) == 1) {}
 
 ProgressLine::~ProgressLine() {

@@ -28,4 +28,7 @@ class ProgressLine {
 std::string describeRun(const Scene& scene, const RecordSettings& settings,
                         const RunSummary& summary);
 
+/// The same of pictures that were made of a recorded run.
+std::string describePictures(const PictureSettings& settings, const PictureReport& report);
+
 }  // namespace kirireel

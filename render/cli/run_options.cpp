@@ -18,6 +18,22 @@ void addBrickOptions(CLI::App& command, BrickRule& brick) {
   group.number("--density", brick.density, {1e-9, 1e12}, "KG/M3", "density, with --mass prism");
 }
 
+void addActuationOptions(CLI::App& command, Actuation& actuation) {
+  OptionGroup group(command, "Actuation");
+  group.choice<Drive>(
+      "--actuation", actuation.drive,
+      {{"target", Drive::Target},
+       {"expansion", Drive::Expansion},
+       {"boundary", Drive::Boundary},
+       {"none", Drive::None}},
+      "what drives the bricks: springs to the target, away from the centre, springs "
+      "from the hull to a curve round it, nothing");
+  group.number("--boundary-size", actuation.boundary.size, {1e-3, 1e3}, "RATIO",
+               "width of that curve over the hull's");
+  group.number("--boundary-aspect", actuation.boundary.aspect, {1e-3, 1e3}, "RATIO",
+               "its length along x over its width, 1 for a circle");
+}
+
 void addSpringOptions(CLI::App& command, TargetSpringSettings& springs) {
   OptionGroup group(command, "Springs to the target");
   group.number("--spring-stiffness", springs.springStiffness, kFromZero, "N/M",
@@ -89,6 +105,7 @@ void addStopOptions(CLI::App& command, StopRules& stop) {
 
 void addSceneOptions(CLI::App& command, Scene& scene) {
   addBrickOptions(command, scene.brick);
+  addActuationOptions(command, scene.actuation);
   addSpringOptions(command, scene.springs);
   addEnvironmentOptions(command, scene.environment);
   addStopOptions(command, scene.stop);

@@ -1,17 +1,18 @@
 #include "render/record/album.h"
 
 #include <algorithm>
-#include <memory>
 
 #include <fmt/format.h>
 
 #include "render/gl/context.h"
 #include "render/grid/grid.h"
 #include "render/png/png.h"
+#include "render/record/crew.h"
+#include "render/record/frame_sink.h"
 #include "render/record/output_folder.h"
 #include "render/record/snapshot_choice.h"
 #include "render/record/stopwatch.h"
-#include "render/studio/studio.h"
+#include "render/record/title_card.h"
 #include "render/vector/svg.h"
 #include "sim/base/error.h"
 #include "sim/base/pending_file.h"
@@ -22,54 +23,25 @@ namespace {
 
 /// The camera looks at about this many samples: enough for any smooth motion.
 constexpr std::size_t kSamplesFramed = 100;
+/// Between two stages: enough to even out their pace, and all the memory that they may take.
+constexpr std::size_t kWaitingSamples = 16;
+constexpr std::size_t kWaitingFrames = 4;
+/// Half the picture's width and height, with room for rounding.
+constexpr double kBorder = 1 + 1e-9;
 
-/// The run as a studio sees it, with everything in sight that the look asks for.
-Motif motifFor(const Scene& scene, const Trajectory& trajectory, const RecordSettings& settings) {
-  Motif motif = makeMotif(scene.model, scene.brick, scene.environment.ground);
-  const std::vector<Sample>& samples = trajectory.samples;
-  motif.endTime = samples.back().time;
-  if (settings.look.fit == FitScope::Ends) return motif;
-  const std::size_t stride = 1 + samples.size() / kSamplesFramed;
-  for (std::size_t i = 0; i < samples.size(); i += stride) keepInSight(motif, samples[i].poses);
-  keepInSight(motif, samples.back().poses);
-  return motif;
+void keepRunInSight(Motif& motif, const TrajectoryReader& run) {
+  const std::size_t count = run.times().size();
+  const std::size_t stride = 1 + count / kSamplesFramed;
+  for (std::size_t i = 0; i < count; i += stride) keepInSight(motif, run.sample(i).poses);
+  keepInSight(motif, run.sample(count - 1).poses);
 }
 
-/// A studio for one trajectory, and the clock of what it costs.
-class Photographer {
- public:
-  Photographer(const Scene& scene, const Trajectory& trajectory, const RecordSettings& settings,
-               double& cpuSeconds)
-      : trajectory_(trajectory),
-        studio_(settings.size, settings.look, motifFor(scene, trajectory, settings)),
-        cpuSeconds_(cpuSeconds) {}
+bool fitsEnds(const Model& model, const PictureSettings& settings) {
+  if (settings.look.fit == FitScope::Auto) return model.target.has_value();
+  return settings.look.fit == FitScope::Ends;
+}
 
-  const Stage& stage() const { return studio_.stage(); }
-
-  Frame take(int number, Studio::Scales scales) {
-    const CpuTimer timer(cpuSeconds_);
-    return studio_.take(moment(number), scales);
-  }
-
-  /// The same picture as vector graphics.
-  std::string draw(int number, FrameSize size) const {
-    return svgText(stage().sketch(moment(number)), stage().camera(moment(number)), size,
-                   stage().style().background);
-  }
-
- private:
-  Moment moment(int number) const {
-    const Sample& sample = trajectory_.samples[static_cast<std::size_t>(number)];
-    return {sample.time, sample.poses, {}};
-  }
-
-  const Trajectory& trajectory_;
-  Studio studio_;
-  double& cpuSeconds_;
-};
-
-/// The look of a grid of pictures from this stage.
-GridStyle gridStyle(const Stage& stage, const RecordSettings& settings) {
+GridStyle gridStyle(const Stage& stage, const PictureSettings& settings) {
   GridStyle style;
   style.background = stage.style().background;
   style.text = stage.style().text;
@@ -85,116 +57,154 @@ GridStyle gridStyle(const Stage& stage, const RecordSettings& settings) {
   return style;
 }
 
-std::string captionOf(const Sample& sample, const Scene& scene, const Stage& stage,
-                      const CaptionParts& parts) {
-  const std::vector<double> turned = brickRotations(stage.motif().start, sample.poses);
-  CaptionValues values{sample.time, *std::max_element(turned.begin(), turned.end()), std::nullopt,
-                       sample.jointGap};
-  if (scene.model.target) values.error = sample.targetError;
-  return captionText(parts, values);
-}
-
-void writeSnapshots(Photographer& photographer, const Scene& scene, const Trajectory& trajectory,
-                    const RecordSettings& settings, RunSummary& summary) {
-  const GridStyle style = gridStyle(photographer.stage(), settings);
-  std::vector<GridPicture> pictures;
-  for (const int number : chooseSnapshots(trajectory, settings.grid.cells(), settings.spacing)) {
-    const Sample& sample = trajectory.samples[static_cast<std::size_t>(number)];
-    pictures.push_back({photographer.take(number, Studio::Scales::None),
-                        captionOf(sample, scene, photographer.stage(), settings.captions)});
-    if (!settings.svg) continue;
-    summary.files.push_back(snapshotDrawing(static_cast<int>(pictures.size())).string());
-    writeTextFile(settings.folder / summary.files.back(), photographer.draw(number, settings.size));
-  }
-  trimAlike(pictures);
-  writePng(composeGrid(pictures, settings.grid, style), settings.folder / output::kSnapshots,
-           {.dotsPerInch = settings.dotsPerInch});
-  summary.files.emplace_back(output::kSnapshots);
-}
-
-/// Where frames go: into the video, into single files, or both.
-class FrameSink {
- public:
-  FrameSink(const RecordSettings& settings, RunSummary& summary)
-      : settings_(settings), summary_(summary) {
-    if (settings.frames) makeFolder(settings.folder / output::kFrames);
-    if (settings.video) {
-      video_ =
-          std::make_unique<VideoWriter>(settings.folder / output::kVideo, videoSettings(settings));
-    }
-  }
-
-  void put(const Frame& frame, int number) {
-    if (video_) {
-      const CpuTimer timer(summary_.recordCost.cpuSecondsEncode);
-      video_->write(frame);
-      ++summary_.videoFrames;
-    }
-    if (settings_.frames) {
-      writePng(frame, settings_.folder / frameFile(number), {.dotsPerInch = settings_.dotsPerInch});
-      summary_.files.push_back(frameFile(number).string());
-    }
-  }
-
-  void finish() {
-    if (!video_) return;
-    const CpuTimer timer(summary_.recordCost.cpuSecondsEncode);
-    video_->finish();
-    summary_.files.emplace_back(output::kVideo);
-  }
-
- private:
-  const RecordSettings& settings_;
-  RunSummary& summary_;
-  std::unique_ptr<VideoWriter> video_;
-};
-
-void markInterrupted(RunSummary& summary, double time) {
-  summary.outcome = Outcome::Interrupted;
-  summary.reason = fmt::format("stopped while painting; the video ends at {:.4g} s", time);
-}
-
-void writeFrames(Photographer& photographer, const Trajectory& trajectory,
-                 const RecordSettings& settings, const ProgressObserver& observer,
-                 RunSummary& summary) {
-  FrameSink sink(settings, summary);
-  const int count = static_cast<int>(trajectory.samples.size());
-  for (int i = 0; i < count; ++i) {
-    sink.put(photographer.take(i, Studio::Scales::Drawn), i);
-    const bool goOn = observer({"painting", (i + 1.0) / count});
-    if (!goOn && i + 1 < count) {
-      markInterrupted(summary, trajectory.samples[static_cast<std::size_t>(i)].time);
-      break;
-    }
-  }
-  sink.finish();
-}
-
 }  // namespace
 
-void requirePaintable(const Scene& scene, const RecordSettings& settings) {
-  if (!settings.snapshots && !settings.video && !settings.frames) return;
-  const Motif motif = makeMotif(scene.model, scene.brick, scene.environment.ground);
+bool choosesCamera(const PictureSettings& settings) {
+  const CameraChoice& camera = settings.look.camera;
+  return settings.look.fit == FitScope::Auto && camera.zoom == 1 && camera.keys.empty() &&
+         !camera.distance;
+}
+
+bool paintsAlong(const Model& model, const PictureSettings& settings) {
+  return settings.paintsFrames() && fitsEnds(model, settings) && settings.look.camera.orbit == 0;
+}
+
+Motif motifOf(const Subject& subject) {
+  return makeMotif(subject.model, subject.brickRule, subject.ground);
+}
+
+Motif motifOf(const TrajectoryReader& run, const PictureSettings& settings, bool whole) {
+  Motif motif = motifOf(run.subject());
+  motif.endTime = run.times().back();
+  if (whole || !fitsEnds(run.subject().model, settings)) keepRunInSight(motif, run);
+  return motif;
+}
+
+void requirePaintable(const Motif& motif, const PictureSettings& settings) {
+  if (!settings.paints()) return;
   const Stage stage(settings.look, motif, settings.size);
   if (settings.snapshots) gridStyle(stage, settings);
 }
 
-VideoSettings videoSettings(const RecordSettings& settings) {
-  VideoSettings video;
-  video.size = settings.size;
-  video.framesPerSecond = settings.framesPerSecond;
-  return video;
+Album::Album(const PictureSettings& settings, Motif motif, PictureReport& report)
+    : settings_(settings),
+      report_(report),
+      studio_(settings.size, settings.look, std::move(motif)) {
+  report_.graphics = graphicsVersion();
 }
 
-void paintAlbum(const Scene& scene, const Trajectory& trajectory, const RecordSettings& settings,
-                const ProgressObserver& observer, RunSummary& summary) {
-  const bool paintsFrames = settings.video || settings.frames;
-  if (!settings.snapshots && !paintsFrames) return;
-  if (settings.graphics) setGraphicsLibrary(*settings.graphics);
-  Photographer photographer(scene, trajectory, settings, summary.recordCost.cpuSecondsRender);
-  summary.graphics = graphicsVersion();
-  if (settings.snapshots) writeSnapshots(photographer, scene, trajectory, settings, summary);
-  if (paintsFrames) writeFrames(photographer, trajectory, settings, observer, summary);
+bool Album::makeFrames(const SampleFeed& feed) {
+  SampleQueue samples(kWaitingSamples);
+  FrameQueue frames(kWaitingFrames);
+  Crew crew([&] {
+    samples.stop();
+    frames.stop();
+  });
+  crew.start([&] {
+    feed([&](const SharedSample& sample) { return samples.push(sample); });
+    samples.close();
+  });
+  crew.start([&] { encode(frames); });
+  crew.run([&] { paint(samples, frames); });
+  crew.finish();
+  return !lostSight_;
+}
+
+void Album::paint(SampleQueue& samples, FrameQueue& frames) {
+  while (const std::optional<SharedSample> sample = samples.pop()) {
+    if (lostSight_) continue;  // the run goes on
+    lostSight_ = watchesSight_ && !isInSight(**sample);
+    if (lostSight_) {
+      frames.stop();
+    } else if (!frames.push(take(**sample, Studio::Scales::Drawn))) {
+      return;
+    }
+  }
+  frames.close();
+}
+
+void Album::encode(FrameQueue& frames) {
+  FrameSink sink(settings_, report_);
+  const Style& style = studio_.stage().style();
+  if (!settings_.title.empty()) {
+    sink.putTitle(titleCard(settings_.title, settings_.size, style.background, style.text));
+  }
+  while (std::optional<Frame> frame = frames.pop()) sink.put(std::move(*frame));
+  if (!frames.isStopped()) sink.finish();
+}
+
+bool Album::isInSight(const Sample& sample) const {
+  const Camera camera = studio_.stage().camera({sample.time, sample.poses, {}});
+  const Eigen::Matrix4d clip = clipFromWorld(camera, settings_.size.aspect());
+  const std::vector<Vector3> corners = brickCorners(studio_.stage().motif().bricks, sample.poses);
+  return std::ranges::all_of(corners, [&](const Vector3& corner) {
+    const Eigen::Vector4d point = clip * corner.homogeneous();
+    return point.head<2>().cwiseAbs().maxCoeff() <= kBorder * point.w();
+  });
+}
+
+Frame Album::take(const Sample& sample, Studio::Scales scales) {
+  const CpuTimer timer(report_.recordCost.cpuSecondsRender);
+  return studio_.take({sample.time, sample.poses, sample.pinned}, scales);
+}
+
+std::string Album::caption(const Sample& sample, bool hasTarget) const {
+  const std::vector<double> turned = brickRotations(studio_.stage().motif().start, sample.poses);
+  CaptionValues values{sample.time, *std::ranges::max_element(turned), std::nullopt,
+                       sample.jointGap};
+  if (hasTarget) values.error = sample.targetError;
+  return captionText(settings_.captions, values);
+}
+
+/// The picture of a sample as vector graphics.
+void Album::writeDrawing(const Sample& sample, int number) {
+  const Stage& stage = studio_.stage();
+  const Moment moment{sample.time, sample.poses, sample.pinned};
+  report_.files.push_back(snapshotDrawing(number).string());
+  writeTextFile(settings_.folder / report_.files.back(),
+                svgText(stage.sketch(moment), stage.camera(moment), settings_.size,
+                        stage.style().background));
+}
+
+void Album::writeGrid(const TrajectoryReader& run) {
+  const bool hasTarget = run.subject().model.target.has_value();
+  const GridStyle style = gridStyle(studio_.stage(), settings_);
+  std::vector<GridPicture> pictures;
+  for (const int number :
+       chooseSnapshots(marksOf(run, settings_.spacing), settings_.grid.cells())) {
+    const Sample sample = run.sample(static_cast<std::size_t>(number));
+    pictures.push_back({take(sample, Studio::Scales::None), caption(sample, hasTarget)});
+    if (settings_.svg) writeDrawing(sample, static_cast<int>(pictures.size()));
+  }
+  trimAlike(pictures);
+  writePng(composeGrid(pictures, settings_.grid, style), settings_.folder / output::kSnapshots,
+           {.dotsPerInch = settings_.dotsPerInch});
+  report_.files.emplace_back(output::kSnapshots);
+}
+
+void Album::writeChosenFrames(const TrajectoryReader& run) {
+  makeFolder(settings_.folder / output::kFrames);
+  for (const int number : chooseFrames(run, settings_.chosenFrames)) {
+    const Frame frame = take(run.sample(static_cast<std::size_t>(number)), Studio::Scales::Drawn);
+    writePng(frame, settings_.folder / frameFile(number), {.dotsPerInch = settings_.dotsPerInch});
+    report_.files.push_back(frameFile(number).string());
+  }
+}
+
+/// The pictures that the timeline asked for.
+void Album::writeMoments(const TrajectoryReader& run) {
+  int number = 0;
+  for (const std::size_t sample : samplesOf("snapshot", run)) {
+    report_.files.push_back(momentFile(output::kSnapshotMoment, ++number, ".png"));
+    writePng(take(run.sample(sample), Studio::Scales::Drawn),
+             settings_.folder / report_.files.back(), {.dotsPerInch = settings_.dotsPerInch});
+  }
+}
+
+void Album::writeSnapshots(const TrajectoryReader& run) {
+  writeMoments(run);
+  if (settings_.snapshots) writeGrid(run);
+  if (!settings_.chosenFrames.empty()) writeChosenFrames(run);
 }
 
 }  // namespace kirireel

@@ -15,7 +15,9 @@ namespace fs = std::filesystem;
 
 bool isRunFile(const fs::path& file) {
   static const std::regex names(
-      "deployment\\.mp4|snapshots\\.png|snapshot_[0-9]+\\.svg|(initial|final)\\.(obj|mtl|ply)|"
+      "deployment\\.(mp4|webm|gif|apng|mkv)|snapshots\\.png|snapshot_[0-9]+\\.(svg|png)|"
+      "(initial|final|state_[0-9]+)"
+      "\\.(obj|mtl|ply)|"
       "final_vertices\\.txt|trajectory\\.h5|summary\\.json");
   return std::regex_match(file.filename().string(), names);
 }
@@ -44,6 +46,10 @@ fs::path frameFile(int number) {
 
 fs::path snapshotDrawing(int number) {
   return fmt::format("snapshot_{:02}.svg", number);
+}
+
+std::string momentFile(const char* name, int number, const char* ending) {
+  return fmt::format("{}_{:04}{}", name, number, ending);
 }
 
 void makeFolder(const fs::path& folder) {

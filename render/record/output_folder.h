@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 namespace kirireel {
 
@@ -14,7 +15,9 @@ inline constexpr const char* kFinalMesh = "final";      ///< .obj and .ply
 inline constexpr const char* kFinalVertices = "final_vertices.txt";
 inline constexpr const char* kTrajectory = "trajectory.h5";
 inline constexpr const char* kSummary = "summary.json";
-inline constexpr const char* kFrames = "frames";  ///< a folder
+inline constexpr const char* kStateMoment = "state";        ///< _0001.obj, .ply, ...
+inline constexpr const char* kSnapshotMoment = "snapshot";  ///< _0001.png, ...
+inline constexpr const char* kFrames = "frames";            ///< a folder
 }  // namespace output
 
 /// "frames/frame_00042.png".
@@ -22,6 +25,9 @@ std::filesystem::path frameFile(int number);
 
 /// "snapshot_01.svg": number counts from 1.
 std::filesystem::path snapshotDrawing(int number);
+
+/// "state_0001.obj": a file of the moments that a timeline asks for; `ending` with its dot.
+std::string momentFile(const char* name, int number, const char* ending);
 
 /// Makes the folder, checks that it can be written, and removes what an earlier run left under the
 /// names above, so that files of two runs never stand side by side. Nothing else is touched.

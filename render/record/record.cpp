@@ -1,19 +1,23 @@
 #include "render/record/record.h"
 
 #include <algorithm>
+#include <optional>
 
 #include <fmt/format.h>
 
+#include "render/gl/context.h"
 #include "render/mesh/mesh.h"
 #include "render/record/album.h"
+#include "render/record/frame_sink.h"
 #include "render/record/output_folder.h"
+#include "render/record/replay.h"
+#include "render/record/scribe.h"
+#include "render/record/snapshot_choice.h"
 #include "render/record/stopwatch.h"
 #include "render/record/summary.h"
-#include "render/video/video.h"
 #include "sim/base/error.h"
 #include "sim/base/pending_file.h"
 #include "sim/model/folder.h"
-#include "sim/trajectory/trajectory_file.h"
 
 namespace kirireel {
 namespace {
@@ -22,14 +26,23 @@ namespace {
 /// a dot. Only diverged runs get there.
 constexpr double kFarthestDrawn = 20;
 
-void requireValidSettings(const RecordSettings& settings) {
+void requireWithin(double value, double least, double most, const char* option,
+                   const char* meaning) {
+  if (value >= least && value <= most) return;
+  throw InputError(fmt::format("error: {0} {1:g} is not possible; give {2} of {3:g} to {4:g}",
+                               option, value, meaning, least, most));
+}
+
+void requireValidSettings(const PictureSettings& settings) {
   requireValidSize(settings.size);
   if (settings.snapshots) layOutGrid(settings.size, settings.grid);
-  if (settings.video) requireValidSettings(output::kVideo, videoSettings(settings));
+  if (settings.video) requireValidSettings(settings.videoFile, videoSettings(settings));
   if (settings.framesPerSecond < 1 || settings.framesPerSecond > 240) {
     throw InputError(fmt::format("error: {} frames a second are not possible; give --fps 1 to 240",
                                  settings.framesPerSecond));
   }
+  requireWithin(settings.speed, 1e-3, 1e3, "--speed", "a factor");
+  requireWithin(settings.hold, 0, 60, "--hold", "seconds");
 }
 
 bool isDrawable(const Sample& sample, const Sample& start, double reach) {
@@ -41,60 +54,136 @@ bool isDrawable(const Sample& sample, const Sample& start, double reach) {
   return true;
 }
 
-/// Drops the samples from the first that cannot be drawn.
-void keepDrawable(Trajectory& trajectory, double modelSize) {
-  std::vector<Sample>& samples = trajectory.samples;
-  const auto end = std::find_if(samples.begin() + 1, samples.end(), [&](const Sample& sample) {
-    return !isDrawable(sample, samples.front(), kFarthestDrawn * modelSize);
-  });
-  samples.erase(end, samples.end());
+/// The end of a run that the files show.
+struct RunEnd {
+  DeploymentResult result;
+  SharedSample first;
+  SharedSample last;  ///< that can be drawn
+};
+
+/// One run into trajectory.h5 and, as far as samples can be drawn, to a taker.
+class LiveRun {
+ public:
+  LiveRun(const Scene& scene, const RecordSettings& settings, const ProgressObserver& observer)
+      : scene_(scene),
+        settings_(settings),
+        observer_(observer),
+        reach_(kFarthestDrawn * modelSize(scene.model)) {}
+
+  void feed(const SampleTaker& take) {
+    Subject subject = subjectOf(scene_);
+    subject.settings = settingsText(scene_, settings_);
+    Scribe scribe(settings_.folder / output::kTrajectory, subject);
+    end_.result = deployUnkept(scene_, settings_.frameInterval(), [&](const Sample& sample) {
+      const bool taken = !keep(sample) || (scribe.take(end_.last) && take(end_.last));
+      return taken && observer_({"deploying", std::min(1.0, sample.time / scene_.stop.duration)});
+    });
+    scribe.finish(end_.result.trajectory.events);
+  }
+
+  const RunEnd& end() const { return end_; }
+
+ private:
+  /// False from the first sample on that cannot be drawn.
+  bool keep(const Sample& sample) {
+    if (!end_.first) end_.first = end_.last = std::make_shared<const Sample>(sample);
+    drawable_ = drawable_ && isDrawable(sample, *end_.first, reach_);
+    if (drawable_) end_.last = std::make_shared<const Sample>(sample);
+    return drawable_;
+  }
+
+  const Scene& scene_;
+  const RecordSettings& settings_;
+  const ProgressObserver& observer_;
+  double reach_;
+  bool drawable_ = true;
+  RunEnd end_;
+};
+
+void summarize(const RunEnd& end, RunSummary& summary) {
+  summary.outcome = end.result.outcome;
+  summary.reason = end.result.reason;
+  summary.endTime = end.last->time;
+  summary.needs = end.result.needs;
+  summary.accuracy = end.result.accuracy;
+  summary.assembledFloor = end.result.assembledFloor;
+  summary.deployCost = end.result.cost;
+  summary.events = end.result.trajectory.events;
 }
 
-DeploymentResult deployWatched(const Scene& scene, const RecordSettings& settings,
-                               const ProgressObserver& observer) {
-  Subject subject = subjectOf(scene);
-  subject.settings = settingsText(scene, settings);
-  TrajectoryWriter writer(settings.folder / output::kTrajectory, subject);
-  DeploymentResult result =
-      deploy(scene, 1.0 / settings.framesPerSecond, [&](const Sample& sample) {
-        writer.append(sample);
-        return observer({"deploying", std::min(1.0, sample.time / scene.stop.duration)});
-      });
-  writer.finish(result.trajectory.events);
-  return result;
-}
-
-RunSummary summarize(const DeploymentResult& result) {
-  RunSummary summary;
-  summary.outcome = result.outcome;
-  summary.reason = result.reason;
-  summary.endTime = result.trajectory.samples.back().time;
-  summary.needs = result.needs;
-  summary.accuracy = result.accuracy;
-  summary.assembledFloor = result.assembledFloor;
-  summary.deployCost = result.cost;
-  return summary;
-}
-
-void writeEndState(const Trajectory& trajectory, const RecordSettings& settings,
+void writeEndState(const Scene& scene, const RunEnd& end, const RecordSettings& settings,
                    RunSummary& summary) {
-  writeTiles(bottomTiles(trajectory.bricks, trajectory.samples.back().poses),
-             settings.folder / output::kFinalVertices);
+  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
+  writeTiles(bottomTiles(bricks, end.last->poses), settings.folder / output::kFinalVertices);
   summary.files.emplace_back(output::kFinalVertices);
-}
-
-void writeMeshes(const Trajectory& trajectory, const RecordSettings& settings,
-                 RunSummary& summary) {
+  if (!settings.meshes) return;
   const auto write = [&](const char* name, const Sample& sample) {
     for (const char* ending : {".obj", ".ply"}) {
-      const std::string file = fmt::format("{}{}", name, ending);
-      writeMesh(settings.folder / file, trajectory.bricks, sample.poses);
-      summary.files.push_back(file);
+      summary.files.push_back(fmt::format("{}{}", name, ending));
+      writeMesh(settings.folder / summary.files.back(), bricks, sample.poses);
     }
   };
-  write(output::kInitialMesh, trajectory.samples.front());
-  write(output::kFinalMesh, trajectory.samples.back());
+  write(output::kInitialMesh, *end.first);
+  write(output::kFinalMesh, *end.last);
 }
+
+/// Meshes of the moments that the timeline asked for.
+void writeStates(const Scene& scene, const RecordSettings& settings, RunSummary& summary) {
+  const TrajectoryReader run(settings.folder / output::kTrajectory);
+  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
+  int number = 0;
+  for (const std::size_t sample : samplesOf("export", run)) {
+    ++number;
+    for (const char* ending : {".obj", ".ply"}) {
+      summary.files.push_back(momentFile(output::kStateMoment, number, ending));
+      writeMesh(settings.folder / summary.files.back(), bricks, run.sample(sample).poses);
+    }
+  }
+}
+
+/// Where pictures come from: this thread's album, once it is known what it must hold in sight.
+class PictureJob {
+ public:
+  PictureJob(const PictureSettings& settings, const ProgressObserver& observer,
+             PictureReport& report)
+      : settings_(settings), observer_(observer), report_(report) {
+    if (settings.graphics) setGraphicsLibrary(*settings.graphics);
+    // Other cores simulate and encode.
+    if (settings.paintsFrames()) setRasterThreads(0);
+  }
+
+  /// Paints frames while the run goes on.
+  void makeFramesAlong(const Subject& subject, const SampleFeed& feed) {
+    album_.emplace(settings_, motifOf(subject), report_);
+    if (choosesCamera(settings_)) album_->watchSight();
+    framesMade_ = album_->makeFrames(feed);
+  }
+
+  /// Makes what is missing, once the run is over.
+  void makeTheRest(const TrajectoryReader& run) {
+    if (settings_.paintsFrames() && !framesMade_) makeFrames(run);
+    if (!album_) album_.emplace(settings_, motifOf(run, settings_), report_);
+    album_->writeSnapshots(run);
+  }
+
+ private:
+  void makeFrames(const TrajectoryReader& run) {
+    const SampleFeed feed = replay(run, settings_.frameInterval(), observer_, report_.stoppedAt);
+    // An album that lost sight of something is replaced by one that sees all of the run.
+    for (const bool whole : {album_.has_value(), true}) {
+      album_.reset();
+      album_.emplace(settings_, motifOf(run, settings_, whole), report_);
+      if (!whole && choosesCamera(settings_)) album_->watchSight();
+      if (album_->makeFrames(feed)) return;
+    }
+  }
+
+  const PictureSettings& settings_;
+  const ProgressObserver& observer_;
+  PictureReport& report_;
+  std::optional<Album> album_;
+  bool framesMade_ = false;
+};
 
 }  // namespace
 
@@ -102,24 +191,48 @@ RunSummary record(const Scene& scene, const RecordSettings& settings,
                   const ProgressObserver& observer) {
   const Stopwatch stopwatch;
   requireValidSettings(settings);
-  requirePaintable(scene, settings);
+  requirePaintable(motifOf(subjectOf(scene)), settings);
   prepareOutputFolder(settings.folder);
 
-  DeploymentResult result = deployWatched(scene, settings, observer);
-  keepDrawable(result.trajectory, modelSize(scene.model));
-  RunSummary summary = summarize(result);
+  RunSummary summary;
+  LiveRun run(scene, settings, observer);
+  PictureJob pictures(settings, observer, summary);
+  const SampleFeed feed = [&run](const SampleTaker& take) { run.feed(take); };
+  if (paintsAlong(scene.model, settings)) {
+    pictures.makeFramesAlong(subjectOf(scene), feed);
+  } else {
+    feed([](const SharedSample&) { return true; });
+  }
+  summarize(run.end(), summary);
   summary.files.emplace_back(output::kTrajectory);
-
-  // The quick files first, so that a run that must end soon leaves them all.
-  writeEndState(result.trajectory, settings, summary);
-  if (settings.meshes) writeMeshes(result.trajectory, settings, summary);
-  paintAlbum(scene, result.trajectory, settings, observer, summary);
+  writeEndState(scene, run.end(), settings, summary);
+  if (settings.meshes) writeStates(scene, settings, summary);
+  if (settings.paints())
+    pictures.makeTheRest(TrajectoryReader(settings.folder / output::kTrajectory));
+  if (summary.stoppedAt) {
+    summary.outcome = Outcome::Interrupted;
+    summary.reason =
+        fmt::format("stopped while painting; the video ends at {:.4g} s", *summary.stoppedAt);
+  }
 
   summary.files.emplace_back(output::kSummary);
   summary.recordCost.wallSeconds = stopwatch.seconds();
   summary.recordCost.peakMemoryBytes = peakMemoryBytes();
   writeTextFile(settings.folder / output::kSummary, summaryJson(scene, settings, summary));
   return summary;
+}
+
+PictureReport render(const std::filesystem::path& trajectory, const PictureSettings& settings,
+                     const ProgressObserver& observer) {
+  const Stopwatch stopwatch;
+  requireValidSettings(settings);
+  const TrajectoryReader run(trajectory);
+  makeFolder(settings.folder);
+  PictureReport report;
+  if (settings.paints()) PictureJob(settings, observer, report).makeTheRest(run);
+  report.recordCost.wallSeconds = stopwatch.seconds();
+  report.recordCost.peakMemoryBytes = peakMemoryBytes();
+  return report;
 }
 
 }  // namespace kirireel

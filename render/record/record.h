@@ -23,47 +23,78 @@ enum class SnapshotSpacing {
   Progress,  ///< equal shares of the way that the tiles travel
 };
 
-/// What a run leaves, and where.
-struct RecordSettings {
+/// A moment of a run that is wanted as a picture of its own.
+struct FrameChoice {
+  enum class Unit { Seconds, Share };
+  double value = 0;  ///< simulated seconds, or the share of the way, 0 to 1
+  Unit unit = Unit::Seconds;
+
+  bool operator==(const FrameChoice&) const = default;
+};
+
+/// Which pictures of a run are wanted, how they look, and where they go.
+struct PictureSettings {
   std::optional<GraphicsLibrary> graphics;  ///< that draws; absent: the program's first
   std::filesystem::path folder;  ///< made if need be; a former run's files in it are replaced
-  FrameSize size;                ///< of video frames and of each snapshot; even when video is on
-  int framesPerSecond = 60;      ///< of the video, and samples a simulated second; 1 to 240
-  Look look;                     ///< of all pictures
+  FrameSize size;                ///< of video frames and of each snapshot
+  int framesPerSecond = 60;      ///< of the video, 1 to 240
+  double speed = 1;              ///< simulated seconds in a second of video; below 1 is slow motion
+  double hold = 0;    ///< seconds that the video shows its first and its last frame longer
+  std::string title;  ///< of a card shown before the video, ASCII; none when empty
+  Look look;          ///< of all pictures
   GridShape grid;
   CaptionParts captions;              ///< under the grid's pictures
   bool scaleBar = false;              ///< a length under the grid; needs a parallel projection
   std::optional<double> dotsPerInch;  ///< noted in PNG files, for print
   SnapshotSpacing spacing = SnapshotSpacing::Progress;
-  bool video = true;      ///< deployment.mp4
-  bool snapshots = true;  ///< snapshots.png
-  bool svg = false;       ///< snapshot_01.svg ..., the grid's pictures as vector graphics
-  bool meshes = true;     ///< initial and final, OBJ and PLY
-  bool frames = false;    ///< frames/frame_00000.png ..., every frame of the video
+  bool video = true;
+  std::string videoFile = "deployment.mp4";  ///< its ending chooses the format
+  std::optional<int> crf;                    ///< of the video, see VideoSettings
+  std::string preset = "veryfast";           ///< of the video, see VideoSettings
+  std::string encoder;                       ///< of the video, see VideoSettings
+  bool snapshots = true;                     ///< snapshots.png
+  bool svg = false;     ///< snapshot_01.svg ..., the grid's pictures as vector graphics
+  bool frames = false;  ///< frames/frame_00000.png ..., every frame of the video
+  std::vector<FrameChoice> chosenFrames;  ///< the same of these moments alone
+
+  bool paintsFrames() const { return video || frames; }
+  bool paints() const { return paintsFrames() || snapshots || !chosenFrames.empty(); }
+  /// Simulated seconds from one frame of the video to the next.
+  double frameInterval() const { return speed / framesPerSecond; }
 };
 
-/// What recording cost, beside the deployment's own cost. CPU seconds are of the whole process
-/// while the stage ran.
+/// What a run leaves: its pictures, one sample for each frame, and more.
+struct RecordSettings : PictureSettings {
+  bool meshes = true;  ///< initial and final, OBJ and PLY
+};
+
+/// What recording cost, beside the deployment's own cost. CPU seconds are of the stage's thread.
 struct RecordCost {
   double cpuSecondsRender = 0;
   double cpuSecondsEncode = 0;
-  double wallSeconds = 0;            ///< from the start of record() to the summary
+  double wallSeconds = 0;            ///< from the start to the last file
   std::int64_t peakMemoryBytes = 0;  ///< largest resident size of the process
 };
 
-/// Everything that summary.json says about a run, beside its settings.
-struct RunSummary {
-  Outcome outcome = Outcome::OutOfTime;
-  std::string reason;   ///< one line: why it ended so
-  double endTime = 0;   ///< simulated seconds
-  int videoFrames = 0;  ///< frames in deployment.mp4
-  Needs needs;
-  Accuracy accuracy;
-  double assembledFloor = -1;  ///< metres; negative when not computed
-  DeployCost deployCost;
+/// What was painted, and what it cost.
+struct PictureReport {
+  int videoFrames = 0;              ///< frames in the video
+  std::optional<double> stoppedAt;  ///< where the video ends when the observer ended it, seconds
   RecordCost recordCost;
   std::string graphics;            ///< version of OpenGL and its maker; empty when none was used
   std::vector<std::string> files;  ///< relative to the folder, in the order written
+};
+
+/// Everything that summary.json says about a run, beside its settings.
+struct RunSummary : PictureReport {
+  Outcome outcome = Outcome::OutOfTime;
+  std::string reason;  ///< one line: why it ended so
+  double endTime = 0;  ///< simulated seconds
+  Needs needs;
+  Accuracy accuracy;
+  double assembledFloor = -1;  ///< metres; negative when not computed
+  std::vector<Event> events;   ///< what the timeline did, and how the run ended
+  DeployCost deployCost;
 };
 
 /// How far a run is, for a progress line.
@@ -76,11 +107,18 @@ struct Progress {
 /// run then counts as interrupted, and what exists so far is still written out.
 using ProgressObserver = std::function<bool(const Progress&)>;
 
-/// Deploys the scene and writes everything that the settings ask for, then summary.json. A run that
+/// Deploys the scene and writes everything that the settings ask for, then summary.json. Deploying,
+/// painting, encoding and writing go on at the same time, so memory does not grow with the length
+/// of the run, and the video of a run that is interrupted is whole as far as it goes. A run that
 /// diverges or is interrupted leaves its files too, and says so in the summary.
 /// Throws InputError for settings out of range, OutputError when a file cannot be written; the
 /// folder and the settings are checked before the deployment starts.
 RunSummary record(const Scene& scene, const RecordSettings& settings,
                   const ProgressObserver& observer);
+
+/// Makes the pictures of a recorded run again, from its trajectory.h5, without simulating. Throws
+/// InputError when the file is no whole trajectory, and as record().
+PictureReport render(const std::filesystem::path& trajectory, const PictureSettings& settings,
+                     const ProgressObserver& observer);
 
 }  // namespace kirireel

@@ -1,10 +1,17 @@
 #include "render/record/snapshot_choice.h"
 
 #include <algorithm>
-#include <cmath>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "sim/base/error.h"
 
 namespace kirireel {
 namespace {
+
+/// A wanted time may lie this much after the end, seconds: people round.
+constexpr double kAfterEnd = 0.01;
 
 double meanVertexMove(const std::vector<Brick>& bricks, const Poses& from, const Poses& to) {
   double sum = 0;
@@ -18,10 +25,12 @@ double meanVertexMove(const std::vector<Brick>& bricks, const Poses& from, const
   return vertices == 0 ? 0 : sum / static_cast<double>(vertices);
 }
 
-std::vector<double> timesOf(const Trajectory& trajectory) {
-  std::vector<double> times;
-  for (const Sample& sample : trajectory.samples) times.push_back(sample.time);
-  return times;
+std::vector<double> travelledWay(const TrajectoryReader& run) {
+  WayMeter meter(run.subject().bricks);
+  std::vector<double> way;
+  for (std::size_t i = 0; i < run.times().size(); ++i)
+    way.push_back(meter.add(run.sample(i).poses));
+  return way;
 }
 
 /// The entry of rising numbers that is nearest to a wanted one.
@@ -33,23 +42,35 @@ int nearestIndex(const std::vector<double>& numbers, double wanted) {
   return static_cast<int>((takeBelow ? below : above) - numbers.begin());
 }
 
-}  // namespace
-
-std::vector<double> travelledWay(const Trajectory& trajectory) {
-  std::vector<double> way = {0};
-  for (std::size_t i = 1; i < trajectory.samples.size(); ++i) {
-    const Poses& before = trajectory.samples[i - 1].poses;
-    const Poses& after = trajectory.samples[i].poses;
-    way.push_back(way.back() + meanVertexMove(trajectory.bricks, before, after));
+int nearestToTime(const std::vector<double>& times, double time) {
+  if (time > times.back() + kAfterEnd) {
+    throw InputError(fmt::format(
+        "--frames-at: {:g} s is after the end of the run at {:g} s; give times up to it, or shares "
+        "such as 100%",
+        time, times.back()));
   }
-  return way;
+  return nearestIndex(times, time);
 }
 
-std::vector<int> chooseSnapshots(const Trajectory& trajectory, int count, SnapshotSpacing spacing) {
-  const int last = static_cast<int>(trajectory.samples.size()) - 1;
+bool isShare(const FrameChoice& choice) {
+  return choice.unit == FrameChoice::Unit::Share;
+}
+
+}  // namespace
+
+double WayMeter::add(const Poses& poses) {
+  if (!before_.empty()) way_ += meanVertexMove(bricks_, before_, poses);
+  before_ = poses;
+  return way_;
+}
+
+std::vector<double> marksOf(const TrajectoryReader& run, SnapshotSpacing spacing) {
+  return spacing == SnapshotSpacing::Time ? run.times() : travelledWay(run);
+}
+
+std::vector<int> chooseSnapshots(const std::vector<double>& marks, int count) {
+  const int last = static_cast<int>(marks.size()) - 1;
   if (count == 1) return {last};
-  const std::vector<double> marks =
-      spacing == SnapshotSpacing::Time ? timesOf(trajectory) : travelledWay(trajectory);
   const int chosen = std::min(count, last + 1);
   std::vector<int> indices;
   for (int i = 0; i < chosen - 1; ++i) {
@@ -61,6 +82,28 @@ std::vector<int> chooseSnapshots(const Trajectory& trajectory, int count, Snapsh
   }
   indices.push_back(last);
   return indices;
+}
+
+std::vector<int> chooseFrames(const TrajectoryReader& run, const std::vector<FrameChoice>& wanted) {
+  const bool anyShare = std::ranges::any_of(wanted, isShare);
+  const std::vector<double> way = anyShare ? travelledWay(run) : std::vector<double>();
+  std::set<int> indices;
+  for (const FrameChoice& choice : wanted) {
+    indices.insert(isShare(choice) ? nearestIndex(way, choice.value * way.back())
+                                   : nearestToTime(run.times(), choice.value));
+  }
+  return {indices.begin(), indices.end()};
+}
+
+std::vector<std::size_t> samplesOf(const std::string& event, const TrajectoryReader& run) {
+  std::vector<std::size_t> found;
+  const std::vector<double>& times = run.times();
+  for (const Event& happened : run.events()) {
+    if (happened.text != event) continue;
+    const auto at = std::lower_bound(times.begin(), times.end() - 1, happened.time - 1e-9);
+    found.push_back(static_cast<std::size_t>(at - times.begin()));
+  }
+  return found;
 }
 
 }  // namespace kirireel

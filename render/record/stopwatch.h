@@ -6,17 +6,17 @@
 
 namespace kirireel {
 
-/// CPU seconds that this process has used on all its threads.
-double processCpuSeconds();
+/// CPU seconds that this thread has used.
+double threadCpuSeconds();
 
 /// Largest resident memory of this process so far, bytes.
 std::int64_t peakMemoryBytes();
 
-/// Adds the CPU seconds of its own lifetime to a sum.
+/// Adds the CPU seconds that its thread uses during its lifetime to a sum.
 class CpuTimer {
  public:
-  explicit CpuTimer(double& sum) : sum_(sum), start_(processCpuSeconds()) {}
-  ~CpuTimer() { sum_ += processCpuSeconds() - start_; }
+  explicit CpuTimer(double& sum) : sum_(sum), start_(threadCpuSeconds()) {}
+  ~CpuTimer() { sum_ += threadCpuSeconds() - start_; }
   CpuTimer(const CpuTimer&) = delete;
   CpuTimer& operator=(const CpuTimer&) = delete;
 

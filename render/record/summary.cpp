@@ -79,6 +79,32 @@ Json environmentJson(const Environment& environment) {
           {"angular_damping", environment.angularDamping}};
 }
 
+const char* driveWord(Drive drive) {
+  switch (drive) {
+    case Drive::Target:
+      return "target";
+    case Drive::Expansion:
+      return "expansion";
+    case Drive::Boundary:
+      return "boundary";
+    case Drive::None:
+      break;
+  }
+  return "none";
+}
+
+Json actuationJson(const Actuation& actuation) {
+  return {{"drive", driveWord(actuation.drive)},
+          {"boundary_size", actuation.boundary.size},
+          {"boundary_aspect", actuation.boundary.aspect}};
+}
+
+Json eventsJson(const std::vector<Event>& events) {
+  Json json = Json::array();
+  for (const Event& event : events) json.push_back({{"time", event.time}, {"what", event.text}});
+  return json;
+}
+
 Json springsJson(const TargetSpringSettings& springs) {
   return {{"spring_stiffness", springs.springStiffness},
           {"torque_stiffness", springs.torqueStiffness},
@@ -150,6 +176,7 @@ Json settingsJson(const Scene& scene, const RecordSettings& settings) {
           {"mass", scene.brick.mass == MassRule::Unit ? "unit" : "prism"},
           {"density", scene.brick.density},
           {"environment", environmentJson(scene.environment)},
+          {"actuation", actuationJson(scene.actuation)},
           {"springs", springsJson(scene.springs)},
           {"solver", solverJson(scene.solver)},
           {"duration", scene.stop.duration},
@@ -180,6 +207,7 @@ std::string summaryJson(const Scene& scene, const RecordSettings& settings,
        {{"planar", needJson(summary.needs.planar)},
         {"contacts", needJson(summary.needs.contacts)},
         {"ground", needJson(summary.needs.ground)}}},
+      {"events", eventsJson(summary.events)},
       {"settings", settingsJson(scene, settings)},
       {"files", summary.files},
       {"cost", costJson(summary)},

@@ -33,6 +33,7 @@ enum class GroundLook {
 
 /// What the camera must hold in sight.
 enum class FitScope {
+  Auto,  ///< as Ends; as Run when there is no target or something would be cut off
   Run,   ///< the start, the target and everything in between
   Ends,  ///< the start and the target; what leaves them on the way is cut off
 };
@@ -51,7 +52,7 @@ struct Look {
   bool targetLines = false;           ///< the target's tiles as lines over everything
   GroundLook ground = GroundLook::Auto;
   CameraChoice camera;
-  FitScope fit = FitScope::Run;
+  FitScope fit = FitScope::Auto;
 };
 
 }  // namespace kirireel

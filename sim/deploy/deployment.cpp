@@ -7,9 +7,12 @@
 
 #include <fmt/format.h>
 
+#include "sim/actuation/boundary_springs.h"
+#include "sim/actuation/expansion.h"
 #include "sim/actuation/target_springs.h"
 #include "sim/base/error.h"
 #include "sim/deploy/dynamics.h"
+#include "sim/deploy/timeline_runner.h"
 
 namespace kirireel {
 namespace {
@@ -46,13 +49,20 @@ std::vector<Velocity> nudge(std::size_t count, double speed, unsigned seed) {
 }
 
 /// One deployment in progress.
-class Run {
+class Run : private TimelineStage {
  public:
   Run(const Scene& scene, double sampleInterval, const SampleObserver& observer);
   DeploymentResult finish();
 
  private:
   void start();
+  void pull(const Poses& poses, std::vector<Load>& loads) const;
+  void setPinned(const std::vector<bool>& pinned) override { dynamics_->setPinned(pinned); }
+  void goTo(const std::vector<Tile>* target) override;
+  void reset() override;
+  void quit() override;
+  bool followTimeline(bool atRest);
+  void restOrGoOn();
   void advanceSample();
   void advanceStep();
   void observeStep();
@@ -61,19 +71,26 @@ class Run {
   void takeSample();
   void end(Outcome outcome, std::string reason);
   void endAtRest();
-  double currentTargetError() const;
-
   double time() const { return static_cast<double>(stepCount_) * step_; }
+  bool pullsToTarget() const { return scene_.actuation.drive == Drive::Target && target_; }
+  double finalTargetError() const;
+  double currentTargetError() const;
+  double reachableError() const;
 
   const Scene& scene_;
   const SampleObserver& observer_;
   std::vector<Brick> bricks_;
   std::vector<Pivot> pivots_;
   Motion motion_;
-  Poses startPoses_;
+  Poses startPoses_;                 // joints closed
+  const std::vector<Tile>* target_;  // the one headed for at present; null when there is none
+  double targetStartError_ = 0;      // when it was set
+  double targetFloor_ = 0;           // its rigid floor
   Needs needs_;
   std::unique_ptr<Dynamics> dynamics_;
   std::optional<TargetSprings> springs_;
+  std::optional<BoundarySprings> boundary_;
+  TimelineRunner timeline_;
   AdaptiveStiffness stiffness_;
   LoadSource actuation_;
   int stepsPerSample_;
@@ -93,35 +110,97 @@ Run::Run(const Scene& scene, double sampleInterval, const SampleObserver& observ
       bricks_(makeBricks(scene.model.tiles, scene.brick)),
       pivots_(makePivots(scene.model.joints, bricks_)),
       motion_{startPoses(scene.model.tiles, bricks_), {}},
+      target_(scene.model.target ? &*scene.model.target : nullptr),
       needs_(sceneNeeds(scene)),
       dynamics_(makeDynamics(scene, needs_, bricks_, motion_.poses)),
-      stiffness_(scene.springs.adaptive && scene.model.target.has_value()),
+      timeline_(scene.timeline, bricks_),
+      stiffness_(false),
       stepsPerSample_(static_cast<int>(std::ceil(sampleInterval / scene.solver.timestep - 1e-9))),
       step_(sampleInterval / stepsPerSample_),
       size_(modelSize(scene.model)),
       tileSize_(tileSize(scene.model)) {
-  if (scene.model.target) {
-    springs_.emplace(bricks_, *scene.model.target, scene.model.pulledTiles, scene.springs);
+  if (scene.actuation.drive == Drive::Boundary) {
+    boundary_.emplace(scene.model, bricks_, scene.springs, scene.actuation.boundary);
   }
   actuation_ = [this](const Poses& poses, std::vector<Load>& loads) {
-    for (std::size_t i = 0; i < poses.size(); ++i) {
-      loads[i] =
-          springs_ ? springs_->load(static_cast<int>(i), poses[i], stiffness_.factor()) : Load{};
-    }
+    std::fill(loads.begin(), loads.end(), Load{});
+    if (timeline_.forcesAreOn()) pull(poses, loads);
+    timeline_.addDrags(time(), poses, loads);
   };
 }
 
-double Run::currentTargetError() const {
+/// What drives the bricks.
+void Run::pull(const Poses& poses, std::vector<Load>& loads) const {
+  const Drive drive = scene_.actuation.drive;
+  const Vector3 centre = drive == Drive::Expansion ? centreOfMass(bricks_, poses) : Vector3::Zero();
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const int brick = static_cast<int>(i);
+    if (springs_) loads[i] = springs_->load(brick, poses[i], stiffness_.factor());
+    if (boundary_) loads[i] = boundary_->load(brick, poses[i]);
+    if (drive == Drive::Expansion) loads[i] = expansionLoad(scene_.springs, centre, poses[i]);
+  }
+}
+
+/// To the model's own target, which the accuracy figures refer to.
+double Run::finalTargetError() const {
   return scene_.model.target ? targetError(*scene_.model.target, bricks_, motion_.poses) : 0;
+}
+
+/// To the target headed for at present.
+double Run::currentTargetError() const {
+  return target_ ? targetError(*target_, bricks_, motion_.poses) : 0;
+}
+
+/// What counts as having arrived.
+double Run::reachableError() const {
+  return targetFloor_ + kLockedShare * tileSize_;
+}
+
+void Run::goTo(const std::vector<Tile>* target) {
+  if (!target && scene_.model.target) target = &*scene_.model.target;
+  target_ = target;
+  if (!target_) return;
+  targetStartError_ = currentTargetError();
+  targetFloor_ = rigidFloor(scene_.model.tiles, *target_);
+  if (!pullsToTarget()) return;
+  springs_.emplace(bricks_, *target_, scene_.model.pulledTiles, scene_.springs);
+  stiffness_ = AdaptiveStiffness(scene_.springs.adaptive);
+}
+
+void Run::reset() {
+  motion_ = {startPoses_, nudge(bricks_.size(), kNudge * size_, scene_.solver.seed)};
+  // A solver carries contacts and multipliers from step to step, which do not belong here.
+  dynamics_ = makeDynamics(scene_, needs_, bricks_, startPoses(scene_.model.tiles, bricks_));
+  goTo(nullptr);
+}
+
+void Run::quit() {
+  end(Outcome::OutOfTime, fmt::format("the timeline ended the run at {:.4g} s", time()));
+}
+
+/// Does what the timeline wants now. Returns whether that was anything.
+bool Run::followTimeline(bool atRest) {
+  if (timeline_.isOver(time())) return false;
+  const double error = currentTargetError();
+  const TimelineView view = {time(),
+                             atRest,
+                             error,
+                             targetStartError_,
+                             atRest && target_ && error <= reachableError(),
+                             &motion_.poses};
+  if (!timeline_.carryOut(view, *this, result_.trajectory.events)) return false;
+  restTime_ = 0;
+  return true;
 }
 
 void Run::start() {
   const std::vector<Tile> before = bottomTiles(bricks_, motion_.poses);
   dynamics_->assemble(motion_.poses);
+  goTo(nullptr);
   motion_.velocities = nudge(bricks_.size(), kNudge * size_, scene_.solver.seed);
   Accuracy& accuracy = result_.accuracy;
   accuracy.assemblyMove = targetError(before, bricks_, motion_.poses);
-  accuracy.targetErrorStart = accuracy.targetErrorMin = currentTargetError();
+  accuracy.targetErrorStart = accuracy.targetErrorMin = finalTargetError();
   if (scene_.model.target) {
     accuracy.rigidFloor = rigidFloor(scene_.model.tiles, *scene_.model.target);
   }
@@ -135,8 +214,9 @@ void Run::takeSample() {
   Sample sample;
   sample.time = time();
   sample.poses = motion_.poses;
+  sample.pinned = timeline_.pinnedTiles();
   sample.jointGap = jointGap(pivots_, motion_.poses).max;
-  sample.targetError = currentTargetError();
+  sample.targetError = finalTargetError();
   result_.accuracy.jointGapEnd = sample.jointGap;
   result_.accuracy.targetErrorEnd = sample.targetError;
   sample.penetration = deepestPenetration(bricks_, motion_.poses).depth;
@@ -157,10 +237,9 @@ void Run::observeStep() {
   const JointGap gap = jointGap(pivots_, motion_.poses);
   accuracy.jointGapMax = std::max(accuracy.jointGapMax, gap.max);
   gapSum_ += gap.mean;
-  if (scene_.model.target) {
-    const double error = currentTargetError();
-    accuracy.targetErrorMin = std::min(accuracy.targetErrorMin, error);
-    stiffness_.observe(error, step_);
+  accuracy.targetErrorMin = std::min(accuracy.targetErrorMin, finalTargetError());
+  if (pullsToTarget() && timeline_.forcesAreOn()) {
+    stiffness_.observe(currentTargetError(), step_);
   }
 }
 
@@ -191,10 +270,10 @@ void Run::end(Outcome outcome, std::string reason) {
 
 void Run::endAtRest() {
   const double error = currentTargetError();
-  const double reachable = result_.accuracy.rigidFloor + kLockedShare * tileSize_;
-  if (!scene_.model.target) {
-    end(Outcome::Settled, "everything came to rest; there is no target");
-  } else if (error <= reachable) {
+  if (!pullsToTarget()) {
+    end(Outcome::Settled, target_ ? "everything came to rest; nothing pulls to the target"
+                                  : "everything came to rest; there is no target");
+  } else if (error <= reachableError()) {
     end(Outcome::Settled, fmt::format("came to rest {:.3g} from the target", error));
   } else {
     end(Outcome::Locked, fmt::format("came to rest {:.3g} short of the target", error));
@@ -204,6 +283,13 @@ void Run::endAtRest() {
 /// Steps to the next sample, unless the run diverges on the way.
 void Run::advanceSample() {
   for (int i = 0; i < stepsPerSample_; ++i) {
+    followTimeline(false);
+    // A run that is to end goes on to the next sample, so that samples stay equally spaced.
+    if (ended_ && i == 0) return;
+    if (timeline_.isPaused(time())) {
+      ++stepCount_;
+      continue;
+    }
     advanceStep();
     if (isLost()) {
       end(Outcome::Diverged,
@@ -216,13 +302,19 @@ void Run::advanceSample() {
     updateRest();
   }
   takeSample();
-  if (!ended_ && restTime_ >= scene_.stop.settleTime) {
-    if (stiffness_.exhausted() || currentTargetError() <= 1e-6 * size_) {
-      endAtRest();
-    } else {
-      stiffness_.stiffen();
-      restTime_ = 0;
-    }
+  if (!ended_ && restTime_ >= scene_.stop.settleTime) restOrGoOn();
+}
+
+/// Nothing moves: a stiffer pull or the timeline may change that, else the run is over.
+void Run::restOrGoOn() {
+  const bool stiffer = pullsToTarget() && timeline_.forcesAreOn() && !stiffness_.exhausted();
+  if (stiffer && currentTargetError() > 1e-6 * size_) {
+    stiffness_.stiffen();
+    restTime_ = 0;
+  } else if (timeline_.isOver(time())) {
+    endAtRest();
+  } else if (!followTimeline(true) && timeline_.waitsForState()) {
+    end(Outcome::Locked, fmt::format("came to rest, yet {}", timeline_.pending()));
   }
 }
 
@@ -247,6 +339,17 @@ void requireShare(double value, const char* name) {
   throw InputError(fmt::format(
       "{} is {}, but must be the part of the velocity lost a second: from 0 to less than 1", name,
       value));
+}
+
+/// An entry that could never happen is a mistake.
+void requireInTime(const Timeline& timeline, double duration) {
+  for (const TimelineEntry& entry : timeline) {
+    if (entry.when.kind != Occasion::Kind::AtTime || entry.when.value <= duration) continue;
+    throw inputErrorAt(
+        entry.where, fmt::format("this happens at {:g} s, but the run lasts {:g} s at most; raise "
+                                 "--duration",
+                                 entry.when.value, duration));
+  }
 }
 
 }  // namespace
@@ -274,6 +377,7 @@ DeploymentResult deployUnkept(const Scene& scene, double sampleInterval,
   requirePositive(scene.stop.duration, "the duration");
   requireShare(scene.environment.linearDamping, "the linear damping");
   requireShare(scene.environment.angularDamping, "the angular damping");
+  requireInTime(scene.timeline, scene.stop.duration);
   if (scene.model.tiles.empty())
     throw InputError("the model has no tiles; add one to vertices.txt");
   return Run(scene, sampleInterval, observer).finish();

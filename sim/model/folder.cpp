@@ -22,6 +22,9 @@ const std::string kJointPurpose =
 const std::string kPullPurpose =
     "list the numbers of the tiles to pull, or delete the file to pull all";
 
+const std::string kHullPurpose =
+    "write one corner of the sheet's outside a line, \"tile vertex\", in order, at least 3";
+
 void requireFolder(const fs::path& folder) {
   const std::string mend = "give a folder that holds vertices.txt and constraints.txt";
   std::error_code ignored;
@@ -135,6 +138,31 @@ std::vector<int> readPulledTiles(const fs::path& file, int tileCount) {
   return pulled;
 }
 
+/// "tile vertex" pairs; the messages are those of a joint's columns.
+std::vector<Corner> readHull(const fs::path& file, const std::vector<Tile>& tiles) {
+  TextTable text(file, kHullPurpose);
+  std::vector<Corner> hull;
+  TextLine line;
+  while (text.next(line)) {
+    if (line.fields.size() != 2) {
+      throw inputErrorAt({file, line.number}, fmt::format("{} numbers do not make a corner; {}",
+                                                          line.fields.size(), kHullPurpose));
+    }
+    const auto number = [&](std::size_t k, const char* meaning, std::size_t count) {
+      const FileLocation where = text.at(line, line.fields[k]);
+      const int value = parseWholeNumber(line.fields[k], where, meaning);
+      if (value >= 0 && value < static_cast<int>(count)) return value;
+      throw inputErrorAt(where, fmt::format("{} is from 0 to {}, not {}; correct this column",
+                                            meaning, count - 1, value));
+    };
+    const int tile = number(0, "a tile number", tiles.size());
+    hull.push_back({tile, number(1, "a vertex number", tiles[tile].vertices.size())});
+  }
+  if (hull.size() >= 3) return hull;
+  throw inputErrorAt(
+      {file}, fmt::format("{} corners do not go round anything; {}", hull.size(), kHullPurpose));
+}
+
 void makeFolder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
@@ -154,6 +182,16 @@ void removeStale(const fs::path& file) {
                   file.string(), error.message()));
 }
 
+void requirePivots(const Model& model, const fs::path& folder) {
+  for (const Joint& joint : model.joints) {
+    if (joint.kind == JointKind::Pivot) continue;
+    throw InputError(fmt::format(
+        "{}: error: constraints.txt holds joints at corners, not the link between tiles "
+        "{} and {}; convert to a .fold file",
+        folder.string(), joint.a.tile, joint.b.tile));
+  }
+}
+
 std::string jointText(const std::vector<Joint>& joints) {
   if (joints.empty()) return "# no joints\n";
   std::string text;
@@ -164,12 +202,19 @@ std::string jointText(const std::vector<Joint>& joints) {
   return text;
 }
 
+std::string hullText(const std::vector<Corner>& hull) {
+  std::string text;
+  for (const Corner& corner : hull) text += fmt::format("{} {}\n", corner.tile, corner.vertex);
+  return text;
+}
+
 }  // namespace
 
 Model readModelFolder(const fs::path& folder, std::vector<std::string>& warnings) {
   requireFolder(folder);
   const TileTable tiles = readTiles(folder / "vertices.txt");
   checkTiles(tiles);
+  checkOrientation(tiles, warnings);
   Model model;
   model.name = folderName(folder);
   model.tiles = tiles.tiles;
@@ -183,13 +228,26 @@ Model readModelFolder(const fs::path& folder, std::vector<std::string>& warnings
     checkTarget(target, model, tiles, warnings);
     model.target = target.tiles;
   }
+  if (fs::exists(folder / "hull.txt")) model.hull = readHull(folder / "hull.txt", model.tiles);
   if (fs::exists(folder / "pull.txt")) {
     model.pulledTiles = readPulledTiles(folder / "pull.txt", static_cast<int>(model.tiles.size()));
   }
   return model;
 }
 
+std::vector<Tile> readTargetFile(const fs::path& file, const Model& model,
+                                 std::vector<std::string>& warnings) {
+  const TileTable target = readTiles(file);
+  TileTable start{model.name, model.tiles, {}};
+  for (std::size_t i = 0; i < model.tiles.size(); ++i) {
+    start.sources.push_back({static_cast<int>(i) + 1, {}});
+  }
+  checkTarget(target, model, start, warnings);
+  return target.tiles;
+}
+
 void writeModelFolder(const Model& model, const fs::path& folder) {
+  requirePivots(model, folder);
   makeFolder(folder);
   writeTiles(model.tiles, folder / "vertices.txt");
   writeTextFile(folder / "constraints.txt", jointText(model.joints));
@@ -202,6 +260,11 @@ void writeModelFolder(const Model& model, const fs::path& folder) {
     writeTextFile(folder / "pull.txt", fmt::format("{}\n", fmt::join(*model.pulledTiles, "\n")));
   } else {
     removeStale(folder / "pull.txt");
+  }
+  if (model.hull) {
+    writeTextFile(folder / "hull.txt", hullText(*model.hull));
+  } else {
+    removeStale(folder / "hull.txt");
   }
 }
 

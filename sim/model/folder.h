@@ -1,4 +1,5 @@
-/// PyKirigami's model folders: vertices.txt, constraints.txt, and optionally target.txt, pull.txt.
+/// PyKirigami's model folders: vertices.txt, constraints.txt, and optionally target.txt, pull.txt,
+/// hull.txt.
 #pragma once
 
 #include <filesystem>
@@ -13,7 +14,8 @@ namespace kirireel {
 ///
 /// vertices.txt and target.txt hold one tile a line, "x y z" for each vertex; constraints.txt holds
 /// "tileA vertexA tileB vertexB [face]" a line, 0-based, face 1 bottom, 2 top, 3 both, 1 if absent;
-/// pull.txt lists tile numbers. Blank lines and lines starting with '#' are passed over. A model of
+/// pull.txt lists tile numbers; hull.txt lists the corners round the outside, "tile vertex" a line.
+/// Blank lines and lines starting with '#' are passed over. A model of
 /// loose tiles says so by a constraints.txt with nothing but a comment.
 ///
 /// What a run can live with (joints apart by no more than a small part of a tile, a target that is
@@ -21,9 +23,14 @@ namespace kirireel {
 /// with file:line:column, the value found, what is allowed and how to mend it.
 Model readModelFolder(const std::filesystem::path& folder, std::vector<std::string>& warnings);
 
+/// Reads another target for a model, in the format of target.txt: a run's final_vertices.txt is
+/// one. Warnings and errors are those of a model's own target.
+std::vector<Tile> readTargetFile(const std::filesystem::path& file, const Model& model,
+                                 std::vector<std::string>& warnings);
+
 /// Writes the model as such a folder, numbers so that reading gives the same doubles. The folder is
-/// made if need be; a target.txt or pull.txt in it that the model lacks is removed. Throws
-/// OutputError.
+/// made if need be; a target.txt, pull.txt or hull.txt in it that the model lacks is removed.
+/// Throws InputError for a model with links or fixed joints, OutputError when writing fails.
 void writeModelFolder(const Model& model, const std::filesystem::path& folder);
 
 /// Writes tiles alone in the format of vertices.txt, so that a run's end can be another's target.

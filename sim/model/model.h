@@ -50,6 +50,7 @@ struct Model {
   std::vector<Joint> joints;                    ///< in file order
   std::optional<std::vector<Tile>> target;      ///< wanted positions, vertex by vertex as in tiles
   std::optional<std::vector<int>> pulledTiles;  ///< tiles that feel target forces; all if absent
+  std::optional<std::vector<Corner>> hull;      ///< the corners round the outside, in order
 };
 
 /// A rigid connection of two different tiles as they stand.

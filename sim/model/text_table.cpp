@@ -60,8 +60,8 @@ std::string_view withoutPlus(std::string_view text) {
 
 }  // namespace
 
-TextTable::TextTable(std::filesystem::path file, const std::string& purpose)
-    : file_(std::move(file)) {
+TextTable::TextTable(std::filesystem::path file, const std::string& purpose, Comments comments)
+    : file_(std::move(file)), comments_(comments) {
   requireReadable(file_, purpose);
   text_ = readText(file_);
   if (text_.starts_with(kByteOrderMark)) text_.erase(0, kByteOrderMark.size());
@@ -76,11 +76,9 @@ bool TextTable::next(TextLine& line) {
     line.number = ++number_;
     const size_t begin = text.find_first_not_of(kBlanks);
     if (begin == text.npos) continue;
-    if (text[begin] == '#') {
-      hasComment_ = true;
-    } else {
-      splitFields(text, line);
-    }
+    const bool isComment = text[begin] == '#';
+    hasComment_ = hasComment_ || isComment;
+    if (!isComment || comments_ == Comments::Keep) splitFields(text, line);
   }
   return !line.fields.empty();
 }

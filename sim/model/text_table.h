@@ -23,8 +23,8 @@ struct TextLine {
   std::vector<TextField> fields;  ///< at least 1
 };
 
-/// A text file in memory, read line by line. Blank lines and lines starting with '#' are passed
-/// over; Windows line ends and a byte-order mark are accepted.
+/// A text file in memory, read line by line. Blank lines and, unless asked for, lines starting
+/// with '#' are passed over; Windows line ends and a byte-order mark are accepted.
 class TextTable {
  public:
   /// Largest file that is read, bytes: room for 250,000 tiles, and a bound on the memory that a
@@ -33,9 +33,16 @@ class TextTable {
   /// Most fields on a line: a tile of 300 vertices.
   static constexpr size_t kMaxFields = 900;
 
+  /// What becomes of lines that start with '#'.
+  enum class Comments {
+    Skip,
+    Keep,  ///< given as lines with the field "#" first
+  };
+
   /// Reads the whole file. `purpose` ends the message about a missing file: what it should hold.
   /// Throws InputError when the file is missing, unreadable, no regular file or above kMaxBytes.
-  TextTable(std::filesystem::path file, const std::string& purpose);
+  TextTable(std::filesystem::path file, const std::string& purpose,
+            Comments comments = Comments::Skip);
 
   /// Gives the next line that holds data; false at the end. Throws InputError above kMaxFields.
   bool next(TextLine& line);
@@ -54,6 +61,7 @@ class TextTable {
   void splitFields(std::string_view text, TextLine& line) const;
 
   std::filesystem::path file_;
+  Comments comments_;
   std::string text_;
   size_t position_ = 0;
   int number_ = 0;

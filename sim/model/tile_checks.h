@@ -26,13 +26,18 @@ struct TileTable {
   FileLocation at(int tile, int vertex) const {
     return {file, sources[tile].line, sources[tile].columns[vertex]};
   }
-  /// "vertices.txt:13", for messages that stand in another file of the same folder.
+  /// "vertices.txt:13", or the file alone where tiles have no lines, for messages that stand in
+  /// another file of the same folder.
   std::string shortName(int tile) const;
 };
 
 /// Throws InputError for the first tile with repeated vertices, without area, not flat or not
 /// convex.
 void checkTiles(const TileTable& table);
+
+/// For tiles in one horizontal plane: throws InputError when some run clockwise seen from above and
+/// others anticlockwise; that all run clockwise is appended to warnings.
+void checkOrientation(const TileTable& table, std::vector<std::string>& warnings);
 
 /// Throws InputError when the target has other tiles than the start, or tiles of clearly other
 /// shapes. A slight change of shape, which rigid tiles cannot follow, is appended to warnings.

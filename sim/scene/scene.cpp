@@ -15,17 +15,43 @@ bool isVertical(const Vector3& vector) {
   return vector.x() == 0 && vector.y() == 0;
 }
 
+/// All targets that the bricks may be pulled to.
+std::vector<const std::vector<Tile>*> targets(const Scene& scene) {
+  std::vector<const std::vector<Tile>*> found;
+  if (scene.actuation.drive != Drive::Target) return found;
+  if (scene.model.target) found.push_back(&*scene.model.target);
+  for (const TimelineEntry& entry : scene.timeline) {
+    const auto* goTo = std::get_if<timeline::GoTo>(&entry.action);
+    if (goTo && !goTo->tiles.empty()) found.push_back(&goTo->tiles);
+  }
+  return found;
+}
+
+/// Whether a drag leaves the heights of the sheet's bricks.
+bool dragsOutOfPlane(const Scene& scene, double tolerance) {
+  const double bottom = height(scene.model.tiles) - tolerance;
+  const double top = bottom + scene.brick.thickness + 2 * tolerance;
+  for (const TimelineEntry& entry : scene.timeline) {
+    const auto* drag = std::get_if<timeline::Drag>(&entry.action);
+    if (!drag) continue;
+    for (const Vector3& point : drag->path) {
+      if (point.z() < bottom || point.z() > top) return true;
+    }
+  }
+  return false;
+}
+
 Need planarNeed(const Scene& scene) {
   if (scene.solver.planar) return {*scene.solver.planar, "asked for"};
   const double tolerance = 1e-9 * modelSize(scene.model);
   if (!liesFlat(scene.model.tiles, tolerance)) return {false, "the start is not flat"};
-  if (scene.model.target && !liesFlat(*scene.model.target, tolerance)) {
-    return {false, "the target is not flat"};
+  for (const std::vector<Tile>* target : targets(scene)) {
+    if (!liesFlat(*target, tolerance)) return {false, "the target is not flat"};
+    if (std::abs(height(*target) - height(scene.model.tiles)) > tolerance) {
+      return {false, "start and target lie at different heights"};
+    }
   }
-  if (scene.model.target &&
-      std::abs(height(*scene.model.target) - height(scene.model.tiles)) > tolerance) {
-    return {false, "start and target lie at different heights"};
-  }
+  if (dragsOutOfPlane(scene, tolerance)) return {false, "a tile is dragged out of the plane"};
   const Vector3& gravity = scene.environment.gravity;
   if (!isVertical(gravity)) return {false, "gravity is not vertical"};
   const std::optional<Ground>& ground = scene.environment.ground;
@@ -35,8 +61,8 @@ Need planarNeed(const Scene& scene) {
   if (gravity.z() < 0 && std::abs(ground->height - height(scene.model.tiles)) > tolerance) {
     return {false, "the sheet does not lie on the ground"};
   }
-  return {true, scene.model.target ? "start and target lie in horizontal planes"
-                                   : "the start lies in a horizontal plane"};
+  return {true, !targets(scene).empty() ? "start and target lie in horizontal planes"
+                                        : "the start lies in a horizontal plane"};
 }
 
 Need contactNeed(const Scene& scene) {

@@ -7,6 +7,7 @@
 #include "sim/base/geometry.h"
 #include "sim/brick/brick.h"
 #include "sim/model/model.h"
+#include "sim/scene/timeline.h"
 
 namespace kirireel {
 
@@ -43,6 +44,27 @@ struct TargetSpringSettings {
   bool adaptive = true;          ///< double both stiffnesses when the error stalls, up to 16 times
 };
 
+/// What drives the bricks.
+enum class Drive {
+  Target,     ///< springs to the target; nothing where there is none
+  Expansion,  ///< away from the common centre, k (x - centre) - c v, with the springs' k_f and mu_v
+  Boundary,   ///< springs of stiffness k_f from the corners of the hull to a curve round it
+  None,       ///< no force, no damping but the environment's
+};
+
+/// The curve that boundary springs pull to: an ellipse round the middle of the hull's corners.
+struct BoundaryCurve {
+  double size =
+      2;  ///< its width (along y) over that of the smallest circle round the hull, above 0
+  double aspect = 1;  ///< its length (along x) over its width: 1 a circle, else an oblong; above 0
+};
+
+/// What drives the bricks, and how. The strength is that of TargetSpringSettings.
+struct Actuation {
+  Drive drive = Drive::Target;
+  BoundaryCurve boundary;
+};
+
 /// Which solver holds the joints.
 enum class SolverKind {
   Direct,  ///< exact joints by a direct solve
@@ -71,9 +93,11 @@ struct Scene {
   Model model;
   BrickRule brick;
   Environment environment;
+  Actuation actuation;
   TargetSpringSettings springs;
   SolverSettings solver;
   StopRules stop;
+  Timeline timeline;
 };
 
 /// Whether something is modelled, and why.

@@ -14,11 +14,12 @@ namespace kirireel {
 
 /// The state at one time, with its measures. Lengths in metres.
 struct Sample {
-  double time = 0;         ///< simulated seconds from the start
-  Poses poses;             ///< one a brick
-  double jointGap = 0;     ///< largest
-  double targetError = 0;  ///< largest; 0 without a target
-  double penetration = 0;  ///< deepest
+  double time = 0;          ///< simulated seconds from the start
+  Poses poses;              ///< one a brick
+  double jointGap = 0;      ///< largest
+  double targetError = 0;   ///< largest; 0 without a target
+  double penetration = 0;   ///< deepest
+  std::vector<int> pinned;  ///< tiles fixed to the world at this time, ascending
 };
 
 /// Something that happened during a run.

@@ -15,7 +15,7 @@ inline constexpr std::size_t kJointColumns = 6;
 /// A figure that each sample has.
 struct Measure {
   const char* name;  ///< of its array
-  double Sample::* field;
+  double Sample::*field;
 };
 inline constexpr std::array kMeasures = {Measure{"measures/joint_gap", &Sample::jointGap},
                                          Measure{"measures/target_error", &Sample::targetError},

@@ -222,6 +222,22 @@ TEST(CommandLine, GeneratesFamilies) {
   EXPECT_FALSE(cap.face);
 }
 
+TEST(CommandLine, InspectsAndConverts) {
+  const InspectOrder inspect = std::get<InspectOrder>(
+      parseCommandLine({"inspect", "fan", "--json", "--picture", "a.png", "--thickness", "0.1"}));
+  EXPECT_EQ(inspect.model, "fan");
+  EXPECT_EQ(inspect.picture, "a.png");
+  EXPECT_TRUE(inspect.printJson);
+  EXPECT_EQ(inspect.scene.brick.thickness, 0.1);
+  const ConvertOrder convert =
+      std::get<ConvertOrder>(parseCommandLine({"convert", "fan", "fan.fold", "--target", "open"}));
+  EXPECT_EQ(convert.input, "fan");
+  EXPECT_EQ(convert.output, "fan.fold");
+  EXPECT_EQ(convert.target, "open");
+  EXPECT_EQ(messageOf({"convert", "fan"}),
+            "error: OUT is missing, as in kirireel convert OUT; see kirireel convert --help");
+}
+
 TEST(CommandLine, ChoosesFacesOfJoints) {
   const auto facesOf = [](std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), {"record", "fan"});
@@ -252,7 +268,8 @@ TEST(CommandLine, UnknownCommandSuggestsTheNearest) {
 
 TEST(CommandLine, MissingAndSurplusArgumentsAreErrors) {
   EXPECT_EQ(messageOf({}),
-            "error: no command given; choose record, simulate or generate, see kirireel --help");
+            "error: no command given; choose record, simulate, render, generate, inspect or convert, see "
+            "kirireel --help");
   EXPECT_EQ(messageOf({"record"}),
             "error: MODEL is missing, as in kirireel record MODEL; see kirireel record --help");
   EXPECT_EQ(messageOf({"generate", "tessellation"}),
@@ -282,6 +299,20 @@ TEST(CommandLine, VersionNamesTheLibraries) {
   const std::string version = page({"--version"});
   EXPECT_TRUE(version.starts_with("kirireel 0.1.0\n")) << version;
   EXPECT_THAT(version, HasSubstr("bullet 3."));
+}
+
+TEST(CommandLine, RenderTakesPictureAndVideoOptions) {
+  const auto order = std::get<RenderOrder>(
+      parseCommandLine({"render", "out/fan/trajectory.h5", "--format", "webm", "--fps", "25",
+                        "--speed", "0.5", "--hold", "1", "--crf", "30", "--view", "iso"}));
+  EXPECT_EQ(order.trajectory, "out/fan/trajectory.h5");
+  EXPECT_EQ(order.settings.videoFile, "deployment.webm");
+  EXPECT_EQ(order.settings.framesPerSecond, 25);
+  EXPECT_EQ(order.settings.speed, 0.5);
+  EXPECT_EQ(order.settings.hold, 1);
+  EXPECT_EQ(order.settings.crf, 30);
+  EXPECT_THROW(parseCommandLine({"render"}), InputError);
+  EXPECT_THROW(parseCommandLine({"render", "x.h5", "--video", "there/talk.webm"}), InputError);
 }
 
 }  // namespace

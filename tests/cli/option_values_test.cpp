@@ -37,6 +37,16 @@ TEST(OptionNumber, RefusesEverythingElse) {
   }
 }
 
+TEST(OptionTiles, AreNumbersOrAll) {
+  EXPECT_TRUE(parseTiles({"--split-tiles", "all"}).empty());
+  EXPECT_EQ(parseTiles({"--split-tiles", "3,7,8"}), (std::vector<int>{3, 7, 8}));
+  EXPECT_EQ(
+      messageOf([] {
+        parseTiles({"--split-tiles", "3,x"});
+      }),
+      "error: --split-tiles: '3,x' is not allowed; give all, or numbers of tiles, as in 3,7,8");
+}
+
 TEST(OptionNumber, SaysWhatIsAllowed) {
   const double most = Range().most;
   EXPECT_EQ(messageOf([&] {
@@ -131,6 +141,15 @@ TEST(OptionCaption, NamesParts) {
             }),
             "error: --captions: 'time,none' is not allowed; give none alone, or parts such as "
             "time,error");
+}
+
+TEST(OptionValues, FrameChoicesAreSecondsOrShares) {
+  using Unit = FrameChoice::Unit;
+  EXPECT_EQ(
+      parseFrameChoices({"--frames-at", "0,1.5,50%"}),
+      (std::vector<FrameChoice>{{0, Unit::Seconds}, {1.5, Unit::Seconds}, {0.5, Unit::Share}}));
+  EXPECT_THROW(parseFrameChoices({"--frames-at", "120%"}), InputError);
+  EXPECT_THROW(parseFrameChoices({"--frames-at", "soon"}), InputError);
 }
 
 }  // namespace

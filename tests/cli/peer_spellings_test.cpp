@@ -25,6 +25,17 @@ TEST(PeerSpellings, ReadNoCollisionAsUnjoinedContacts) {
   EXPECT_EQ(translatePeerSpellings({"--filter_collision"}), (Words{"--contacts=unjoined"}));
 }
 
+TEST(PeerSpellings, ReadExpansionAndTargets) {
+  EXPECT_EQ(translatePeerSpellings({"--cm_expansion", "--target_vertices_file", "half.txt"}),
+            (Words{"--actuation=expansion", "--target", "half.txt"}));
+}
+
+TEST(PeerSpellings, DropWhatHasNoEffectWithItsValue) {
+  EXPECT_EQ(translatePeerSpellings({"--camera_distance", "12", "-cd", "9", "--max_steps=500", "fan",
+                                    "--auto_export_interval", "10", "--export_prefix", "a"}),
+            (Words{"fan"}));
+}
+
 TEST(PeerSpellings, PutTheModelInItsPlaceAndDropHeadless) {
   EXPECT_EQ(translatePeerSpellings({"record", "--model", "fan", "--headless"}),
             (Words{"record", "fan"}));

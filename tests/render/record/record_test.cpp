@@ -1,7 +1,11 @@
 #include "render/record/record.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -25,6 +29,20 @@ Scene tessellationScene() {
   scene.model = makeTessellation({});
   scene.stop.duration = 0.4;
   return scene;
+}
+
+/// Whether the outermost rows and columns of a picture hold nothing but the background.
+bool hasFreeBorder(const Frame& frame) {
+  const Colour background = frame.at(0, 0);
+  for (int x = 0; x < frame.size.width; ++x) {
+    if (frame.at(x, 0) != background || frame.at(x, frame.size.height - 1) != background)
+      return false;
+  }
+  for (int y = 0; y < frame.size.height; ++y) {
+    if (frame.at(0, y) != background || frame.at(frame.size.width - 1, y) != background)
+      return false;
+  }
+  return true;
 }
 
 class RecordTest : public testing::Test {
@@ -61,6 +79,7 @@ TEST_F(RecordTest, PaintsAFrameForEachSample) {
 }
 
 TEST_F(RecordTest, ReportsProgressOfBothStagesToTheEnd) {
+  settings_.look.fit = FitScope::Run;  // painted afterwards
   std::vector<double> deploying;
   std::vector<double> painting;
   record(tessellationScene(), settings_, [&](const Progress& progress) {
@@ -84,6 +103,7 @@ TEST_F(RecordTest, InterruptedWhileDeployingKeepsWhatWasDone) {
 }
 
 TEST_F(RecordTest, InterruptedWhilePaintingEndsTheVideoThere) {
+  settings_.look.fit = FitScope::Run;
   const RunSummary summary = record(tessellationScene(), settings_, [](const Progress& progress) {
     return std::string(progress.stage) == "deploying" || progress.share < 0.3;
   });
@@ -164,6 +184,87 @@ TEST_F(RecordTest, DivergedRunLeavesItsFilesAndSaysSo) {
   }
 }
 
+std::string bytesOf(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+TEST_F(RecordTest, RenderingAgainGivesTheSameBytes) {
+  settings_.frames = true;
+  record(tessellationScene(), settings_, proceed_);
+  PictureSettings again = settings_;
+  again.folder = settings_.folder / "again";
+  const PictureReport report = render(settings_.folder / "trajectory.h5", again, proceed_);
+  EXPECT_EQ(report.videoFrames, 9);
+  for (const char* name : {"deployment.mp4", "snapshots.png", "frames/frame_00004.png"}) {
+    EXPECT_TRUE(bytesOf(settings_.folder / name) == bytesOf(again.folder / name)) << name;
+  }
+}
+
+TEST_F(RecordTest, BytesDoNotDependOnWhichStageIsSlow) {
+  record(tessellationScene(), settings_, proceed_);
+  const std::string quick = bytesOf(settings_.folder / "deployment.mp4");
+  record(tessellationScene(), settings_, [](const Progress&) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(15));  // a slow deployment
+    return true;
+  });
+  EXPECT_TRUE(quick == bytesOf(settings_.folder / "deployment.mp4"));
+}
+
+TEST_F(RecordTest, SlowMotionTakesMoreSamples) {
+  settings_.speed = 0.5;
+  settings_.hold = 0.2;
+  const RunSummary summary = record(tessellationScene(), settings_, proceed_);
+  EXPECT_EQ(summary.videoFrames, 17 + 2 * 4);  // 0.4 s at 40 a second, and the start; held
+  PictureSettings lapse = settings_;
+  lapse.speed = 4;
+  lapse.hold = 0;
+  // Frames at 0, 0.2 and 0.4 s.
+  EXPECT_EQ(render(settings_.folder / "trajectory.h5", lapse, proceed_).videoFrames, 3);
+}
+
+TEST_F(RecordTest, TitleCardComesFirst) {
+  settings_.title = "Rotating squares";
+  EXPECT_EQ(record(tessellationScene(), settings_, proceed_).videoFrames, 9 + 40);
+}
+
+TEST_F(RecordTest, ChosenFramesAreTheNearestSamples) {
+  settings_.video = settings_.snapshots = false;
+  settings_.chosenFrames = {{0.1, FrameChoice::Unit::Seconds}, {1, FrameChoice::Unit::Share}};
+  const RunSummary summary = record(tessellationScene(), settings_, proceed_);
+  EXPECT_THAT(summary.files, Contains("frames/frame_00002.png"));
+  EXPECT_THAT(summary.files, Contains("frames/frame_00008.png"));
+  EXPECT_THAT(summary.files, Not(Contains("frames/frame_00001.png")));
+  settings_.chosenFrames = {{7, FrameChoice::Unit::Seconds}};
+  EXPECT_EQ(messageOfRecording(),
+            "--frames-at: 7 s is after the end of the run at 0.4 s; give times up to it, or shares "
+            "such as 100%");
+}
+
+/// Two squares at a distance that fall out of a picture fitted to their start and target.
+Scene fallingScene() {
+  Scene scene = tessellationScene();
+  scene.environment.gravity = {0, 0, -400};
+  return scene;
+}
+
+TEST_F(RecordTest, RepaintsWhatLeftThePicture) {
+  settings_.look.camera.view = kFrontView;
+  settings_.frames = true;
+  settings_.snapshots = false;
+  const RunSummary summary = record(fallingScene(), settings_, proceed_);
+  ASSERT_EQ(summary.videoFrames, 9);
+  EXPECT_TRUE(hasFreeBorder(readPng(settings_.folder / "frames/frame_00008.png")));
+}
+
+TEST_F(RecordTest, ErrorOfAStageEndsTheOthers) {
+  settings_.encoder = "libx999";
+  const auto recording = [this] { record(tessellationScene(), settings_, proceed_); };
+  EXPECT_THROW(recording(), OutputError);
+  EXPECT_FALSE(fs::exists(settings_.folder / "deployment.mp4"));
+  EXPECT_FALSE(fs::exists(settings_.folder / "summary.json"));
+}
+
 TEST_F(RecordTest, RefusesSettingsOutOfRangeBeforeTheRun) {
   settings_.framesPerSecond = 0;
   EXPECT_THAT(messageOfRecording(), HasSubstr("0"));
@@ -175,20 +276,6 @@ TEST_F(RecordTest, RefusesSettingsOutOfRangeBeforeTheRun) {
   settings_.size = {8000, 8000};
   settings_.grid = {10, 10};
   EXPECT_NE(messageOfRecording(), "");
-}
-
-/// Whether the outermost rows and columns of a picture hold nothing but the background.
-bool hasFreeBorder(const Frame& frame) {
-  const Colour background = frame.at(0, 0);
-  for (int x = 0; x < frame.size.width; ++x) {
-    if (frame.at(x, 0) != background || frame.at(x, frame.size.height - 1) != background)
-      return false;
-  }
-  for (int y = 0; y < frame.size.height; ++y) {
-    if (frame.at(0, y) != background || frame.at(frame.size.width - 1, y) != background)
-      return false;
-  }
-  return true;
 }
 
 TEST_F(RecordTest, CameraShowsEveryFrameWhole) {

@@ -1,4 +1,4 @@
-#include "render/cli/spelling.h"
+#include "sim/base/spelling.h"
 
 #include <gtest/gtest.h>
 

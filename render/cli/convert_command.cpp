@@ -1,0 +1,33 @@
+#include "render/cli/convert_command.h"
+
+#include <CLI/CLI.hpp>
+
+#include "render/cli/exit_codes.h"
+#include "render/cli/model_place.h"
+#include "render/cli/option_group.h"
+#include "sim/model/read_model.h"
+
+namespace kirireel {
+
+CLI::App* addConvertCommand(CLI::App& program, ConvertOrder& order) {
+  CLI::App* command = program.add_subcommand("convert", "write a model in another format");
+  addPlace(*command, "IN", order.input, kModelHelp);
+  addPlace(*command, "OUT", order.output,
+           "a .fold file, an .obj file (the target goes to NAME_deployed.obj), or a folder");
+  OptionGroup group(*command, "Model");
+  addTargetOption(group, order.target);
+  command->footer(
+      "Examples:\n  kirireel convert data/tessellation_4x4 sheet.fold\n"
+      "  kirireel convert NAME_contracted.obj my_model");
+  return command;
+}
+
+int carryOut(const ConvertOrder& order) {
+  const Model model = readModelAt(order.input, order.target);
+  writeModel(model, order.output);
+  fmt::print("{}: {} tiles, {} joints{}\n", order.output.string(), model.tiles.size(),
+             model.joints.size(), model.target ? ", a target" : "");
+  return kExitDone;
+}
+
+}  // namespace kirireel

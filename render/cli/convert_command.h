@@ -1,0 +1,25 @@
+/// `kirireel convert IN OUT`.
+#pragma once
+
+#include <filesystem>
+
+namespace CLI {
+class App;
+}
+
+namespace kirireel {
+
+/// A model to be written in another format.
+struct ConvertOrder {
+  std::filesystem::path input;
+  std::filesystem::path target;  ///< another model whose start is the target; empty for none
+  std::filesystem::path output;  ///< its ending says the format
+};
+
+/// Adds `convert`. The order must outlive the parsing.
+CLI::App* addConvertCommand(CLI::App& program, ConvertOrder& order);
+
+/// Reads and writes. Returns the exit code.
+int carryOut(const ConvertOrder& order);
+
+}  // namespace kirireel

@@ -1,0 +1,44 @@
+#include "render/cli/inspect_command.h"
+
+#include <CLI/CLI.hpp>
+
+#include "render/cli/exit_codes.h"
+#include "render/cli/model_place.h"
+#include "render/cli/option_group.h"
+#include "render/inspect/inspection.h"
+#include "render/inspect/numbered_picture.h"
+#include "render/png/png.h"
+
+namespace kirireel {
+namespace {
+
+constexpr FrameSize kStateSize{1200, 1200};
+
+}  // namespace
+
+CLI::App* addInspectCommand(CLI::App& program, InspectOrder& order) {
+  CLI::App* command = program.add_subcommand(
+      "inspect", "tell what a model is: tiles, joints, mobility, what fits and what does not");
+  addPlace(*command, "MODEL", order.model, kModelHelp);
+  OptionGroup group(*command, "Model");
+  addTargetOption(group, order.target);
+  group.number("--thickness", order.scene.brick.thickness, {1e-9, 1e9}, "METRES",
+               "thickness of the bricks");
+  OptionGroup output(*command, "Output");
+  output.flag("--json", "print as JSON", [&order] { order.printJson = true; });
+  output.value("--picture", "FILE", "", "paint both states with numbers into a PNG file",
+               [&order](const OptionValue& typed) { order.picture = typed.text; });
+  command->footer("Example:\n  kirireel inspect data/tessellation_4x4 --picture numbers.png");
+  return command;
+}
+
+int carryOut(const InspectOrder& order) {
+  Scene scene = order.scene;
+  scene.model = readModelAt(order.model, order.target);
+  const Inspection inspection = inspect(scene);
+  fmt::print("{}", order.printJson ? inspectionJson(inspection) : inspectionText(inspection));
+  if (!order.picture.empty()) writePng(numberedPicture(scene, kStateSize), order.picture);
+  return kExitDone;
+}
+
+}  // namespace kirireel

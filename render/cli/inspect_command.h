@@ -1,0 +1,29 @@
+/// `kirireel inspect MODEL`.
+#pragma once
+
+#include <filesystem>
+
+#include "sim/scene/scene.h"
+
+namespace CLI {
+class App;
+}
+
+namespace kirireel {
+
+/// A model to be looked at.
+struct InspectOrder {
+  std::filesystem::path model;
+  std::filesystem::path target;   ///< another model whose start is the target; empty for none
+  std::filesystem::path picture;  ///< where a numbered picture goes; empty for none
+  Scene scene;                    ///< everything but the model
+  bool printJson = false;
+};
+
+/// Adds `inspect`. The order must outlive the parsing.
+CLI::App* addInspectCommand(CLI::App& program, InspectOrder& order);
+
+/// Reads the model, prints what it is, paints it if asked. Returns the exit code.
+int carryOut(const InspectOrder& order);
+
+}  // namespace kirireel

@@ -1,0 +1,25 @@
+/// Models as they are named on the command line.
+#pragma once
+
+#include <filesystem>
+
+#include "render/cli/option_group.h"
+#include "sim/model/model.h"
+
+namespace kirireel {
+
+/// What stands for MODEL in a command's help.
+inline constexpr const char* kModelHelp =
+    "folder with vertices.txt and constraints.txt, a .fold file, or a contracted .obj file";
+
+/// Adds --target.
+void addTargetOption(OptionGroup& group, std::filesystem::path& target);
+
+/// Where a model stands: as named, or in data/ when it stands only there.
+std::filesystem::path findModel(const std::filesystem::path& named);
+
+/// Reads the model, in data/ too when it stands only there, as PyKirigami's users name theirs.
+/// Warnings go to standard error. Throws InputError.
+Model readModelAt(const std::filesystem::path& place, const std::filesystem::path& target);
+
+}  // namespace kirireel

@@ -1,0 +1,26 @@
+/// `kirireel render TRAJECTORY`.
+#pragma once
+
+#include <filesystem>
+
+#include "render/record/record.h"
+
+namespace CLI {
+class App;
+}
+
+namespace kirireel {
+
+/// Which recorded run is to be painted again, and how.
+struct RenderOrder {
+  std::filesystem::path trajectory;
+  PictureSettings settings;  ///< the folder is empty when --out was not given
+};
+
+/// Adds `render`. The order must outlive the parsing.
+CLI::App* addRenderCommand(CLI::App& program, RenderOrder& order);
+
+/// Paints, and prints what was written. Returns the exit code.
+int carryOut(const RenderOrder& order);
+
+}  // namespace kirireel

@@ -1,0 +1,77 @@
+#include "render/cli/scene_options.h"
+
+#include <algorithm>
+#include <charconv>
+
+#include <CLI/CLI.hpp>
+
+#include "render/cli/option_group.h"
+#include "render/cli/scene_settings.h"
+
+namespace kirireel {
+namespace {
+
+/// "3,0,7": whole numbers from 0, as many as `count` when it is not 0.
+std::vector<int> parseIndices(const OptionValue& value, std::size_t count,
+                              const std::string& wanted) {
+  std::vector<int> numbers;
+  const char* at = value.text.data();
+  const char* const end = at + value.text.size();
+  while (at != end) {
+    int number = 0;
+    const auto [next, error] = std::from_chars(at, end, number);
+    const bool isLast = next == end;
+    if (error != std::errc() || number < 0 || (!isLast && *next != ',') || next + 1 == end) {
+      throw valueError(value, wanted);
+    }
+    numbers.push_back(number);
+    at = isLast ? end : next + 1;
+  }
+  if (numbers.empty() || (count != 0 && numbers.size() != count)) throw valueError(value, wanted);
+  return numbers;
+}
+
+}  // namespace
+
+void addSceneRequestOptions(CLI::App& command, SceneRequest& request) {
+  OptionGroup(command, "Scene")
+      .value("--scene", "FILE", "scene.toml in MODEL, where there is one",
+             "settings and timeline; options given here count more",
+             [&request](const OptionValue& typed) { request.file = typed.text; });
+  OptionGroup group(command, "Model");
+  SceneParts& parts = request.parts;
+  group.values("--target", "MODEL",
+               "target in place of the model's own: a file like target.txt, or another model whose "
+               "start it is; given several times, each is reached before the next",
+               [&parts](const OptionValue& typed) { parts.targets.emplace_back(typed.text); });
+  group.values("--pin", "TILES", "tiles fixed to the world from the start, as in 3,0,7",
+               [&parts](const OptionValue& typed) {
+                 const auto tiles = parseIndices(typed, 0, "tile numbers, as in 3,0,7");
+                 parts.pinned.insert(parts.pinned.end(), tiles.begin(), tiles.end());
+               });
+  group.values("--fix", "TILE,TILE", "two tiles that move as one",
+               [&parts](const OptionValue& typed) {
+                 const auto pair = parseIndices(typed, 2, "two tile numbers, as in 3,4");
+                 parts.fixed.push_back({pair[0], pair[1]});
+               });
+  group.values("--link", "TILE,VERTEX,TILE,VERTEX",
+               "two corners that keep the distance that they start with",
+               [&parts](const OptionValue& typed) {
+                 const auto link =
+                     parseIndices(typed, 4, "tile, vertex, tile, vertex, as in 3,0,4,2");
+                 parts.links.push_back({link[0], link[1], link[2], link[3]});
+               });
+}
+
+void readSceneFileOf(CLI::App& command, const std::filesystem::path& modelFolder,
+                     const SceneRequest& request, Scene& scene) {
+  std::filesystem::path file = request.file;
+  if (file.empty()) {
+    file = modelFolder / "scene.toml";
+    std::error_code ignored;
+    if (!std::filesystem::exists(file, ignored)) return;
+  }
+  scene.timeline = applySceneFile(command, file);
+}
+
+}  // namespace kirireel

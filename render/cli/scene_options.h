@@ -1,0 +1,29 @@
+/// Options that add to the model: targets, pins, other joints, and the scene file.
+#pragma once
+
+#include <filesystem>
+
+#include "sim/scene/scene_parts.h"
+
+namespace CLI {
+class App;
+}
+
+namespace kirireel {
+
+/// What the command line adds to a scene before it can run.
+struct SceneRequest {
+  std::filesystem::path file;  ///< of --scene; empty when not given
+  SceneParts parts;
+};
+
+/// Adds --scene, --target, --pin, --fix and --link. The request must outlive the parsing.
+void addSceneRequestOptions(CLI::App& command, SceneRequest& request);
+
+/// Reads the scene file that was named, else scene.toml in the model's folder where there is one,
+/// into what the command's options point at and into the scene's timeline. To be called after
+/// parsing. Throws InputError.
+void readSceneFileOf(CLI::App& command, const std::filesystem::path& modelFolder,
+                     const SceneRequest& request, Scene& scene);
+
+}  // namespace kirireel

@@ -1,0 +1,96 @@
+#include "render/cli/scene_settings.h"
+
+#include <algorithm>
+#include <map>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "sim/base/error.h"
+#include "sim/base/spelling.h"
+#include "sim/scene/scene_file.h"
+
+namespace kirireel {
+namespace {
+
+/// The table of each group of options that a scene file may set.
+const std::map<std::string, std::string>& tables() {
+  static const std::map<std::string, std::string> names = {
+      {"Model", "model"},        {"Bricks", "model"},
+      {"Joints", "model"},       {"Actuation", "actuation"},
+      {"Path", "actuation"},     {"Springs to the target", "actuation"},
+      {"Solver", "solver"},      {"Environment", "environment"},
+      {"Camera", "camera"},      {"End of the run", "stop"},
+      {"Style", "style"},        {"Look", "style"},
+      {"Pictures", "recording"}, {"Output", "recording"},
+  };
+  return names;
+}
+
+/// "--brick-friction" is "brick_friction".
+std::string keyOf(const CLI::Option& option) {
+  if (option.get_lnames().empty()) return "";
+  std::string key = option.get_lnames().front();
+  std::replace(key.begin(), key.end(), '-', '_');
+  return key;
+}
+
+/// The table that an option belongs to; empty when a scene file cannot set it.
+std::string tableOf(const CLI::Option& option) {
+  const auto found = tables().find(option.get_group());
+  return found == tables().end() ? "" : found->second;
+}
+
+std::vector<std::string> keysOf(const CLI::App& command, const std::string& table) {
+  std::vector<std::string> keys;
+  for (const CLI::Option* option : command.get_options()) {
+    if (tableOf(*option) == table) keys.push_back(keyOf(*option));
+  }
+  return keys;
+}
+
+CLI::Option& findOption(CLI::App& command, const SceneSetting& setting) {
+  for (CLI::Option* option : command.get_options()) {
+    if (keyOf(*option) != setting.key) continue;
+    const std::string table = tableOf(*option);
+    if (table == setting.table) return *option;
+    if (table.empty()) break;
+    throw inputErrorAt(setting.where, fmt::format("{} belongs in [{}], not in [{}]", setting.key,
+                                                  table, setting.table));
+  }
+  throw inputErrorAt(
+      setting.where,
+      fmt::format("[{}] has no key {}{}; see {} --help", setting.table, setting.key,
+                  suggestion(setting.key, keysOf(command, setting.table)), command.get_name()));
+}
+
+/// An option without a value is switched on by true and left alone by false.
+void requireKindOfValue(const SceneSetting& setting, bool isSwitch) {
+  if (isSwitch == setting.isSwitch) return;
+  throw inputErrorAt(setting.where, isSwitch ? fmt::format("{} is true or false", setting.key)
+                                             : fmt::format("{} needs a value", setting.key));
+}
+
+void apply(CLI::App& command, const SceneSetting& setting) {
+  CLI::Option& option = findOption(command, setting);
+  const bool isSwitch = option.get_type_size() == 0;
+  requireKindOfValue(setting, isSwitch);
+  const bool isGiven = option.count() > 0;
+  if (isGiven || (isSwitch && setting.values.front() == "false")) return;
+  for (const std::string& value : setting.values) option.add_result(value);
+  try {
+    option.run_callback();
+  } catch (const InputError& error) {
+    throw inputErrorAt(setting.where, error.what());
+  }
+}
+
+}  // namespace
+
+Timeline applySceneFile(CLI::App& command, const std::filesystem::path& file) {
+  const SceneFile scene = readSceneFile(file);
+  for (const SceneSetting& setting : scene.settings) apply(command, setting);
+  return scene.timeline;
+}
+
+}  // namespace kirireel

@@ -1,0 +1,167 @@
+#include "render/inspect/inspection.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "sim/measure/measures.h"
+
+namespace kirireel {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Overlap that is told, as a part of a tile.
+constexpr double kOverlap = 1e-6;
+// Flat states are flat to this part of the model's size.
+constexpr double kFlat = 1e-9;
+// Suggested thickness as a part of a tile: the paper's 0.02 for tiles of 1 m.
+constexpr double kThickness = 0.02;
+
+std::string kindOf(const Joint& joint) {
+  if (joint.kind == JointKind::Link) return "link";
+  if (joint.kind == JointKind::Fixed) return "fixed";
+  if (joint.face == JointFace::Both) return "both";
+  return joint.face == JointFace::Top ? "top" : "bottom";
+}
+
+StateInspection inspectState(const Scene& scene, const std::vector<Tile>& tiles) {
+  const Model& model = scene.model;
+  StateInspection state;
+  state.jointGap = largestJointGap(model.joints, tiles);
+  state.unevenness = largestUnevenness(tiles);
+  state.leastCornerSine = leastCornerSine(tiles);
+  state.overlaps = tileOverlaps(tiles, kOverlap * tileSize(model));
+  if (liesFlat(tiles, kFlat * modelSize(model))) {
+    state.inPlane = mobility(model, tiles, Freedom::Plane, scene.brick.thickness);
+  }
+  state.inSpace = mobility(model, tiles, Freedom::Space, scene.brick.thickness);
+  return state;
+}
+
+std::string mobilityText(const char* where, const Mobility& mobility) {
+  return fmt::format(
+      "  {}: {} degrees of freedom beyond rigid motion; {} of {} joint equations are redundant "
+      "(singular values: least kept {:.2g}, largest dropped {:.2g})\n",
+      where, mobility.freedoms, mobility.redundant, mobility.equations, mobility.leastKept,
+      mobility.largestDropped);
+}
+
+std::string stateText(const char* name, const StateInspection& state) {
+  std::string text = fmt::format(
+      "{}: joints open by {:.3g} m at most, tiles flat to {:.3g} m, {}, {} overlapping pairs\n",
+      name, state.jointGap, state.unevenness, state.leastCornerSine > 0 ? "convex" : "not convex",
+      state.overlaps.size());
+  for (std::size_t k = 0; k < std::min<std::size_t>(state.overlaps.size(), 5); ++k) {
+    const TileOverlap& overlap = state.overlaps[k];
+    text += fmt::format("  tiles {} and {} overlap by {:.3g} m\n", overlap.tileA, overlap.tileB,
+                        overlap.depth);
+  }
+  if (state.inPlane) text += mobilityText("in the plane", *state.inPlane);
+  return text + mobilityText("in space", state.inSpace);
+}
+
+Json mobilityJson(const Mobility& mobility) {
+  return {{"degrees_of_freedom", mobility.freedoms},
+          {"unknowns", mobility.unknowns},
+          {"equations", mobility.equations},
+          {"rank", mobility.rank},
+          {"redundant", mobility.redundant},
+          {"least_singular_value_kept", mobility.leastKept},
+          {"largest_singular_value_dropped", mobility.largestDropped}};
+}
+
+Json stateJson(const StateInspection& state) {
+  Json overlaps = Json::array();
+  for (const TileOverlap& overlap : state.overlaps) {
+    overlaps.push_back({{"tiles", {overlap.tileA, overlap.tileB}}, {"depth", overlap.depth}});
+  }
+  Json json = {{"joint_gap_max", state.jointGap},
+               {"unevenness_max", state.unevenness},
+               {"corner_sine_min", state.leastCornerSine},
+               {"overlaps", overlaps}};
+  json["mobility"]["plane"] = state.inPlane ? mobilityJson(*state.inPlane) : Json();
+  json["mobility"]["space"] = mobilityJson(state.inSpace);
+  return json;
+}
+
+Json needJson(const Need& need) {
+  return {{"on", need.on}, {"reason", need.reason}};
+}
+
+std::string needText(const char* name, const Need& need) {
+  return fmt::format("{} {} ({})", name, need.on ? "on" : "off", need.reason);
+}
+
+/// "12 with 3 vertices, 4 with 4".
+template <typename Map>
+std::string countsText(const Map& counts, const char* pattern) {
+  std::string text;
+  for (const auto& [key, count] : counts) {
+    if (!text.empty()) text += ", ";
+    text += fmt::format(fmt::runtime(pattern), count, key);
+  }
+  return text.empty() ? "none" : text;
+}
+
+}  // namespace
+
+Inspection inspect(const Scene& scene) {
+  const Model& model = scene.model;
+  Inspection inspection;
+  inspection.name = model.name;
+  for (const Tile& tile : model.tiles) {
+    ++inspection.tilesByVertices[static_cast<int>(tile.vertices.size())];
+  }
+  for (const Joint& joint : model.joints) ++inspection.jointsByKind[kindOf(joint)];
+  inspection.size = modelSize(model);
+  inspection.tileSize = tileSize(model);
+  inspection.suggestedThickness = kThickness * inspection.tileSize;
+  inspection.start = inspectState(scene, model.tiles);
+  inspection.needs = sceneNeeds(scene);
+  if (!model.target) return inspection;
+  inspection.target = inspectState(scene, *model.target);
+  inspection.shapeChange = largestShapeChange(model.tiles, *model.target);
+  inspection.rigidFloor = rigidFloor(model.tiles, *model.target);
+  return inspection;
+}
+
+std::string inspectionText(const Inspection& inspection) {
+  std::string text = fmt::format(
+      "{}\ntiles: {}\njoints: {}\nsize: {:.4g} m, tiles {:.4g} m; suggested thickness {:.2g} m\n",
+      inspection.name, countsText(inspection.tilesByVertices, "{} with {} vertices"),
+      countsText(inspection.jointsByKind, "{} {}"), inspection.size, inspection.tileSize,
+      inspection.suggestedThickness);
+  text += stateText("start", inspection.start);
+  if (inspection.target) {
+    text += stateText("target", *inspection.target);
+    text += fmt::format("congruence: lengths change by {:.3g} m at most; rigid floor {:.3g} m\n",
+                        *inspection.shapeChange, *inspection.rigidFloor);
+  } else {
+    text += "target: none\n";
+  }
+  return text + fmt::format("a run: {}; {}; {}\n", needText("planar", inspection.needs.planar),
+                            needText("contacts", inspection.needs.contacts),
+                            needText("ground", inspection.needs.ground));
+}
+
+std::string inspectionJson(const Inspection& inspection) {
+  Json json;
+  json["name"] = inspection.name;
+  for (const auto& [vertices, count] : inspection.tilesByVertices) {
+    json["tiles"][fmt::format("{}", vertices)] = count;
+  }
+  json["joints"] = Json(inspection.jointsByKind);
+  json["size"] = inspection.size;
+  json["tile_size"] = inspection.tileSize;
+  json["suggested_thickness"] = inspection.suggestedThickness;
+  json["start"] = stateJson(inspection.start);
+  json["target"] = inspection.target ? stateJson(*inspection.target) : Json();
+  json["shape_change_max"] = inspection.shapeChange ? Json(*inspection.shapeChange) : Json();
+  json["rigid_floor"] = inspection.rigidFloor ? Json(*inspection.rigidFloor) : Json();
+  json["needs"] = {{"planar", needJson(inspection.needs.planar)},
+                   {"contacts", needJson(inspection.needs.contacts)},
+                   {"ground", needJson(inspection.needs.ground)}};
+  return json.dump(2) + "\n";
+}
+
+}  // namespace kirireel

@@ -1,0 +1,50 @@
+/// What a model is, before it runs: the page that `kirireel inspect` prints.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim/measure/mobility.h"
+#include "sim/measure/sheet.h"
+#include "sim/scene/scene.h"
+
+namespace kirireel {
+
+/// One state of the sheet.
+struct StateInspection {
+  double jointGap = 0;         ///< largest, metres
+  double unevenness = 0;       ///< largest distance of a vertex from its tile's plane, metres
+  double leastCornerSine = 1;  ///< above 0 when all tiles are convex
+  std::vector<TileOverlap> overlaps;  ///< deeper than a millionth of a tile, deepest first
+  std::optional<Mobility> inPlane;    ///< of flat states
+  Mobility inSpace;
+};
+
+/// Everything that is told of a model.
+struct Inspection {
+  std::string name;
+  std::map<int, int> tilesByVertices;       ///< how many tiles have so many vertices
+  std::map<std::string, int> jointsByKind;  ///< "bottom", "top", "both", "link", "fixed"
+  double size = 0;                          ///< diagonal of the start, metres
+  double tileSize = 0;                      ///< mean edge, metres
+  double suggestedThickness = 0;            ///< of bricks, metres: a fiftieth of a tile
+  StateInspection start;
+  std::optional<StateInspection> target;
+  std::optional<double> shapeChange;  ///< largest change of a length in a tile, metres
+  std::optional<double> rigidFloor;   ///< least target error of rigid tiles, metres
+  Needs needs;                        ///< what a run would switch on
+};
+
+/// Looks at the scene's model, with its bricks' thickness.
+Inspection inspect(const Scene& scene);
+
+/// The inspection for a person, a line a subject.
+std::string inspectionText(const Inspection& inspection);
+
+/// The inspection as JSON: {"name", "tiles", "joints", "size", "start": {...}, "target": {...},
+/// ...}.
+std::string inspectionJson(const Inspection& inspection);
+
+}  // namespace kirireel

@@ -1,0 +1,94 @@
+#include "render/inspect/numbered_picture.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "render/grid/grid.h"
+#include "render/grid/label.h"
+#include "render/picture/painter.h"
+
+namespace kirireel {
+namespace {
+
+constexpr Colour kTileNumber = {20, 30, 44};
+constexpr Colour kVertexNumber = {150, 30, 30};
+
+std::vector<Vector3> allVertices(const std::vector<Tile>& tiles) {
+  std::vector<Vector3> points;
+  for (const Tile& tile : tiles) {
+    points.insert(points.end(), tile.vertices.begin(), tile.vertices.end());
+  }
+  return points;
+}
+
+/// One state: picture and numbers from one camera.
+class StatePicture {
+ public:
+  StatePicture(const std::vector<Tile>& tiles, const BrickRule& rule, FrameSize size)
+      : tiles_(tiles), size_(size) {
+    const std::vector<Vector3> points = allVertices(tiles);
+    CameraFit fit;
+    fit.view = defaultView(points);
+    fit.aspect = size.aspect();
+    fit.orthographic = true;
+    camera_ = fitCamera(points, fit);
+    const std::vector<Brick> bricks = makeBricks(tiles, rule);
+    frame_ = Painter(size, bricks, Style{}).paint(startPoses(tiles, bricks), camera_);
+  }
+
+  Frame numbered() {
+    const double tilePixels = size_.height / heightAtCentre(camera_) * meanEdge();
+    const LabelWriter large(std::clamp(static_cast<int>(0.26 * tilePixels), 7, 40));
+    const LabelWriter small(std::clamp(static_cast<int>(0.14 * tilePixels), 6, 20));
+    for (std::size_t i = 0; i < tiles_.size(); ++i) {
+      const Vector3 middle = tileCentroid(tiles_[i]);
+      write(large, fmt::format("{}", i), middle, kTileNumber);
+      if (tilePixels < 40) continue;  // vertices' numbers could not be read
+      for (std::size_t k = 0; k < tiles_[i].vertices.size(); ++k) {
+        const Vector3 inside = tiles_[i].vertices[k] + 0.22 * (middle - tiles_[i].vertices[k]);
+        write(small, fmt::format("{}", k), inside, kVertexNumber);
+      }
+    }
+    return std::move(frame_);
+  }
+
+ private:
+  double meanEdge() const {
+    Model model;
+    model.tiles = tiles_;
+    return tileSize(model);
+  }
+
+  void write(const LabelWriter& writer, const std::string& text, const Vector3& place,
+             Colour colour) {
+    const Eigen::Vector4d clip = clipFromWorld(camera_, size_.aspect()) * place.homogeneous();
+    const double x = 0.5 * (1 + clip.x() / clip.w()) * size_.width;
+    const double y = 0.5 * (1 - clip.y() / clip.w()) * size_.height;
+    const int width = writer.width(text);
+    // Digits are about 0.7 of the em high, and 0.6 wide.
+    const double height = 1.2 * width / static_cast<double>(text.size());
+    writer.draw(frame_, text, static_cast<int>(std::lround(x - 0.5 * width)),
+                static_cast<int>(std::lround(y + 0.5 * height)), colour);
+  }
+
+  const std::vector<Tile>& tiles_;
+  FrameSize size_;
+  Camera camera_;
+  Frame frame_;
+};
+
+}  // namespace
+
+Frame numberedPicture(const Scene& scene, FrameSize stateSize) {
+  std::vector<GridPicture> pictures;
+  pictures.push_back({StatePicture(scene.model.tiles, scene.brick, stateSize).numbered(), "start"});
+  if (scene.model.target) {
+    pictures.push_back(
+        {StatePicture(*scene.model.target, scene.brick, stateSize).numbered(), "target"});
+  }
+  return composeGrid(pictures, {1, static_cast<int>(pictures.size())});
+}
+
+}  // namespace kirireel

@@ -1,0 +1,14 @@
+/// A picture of a model with the numbers of its tiles and vertices.
+#pragma once
+
+#include "render/picture/frame.h"
+#include "sim/scene/scene.h"
+
+namespace kirireel {
+
+/// The model at the start and, where there is one, at the target, side by side: each tile's number
+/// in its middle, each vertex's number inside its corner. Throws OutputError when no graphics
+/// context can be made or the font is missing.
+Frame numberedPicture(const Scene& scene, FrameSize stateSize);
+
+}  // namespace kirireel

@@ -1,0 +1,34 @@
+#include "render/record/crew.h"
+
+namespace kirireel {
+
+Crew::~Crew() {
+  if (threads_.empty()) return;
+  stopAll_();
+  threads_.clear();
+}
+
+void Crew::start(std::function<void()> stage) {
+  threads_.emplace_back([this, stage = std::move(stage)] { run(stage); });
+}
+
+void Crew::run(const std::function<void()>& stage) {
+  try {
+    stage();
+  } catch (...) {
+    // Carried to the thread that waits in finish().
+    {
+      const std::lock_guard lock(mutex_);
+      if (!error_) error_ = std::current_exception();
+    }
+    stopAll_();
+  }
+}
+
+void Crew::finish() {
+  for (std::jthread& thread : threads_) thread.join();
+  threads_.clear();
+  if (error_) std::rethrow_exception(error_);
+}
+
+}  // namespace kirireel

@@ -1,0 +1,64 @@
+#include "render/record/frame_sink.h"
+
+#include <cmath>
+
+#include "render/png/png.h"
+#include "render/record/output_folder.h"
+#include "render/record/stopwatch.h"
+
+namespace kirireel {
+namespace {
+
+constexpr double kTitleSeconds = 2;
+
+}  // namespace
+
+VideoSettings videoSettings(const PictureSettings& settings) {
+  return {.size = settings.size,
+          .framesPerSecond = settings.framesPerSecond,
+          .crf = settings.crf,
+          .preset = settings.preset,
+          .encoder = settings.encoder};
+}
+
+FrameSink::FrameSink(const PictureSettings& settings, PictureReport& report)
+    : settings_(settings),
+      report_(report),
+      heldFrames_(static_cast<int>(std::lround(settings.hold * settings.framesPerSecond))) {
+  if (settings.frames) makeFolder(settings.folder / output::kFrames);
+  if (settings.video) video_.emplace(settings.folder / settings.videoFile, videoSettings(settings));
+}
+
+void FrameSink::encode(const Frame& frame, int times) {
+  for (int k = 0; k < times; ++k) video_->write(frame);
+  videoFrames_ += times;
+}
+
+void FrameSink::putTitle(const Frame& card) {
+  const CpuTimer timer(report_.recordCost.cpuSecondsEncode);
+  if (video_) encode(card, static_cast<int>(kTitleSeconds * settings_.framesPerSecond));
+}
+
+void FrameSink::put(Frame frame) {
+  const CpuTimer timer(report_.recordCost.cpuSecondsEncode);
+  if (video_) encode(frame, number_ == 0 ? 1 + heldFrames_ : 1);
+  if (settings_.frames) {
+    writePng(frame, settings_.folder / frameFile(number_), {.dotsPerInch = settings_.dotsPerInch});
+    files_.push_back(frameFile(number_).string());
+  }
+  ++number_;
+  last_ = std::move(frame);
+}
+
+void FrameSink::finish() {
+  const CpuTimer timer(report_.recordCost.cpuSecondsEncode);
+  if (video_) {
+    encode(last_, heldFrames_);
+    video_->finish();
+    files_.push_back(settings_.videoFile);
+  }
+  report_.videoFrames = videoFrames_;
+  report_.files.insert(report_.files.end(), files_.begin(), files_.end());
+}
+
+}  // namespace kirireel

@@ -1,0 +1,43 @@
+/// Where painted frames go: into the video, into single files, or both.
+#pragma once
+
+#include <optional>
+
+#include "render/record/record.h"
+#include "render/video/video.h"
+
+namespace kirireel {
+
+/// How the run's video is encoded.
+VideoSettings videoSettings(const PictureSettings& settings);
+
+/// Encodes and writes frames in order; holds the first and the last as long as the settings say.
+/// Belongs to the thread that makes it.
+class FrameSink {
+ public:
+  /// Throws OutputError when the video cannot be made. Settings and report must outlive the sink.
+  FrameSink(const PictureSettings& settings, PictureReport& report);
+
+  /// Shows a card before the first frame. Throws OutputError.
+  void putTitle(const Frame& card);
+
+  /// Throws OutputError.
+  void put(Frame frame);
+
+  /// Puts the video in place and reports; without it, no video is left. Throws OutputError.
+  void finish();
+
+ private:
+  void encode(const Frame& frame, int times);
+
+  const PictureSettings& settings_;
+  PictureReport& report_;
+  std::optional<VideoWriter> video_;
+  int heldFrames_;
+  int number_ = 0;  ///< of the next frame
+  Frame last_;
+  int videoFrames_ = 0;
+  std::vector<std::string> files_;
+};
+
+}  // namespace kirireel

@@ -1,0 +1,29 @@
+#include "render/record/scribe.h"
+
+namespace kirireel {
+namespace {
+
+constexpr std::size_t kWaitingSamples = 16;
+
+}  // namespace
+
+Scribe::Scribe(const std::filesystem::path& path, const Subject& subject)
+    : writer_(path, subject), samples_(kWaitingSamples), crew_([this] { samples_.stop(); }) {
+  crew_.start([this] { writeAll(); });
+}
+
+bool Scribe::take(const SharedSample& sample) {
+  return samples_.push(sample);
+}
+
+void Scribe::writeAll() {
+  while (const std::optional<SharedSample> sample = samples_.pop()) writer_.append(**sample);
+}
+
+void Scribe::finish(const std::vector<Event>& events) {
+  samples_.close();
+  crew_.finish();
+  writer_.finish(events);
+}
+
+}  // namespace kirireel

@@ -1,0 +1,58 @@
+#include "sim/actuation/boundary_springs.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/model/hull.h"
+
+namespace kirireel {
+namespace {
+
+Vector3 mean(const std::vector<Vector3>& points) {
+  Vector3 sum = Vector3::Zero();
+  for (const Vector3& point : points) sum += point;
+  return sum / static_cast<double>(points.size());
+}
+
+/// Where the ray from the middle of an ellipse through a point leaves it; the height stays.
+Vector3 ellipsePoint(const Vector3& middle, double halfLength, double halfWidth,
+                     const Vector3& point) {
+  const double x = point.x() - middle.x();
+  const double y = point.y() - middle.y();
+  const double scale = 1 / std::hypot(x / halfLength, y / halfWidth);
+  return {middle.x() + scale * x, middle.y() + scale * y, point.z()};
+}
+
+}  // namespace
+
+BoundarySprings::BoundarySprings(const Model& model, const std::vector<Brick>& bricks,
+                                 const TargetSpringSettings& settings, const BoundaryCurve& curve)
+    : settings_(settings), springs_(bricks.size()) {
+  const std::vector<Corner> hull = model.hull ? *model.hull : outlineCorners(model.tiles);
+  std::vector<Vector3> corners;
+  for (const Corner& corner : hull) {
+    corners.push_back(model.tiles[corner.tile].vertices[corner.vertex]);
+  }
+  const Vector3 middle = mean(corners);
+  double radius = 0;
+  for (const Vector3& corner : corners) {
+    radius = std::max(radius, (corner - middle).head<2>().norm());
+  }
+  const double halfWidth = curve.size * radius;
+  for (std::size_t k = 0; k < hull.size(); ++k) {
+    anchors_.push_back(ellipsePoint(middle, curve.aspect * halfWidth, halfWidth, corners[k]));
+    const int tile = hull[k].tile;
+    springs_[tile].push_back(
+        {bricks[tile].bottom[hull[k].vertex], anchors_.back(), settings.springStiffness, 0});
+  }
+}
+
+Load BoundarySprings::load(int brick, const Pose& pose) const {
+  Load load;
+  load.damping.diagonal() << Vector3::Constant(settings_.forceDamping),
+      Vector3::Constant(settings_.torqueDamping);
+  for (const PointSpring& spring : springs_[brick]) addPointSpring(spring, pose, load);
+  return load;
+}
+
+}  // namespace kirireel

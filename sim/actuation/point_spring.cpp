@@ -1,0 +1,19 @@
+#include "sim/actuation/point_spring.h"
+
+namespace kirireel {
+
+void addPointSpring(const PointSpring& spring, const Pose& pose, Load& load) {
+  const Vector3 arm = pose.rotation * spring.point;
+  const Vector3 force = spring.stiffness * (spring.anchor - pose.position - arm);
+  load.force.head<3>() += force;
+  load.force.tail<3>() += arm.cross(force);
+  // The point moves by G (dx, dtheta); how the arm's turn changes the torque is left out, since it
+  // may be indefinite.
+  Eigen::Matrix<double, 3, 6> G;
+  G << Matrix3::Identity(), -crossMatrix(arm);
+  const Matrix6 outer = G.transpose() * G;
+  load.stiffness += spring.stiffness * outer;
+  load.damping += spring.damping * outer;
+}
+
+}  // namespace kirireel

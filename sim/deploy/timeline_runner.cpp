@@ -1,0 +1,201 @@
+#include "sim/deploy/timeline_runner.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "sim/actuation/point_spring.h"
+
+namespace kirireel {
+namespace {
+
+// Times are sums of steps: what is due within this of a time is due at it.
+constexpr double kTimeRounding = 1e-9;
+
+/// The point at a share (0 to 1) of a path's length.
+Vector3 pointOnPath(const std::vector<Vector3>& path, double share) {
+  double length = 0;
+  for (std::size_t k = 1; k < path.size(); ++k) length += (path[k] - path[k - 1]).norm();
+  double left = std::clamp(share, 0.0, 1.0) * length;
+  for (std::size_t k = 1; k < path.size(); ++k) {
+    const double piece = (path[k] - path[k - 1]).norm();
+    if (left <= piece && piece > 0) return path[k - 1] + left / piece * (path[k] - path[k - 1]);
+    left -= piece;
+  }
+  return path.back();
+}
+
+std::string tilesText(const std::vector<int>& tiles) {
+  return tiles.empty() ? "all tiles" : fmt::format("tiles {}", fmt::join(tiles, ", "));
+}
+
+/// What an action acts on, for the record.
+struct Describe {
+  std::string operator()(const timeline::Pin& pin) const { return tilesText(pin.tiles); }
+  std::string operator()(const timeline::Unpin& unpin) const { return tilesText(unpin.tiles); }
+  std::string operator()(const timeline::Drag& drag) const {
+    return fmt::format("tile {} for {:g} s", drag.tile, drag.seconds);
+  }
+  std::string operator()(const timeline::Forces& forces) const { return forces.on ? "on" : "off"; }
+  std::string operator()(const timeline::Pause& pause) const {
+    return fmt::format("{:g} s", pause.seconds);
+  }
+  std::string operator()(const timeline::GoTo& goTo) const {
+    return goTo.file.empty() ? "the model's" : goTo.file.string();
+  }
+  template <typename Other>
+  std::string operator()(const Other&) const {
+    return "";
+  }
+};
+
+/// "pin tiles 3, 4".
+std::string describe(const timeline::Action& action) {
+  const std::string what = std::visit(Describe{}, action);
+  return what.empty() ? actionName(action) : fmt::format("{} {}", actionName(action), what);
+}
+
+std::string momentText(const Occasion& moment) {
+  switch (moment.kind) {
+    case Occasion::Kind::AtTime:
+      return fmt::format("{:g} s", moment.value);
+    case Occasion::Kind::After:
+      return fmt::format("{:g} s after the entry before", moment.value);
+    case Occasion::Kind::AtRest:
+      return "rest";
+    case Occasion::Kind::AtTarget:
+      return "the target";
+    case Occasion::Kind::ErrorBelow:
+      return fmt::format("an error below {:g} m", moment.value);
+    case Occasion::Kind::ProgressAbove:
+      return fmt::format("a progress of {:g}", moment.value);
+  }
+  return "";
+}
+
+}  // namespace
+
+TimelineRunner::TimelineRunner(const Timeline& timeline, const std::vector<Brick>& bricks)
+    : timeline_(timeline), bricks_(bricks), pinned_(bricks.size(), false) {}
+
+bool TimelineRunner::carryOut(const TimelineView& view, TimelineStage& stage,
+                              std::vector<Event>& events) {
+  std::erase_if(drags_, [&](const ActiveDrag& active) {
+    return view.time >= active.from + active.drag.seconds - kTimeRounding;
+  });
+  const std::size_t before = next_;
+  // Only the first entry may wait for the state at hand: what it does changes that state.
+  while (next_ < timeline_.size() && isDue(timeline_[next_].when, view)) {
+    const TimelineEntry& entry = timeline_[next_];
+    const bool ofTime = waitsForTime();
+    if (next_ > before && !ofTime) break;
+    carryOut(entry.action, view, stage);
+    events.push_back({view.time, describe(entry.action)});
+    lastTime_ = view.time;
+    ++next_;
+  }
+  return next_ > before;
+}
+
+bool TimelineRunner::isDue(const Occasion& moment, const TimelineView& view) const {
+  switch (moment.kind) {
+    case Occasion::Kind::AtTime:
+      return view.time >= moment.value - kTimeRounding;
+    case Occasion::Kind::After:
+      return view.time >= lastTime_ + moment.value - kTimeRounding;
+    case Occasion::Kind::AtRest:
+      return view.atRest;
+    case Occasion::Kind::AtTarget:
+      return view.atTarget;
+    case Occasion::Kind::ErrorBelow:
+      return view.error < moment.value;
+    case Occasion::Kind::ProgressAbove:
+      return view.error <= (1 - moment.value) * view.startError;
+  }
+  return false;
+}
+
+void TimelineRunner::carryOut(const timeline::Action& action, const TimelineView& view,
+                              TimelineStage& stage) {
+  if (const auto* pinning = std::get_if<timeline::Pin>(&action)) {
+    pin(pinning->tiles, true, stage);
+  } else if (const auto* unpinning = std::get_if<timeline::Unpin>(&action)) {
+    pin(unpinning->tiles, false, stage);
+  } else if (const auto* drag = std::get_if<timeline::Drag>(&action)) {
+    startDrag(*drag, view);
+  } else if (const auto* forces = std::get_if<timeline::Forces>(&action)) {
+    forcesOn_ = forces->on;
+  } else if (const auto* pause = std::get_if<timeline::Pause>(&action)) {
+    pausedUntil_ = view.time + pause->seconds - kTimeRounding;
+  } else if (const auto* goTo = std::get_if<timeline::GoTo>(&action)) {
+    stage.goTo(goTo->file.empty() ? nullptr : &goTo->tiles);
+  } else if (std::holds_alternative<timeline::Reset>(action)) {
+    reset(stage);
+  } else if (std::holds_alternative<timeline::Quit>(action)) {
+    stage.quit();
+  }  // snapshots and exports are for those who read the events
+}
+
+/// No tiles named means all.
+void TimelineRunner::pin(const std::vector<int>& tiles, bool pinned, TimelineStage& stage) {
+  if (tiles.empty()) pinned_.assign(pinned_.size(), pinned);
+  for (const int tile : tiles) pinned_[tile] = pinned;
+  stage.setPinned(pinned_);
+}
+
+void TimelineRunner::startDrag(const timeline::Drag& drag, const TimelineView& view) {
+  const Vector3 point =
+      drag.vertex ? bricks_[drag.tile].bottom[*drag.vertex] : Vector3(Vector3::Zero());
+  std::vector<Vector3> path = {(*view.poses)[drag.tile].apply(point)};
+  path.insert(path.end(), drag.path.begin(), drag.path.end());
+  drags_.push_back({drag, point, std::move(path), view.time});
+}
+
+void TimelineRunner::reset(TimelineStage& stage) {
+  drags_.clear();
+  forcesOn_ = true;
+  pin({}, false, stage);
+  stage.reset();
+}
+
+void TimelineRunner::addDrags(double time, const Poses& poses, std::vector<Load>& loads) const {
+  for (const ActiveDrag& active : drags_) {
+    const double share = (time - active.from) / active.drag.seconds;
+    const PointSpring spring = {active.point, pointOnPath(active.path, share),
+                                active.drag.stiffness, active.drag.damping};
+    addPointSpring(spring, poses[active.drag.tile], loads[active.drag.tile]);
+  }
+}
+
+bool TimelineRunner::isOver(double time) const {
+  return next_ == timeline_.size() && drags_.empty() && !isPaused(time);
+}
+
+bool TimelineRunner::waitsForTime() const {
+  if (next_ == timeline_.size()) return false;
+  const Occasion::Kind kind = timeline_[next_].when.kind;
+  return kind == Occasion::Kind::AtTime || kind == Occasion::Kind::After;
+}
+
+bool TimelineRunner::waitsForState() const {
+  return next_ < timeline_.size() && !waitsForTime() && drags_.empty();
+}
+
+std::vector<int> TimelineRunner::pinnedTiles() const {
+  std::vector<int> tiles;
+  for (std::size_t i = 0; i < pinned_.size(); ++i) {
+    if (pinned_[i]) tiles.push_back(static_cast<int>(i));
+  }
+  return tiles;
+}
+
+std::string TimelineRunner::pending() const {
+  if (next_ == timeline_.size()) return "";
+  const TimelineEntry& entry = timeline_[next_];
+  return fmt::format("the timeline still waits for {} to {}", momentText(entry.when),
+                     actionName(entry.action));
+}
+
+}  // namespace kirireel

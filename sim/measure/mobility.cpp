@@ -1,0 +1,172 @@
+#include "sim/measure/mobility.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Dense>
+#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
+
+namespace kirireel {
+namespace {
+
+using Sparse = Eigen::SparseMatrix<double>;
+
+// The part of the largest singular value above which one counts. Zeros met: 1e-15; least others:
+// 1e-2 (tess_m10_n10, open).
+constexpr double kCounts = 1e-6;
+constexpr int kMostDenseUnknowns = 900;
+
+/// Writes the equations of joints, one after the other.
+class JointJacobian {
+ public:
+  JointJacobian(const Model& model, const std::vector<Tile>& state, Freedom freedom,
+                double thickness)
+      : state_(state), planar_(freedom == Freedom::Plane), size_(tileSize(model)) {
+    for (const Tile& tile : state) {
+      centres_.push_back(tileCentroid(tile));
+      rises_.push_back(thickness * tileNormal(tile));
+    }
+    for (const Joint& joint : model.joints) addJoint(joint);
+  }
+
+  int unknowns() const { return (planar_ ? 3 : 6) * static_cast<int>(state_.size()); }
+
+  Sparse matrix() const {
+    Sparse matrix(rows_, unknowns());
+    matrix.setFromTriplets(entries_.begin(), entries_.end());
+    return matrix;
+  }
+
+ private:
+  Vector3 place(const Corner& corner, bool top) const {
+    const Vector3& bottom = state_[corner.tile].vertices[corner.vertex];
+    return top ? Vector3(bottom + rises_[corner.tile]) : bottom;
+  }
+
+  void addJoint(const Joint& joint) {
+    if (joint.kind == JointKind::Link) {
+      const Vector3 along = (place(joint.a, false) - place(joint.b, false)).normalized();
+      addDirection(joint, place(joint.a, false), place(joint.b, false), along);
+      return;
+    }
+    if (joint.kind == JointKind::Fixed) return addFixed(joint);
+    const bool both = joint.face == JointFace::Both;
+    if (joint.face != JointFace::Top) addPivot(joint, false);
+    // In the plane the upper pivot of a hinge says nothing more.
+    if (joint.face == JointFace::Top || (both && !planar_)) addPivot(joint, true);
+  }
+
+  void addPivot(const Joint& joint, bool top) {
+    for (int axis = 0; axis < (planar_ ? 2 : 3); ++axis) {
+      addDirection(joint, place(joint.a, top), place(joint.b, top), Vector3::Unit(axis));
+    }
+  }
+
+  /// The relative motion of the two tiles at one point, and their relative rotation.
+  void addFixed(const Joint& joint) {
+    const Vector3 point = place(joint.a, false);
+    for (int axis = 0; axis < (planar_ ? 2 : 3); ++axis) {
+      addDirection(joint, point, point, Vector3::Unit(axis));
+    }
+    for (int axis = planar_ ? 2 : 0; axis < 3; ++axis) {
+      addRotation(joint.a.tile, Vector3::Unit(axis));
+      addRotation(joint.b.tile, -Vector3::Unit(axis));
+      ++rows_;
+    }
+  }
+
+  /// direction . (velocity of point a - velocity of point b) = 0.
+  void addDirection(const Joint& joint, const Vector3& a, const Vector3& b,
+                    const Vector3& direction) {
+    addPoint(joint.a.tile, a, direction);
+    addPoint(joint.b.tile, b, -direction);
+    ++rows_;
+  }
+
+  void addPoint(int tile, const Vector3& point, const Vector3& direction) {
+    const int first = (planar_ ? 3 : 6) * tile;
+    for (int axis = 0; axis < (planar_ ? 2 : 3); ++axis) {
+      entries_.emplace_back(rows_, first + axis, direction[axis]);
+    }
+    addRotation(tile, (point - centres_[tile]).cross(direction) / size_);
+  }
+
+  void addRotation(int tile, const Vector3& moment) {
+    const int first = (planar_ ? 3 : 6) * tile;
+    if (planar_) {
+      entries_.emplace_back(rows_, first + 2, moment.z());
+      return;
+    }
+    for (int axis = 0; axis < 3; ++axis)
+      entries_.emplace_back(rows_, first + 3 + axis, moment[axis]);
+  }
+
+  const std::vector<Tile>& state_;
+  bool planar_;
+  double size_;
+  std::vector<Vector3> centres_;
+  std::vector<Vector3> rises_;
+  int rows_ = 0;
+  std::vector<Eigen::Triplet<double>> entries_;
+};
+
+void countDense(const Sparse& jacobian, Mobility& result) {
+  const Eigen::BDCSVD<Eigen::MatrixXd> svd{Eigen::MatrixXd(jacobian)};
+  const Eigen::VectorXd& values = svd.singularValues();
+  for (const double value : values) {
+    const bool counts = value > kCounts * values[0];
+    result.rank += counts ? 1 : 0;
+    (counts ? result.leastKept : result.largestDropped) = value;
+    if (!counts) break;
+  }
+}
+
+/// How many eigenvalues of J^T J lie below a square.
+int countBelow(const Sparse& square, double value) {
+  Sparse identity(square.rows(), square.cols());
+  identity.setIdentity();
+  const Eigen::SimplicialLDLT<Sparse> factors(Sparse(square - value * value * identity));
+  return static_cast<int>((factors.vectorD().array() < 0).count());
+}
+
+void countSparse(const Sparse& jacobian, Mobility& result) {
+  const Sparse square = jacobian.transpose() * jacobian;
+  // Row sums bound the largest eigenvalue.
+  double bound = 0;
+  for (Eigen::Index column = 0; column < square.outerSize(); ++column) {
+    double sum = 0;
+    for (Sparse::InnerIterator entry(square, column); entry; ++entry)
+      sum += std::abs(entry.value());
+    bound = std::max(bound, sum);
+  }
+  const double threshold = kCounts * std::sqrt(bound);
+  const int dropped = countBelow(square, threshold);
+  result.rank = result.unknowns - dropped;
+  result.largestDropped = dropped > 0 ? threshold : 0;
+  // The next power of ten with more values below it.
+  for (double value = threshold; value < std::sqrt(bound); value *= 10) {
+    if (countBelow(square, value) > dropped) break;
+    result.leastKept = value;
+  }
+}
+
+}  // namespace
+
+Mobility mobility(const Model& model, const std::vector<Tile>& state, Freedom freedom,
+                  double thickness) {
+  const JointJacobian equations(model, state, freedom, thickness);
+  const Sparse jacobian = equations.matrix();
+  Mobility result;
+  result.unknowns = equations.unknowns();
+  result.equations = static_cast<int>(jacobian.rows());
+  if (result.equations > 0) {
+    result.unknowns <= kMostDenseUnknowns ? countDense(jacobian, result)
+                                          : countSparse(jacobian, result);
+  }
+  result.freedoms = result.unknowns - result.rank - (freedom == Freedom::Plane ? 3 : 6);
+  result.redundant = result.equations - result.rank;
+  return result;
+}
+
+}  // namespace kirireel

@@ -1,0 +1,36 @@
+/// How many ways a sheet of rigid tiles can move, from the rank of its joints' Jacobian.
+#pragma once
+
+#include <vector>
+
+#include "sim/model/model.h"
+
+namespace kirireel {
+
+/// The first-order mobility of one state.
+struct Mobility {
+  int unknowns = 0;           ///< 3 a tile in the plane, 6 in space
+  int equations = 0;          ///< that the joints make
+  int rank = 0;               ///< of the Jacobian (equations x unknowns)
+  int freedoms = 0;           ///< motions beyond those of the whole as one rigid body
+  int redundant = 0;          ///< equations that follow from others
+  double leastKept = 0;       ///< the least singular value that counts towards the rank; 0 for none
+  double largestDropped = 0;  ///< the largest one that does not, or a bound of it; 0 for none. The
+                              ///< ratio of the two says how certain the rank is.
+};
+
+/// Where tiles may move.
+enum class Freedom {
+  Plane,  ///< in the plane z = 0, about the z axis
+  Space,
+};
+
+/// The mobility of the model's joints with its tiles in the given state, for bricks of this
+/// thickness in metres (joints on both faces are hinges). Rotations are measured in tile sizes, so
+/// that singular values are plain numbers; those above 1e-6 of the largest count. Up to 900
+/// unknowns by a dense singular value decomposition; above, by counting the pivots' signs of J^T J
+/// - s^2 (Sylvester's law of inertia), with singular values known to powers of ten.
+Mobility mobility(const Model& model, const std::vector<Tile>& state, Freedom freedom,
+                  double thickness);
+
+}  // namespace kirireel

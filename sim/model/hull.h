@@ -1,0 +1,14 @@
+/// The outside of a sheet.
+#pragma once
+
+#include <vector>
+
+#include "sim/model/model.h"
+
+namespace kirireel {
+
+/// One corner for each vertex on the convex outline of all vertices, seen along z: anticlockwise
+/// from the leftmost (the lowest of these). Of corners at one point the first counts.
+std::vector<Corner> outlineCorners(const std::vector<Tile>& tiles);
+
+}  // namespace kirireel

@@ -1,0 +1,46 @@
+/// scene.toml: the settings and the timeline of a run, in a file beside the model.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "sim/base/error.h"
+#include "sim/scene/timeline.h"
+
+namespace kirireel {
+
+/// One key of one table, as text: what the key means is for those who own the setting.
+struct SceneSetting {
+  std::string table;                ///< "model", "environment", ...
+  std::string key;                  ///< as written
+  std::vector<std::string> values;  ///< one, or one an element for arrays of texts or of arrays;
+                                    ///< an array of numbers is one text, "0,0,-9.81"
+  bool isSwitch = false;            ///< true or false, values.front() says which
+  FileLocation where;               ///< of the value
+};
+
+/// What a scene file holds.
+struct SceneFile {
+  std::filesystem::path path;
+  std::vector<SceneSetting> settings;  ///< by table and key
+  Timeline timeline;                   ///< targets are named, not read yet; files are relative to
+                                       ///< the folder of the scene file
+};
+
+/// Reads a scene file: the tables [model] [environment] [actuation] [solver] [stop] [camera]
+/// [style] [recording], and [[timeline]].
+///
+/// A timeline entry says when, by one of
+///   at = SECONDS, at = "rest", at = "target", after = SECONDS (0), error_below = METRES,
+///   progress = SHARE,
+/// and what, by one of
+///   pin = [TILES], unpin = [TILES] or "all", drag = {tile, vertex, path, seconds, stiffness,
+///   damping}, forces = "on" or "off", pause = SECONDS, target = "FILE" or "model",
+///   snapshot = true, export = true, reset = true, quit = true.
+///
+/// Throws InputError with file:line:column for what is no TOML, for unknown tables and timeline
+/// keys (suggesting the nearest), and for values that a timeline does not allow.
+SceneFile readSceneFile(const std::filesystem::path& path);
+
+}  // namespace kirireel

@@ -1,0 +1,94 @@
+#include "sim/scene/scene_parts.h"
+
+#include <fmt/format.h>
+
+#include "sim/base/error.h"
+#include "sim/model/alignment.h"
+#include "sim/model/read_model.h"
+
+namespace kirireel {
+namespace {
+
+/// The chain of targets becomes the model's target and, before it, entries of the timeline.
+void addTargets(const std::vector<std::filesystem::path>& files, Scene& scene,
+                std::vector<std::string>& warnings) {
+  if (files.empty()) return;
+  Timeline chain;
+  for (std::size_t k = 0; k + 1 < files.size(); ++k) {
+    const Occasion when = k == 0 ? Occasion{} : Occasion{Occasion::Kind::AtTarget};
+    chain.push_back(
+        {when, timeline::GoTo{files[k], readTarget(files[k], scene.model, warnings)}, {files[k]}});
+  }
+  scene.model.target = readTarget(files.back(), scene.model, warnings);
+  if (chain.empty()) return;
+  chain.push_back({{Occasion::Kind::AtTarget}, timeline::GoTo{}, {files.back()}});
+  scene.timeline.insert(scene.timeline.begin(), chain.begin(), chain.end());
+}
+
+void requireTile(const Model& model, int tile, const char* option) {
+  const int count = static_cast<int>(model.tiles.size());
+  if (tile >= 0 && tile < count) return;
+  throw InputError(fmt::format("{}: the model has tiles 0-{}, not {}", option, count - 1, tile));
+}
+
+void requireTwoTiles(const Model& model, int tileA, int tileB, const char* option) {
+  requireTile(model, tileA, option);
+  requireTile(model, tileB, option);
+  if (tileA != tileB) return;
+  throw InputError(fmt::format("{}: tile {} cannot be joined to itself", option, tileA));
+}
+
+void requireVertex(const Model& model, const Corner& corner, const char* option) {
+  const int count = static_cast<int>(model.tiles[corner.tile].vertices.size());
+  if (corner.vertex >= 0 && corner.vertex < count) return;
+  throw InputError(fmt::format("{}: tile {} has vertices 0-{}, not {}", option, corner.tile,
+                               count - 1, corner.vertex));
+}
+
+void addFixed(const std::vector<std::array<int, 2>>& pairs, Model& model) {
+  for (const auto& [tileA, tileB] : pairs) {
+    requireTwoTiles(model, tileA, tileB, "--fix");
+    model.joints.push_back(makeFixedJoint(model.tiles, tileA, tileB));
+  }
+}
+
+void addLinks(const std::vector<std::array<int, 4>>& links, Model& model) {
+  for (const auto& [tileA, vertexA, tileB, vertexB] : links) {
+    requireTwoTiles(model, tileA, tileB, "--link");
+    requireVertex(model, {tileA, vertexA}, "--link");
+    requireVertex(model, {tileB, vertexB}, "--link");
+    const Joint link = makeLink(model.tiles, {tileA, vertexA}, {tileB, vertexB});
+    if (link.apart.norm() <= 1e-6 * modelSize(model)) {
+      throw InputError(fmt::format(
+          "--link: vertex {} of tile {} and vertex {} of tile {} are at one place; join "
+          "them in constraints.txt instead",
+          vertexA, tileA, vertexB, tileB));
+    }
+    model.joints.push_back(link);
+  }
+}
+
+void readTimelineTargets(Scene& scene, std::vector<std::string>& warnings) {
+  for (TimelineEntry& entry : scene.timeline) {
+    auto* goTo = std::get_if<timeline::GoTo>(&entry.action);
+    if (!goTo || goTo->file.empty() || !goTo->tiles.empty()) continue;
+    goTo->tiles = readTarget(goTo->file, scene.model, warnings);
+  }
+}
+
+}  // namespace
+
+void completeScene(const SceneParts& parts, Scene& scene, std::vector<std::string>& warnings) {
+  addTargets(parts.targets, scene, warnings);
+  readTimelineTargets(scene, warnings);
+  alignStartToTarget(scene.model);
+  addFixed(parts.fixed, scene.model);
+  addLinks(parts.links, scene.model);
+  if (!parts.pinned.empty()) {
+    scene.timeline.insert(scene.timeline.begin(),
+                          {Occasion{}, timeline::Pin{parts.pinned}, {"--pin"}});
+  }
+  checkTimeline(scene.timeline, scene.model);
+}
+
+}  // namespace kirireel

@@ -1,0 +1,68 @@
+#include "sim/scene/timeline.h"
+
+#include <array>
+
+#include <fmt/format.h>
+
+namespace kirireel {
+namespace {
+
+void requireTile(int tile, const Model& model, const FileLocation& where) {
+  const int count = static_cast<int>(model.tiles.size());
+  if (tile >= 0 && tile < count) return;
+  throw inputErrorAt(
+      where, fmt::format("the model has tiles 0-{}, not {}; correct this number", count - 1, tile));
+}
+
+void requireTiles(const std::vector<int>& tiles, const Model& model, const FileLocation& where) {
+  for (const int tile : tiles) requireTile(tile, model, where);
+}
+
+void requireVertex(const timeline::Drag& drag, const Model& model, const FileLocation& where) {
+  if (!drag.vertex) return;
+  const int count = static_cast<int>(model.tiles[drag.tile].vertices.size());
+  if (*drag.vertex >= 0 && *drag.vertex < count) return;
+  throw inputErrorAt(where, fmt::format("tile {} has vertices 0-{}, not {}; correct this number",
+                                        drag.tile, count - 1, *drag.vertex));
+}
+
+void check(const TimelineEntry& entry, const Model& model) {
+  if (const auto* pin = std::get_if<timeline::Pin>(&entry.action)) {
+    requireTiles(pin->tiles, model, entry.where);
+  } else if (const auto* unpin = std::get_if<timeline::Unpin>(&entry.action)) {
+    requireTiles(unpin->tiles, model, entry.where);
+  } else if (const auto* drag = std::get_if<timeline::Drag>(&entry.action)) {
+    requireTile(drag->tile, model, entry.where);
+    requireVertex(*drag, model, entry.where);
+  }
+}
+
+bool needsTarget(const TimelineEntry& entry) {
+  const Occasion::Kind kind = entry.when.kind;
+  const auto* goTo = std::get_if<timeline::GoTo>(&entry.action);
+  return kind == Occasion::Kind::AtTarget || kind == Occasion::Kind::ErrorBelow ||
+         kind == Occasion::Kind::ProgressAbove || (goTo && goTo->file.empty());
+}
+
+}  // namespace
+
+std::string actionName(const timeline::Action& action) {
+  static const std::array<const char*, std::variant_size_v<timeline::Action>> kNames = {
+      "pin", "unpin", "drag", "forces", "pause", "target", "snapshot", "export", "reset", "quit"};
+  return kNames[action.index()];
+}
+
+void checkTimeline(const Timeline& timeline, const Model& model) {
+  bool hasTarget = model.target.has_value();
+  for (const TimelineEntry& entry : timeline) {
+    check(entry, model);
+    if (needsTarget(entry) && !hasTarget) {
+      throw inputErrorAt(entry.where,
+                         "this waits for a target, but there is none; add target.txt to the model "
+                         "or name one with --target");
+    }
+    hasTarget = hasTarget || std::holds_alternative<timeline::GoTo>(entry.action);
+  }
+}
+
+}  // namespace kirireel

@@ -1,0 +1,140 @@
+// Shipped models are what their commands make; conversions there and back lose nothing.
+#include <fstream>
+#include <regex>
+#include <sstream>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/run_program.h"
+
+namespace kirireel {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kData = fs::path(KIRIREEL_SOURCE_DIR) / "data";
+
+/// A model in data/ and the arguments that make it, without its folder.
+struct ShippedModel {
+  std::string name;
+  std::vector<std::string> arguments;
+};
+
+void PrintTo(const ShippedModel& model, std::ostream* stream) {
+  *stream << model.name;
+}
+
+/// The commands that data/README.md gives.
+std::vector<ShippedModel> shippedModels() {
+  const std::string page = readText(kData / "README.md");
+  const std::regex command("`kirireel (generate [^`]*) data/([a-z0-9_]+)`");
+  std::vector<ShippedModel> models;
+  for (std::sregex_iterator match(page.begin(), page.end(), command), end; match != end; ++match) {
+    ShippedModel& model = models.emplace_back();
+    model.name = (*match)[2];
+    std::istringstream words((*match)[1]);
+    for (std::string word; words >> word;) model.arguments.push_back(word);
+  }
+  return models;
+}
+
+/// Whether two texts hold the same words, numbers to 1e-12 (another processor may round otherwise).
+bool sameNumbers(const std::string& a, const std::string& b) {
+  std::istringstream left(a), right(b);
+  for (std::string wordA, wordB;;) {
+    const bool moreA = bool(left >> wordA), moreB = bool(right >> wordB);
+    if (!moreA || !moreB) return moreA == moreB;
+    if (wordA == wordB) continue;
+    const double difference =
+        std::strtod(wordA.c_str(), nullptr) - std::strtod(wordB.c_str(), nullptr);
+    if (!(std::abs(difference) <= 1e-12)) return false;
+  }
+}
+
+class ShippedModels : public testing::TestWithParam<ShippedModel> {};
+
+TEST_P(ShippedModels, AreWhatTheirCommandsMake) {
+  const ScratchFolder scratch;
+  std::vector<std::string> arguments = GetParam().arguments;
+  const fs::path made = scratch / "model";
+  arguments.push_back(made.string());
+  const ProgramEnd end = runKirireel(arguments);
+  ASSERT_EQ(end.exitCode, 0) << end.err;
+  for (const char* file : {"vertices.txt", "constraints.txt", "target.txt"}) {
+    const fs::path shipped = kData / GetParam().name / file;
+    ASSERT_EQ(fs::exists(shipped), fs::exists(made / file)) << shipped;
+    if (!fs::exists(shipped)) continue;
+    EXPECT_TRUE(sameNumbers(readText(made / file), readText(shipped))) << shipped;
+  }
+}
+
+TEST_P(ShippedModels, SurviveConversionThereAndBack) {
+  const ScratchFolder scratch;
+  const fs::path model = kData / GetParam().name;
+  for (const char* format : {"sheet.fold", "sheet_contracted.obj"}) {
+    const std::string between = (scratch / format).string(), back = (scratch / "back").string();
+    ASSERT_EQ(runKirireel({"convert", model.string(), between}).exitCode, 0);
+    ASSERT_EQ(runKirireel({"convert", between, back}).exitCode, 0);
+    for (const char* file : {"vertices.txt", "constraints.txt", "target.txt"}) {
+      if (!fs::exists(model / file)) continue;
+      EXPECT_TRUE(readText(fs::path(back) / file) == readText(model / file)) << format << file;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Data, ShippedModels, testing::ValuesIn(shippedModels()));
+
+TEST(ProgramGenerate, EveryFolderOfDataIsOnThePage) {
+  std::size_t folders = 0;
+  for (const fs::directory_entry& entry : fs::directory_iterator(kData)) {
+    folders += fs::exists(entry.path() / "vertices.txt") ? 1 : 0;
+  }
+  EXPECT_EQ(shippedModels().size(), folders);
+  EXPECT_GE(folders, 20U);
+}
+
+TEST(ProgramInspect, TellsWhatAModelIs) {
+  const std::string model = (kData / "tessellation_4x4").string();
+  const ProgramEnd end = runKirireel({"inspect", model, "--json"});
+  ASSERT_EQ(end.exitCode, 0) << end.err;
+  const auto json = nlohmann::json::parse(end.out);
+  EXPECT_EQ(json["tiles"]["4"], 16);
+  EXPECT_EQ(json["joints"]["both"], 24);
+  EXPECT_EQ(json["target"]["mobility"]["plane"]["degrees_of_freedom"], 1);
+  EXPECT_EQ(json["start"]["mobility"]["plane"]["degrees_of_freedom"], 6);
+  EXPECT_LT(json["rigid_floor"], 1e-14);
+  EXPECT_TRUE(json["start"]["overlaps"].empty());
+  EXPECT_TRUE(json["needs"]["planar"]["on"]);
+  const std::string text = runKirireel({"inspect", model}).out;
+  EXPECT_NE(text.find("tiles: 16 with 4 vertices\njoints: 24 both\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("in the plane: 1 degrees of freedom"), std::string::npos) << text;
+}
+
+TEST(ProgramInspect, PaintsNumbers) {
+  const ScratchFolder scratch;
+  const std::string picture = (scratch / "numbers.png").string();
+  ASSERT_EQ(runKirireel({"inspect", (kData / "tessellation_4x4").string(), "--picture", picture})
+                .exitCode,
+            0);
+  EXPECT_GT(fs::file_size(picture), 20000U);  // measured 60 kB
+}
+
+TEST(ProgramConvert, ReadsPublishedPairsWithNoFlags) {
+  const fs::path pairs = fs::path(KIRIREEL_SOURCE_DIR).parent_path() / "shared/models/obj-pairs";
+  if (!fs::exists(pairs)) GTEST_SKIP() << pairs << " is not there";
+  const ScratchFolder scratch;
+  int count = 0;
+  for (const fs::directory_entry& entry : fs::directory_iterator(pairs)) {
+    if (!entry.path().string().ends_with("_contracted.obj")) continue;
+    const std::string out = (scratch / entry.path().stem().string()).string();
+    const ProgramEnd end = runKirireel({"convert", entry.path().string(), out});
+    EXPECT_EQ(end.exitCode, 0) << end.err;
+    EXPECT_TRUE(fs::exists(fs::path(out) / "target.txt"));
+    ++count;
+  }
+  EXPECT_EQ(count, 5);
+}
+
+}  // namespace
+}  // namespace kirireel

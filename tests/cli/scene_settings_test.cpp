@@ -1,0 +1,96 @@
+// Scene files through the command line's own options.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "render/cli/command_line.h"
+#include "sim/base/error.h"
+#include "tests/support/files.h"
+
+namespace kirireel {
+namespace {
+
+using ::testing::HasSubstr;
+
+class SceneSettingsTest : public testing::Test {
+ protected:
+  RecordOrder parse(const std::string& scene, const std::vector<std::string>& more = {}) {
+    std::ofstream(folder_ / "scene.toml") << scene;
+    std::vector<std::string> arguments = {"record", folder_.path().string()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return std::get<RecordOrder>(parseCommandLine(arguments));
+  }
+
+  std::string refusal(const std::string& scene) {
+    try {
+      parse(scene);
+    } catch (const InputError& error) {
+      const std::string message = error.what();
+      return message.substr(std::min(message.size(), message.find("scene.toml")));
+    }
+    return "accepted";
+  }
+
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(SceneSettingsTest, KeysAreOptions) {
+  const RecordOrder order = parse(
+      "[model]\nthickness = 0.1\npin = [0, 3]\nlink = [[0, 1, 2, 3]]\n"
+      "[environment]\ngravity = [0, 0, -10]\nground = true\ncontacts = \"all\"\n"
+      "[actuation]\nactuation = \"expansion\"\nspring_stiffness = 25\nno_adaptive = true\n"
+      "[solver]\nseed = 7\n[stop]\nduration = 3\n[[timeline]]\nat = 1\nquit = true\n");
+  EXPECT_EQ(order.scene.brick.thickness, 0.1);
+  EXPECT_EQ(order.request.parts.pinned, (std::vector<int>{0, 3}));
+  EXPECT_EQ(order.request.parts.links.front(), (std::array<int, 4>{0, 1, 2, 3}));
+  EXPECT_EQ(order.scene.environment.gravity, Vector3(0, 0, -10));
+  EXPECT_TRUE(order.scene.environment.ground.has_value());
+  EXPECT_EQ(order.scene.environment.contacts, ContactFilter::All);
+  EXPECT_EQ(order.scene.actuation.drive, Drive::Expansion);
+  EXPECT_EQ(order.scene.springs.springStiffness, 25);
+  EXPECT_FALSE(order.scene.springs.adaptive);
+  EXPECT_EQ(order.scene.solver.seed, 7u);
+  EXPECT_EQ(order.scene.stop.duration, 3);
+  EXPECT_EQ(order.scene.timeline.size(), 1u);
+}
+
+TEST_F(SceneSettingsTest, TheCommandLineCountsMore) {
+  const RecordOrder order = parse("[actuation]\nspring_stiffness = 25\nforce_damping = 20\n",
+                                  {"--spring_stiffness", "50"});
+  EXPECT_EQ(order.scene.springs.springStiffness, 50);
+  EXPECT_EQ(order.scene.springs.forceDamping, 20);
+}
+
+TEST_F(SceneSettingsTest, AnotherFileTakesThePlaceOfTheModelsOwn) {
+  std::ofstream(folder_ / "other.toml") << "[stop]\nduration = 5\n";
+  const RecordOrder order = parse("[stop]\nduration = 3\n[solver]\nseed = 9\n",
+                                  {"--scene", (folder_ / "other.toml").string()});
+  EXPECT_EQ(order.scene.stop.duration, 5);
+  EXPECT_EQ(order.scene.solver.seed, 1u);
+}
+
+TEST_F(SceneSettingsTest, FalseLeavesASwitchAlone) {
+  EXPECT_FALSE(parse("[environment]\nground = false\n").scene.environment.ground.has_value());
+}
+
+TEST_F(SceneSettingsTest, UnknownKeysSuggestTheNearest) {
+  EXPECT_EQ(refusal("[environment]\nbrick_frictoin = 0.3\n"),
+            "scene.toml:2:18: error: [environment] has no key brick_frictoin, did you mean "
+            "brick_friction?; see record --help");
+}
+
+TEST_F(SceneSettingsTest, KeysInTheWrongTableSayWhere) {
+  EXPECT_EQ(refusal("[environment]\nseed = 3\n"),
+            "scene.toml:2:8: error: seed belongs in [solver], not in [environment]");
+}
+
+TEST_F(SceneSettingsTest, WrongValuesAreTheOptionsErrorsWithTheirPlace) {
+  EXPECT_THAT(refusal("[solver]\n\nsolver = \"magic\"\n"),
+              HasSubstr("scene.toml:3:10: error: --solver: 'magic' is not allowed; give direct"));
+  EXPECT_THAT(refusal("[model]\nthickness = -1\n"), HasSubstr("scene.toml:2:13: error: --thick"));
+  EXPECT_THAT(refusal("[model]\nthickness = true\n"), HasSubstr("thickness needs a value"));
+  EXPECT_THAT(refusal("[environment]\nground = 3\n"), HasSubstr("ground is true or false"));
+  EXPECT_THAT(refusal("[model]\npin = [1, -2]\n"), HasSubstr("--pin: '1,-2' is not allowed"));
+}
+
+}  // namespace
+}  // namespace kirireel

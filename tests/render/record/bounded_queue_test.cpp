@@ -1,0 +1,70 @@
+#include "render/record/bounded_queue.h"
+
+#include <atomic>
+#include <numeric>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "render/record/crew.h"
+#include "sim/base/error.h"
+
+namespace kirireel {
+namespace {
+
+TEST(BoundedQueue, GivesEverythingInOrder) {
+  BoundedQueue<int> queue(3);
+  std::jthread producer([&] {
+    for (int i = 0; i < 1000; ++i) queue.push(i);
+    queue.close();
+  });
+  std::vector<int> taken;
+  while (const std::optional<int> value = queue.pop()) taken.push_back(*value);
+  std::vector<int> wanted(1000);
+  std::iota(wanted.begin(), wanted.end(), 0);
+  EXPECT_EQ(taken, wanted);
+}
+
+TEST(BoundedQueue, NeverHoldsMoreThanItsCapacity) {
+  BoundedQueue<int> queue(2);
+  std::atomic<int> pushed = 0;
+  std::jthread producer([&] {
+    for (int i = 0; i < 10; ++i) {
+      queue.push(i);
+      ++pushed;
+    }
+    queue.close();
+  });
+  for (int taken = 0; queue.pop(); ++taken) EXPECT_LE(pushed, taken + 3);
+}
+
+TEST(BoundedQueue, StopEndsWhoeverWaits) {
+  BoundedQueue<int> full(1);
+  full.push(0);
+  BoundedQueue<int> empty(1);
+  std::jthread producer([&] { EXPECT_FALSE(full.push(1)); });
+  std::jthread consumer([&] { EXPECT_FALSE(empty.pop()); });
+  full.stop();
+  empty.stop();
+  producer.join();
+  consumer.join();
+  EXPECT_FALSE(full.pop());
+  EXPECT_TRUE(full.isStopped());
+}
+
+TEST(Crew, ThrowsTheErrorOfAnyStageAndStopsTheOthers) {
+  BoundedQueue<int> never(1);
+  Crew crew([&] { never.stop(); });
+  crew.start([&] { never.pop(); });
+  crew.start([] { throw OutputError("the disk is full"); });
+  EXPECT_THROW(crew.finish(), OutputError);
+}
+
+TEST(Crew, StopsItsStagesWhenItGoesAway) {
+  BoundedQueue<int> never(1);
+  Crew crew([&] { never.stop(); });
+  crew.start([&] { never.pop(); });
+}
+
+}  // namespace
+}  // namespace kirireel

@@ -1,0 +1,69 @@
+#include "render/record/replay.h"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/model/tessellation.h"
+#include "tests/support/files.h"
+
+namespace kirireel {
+namespace {
+
+/// One brick that goes along x at 1 m/s and turns about z at 1 rad/s, sampled every 0.1 s to 1 s.
+class ReplayTest : public testing::Test {
+ protected:
+  ReplayTest() {
+    Scene scene;
+    scene.model = makeTessellation({.columns = 1, .rows = 1});
+    Trajectory trajectory{subjectOf(scene)};
+    for (int k = 0; k <= 10; ++k) {
+      Sample sample;
+      sample.time = 0.1 * k;
+      sample.poses = {{Vector3(0.1 * k, 0, 0), rotationFromVector({0, 0, 0.1 * k})}};
+      trajectory.samples.push_back(sample);
+    }
+    writeTrajectory(trajectory, folder_ / "run.h5");
+  }
+
+  std::vector<double> timesOfReplay(double step, int observed = 1000) {
+    const TrajectoryReader run(folder_ / "run.h5");
+    std::vector<double> times;
+    const ProgressObserver observer = [&](const Progress&) { return --observed > 0; };
+    replay(run, step, observer, stoppedAt_)([&](const SharedSample& sample) {
+      times.push_back(sample->time);
+      return true;
+    });
+    return times;
+  }
+
+  test::TemporaryFolder folder_;
+  std::optional<double> stoppedAt_;
+};
+
+TEST_F(ReplayTest, StatesBetweenSamplesAreInterpolated) {
+  const TrajectoryReader run(folder_ / "run.h5");
+  for (const double time : {0.0, 0.3, 0.333, 0.95, 1.0}) {
+    const Sample sample = sampleAt(run, time);
+    EXPECT_NEAR(sample.time, time, 1e-12);
+    EXPECT_NEAR(sample.poses[0].position.x(), time, 1e-12);  // measured: 1.1e-16
+    const Quaternion wanted = rotationFromVector({0, 0, time});
+    EXPECT_NEAR(sample.poses[0].rotation.angularDistance(wanted), 0, 1e-7);  // measured: 2e-8
+  }
+}
+
+TEST_F(ReplayTest, EndsWithTheLastSampleWhateverTheStep) {
+  EXPECT_THAT(timesOfReplay(0.4), testing::Pointwise(testing::DoubleEq(), {0.0, 0.4, 0.8, 1.0}));
+  EXPECT_EQ(timesOfReplay(0.1).size(), 11U);
+  EXPECT_EQ(timesOfReplay(5).size(), 2U);
+  EXPECT_FALSE(stoppedAt_);
+}
+
+TEST_F(ReplayTest, StopsWhereTheObserverSaysSo) {
+  EXPECT_EQ(timesOfReplay(0.1, 3).size(), 3U);
+  EXPECT_NEAR(*stoppedAt_, 0.2, 1e-12);
+}
+
+}  // namespace
+}  // namespace kirireel

@@ -1,0 +1,105 @@
+// Expansion, boundary springs and point springs, against closed forms and differences.
+#include <gtest/gtest.h>
+
+#include "sim/actuation/boundary_springs.h"
+#include "sim/actuation/expansion.h"
+#include "sim/actuation/point_spring.h"
+#include "sim/model/hull.h"
+#include "sim/model/tessellation.h"
+
+namespace kirireel {
+namespace {
+
+TEST(Expansion, PushesInProportionToTheDistanceFromTheCentre) {
+  const Model model = makeTessellation({});
+  const std::vector<Brick> bricks = makeBricks(model.tiles, {});
+  const Poses poses = startPoses(model.tiles, bricks);
+  TargetSpringSettings settings;
+  settings.springStiffness = 3;
+  const Vector3 centre = centreOfMass(bricks, poses);
+  Vector3 sum = Vector3::Zero();
+  for (const Pose& pose : poses) {
+    const Load load = expansionLoad(settings, centre, pose);
+    EXPECT_EQ(Vector3(load.force.head<3>()), Vector3(3 * (pose.position - centre)));
+    EXPECT_TRUE(load.force.tail<3>().isZero(0));
+    EXPECT_TRUE(load.stiffness.isZero(0));
+    EXPECT_EQ(load.damping(0, 0), settings.forceDamping);
+    EXPECT_EQ(load.damping(5, 5), settings.torqueDamping);
+    sum += load.force.head<3>();
+  }
+  EXPECT_LT(sum.norm(), 1e-12);  // it moves no centre: measured 1e-14
+}
+
+TEST(PointSpring, IsTheGradientOfItsEnergy) {
+  // Force and torque against differences of k/2 |anchor - point|^2.
+  const PointSpring spring = {Vector3(0.3, -0.2, 0.1), Vector3(1, 2, 3), 40, 0};
+  Pose pose{Vector3(0.5, 0.1, -0.4), rotationFromVector(Vector3(0.4, -0.7, 0.2))};
+  Load load;
+  addPointSpring(spring, pose, load);
+  const auto energy = [&](const Vector6& move) {
+    const Pose moved{pose.position + move.head<3>(),
+                     rotationFromVector(move.tail<3>()) * pose.rotation};
+    return 0.5 * spring.stiffness * (spring.anchor - moved.apply(spring.point)).squaredNorm();
+  };
+  for (int k = 0; k < 6; ++k) {
+    const Vector6 move = 1e-5 * Vector6::Unit(k);
+    const double slope = (energy(move) - energy(-move)) / 2e-5;
+    EXPECT_NEAR(load.force[k], -slope, 1e-7);  // measured 4e-9
+  }
+  EXPECT_TRUE(load.stiffness.isApprox(load.stiffness.transpose(), 1e-15));
+}
+
+TEST(Outline, OfASheetIsItsConvexHull) {
+  TessellationShape shape;
+  shape.columns = shape.rows = 3;
+  const Model sheet = makeTessellation(shape);  // closed: a square of side 3
+  const std::vector<Corner> outline = outlineCorners(sheet.tiles);
+  EXPECT_EQ(outline.size(), 12u);
+  // Anticlockwise: the polygon's area is the sheet's.
+  double area = 0;
+  for (std::size_t k = 0; k < outline.size(); ++k) {
+    const auto at = [&](std::size_t i) {
+      const Corner& corner = outline[i % outline.size()];
+      return sheet.tiles[corner.tile].vertices[corner.vertex];
+    };
+    area += 0.5 * at(k).cross(at(k + 1)).z();
+  }
+  EXPECT_NEAR(area, 9, 1e-12);
+}
+
+TEST(BoundarySprings, PullHullCornersToTheCurve) {
+  TessellationShape shape;
+  shape.columns = shape.rows = 3;
+  const Model sheet = makeTessellation(shape);
+  const std::vector<Brick> bricks = makeBricks(sheet.tiles, {});
+  const Poses poses = startPoses(sheet.tiles, bricks);
+  TargetSpringSettings settings;
+  Vector3 middle = Vector3::Zero();  // of the middle tile
+  for (const Vector3& vertex : sheet.tiles[4].vertices) middle += vertex / 4;
+  const double radius = 1.5 * std::sqrt(2.0);
+  const BoundarySprings circle(sheet, bricks, settings, {2, 1});
+  const BoundarySprings oblong(sheet, bricks, settings, {2, 1.5});
+  for (int k = 0; k < 12; ++k) {
+    EXPECT_NEAR((circle.anchor(k) - middle).norm(), 2 * radius, 1e-12);
+    const Vector3 arm = oblong.anchor(k) - middle;
+    EXPECT_NEAR(std::hypot(arm.x() / (3 * radius), arm.y() / (2 * radius)), 1, 1e-12);
+  }
+  // The middle tile is no part of the hull, a corner tile is pulled outwards along the diagonal.
+  EXPECT_TRUE(circle.load(4, poses[4]).force.isZero(0));
+  const Load corner = circle.load(0, poses[0]);
+  EXPECT_LT(corner.force[0], -1);
+  EXPECT_NEAR(corner.force[0], corner.force[1], 1e-9);
+}
+
+TEST(BoundarySprings, FollowTheModelsHullWhereThereIsOne) {
+  Model sheet = makeTessellation({});
+  sheet.hull = std::vector<Corner>{{0, 0}, {3, 1}, {15, 2}};
+  const std::vector<Brick> bricks = makeBricks(sheet.tiles, {});
+  const Poses poses = startPoses(sheet.tiles, bricks);
+  const BoundarySprings springs(sheet, bricks, {}, {2, 1});
+  EXPECT_FALSE(springs.load(15, poses[15]).force.isZero(0));
+  EXPECT_TRUE(springs.load(12, poses[12]).force.isZero(0));
+}
+
+}  // namespace
+}  // namespace kirireel

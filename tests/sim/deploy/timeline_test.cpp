@@ -1,0 +1,195 @@
+// Whole deployments under timelines, pins, drags and drives other than a target.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/base/error.h"
+#include "sim/deploy/deployment.h"
+#include "sim/model/tessellation.h"
+
+namespace kirireel {
+namespace {
+
+using namespace timeline;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+constexpr double kPi = 3.14159265358979323846;
+
+/// A 3 x 3 sheet that opens by 90 degrees.
+Scene sheetScene(double startAngle = 0.3) {
+  Scene scene;
+  TessellationShape shape;
+  shape.columns = shape.rows = 3;
+  shape.startAngle = startAngle;
+  scene.model = makeTessellation(shape);
+  return scene;
+}
+
+double turnOf(const Pose& pose) {
+  return 2 * std::atan2(pose.rotation.z(), pose.rotation.w());
+}
+
+double largestMove(const Poses& a, const Poses& b) {
+  double largest = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    largest = std::max(largest, (a[i].position - b[i].position).norm());
+  }
+  return largest;
+}
+
+TEST(Drives, ExpansionOpensASheetToItsGeometricLimit) {
+  // Rotating squares are widest half way round, each tile turned by 45 degrees from closed.
+  for (const std::optional<bool> planar : {std::optional<bool>{}, std::optional<bool>{false}}) {
+    Scene scene = sheetScene();
+    scene.model.target.reset();
+    scene.actuation.drive = Drive::Expansion;
+    scene.solver.planar = planar;
+    const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
+    EXPECT_EQ(result.outcome, Outcome::Settled) << result.reason;
+    const Poses& end = result.trajectory.samples.back().poses;
+    const double between = turnOf(end[1]) - turnOf(end[0]);
+    EXPECT_NEAR(std::abs(between) + 0.3, kPi / 2, 1e-4);  // measured below
+    for (std::size_t i = 0; i < end.size(); ++i) {
+      const double start = result.trajectory.samples.front().poses[i].position.z();
+      EXPECT_NEAR(end[i].position.z(), start, 1e-5);
+    }
+  }
+}
+
+TEST(Drives, BoundarySpringsOpenASheet) {
+  Scene scene = sheetScene();
+  scene.model.target.reset();
+  scene.actuation.drive = Drive::Boundary;
+  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_EQ(result.outcome, Outcome::Settled) << result.reason;
+  const Poses& end = result.trajectory.samples.back().poses;
+  // Springs to points, not a push without end: the sheet stops short of its limit of 1.57.
+  EXPECT_GT(std::abs(turnOf(end[1]) - turnOf(end[0])) + 0.3, 1.3);  // measured 1.380
+}
+
+TEST(Drives, NoneLeavesTheSheetAlone) {
+  Scene scene = sheetScene();
+  scene.actuation.drive = Drive::None;
+  scene.stop.duration = 1;
+  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
+  const auto& samples = result.trajectory.samples;
+  EXPECT_LT(largestMove(samples.front().poses, samples.back().poses), 1e-4);  // the nudge
+  EXPECT_EQ(result.outcome, Outcome::Settled);
+}
+
+TEST(Timelines, PinnedTilesStayAndAreFreedAgain) {
+  Scene scene = sheetScene();
+  scene.timeline = {{{}, Pin{{0, 8}}}, {{Occasion::Kind::AtTime, 1}, Unpin{{8}}}};
+  scene.stop.duration = 1.5;
+  const DeploymentResult result = deploy(scene, 0.05, nullptr);
+  const auto& samples = result.trajectory.samples;
+  EXPECT_THAT(samples[1].pinned, ElementsAre(0, 8));
+  EXPECT_THAT(samples.back().pinned, ElementsAre(0));
+  EXPECT_EQ(samples[19].poses[8].position, samples[0].poses[8].position);
+  EXPECT_EQ(samples.back().poses[0].position, samples[0].poses[0].position);
+  EXPECT_GT((samples.back().poses[8].position - samples[0].poses[8].position).norm(), 0.1);
+  ASSERT_EQ(result.trajectory.events.size(), 2u);
+  EXPECT_EQ(result.trajectory.events[1].text, "unpin tiles 8");
+  EXPECT_NEAR(result.trajectory.events[1].time, 1, 1e-9);
+}
+
+TEST(Timelines, APauseHoldsTheSheetAndThenGoesOn) {
+  Scene scene = sheetScene();
+  scene.timeline = {{{Occasion::Kind::AtTime, 0.5}, Pause{0.5}}};
+  scene.stop.duration = 2;
+  const DeploymentResult paused = deploy(scene, 0.05, nullptr);
+  scene.timeline.clear();
+  const DeploymentResult whole = deploy(scene, 0.05, nullptr);
+  const auto& a = paused.trajectory.samples;
+  const auto& b = whole.trajectory.samples;
+  EXPECT_EQ(largestMove(a[10].poses, a[20].poses), 0);
+  // The same motion, half a second later.
+  EXPECT_EQ(largestMove(a[25].poses, b[15].poses), 0);
+}
+
+TEST(Timelines, WaypointsEndWhereTheDirectWayEnds) {
+  Scene scene = sheetScene(0.05);
+  const DeploymentResult direct = deploy(scene, 1.0 / 60, nullptr);
+  const Scene half = sheetScene(0.8);
+  scene.timeline = {{{}, GoTo{"half", half.model.tiles}}, {{Occasion::Kind::AtTarget}, GoTo{}}};
+  scene.stop.duration = 60;
+  const DeploymentResult chain = deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_EQ(chain.outcome, Outcome::Settled) << chain.reason;
+  ASSERT_EQ(chain.trajectory.events.size(), 2u);
+  EXPECT_LT(chain.accuracy.targetErrorEnd, 1e-6 * modelSize(scene.model));  // measured 1.1e-6
+  EXPECT_LT(
+      largestMove(direct.trajectory.samples.back().poses, chain.trajectory.samples.back().poses),
+      1e-6 * modelSize(scene.model));
+}
+
+TEST(Timelines, ForcesOffAndOnAgain) {
+  Scene scene = sheetScene();
+  scene.timeline = {{{}, Forces{false}}, {{Occasion::Kind::AtTime, 1}, Forces{true}}};
+  const DeploymentResult result = deploy(scene, 0.1, nullptr);
+  const auto& samples = result.trajectory.samples;
+  EXPECT_LT(largestMove(samples[0].poses, samples[9].poses), 1e-4);
+  EXPECT_LT(result.accuracy.targetErrorEnd, 1e-6);
+  EXPECT_EQ(result.outcome, Outcome::Settled);
+}
+
+TEST(Timelines, ADragBringsItsTileToThePathsEnd) {
+  Scene scene = sheetScene();
+  scene.model.target.reset();
+  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
+  const Vector3 goal = startPoses(scene.model.tiles, bricks)[8].position + Vector3(0.5, 0.2, 0);
+  scene.timeline = {{{}, Drag{8, {}, {goal}, 1, 1e4, 50}},
+                    {{Occasion::Kind::AtTime, 0.99}, Drag{8, {}, {goal}, 1, 1e4, 50}}};
+  scene.stop.duration = 1.9;
+  const DeploymentResult result = deploy(scene, 0.1, nullptr);
+  const auto& samples = result.trajectory.samples;
+  EXPECT_TRUE(result.needs.planar.on) << result.needs.planar.reason;
+  EXPECT_LT((samples.back().poses[8].position - goal).norm(), 0.01);
+  EXPECT_LT(result.accuracy.jointGapMax, 1e-11);
+}
+
+TEST(Timelines, ResetGoesBackToTheStart) {
+  Scene scene = sheetScene();
+  scene.timeline = {{{Occasion::Kind::AtTime, 1}, Pin{{0}}},
+                    {{Occasion::Kind::AtTime, 1}, Reset{}},
+                    {{Occasion::Kind::AtTime, 2}, Quit{}}};
+  const DeploymentResult result = deploy(scene, 0.1, nullptr);
+  const auto& samples = result.trajectory.samples;
+  EXPECT_EQ(result.outcome, Outcome::OutOfTime);
+  EXPECT_THAT(result.reason, HasSubstr("the timeline ended the run at 2 s"));
+  ASSERT_EQ(samples.size(), 21u);
+  // From the reset on everything happens again, to the bit.
+  EXPECT_EQ(largestMove(samples[5].poses, samples[15].poses), 0);
+  EXPECT_TRUE(samples[15].pinned.empty());
+}
+
+TEST(Timelines, WaitingInVainEndsTheRun) {
+  Scene scene = sheetScene();
+  scene.timeline = {{{Occasion::Kind::ErrorBelow, 0}, Quit{}}};
+  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_EQ(result.outcome, Outcome::Locked);
+  EXPECT_EQ(result.reason,
+            "came to rest, yet the timeline still waits for an error below 0 m to quit");
+}
+
+TEST(Timelines, AnEntryAfterTheEndIsRefused) {
+  Scene scene = sheetScene();
+  scene.timeline = {{{Occasion::Kind::AtTime, 30}, Quit{}, {"scene.toml", 3, 1}}};
+  try {
+    deploy(scene, 0.1, nullptr);
+    FAIL() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "scene.toml:3:1: error: this happens at 30 s, but the run lasts 20 s at most; "
+                 "raise --duration");
+  }
+}
+
+TEST(Timelines, BulletRefusesPins) {
+  Scene scene = sheetScene();
+  scene.solver.kind = SolverKind::Bullet;
+  scene.timeline = {{{}, Pin{{0}}}};
+  EXPECT_THROW(deploy(scene, 0.1, nullptr), InputError);
+}
+
+}  // namespace
+}  // namespace kirireel

@@ -1,0 +1,132 @@
+#include "sim/measure/mobility.h"
+
+#include <filesystem>
+
+#include <Eigen/Dense>
+#include <gtest/gtest.h>
+
+#include "sim/model/folder.h"
+#include "sim/model/tessellation.h"
+
+namespace kirireel {
+namespace {
+
+constexpr double kThickness = 0.02;
+
+Model tessellation(int columns, int rows, double angle, JointFace face = JointFace::Both) {
+  TessellationShape shape;
+  shape.columns = columns;
+  shape.rows = rows;
+  shape.startAngle = angle;
+  shape.face = face;
+  return makeTessellation(shape);
+}
+
+int planarFreedoms(const Model& model) {
+  return mobility(model, model.tiles, Freedom::Plane, kThickness).freedoms;
+}
+
+/// Central differences of the joints' gaps over poses, and the rank by a full-pivot factorisation:
+/// nothing in common with the measure but the definition.
+int rankByDifferences(const Model& model) {
+  const int tiles = static_cast<int>(model.tiles.size());
+  const auto gaps = [&](int unknown, double step) {
+    std::vector<Tile> moved = model.tiles;
+    const int tile = unknown / 6, axis = unknown % 6;
+    const Vector3 centre = tileCentroid(moved[tile]);
+    const Eigen::AngleAxisd turn(axis < 3 ? 0 : step, Vector3::Unit(axis % 3));
+    const Vector3 shift = axis < 3 ? Vector3(step * Vector3::Unit(axis)) : Vector3::Zero();
+    for (Vector3& vertex : moved[tile].vertices) vertex = centre + turn * (vertex - centre) + shift;
+    Eigen::VectorXd all(6 * static_cast<int>(model.joints.size()));
+    for (int j = 0; j < std::ssize(model.joints); ++j) {
+      const Joint& joint = model.joints[j];
+      const auto place = [&](const Corner& corner, double rise) {
+        return Vector3(moved[corner.tile].vertices[corner.vertex] +
+                       rise * tileNormal(moved[corner.tile]));
+      };
+      all.segment<3>(6 * j) = place(joint.a, 0) - place(joint.b, 0);
+      all.segment<3>(6 * j + 3) = place(joint.a, kThickness) - place(joint.b, kThickness);
+    }
+    return all;
+  };
+  Eigen::MatrixXd jacobian(6 * static_cast<int>(model.joints.size()), 6 * tiles);
+  for (int k = 0; k < 6 * tiles; ++k) {
+    jacobian.col(k) = (gaps(k, 1e-5) - gaps(k, -1e-5)) / 2e-5;
+  }
+  Eigen::FullPivLU<Eigen::MatrixXd> factors(jacobian);
+  factors.setThreshold(1e-7);
+  return static_cast<int>(factors.rank());
+}
+
+TEST(Mobility, OpenTessellationHasOneFreedomInThePlane) {
+  // Grima and Evans 2000: rotating squares are one mechanism, whatever their number.
+  for (const auto& [columns, rows] : {std::pair(2, 2), {3, 5}, {10, 10}}) {
+    EXPECT_EQ(planarFreedoms(tessellation(columns, rows, 0.8)), 1) << columns << " x " << rows;
+  }
+}
+
+TEST(Mobility, ClosedTessellationIsSingular) {
+  // Whole rows and columns of slits can start to open on their own: columns + rows - 2.
+  EXPECT_EQ(planarFreedoms(tessellation(10, 10, 0)), 18);
+}
+
+TEST(Mobility, LooseAndPairedTiles) {
+  Model model = tessellation(2, 1, 0.5);
+  EXPECT_EQ(planarFreedoms(model), 1);
+  EXPECT_EQ(mobility(model, model.tiles, Freedom::Space, kThickness).freedoms, 1);  // a hinge
+  model.joints[0].face = JointFace::Bottom;
+  EXPECT_EQ(mobility(model, model.tiles, Freedom::Space, kThickness).freedoms, 3);  // a ball joint
+  model.joints.clear();
+  EXPECT_EQ(planarFreedoms(model), 3);
+  EXPECT_EQ(mobility(model, model.tiles, Freedom::Space, kThickness).freedoms, 6);
+}
+
+TEST(Mobility, LinksAndFixedJointsCount) {
+  Model model = tessellation(2, 1, 0.5);
+  model.joints = {makeLink(model.tiles, {0, 0}, {1, 1})};
+  EXPECT_EQ(planarFreedoms(model), 2);
+  EXPECT_EQ(mobility(model, model.tiles, Freedom::Space, kThickness).freedoms, 5);
+  model.joints = {makeFixedJoint(model.tiles, 0, 1)};
+  EXPECT_EQ(planarFreedoms(model), 0);
+  EXPECT_EQ(mobility(model, model.tiles, Freedom::Space, kThickness).freedoms, 0);
+}
+
+TEST(Mobility, AgreesWithDifferencesInSpace) {
+  for (const double angle : {0.0, 0.7}) {
+    const Model model = tessellation(4, 3, angle);
+    const Mobility found = mobility(model, model.tiles, Freedom::Space, kThickness);
+    EXPECT_EQ(found.rank, rankByDifferences(model)) << angle;
+    EXPECT_EQ(found.redundant, found.equations - found.rank);
+  }
+}
+
+TEST(Mobility, SignCountsAgreeWithSingularValues) {
+  // 20 x 20 tiles take the sparse way, and have one freedom all the same.
+  const Model model = tessellation(20, 20, 0.8);
+  const Mobility found = mobility(model, model.tiles, Freedom::Plane, kThickness);
+  EXPECT_GT(found.unknowns, 900);
+  EXPECT_EQ(found.freedoms, 1);
+  EXPECT_GT(found.leastKept, 10 * found.largestDropped);
+}
+
+TEST(Mobility, SpectrumHasAClearGap) {
+  const Model model = tessellation(6, 6, 0.8);
+  const Mobility found = mobility(model, model.tiles, Freedom::Plane, kThickness);
+  EXPECT_GT(found.leastKept, 1e-2);
+  EXPECT_LT(found.largestDropped, 1e-13);
+}
+
+TEST(Mobility, MatchesThePublishedModels) {
+  const std::filesystem::path shared =
+      std::filesystem::path(KIRIREEL_SOURCE_DIR) / "../shared/models";
+  if (!std::filesystem::exists(shared)) GTEST_SKIP() << shared << " is not there";
+  const std::pair<const char*, int> published[] = {
+      {"square2disk", 8}, {"demo_nonrigid", 1}, {"stampfli24", 21}, {"quad_tessellation", 6}};
+  for (const auto& [name, freedoms] : published) {
+    std::vector<std::string> warnings;
+    EXPECT_EQ(planarFreedoms(readModelFolder(shared / name, warnings)), freedoms) << name;
+  }
+}
+
+}  // namespace
+}  // namespace kirireel

@@ -1,0 +1,311 @@
+// Models in formats other than folders: round trips, published files, and every message.
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "sim/base/error.h"
+#include "sim/model/fold_file.h"
+#include "sim/model/folder.h"
+#include "sim/model/obj_pair.h"
+#include "sim/model/planar_files.h"
+#include "sim/model/read_model.h"
+#include "sim/model/shared_corners.h"
+#include "sim/model/tessellation.h"
+#include "tests/sim/model/temporary_folder.h"
+
+namespace kirireel {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kPairs = fs::path(KIRIREEL_SOURCE_DIR) / "../shared/models/obj-pairs";
+
+Model read(const fs::path& path) {
+  std::vector<std::string> warnings;
+  return readModel(path, std::nullopt, warnings);
+}
+
+void expectSameTiles(const std::vector<Tile>& a, const std::vector<Tile>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i)
+    EXPECT_EQ(a[i].vertices, b[i].vertices) << "tile " << i;
+}
+
+void expectSameModel(const Model& a, const Model& b) {
+  expectSameTiles(a.tiles, b.tiles);
+  ASSERT_EQ(a.joints.size(), b.joints.size());
+  for (std::size_t i = 0; i < a.joints.size(); ++i) {
+    EXPECT_EQ(a.joints[i].a, b.joints[i].a);
+    EXPECT_EQ(a.joints[i].b, b.joints[i].b);
+    EXPECT_EQ(a.joints[i].face, b.joints[i].face);
+    EXPECT_EQ(a.joints[i].kind, b.joints[i].kind);
+    EXPECT_EQ(a.joints[i].apart, b.joints[i].apart);
+  }
+  ASSERT_EQ(a.target.has_value(), b.target.has_value());
+  if (a.target) expectSameTiles(*a.target, *b.target);
+  EXPECT_EQ(a.pulledTiles, b.pulledTiles);
+}
+
+/// A model with everything that formats can lose: odd digits, all faces, an order of its own.
+Model awkwardModel() {
+  TessellationShape shape;
+  shape.length = 1.0 / 3;
+  shape.startAngle = 0.1;
+  Model model = makeTessellation(shape);
+  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+    model.joints[k].face = static_cast<JointFace>(1 + k % 3);
+  }
+  std::reverse(model.joints.begin(), model.joints.end());
+  std::swap(model.joints[2].a, model.joints[2].b);
+  model.tiles[5].vertices[2].x() += 1e-9;  // a joint that is not quite closed
+  model.pulledTiles = std::vector<int>{7, 0};
+  return model;
+}
+
+TEST(Formats, FoldKeepsEverything) {
+  Model model = awkwardModel();
+  model.joints.push_back(makeLink(model.tiles, {0, 0}, {15, 2}));
+  model.joints.push_back(makeFixedJoint(model.tiles, 3, 4));
+  const TemporaryFolder folder;
+  writeModel(model, folder.path() / "sheet.fold");
+  const Model again = read(folder.path() / "sheet.fold");
+  EXPECT_EQ(again.name, "sheet");
+  expectSameModel(again, model);
+}
+
+TEST(Formats, ObjPairKeepsEverythingButLinks) {
+  const Model model = awkwardModel();
+  const TemporaryFolder folder;
+  writeModel(model, folder.path() / "sheet_contracted.obj");
+  EXPECT_TRUE(fs::exists(folder.path() / "sheet_deployed.obj"));
+  const Model again = read(folder.path() / "sheet_contracted.obj");
+  EXPECT_EQ(again.name, "sheet");
+  expectSameModel(again, model);
+}
+
+TEST(Formats, SharedNumbersAreJoints) {
+  const TemporaryFolder folder;
+  folder.write("a.obj",
+               "# two\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 2 0 0\nf 1/9 2 3/1/1\nf 2// 4// 3//\n");
+  const Model model = read(folder.path() / "a.obj");
+  ASSERT_EQ(model.joints.size(), 2U);  // a shared edge is a hinge
+  EXPECT_EQ(model.joints[0].a, (Corner{0, 1}));
+  EXPECT_EQ(model.joints[0].b, (Corner{1, 0}));
+  EXPECT_EQ(model.joints[1].a, (Corner{0, 2}));
+  EXPECT_EQ(model.joints[1].b, (Corner{1, 2}));
+}
+
+TEST(Formats, CornersThatStayTogetherAreJoints) {
+  // The tiles touch along an edge at the start, in one corner at the target.
+  const TemporaryFolder folder;
+  const std::string faces = "f 1 2 3 4\nf 5 6 7 8\n";
+  folder.write("a_contracted.obj",
+               "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 1 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\n" + faces);
+  folder.write(
+      "a_deployed.obj",
+      "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 1 0 0\nv 1 -1 0\nv 2 -1 0\nv 2 0 0\n" + faces);
+  const Model model = read(folder.path() / "a_contracted.obj");
+  ASSERT_EQ(model.joints.size(), 1U);
+  EXPECT_EQ(model.joints[0].a, (Corner{0, 1}));
+  EXPECT_EQ(model.joints[0].b, (Corner{1, 0}));
+  std::vector<std::string> warnings;
+  EXPECT_EQ(readObjPair(folder.path() / "a_contracted.obj", std::nullopt, warnings).joints.size(),
+            2U);
+}
+
+TEST(Formats, ReadsFoldOfOtherPrograms) {
+  const TemporaryFolder folder;
+  folder.write("fan.fold", R"({"file_spec": 1, "vertices_coords": [[0,0],[1,0],[1,1],[2,0]],
+    "edges_vertices": [[1,2]], "edges_assignment": ["M"], "faces_vertices": [[0,1,2],[1,3,2]],
+    "file_frames": [{"frame_title": "half"},
+                    {"vertices_coords": [[0,0,0],[1,0,0],[1,1,0],[1,0,1]]}]})");
+  const Model model = read(folder.path() / "fan.fold");
+  EXPECT_EQ(model.tiles.size(), 2U);
+  EXPECT_EQ(model.joints.size(), 2U);
+  ASSERT_TRUE(model.target);
+  EXPECT_EQ((*model.target)[1].vertices[1], Vector3(1, 0, 1));
+}
+
+TEST(Formats, ReadsPlanarFiles) {
+  // Clockwise, from 1; the first joint closed, the second a link of length 1.
+  const TemporaryFolder folder;
+  folder.write("vertices.txt", "0 0 0 1 1 1 1 0\n1 0 1 1 2 1 2 0\n3 0 3 1 4 1\n");
+  folder.write("constraints.txt", "1 4 2 1\n2 4 3 1\n");
+  const Model model = read(folder.path());
+  ASSERT_EQ(model.tiles.size(), 3U);
+  for (const Tile& tile : model.tiles) EXPECT_GT(tileNormal(tile).z(), 0);
+  EXPECT_EQ(model.joints[0].kind, JointKind::Pivot);
+  EXPECT_EQ(model.joints[0].face, JointFace::Both);
+  EXPECT_EQ(model.joints[0].a, (Corner{0, 0}));
+  EXPECT_EQ(model.joints[0].b, (Corner{1, 3}));
+  EXPECT_EQ(model.joints[1].kind, JointKind::Link);
+  EXPECT_EQ(model.joints[1].apart.norm(), 1);
+}
+
+TEST(Formats, AnotherModelCanBeTheTarget) {
+  const TemporaryFolder folder;
+  TessellationShape shape;
+  writeModel(makeTessellation(shape), folder.path() / "start");
+  shape.startAngle = 0.5;
+  const Model open = makeTessellation(shape);
+  writeModel(open, folder.path() / "open.fold");
+  std::vector<std::string> warnings;
+  const Model model = readModel(folder.path() / "start", folder.path() / "open.fold", warnings);
+  expectSameTiles(*model.target, open.tiles);
+}
+
+TEST(Formats, ReadsThePublishedPairs) {
+  if (!fs::exists(kPairs)) GTEST_SKIP() << kPairs << " is not there";
+  const std::map<std::string, std::pair<std::size_t, std::size_t>> published = {
+      {"hexagon_shear_w4_h2_i4_f0", {36, 46}},
+      {"quad_circle_w3_h3_i3_f1_r1", {36, 60}},
+      {"quad_sphere_w4_h4_i3_f0_r0", {64, 112}},
+      {"triangle_circle_w3_h3_i3_f1_r1", {72, 96}},
+      {"triangle_sphere_w3_h4_i3_f0_r0", {96, 130}}};
+  for (const auto& [name, counts] : published) {
+    const Model model = read(kPairs / (name + "_contracted.obj"));
+    EXPECT_EQ(model.name, name);
+    EXPECT_EQ(model.tiles.size(), counts.first) << name;
+    EXPECT_EQ(model.joints.size(), counts.second) << name;
+    EXPECT_TRUE(model.target) << name;
+  }
+}
+
+/// The message about a file, the folder's name replaced by "@".
+std::string messageFor(const std::map<std::string, std::string>& files, const std::string& name,
+                       const std::string& target = "") {
+  const TemporaryFolder folder;
+  for (const auto& [file, text] : files) folder.write(file, text);
+  std::string message;
+  std::vector<std::string> warnings;
+  try {
+    std::optional<fs::path> other;
+    if (!target.empty()) other = folder.path() / target;
+    readModel(folder.path() / name, other, warnings);
+    for (const std::string& warning : warnings) message += warning;
+  } catch (const InputError& error) {
+    message = error.what();
+  }
+  const std::string place = folder.path().string();
+  for (std::size_t at = message.find(place); at != message.npos; at = message.find(place)) {
+    message.replace(at, place.size(), "@");
+  }
+  return message;
+}
+
+const std::string kTriangle = "v 0 0 0\nv 1 0 0\nv 1 1 0\n";
+
+TEST(FormatErrors, Obj) {
+  EXPECT_EQ(messageFor({{"a.obj", kTriangle + "f 0 1 2\n"}}, "a.obj"),
+            "@/a.obj:4:3: error: there are vertices 1-3 so far, not 0; OBJ counts from 1: add 1 to "
+            "all vertex numbers");
+  EXPECT_EQ(messageFor({{"a.obj", kTriangle + "f 1 2 4\n"}}, "a.obj"),
+            "@/a.obj:4:7: error: there are vertices 1-3 so far, not 4; correct this number");
+  EXPECT_EQ(messageFor({{"a.obj", kTriangle + "f 1 2\n"}}, "a.obj"),
+            "@/a.obj:4: error: face 0 has 2 vertices; a tile has at least 3: complete it or delete "
+            "the line");
+  EXPECT_EQ(messageFor({{"a.obj", "v 1 2\n"}}, "a.obj"),
+            "@/a.obj:1: error: a vertex has x, y and z, not 2 numbers; complete it");
+  EXPECT_EQ(
+      messageFor({{"a.obj", kTriangle}}, "a.obj"),
+      "@/a.obj: error: the file holds no face; give a Wavefront OBJ file with one face a tile");
+}
+
+TEST(FormatErrors, PairsWhoseFacesDiffer) {
+  const std::string four = kTriangle + "v 2 0 0\n";
+  EXPECT_EQ(messageFor({{"a_contracted.obj", four + "f 1 2 3\nf 2 4 3\n"},
+                        {"a_deployed.obj", four + "f 1 2 3\n"}},
+                       "a_contracted.obj"),
+            "@/a_deployed.obj: error: the target has 1 tiles, a_contracted.obj has 2; write one "
+            "target tile for each tile, in the same order");
+  EXPECT_EQ(messageFor({{"a_contracted.obj", four + "f 1 2 3\nf 2 4 3\n"},
+                        {"a_deployed.obj", four + "v 1 0 0\nf 1 2 3\nf 5 4 3\n"}},
+                       "a_contracted.obj"),
+            "@/a_deployed.obj:7: error: face 1 has other vertex numbers than at "
+            "a_contracted.obj:6; write the same faces in the same order in both files");
+}
+
+TEST(FormatErrors, Orientation) {
+  const std::string four = kTriangle + "v 2 0 0\n";
+  EXPECT_EQ(
+      messageFor({{"a.obj", four + "f 1 2 3\nf 3 4 2\n"}}, "a.obj"),
+      "@/a.obj:6: error: tile 1 runs clockwise seen from above, tile 0 anticlockwise; list the "
+      "vertices of all tiles anticlockwise");
+  EXPECT_EQ(messageFor({{"a.obj", four + "f 3 2 1\nf 3 4 2\n"}}, "a.obj"),
+            "@/a.obj: warning: all tiles run clockwise seen from above, so that bricks grow "
+            "downwards; list their vertices anticlockwise to have them grow upwards");
+}
+
+TEST(FormatErrors, Fold) {
+  EXPECT_EQ(messageFor({{"a.fold", R"({"vertices_coords": [[0,0]]})"}}, "a.fold"),
+            "@/a.fold: error: there are no faces_vertices; a sheet needs its faces: add them, or "
+            "fold and save the pattern with a program that finds them");
+  EXPECT_EQ(messageFor({{"a.fold", R"({"faces_vertices": [[0,1,2]]})"}}, "a.fold"),
+            "@/a.fold: error: there are no vertices_coords; add the vertices' coordinates");
+  EXPECT_EQ(
+      messageFor(
+          {{"a.fold", R"({"vertices_coords": [[0,0],[1,0],[1,1]], "faces_vertices": [[1,2,3]]})"}},
+          "a.fold"),
+      "@/a.fold: error: face 0 has the vertex 3, but there are vertices 0-2; correct it: FOLD "
+      "counts from 0");
+  EXPECT_EQ(messageFor({{"a.fold", R"({"vertices_coords": [[0,"x"]], "faces_vertices": [[0]]})"}},
+                       "a.fold"),
+            "@/a.fold: error: vertex 0 is not two or three coordinates within 1e+06 m; correct it");
+  EXPECT_EQ(
+      messageFor({{"a.fold", R"({"vertices_coords": [[0,0]], "faces_vertices": [0]})"}}, "a.fold"),
+      "@/a.fold: error: entry 0 is no list of whole numbers; write vertex numbers, from 0");
+  EXPECT_TRUE(messageFor({{"a.fold", "{\"x\": "}}, "a.fold")
+                  .starts_with("@/a.fold: error: this is no JSON ("));
+  EXPECT_EQ(messageFor({{"a.fold", "3"}}, "a.fold"),
+            "@/a.fold: error: the file holds no JSON object; give a FOLD file");
+}
+
+TEST(FormatErrors, PlanarFiles) {
+  const std::string squares = "0 0 0 1 1 1 1 0\n1 0 1 1 2 1 2 0\n";
+  EXPECT_EQ(
+      messageFor({{"vertices.txt", squares}, {"constraints.txt", "0 3 1 0\n"}}, "."),
+      "@/./constraints.txt:1:1: error: tiles and vertices count from 1 here; this file seems to "
+      "count from 0: add 1 to all its numbers");
+  EXPECT_EQ(messageFor({{"vertices.txt", squares}, {"constraints.txt", "1 4 2\n"}}, "."),
+            "@/./constraints.txt:1: error: 3 numbers do not make a joint; write one joint a line, "
+            "\"tile vertex tile vertex\", from 1");
+  EXPECT_EQ(
+      messageFor({{"a_vertices.txt", "0 0 0 1\n"}, {"a_constraints.txt", ""}}, "a_vertices.txt"),
+      "@/a_vertices.txt:1: error: tile 1 has 4 numbers; write x and y for each of at least 3 "
+      "vertices");
+}
+
+TEST(FormatErrors, UnknownEndingsAndOtherTargets) {
+  EXPECT_EQ(
+      messageFor({{"a.stl", ""}}, "a.stl"),
+      "@/a.stl: error: '.stl' is no model's ending; give a folder with vertices.txt, a .fold or "
+      ".obj file");
+  EXPECT_EQ(
+      messageFor(
+          {{"a.obj", kTriangle + "f 1 2 3\n"}, {"b.obj", kTriangle + "v 0 1 0\nf 1 2 3 4\n"}},
+          "a.obj", "b.obj"),
+      "@/b.obj: error: the target has 1 tiles of other vertex counts than the model's 1; give "
+      "the same tiles in the same order");
+  try {
+    writeModel(makeTessellation({}), "/tmp/sheet.stl");
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_STREQ(
+        error.what(),
+        "/tmp/sheet.stl: error: there is no format '.stl'; give an ending .fold or .obj, or "
+        "none for a folder");
+  }
+  Model linked = makeTessellation({});
+  linked.joints = {makeLink(linked.tiles, {0, 0}, {5, 2})};
+  try {
+    writeModel(linked, "/tmp/sheet.obj");
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "/tmp/sheet.obj: error: OBJ holds joints at shared vertices, not the link between "
+                 "tiles 0 and 5; convert to a .fold file");
+  }
+}
+
+}  // namespace
+}  // namespace kirireel

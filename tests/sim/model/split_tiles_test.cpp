@@ -1,0 +1,69 @@
+#include "sim/model/split_tiles.h"
+
+#include <numeric>
+
+#include <gtest/gtest.h>
+
+#include "sim/base/error.h"
+#include "sim/model/tessellation.h"
+
+namespace kirireel {
+namespace {
+
+double area(const std::vector<Tile>& tiles) {
+  return std::accumulate(tiles.begin(), tiles.end(), 0.0,
+                         [](double sum, const Tile& tile) { return sum + tileArea(tile); });
+}
+
+double opening(const Model& model, const std::vector<Tile>& tiles) {
+  double worst = 0;
+  for (const Joint& joint : model.joints) {
+    worst = std::max(worst, (tiles.at(joint.a.tile).vertices.at(joint.a.vertex) -
+                             tiles.at(joint.b.tile).vertices.at(joint.b.vertex))
+                                .norm());
+  }
+  return worst;
+}
+
+TEST(SplitTiles, PartsCoverTheSheetAndStayTogether) {
+  TessellationShape shape;
+  shape.length = 2;
+  const Model whole = makeTessellation(shape);
+  const Model split = splitTiles(whole, {});
+  EXPECT_EQ(split.tiles.size(), 32U);
+  EXPECT_EQ(split.joints.size(), 24U + 2 * 16);
+  EXPECT_NEAR(area(split.tiles), area(whole.tiles), 1e-12);
+  EXPECT_NEAR(area(*split.target), area(whole.tiles), 1e-12);
+  EXPECT_LT(opening(split, split.tiles), 1e-15);
+  EXPECT_LT(opening(split, *split.target), 1e-14);
+  for (const Tile& tile : split.tiles) EXPECT_GT(tileNormal(tile).z(), 0.99);
+}
+
+TEST(SplitTiles, QuadIsCutAlongItsShorterDiagonal) {
+  Model model;
+  model.tiles = {{{{0, 0, 0}, {1, 0, 0}, {3, 3, 0}, {0, 1, 0}}}};
+  const Model split = splitTiles(model, {0});
+  ASSERT_EQ(split.tiles.size(), 2U);
+  for (const Tile& tile : split.tiles) {
+    EXPECT_EQ(std::count(tile.vertices.begin(), tile.vertices.end(), Vector3(1, 0, 0)), 1);
+    EXPECT_EQ(std::count(tile.vertices.begin(), tile.vertices.end(), Vector3(0, 1, 0)), 1);
+  }
+}
+
+TEST(SplitTiles, OnlyTheGivenTilesAreSplit) {
+  Model model = makeTessellation({});
+  model.pulledTiles = std::vector<int>{3};
+  const Model split = splitTiles(model, {3, 8});
+  EXPECT_EQ(split.tiles.size(), 18U);
+  EXPECT_EQ(split.tiles[0].vertices, model.tiles[0].vertices);
+  EXPECT_EQ(split.pulledTiles, (std::vector<int>{3, 16}));
+  try {
+    splitTiles(model, {16});
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(), "error: there are tiles 0-15 to split, not 16; correct the number");
+  }
+}
+
+}  // namespace
+}  // namespace kirireel

@@ -1,0 +1,162 @@
+#include "sim/scene/scene_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/files.h"
+
+namespace kirireel {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+class SceneFileTest : public testing::Test {
+ protected:
+  SceneFile read(const std::string& text) {
+    std::ofstream(folder_ / "scene.toml") << text;
+    return readSceneFile(folder_ / "scene.toml");
+  }
+
+  /// The message of a file that is refused, from the file's own name on.
+  std::string refusal(const std::string& text) {
+    try {
+      read(text);
+    } catch (const InputError& error) {
+      const std::string message = error.what();
+      return message.substr(std::min(message.size(), message.find("scene.toml")));
+    }
+    return "accepted";
+  }
+
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(SceneFileTest, HandsSettingsOverAsText) {
+  const SceneFile file = read(
+      "[environment]\ngravity = [0, 0, -9.81]\nground = true\nbrick_friction = 0.30\n"
+      "[model]\nlink = [[0, 1, 2, 3], [1, 1, 2, 2]]\n[camera]\nview = \"top\"\n");
+  ASSERT_EQ(file.settings.size(), 5u);
+  const auto find = [&](const std::string& key) {
+    return *std::find_if(file.settings.begin(), file.settings.end(),
+                         [&](const SceneSetting& setting) { return setting.key == key; });
+  };
+  EXPECT_EQ(find("gravity").table, "environment");
+  EXPECT_THAT(find("gravity").values, ElementsAre("0,0,-9.81"));
+  EXPECT_EQ(find("gravity").where.line, 2);
+  EXPECT_TRUE(find("ground").isSwitch);
+  EXPECT_THAT(find("brick_friction").values, ElementsAre("0.3"));
+  EXPECT_THAT(find("link").values, ElementsAre("0,1,2,3", "1,1,2,2"));
+  EXPECT_THAT(find("view").values, ElementsAre("top"));
+}
+
+TEST_F(SceneFileTest, ReadsEveryKindOfTimelineEntry) {
+  const Timeline timeline = read(R"(
+[[timeline]]
+at = 2
+pin = [3, 4]
+[[timeline]]
+after = 0.5
+pause = 1.5
+[[timeline]]
+at = "rest"
+unpin = "all"
+[[timeline]]
+at = "target"
+target = "model"
+[[timeline]]
+error_below = 1e-3
+forces = "off"
+[[timeline]]
+progress = 0.5
+drag = {tile = 2, vertex = 1, path = [[0, 0, 1], [1, 0, 1]], seconds = 3, stiffness = 7}
+[[timeline]]
+target = "half.txt"
+[[timeline]]
+snapshot = true
+[[timeline]]
+export = true
+[[timeline]]
+reset = true
+[[timeline]]
+quit = true
+)")
+                                .timeline;
+  using namespace timeline;
+  ASSERT_EQ(timeline.size(), 11u);
+  EXPECT_EQ(timeline[0].when.kind, Occasion::Kind::AtTime);
+  EXPECT_EQ(timeline[0].when.value, 2);
+  EXPECT_THAT(std::get<Pin>(timeline[0].action).tiles, ElementsAre(3, 4));
+  EXPECT_EQ(timeline[0].where.line, 2);
+  EXPECT_EQ(timeline[1].when.value, 0.5);
+  EXPECT_EQ(std::get<Pause>(timeline[1].action).seconds, 1.5);
+  EXPECT_EQ(timeline[2].when.kind, Occasion::Kind::AtRest);
+  EXPECT_TRUE(std::get<Unpin>(timeline[2].action).tiles.empty());
+  EXPECT_EQ(timeline[3].when.kind, Occasion::Kind::AtTarget);
+  EXPECT_TRUE(std::get<GoTo>(timeline[3].action).file.empty());
+  EXPECT_EQ(timeline[4].when.kind, Occasion::Kind::ErrorBelow);
+  EXPECT_FALSE(std::get<Forces>(timeline[4].action).on);
+  EXPECT_EQ(timeline[5].when.kind, Occasion::Kind::ProgressAbove);
+  const Drag& drag = std::get<Drag>(timeline[5].action);
+  EXPECT_EQ(drag.tile, 2);
+  EXPECT_EQ(drag.vertex, 1);
+  EXPECT_EQ(drag.path.back(), Vector3(1, 0, 1));
+  EXPECT_EQ(drag.seconds, 3);
+  EXPECT_EQ(drag.stiffness, 7);
+  EXPECT_EQ(drag.damping, 50);
+  // Files are beside the scene file; no moment means at once.
+  EXPECT_EQ(std::get<GoTo>(timeline[6].action).file, folder_ / "half.txt");
+  EXPECT_EQ(timeline[6].when.kind, Occasion::Kind::After);
+  EXPECT_EQ(timeline[6].when.value, 0);
+  EXPECT_EQ(actionName(timeline[7].action), "snapshot");
+  EXPECT_EQ(actionName(timeline[10].action), "quit");
+}
+
+TEST_F(SceneFileTest, UnknownTablesSuggestTheNearest) {
+  EXPECT_EQ(refusal("[enviroment]\nground = true\n"),
+            "scene.toml:1:2: error: unknown table enviroment, did you mean environment?; there are "
+            "model, environment, actuation, solver, stop, camera, style, recording, timeline");
+}
+
+TEST_F(SceneFileTest, UnknownTimelineKeysSuggestTheNearest) {
+  EXPECT_THAT(refusal("[[timeline]]\npins = [1]\n"),
+              HasSubstr("scene.toml:2:1: error: unknown key of a timeline entry pins, did you mean "
+                        "pin?; there are after, at, drag, "));
+  EXPECT_THAT(refusal("[[timeline]]\ndrag = {tile = 1, path = [[0,0,0]], second = 2}\n"),
+              HasSubstr("unknown key of a drag second, did you mean seconds?"));
+}
+
+TEST_F(SceneFileTest, RefusesWhatATimelineDoesNotAllow) {
+  const auto entry = [&](const std::string& text) { return refusal("[[timeline]]\n" + text); };
+  const std::string no = "this value is not allowed; give ";
+  EXPECT_EQ(entry("at = -1\nquit = true\n"),
+            "scene.toml:2:6: error: " + no +
+                "a number of seconds, from 0 to 1e6, \"rest\" or \"target\"");
+  EXPECT_THAT(entry("at = \"resting\"\nquit = true\n"), HasSubstr("\"rest\" or \"target\""));
+  EXPECT_THAT(entry("at = nan\nquit = true\n"), HasSubstr(no));
+  EXPECT_THAT(entry("pin = [1.5]\n"), HasSubstr(no + "a tile number"));
+  EXPECT_THAT(entry("pin = [-1]\n"), HasSubstr(no + "a tile number"));
+  EXPECT_THAT(entry("pin = []\n"), HasSubstr(no + "a list of tile numbers"));
+  EXPECT_THAT(entry("drag = {tile = 1}\n"), HasSubstr(no + "a table, {tile = 3, path ="));
+  EXPECT_THAT(entry("drag = {tile = 1, path = [[0, 0, nan]]}\n"), HasSubstr(no + "a coordinate"));
+  EXPECT_THAT(entry("drag = {tile = 1, path = [[0, 0]]}\n"), HasSubstr(no + "a point [x, y, z]"));
+  EXPECT_THAT(entry("progress = 2\nquit = true\n"), HasSubstr(no + "a share from 0 to 1"));
+  EXPECT_THAT(entry("forces = true\n"), HasSubstr(no + "\"on\" or \"off\""));
+  EXPECT_THAT(entry("quit = false\n"), HasSubstr(no + "true"));
+  EXPECT_THAT(entry("at = 1\n"), HasSubstr("this entry says 1 times when and 0 times what; give"));
+  EXPECT_THAT(entry("at = 1\nafter = 1\nquit = true\n"),
+              HasSubstr("says 2 times when and 1 times"));
+}
+
+TEST_F(SceneFileTest, RefusesWhatIsNoToml) {
+  EXPECT_THAT(refusal("[model\nthickness = 1\n"),
+              HasSubstr("scene.toml:1:7: error: this is no TOML"));
+  EXPECT_THAT(refusal("thickness = 1\n"), HasSubstr("unknown table thickness"));
+  EXPECT_THAT(refusal("model = 1\n"), HasSubstr("give a table, [model]"));
+  EXPECT_THAT(refusal("[model]\nthickness = 1979-05-27\n"),
+              HasSubstr("give a number, a text, true, false or an array"));
+  EXPECT_THROW(readSceneFile(folder_ / "other.toml"), InputError);
+}
+
+}  // namespace
+}  // namespace kirireel

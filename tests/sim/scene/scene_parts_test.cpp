@@ -1,0 +1,121 @@
+#include "sim/scene/scene_parts.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/model/folder.h"
+#include "sim/model/tessellation.h"
+#include "tests/support/files.h"
+
+namespace kirireel {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// A sheet, and what is added to it.
+class ScenePartsTest : public testing::Test {
+ protected:
+  ScenePartsTest() {
+    scene_.model = makeTessellation({});
+    scene_.model.name = "sheet";
+  }
+
+  void complete() { completeScene(parts_, scene_, warnings_); }
+
+  std::string refusal() {
+    try {
+      complete();
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "accepted";
+  }
+
+  test::TemporaryFolder folder_;
+  Scene scene_;
+  SceneParts parts_;
+  std::vector<std::string> warnings_;
+};
+
+TEST_F(ScenePartsTest, ATargetTakesThePlaceOfTheModels) {
+  TessellationShape shape;
+  shape.startAngle = 0.4;
+  const Model open = makeTessellation(shape);
+  writeTiles(open.tiles, folder_ / "open.txt");
+  parts_.targets = {folder_ / "open.txt"};
+  complete();
+  EXPECT_EQ(scene_.model.target->at(3).vertices, open.tiles[3].vertices);
+  EXPECT_TRUE(scene_.timeline.empty());
+}
+
+TEST_F(ScenePartsTest, SeveralTargetsAreAChain) {
+  writeTiles(scene_.model.tiles, folder_ / "a.txt");
+  writeTiles(*scene_.model.target, folder_ / "b.txt");
+  parts_.targets = {folder_ / "a.txt", folder_ / "a.txt", folder_ / "b.txt"};
+  complete();
+  ASSERT_EQ(scene_.timeline.size(), 3u);
+  EXPECT_EQ(scene_.timeline[0].when.kind, Occasion::Kind::After);
+  EXPECT_EQ(scene_.timeline[1].when.kind, Occasion::Kind::AtTarget);
+  EXPECT_EQ(std::get<timeline::GoTo>(scene_.timeline[1].action).tiles.size(), 16u);
+  EXPECT_TRUE(std::get<timeline::GoTo>(scene_.timeline[2].action).file.empty());
+}
+
+TEST_F(ScenePartsTest, PinsFixedPairsAndLinksAreAdded) {
+  const std::size_t joints = scene_.model.joints.size();
+  parts_.pinned = {0, 5};
+  parts_.fixed = {{0, 1}};
+  parts_.links = {{0, 0, 15, 2}};
+  complete();
+  ASSERT_EQ(scene_.model.joints.size(), joints + 2);
+  EXPECT_EQ(scene_.model.joints[joints].kind, JointKind::Fixed);
+  EXPECT_EQ(scene_.model.joints[joints + 1].kind, JointKind::Link);
+  EXPECT_GT(scene_.model.joints[joints + 1].apart.norm(), 1);
+  ASSERT_EQ(scene_.timeline.size(), 1u);
+  EXPECT_EQ(actionName(scene_.timeline[0].action), "pin");
+}
+
+TEST_F(ScenePartsTest, NumbersThatNameNothingAreRefused) {
+  parts_.pinned = {16};
+  EXPECT_EQ(refusal(), "--pin: error: the model has tiles 0-15, not 16; correct this number");
+  parts_ = {};
+  parts_.fixed = {{3, 16}};
+  EXPECT_EQ(refusal(), "--fix: the model has tiles 0-15, not 16");
+  parts_.fixed = {{3, 3}};
+  EXPECT_EQ(refusal(), "--fix: tile 3 cannot be joined to itself");
+  parts_ = {};
+  parts_.links = {{3, 4, 5, 0}};
+  EXPECT_EQ(refusal(), "--link: tile 3 has vertices 0-3, not 4");
+  const Joint& joint = scene_.model.joints.front();
+  parts_.links = {{joint.a.tile, joint.a.vertex, joint.b.tile, joint.b.vertex}};
+  EXPECT_THAT(refusal(), HasSubstr("are at one place; join them in constraints.txt instead"));
+}
+
+TEST_F(ScenePartsTest, ATargetOfAnotherShapeIsRefused) {
+  TessellationShape shape;
+  shape.columns = 5;
+  writeTiles(makeTessellation(shape).tiles, folder_ / "other.txt");
+  parts_.targets = {folder_ / "other.txt"};
+  EXPECT_THAT(refusal(), HasSubstr("other.txt: error: the target has 20 tiles, sheet has 16"));
+}
+
+TEST_F(ScenePartsTest, TheTimelineMustFitTheModel) {
+  using namespace timeline;
+  const FileLocation where{"scene.toml", 4, 1};
+  const auto refusalOf = [&](const Action& action, Occasion when = {}) {
+    scene_.timeline = {{when, action, where}};
+    return refusal();
+  };
+  const std::string at = "scene.toml:4:1: error: ";
+  EXPECT_EQ(refusalOf(Unpin{{20}}), at + "the model has tiles 0-15, not 20; correct this number");
+  EXPECT_EQ(refusalOf(Drag{16, {}, {Vector3::Zero()}}),
+            at + "the model has tiles 0-15, not 16; correct this number");
+  EXPECT_EQ(refusalOf(Drag{2, 4, {Vector3::Zero()}}),
+            at + "tile 2 has vertices 0-3, not 4; correct this number");
+  EXPECT_THAT(refusalOf(GoTo{folder_ / "none.txt", {}}), HasSubstr("none.txt: error: "));
+  scene_.model.target.reset();
+  EXPECT_THAT(refusalOf(Quit{}, {Occasion::Kind::AtTarget}),
+              HasSubstr(at + "this waits for a target, but there is none; add target.txt"));
+}
+
+}  // namespace
+}  // namespace kirireel
