@@ -41,9 +41,9 @@ Brick withoutCorners(const Brick& brick, const std::vector<int>& corners, double
 std::map<std::pair<int, int>, SharedCorners> sharedCorners(std::span<const Pivot> pivots) {
   std::map<std::pair<int, int>, SharedCorners> shared;
   for (const Pivot& pivot : pivots) {
-    if (pivot.cornerA == kNoCorner) continue;
     const bool swapped = pivot.brickB < pivot.brickA;
     SharedCorners& corners = shared[std::minmax(pivot.brickA, pivot.brickB)];
+    if (pivot.cornerA == kNoCorner) continue;
     note(corners.ofA, swapped ? pivot.cornerB : pivot.cornerA);
     note(corners.ofB, swapped ? pivot.cornerA : pivot.cornerB);
   }

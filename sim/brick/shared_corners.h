@@ -20,7 +20,8 @@ struct SharedCorners {
   std::vector<int> ofB;
 };
 
-/// The shared corners of all joined pairs; keys have the smaller brick number first.
+/// The shared corners of all joined pairs, none where bricks are linked or fixed; keys have the
+/// smaller brick number first.
 std::map<std::pair<int, int>, SharedCorners> sharedCorners(std::span<const Pivot> pivots);
 
 /// Two joined bricks without the corners that they share: thick bricks that are joined on one face

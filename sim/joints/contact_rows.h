@@ -42,6 +42,8 @@ struct ContactRow {
   void addNormal(double scale, Eigen::VectorXd& to) const;
   void addTangent(const Tangent& scale, Eigen::VectorXd& to) const;
 
+  /// The normal impulse that the augmented Lagrangian gives at u to a contact that pushes or pulls.
+  double pushingImpulse(const Eigen::VectorXd& u, double rho) const;
   /// The normal impulse that the augmented Lagrangian gives at u.
   double trialImpulse(const Eigen::VectorXd& u, double rho) const;
   /// The tangential impulse, cut to the bound; `stiffness` gets its negative derivative by the slip
