@@ -50,6 +50,8 @@ struct ContactRow {
   /// velocity, divided by rho.
   Tangent trialSlipImpulse(const Eigen::VectorXd& u, double rho, TangentMatrix* stiffness) const;
   bool rubs() const { return slipBound > 0; }
+  /// Whether it is in force in its present state.
+  bool acts() const { return active || rubs(); }
 };
 
 /// The row of a contact at the poses where a step of `step` seconds starts. An overlap there
