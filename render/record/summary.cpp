@@ -38,7 +38,8 @@ Json accuracyJson(const RunSummary& summary, bool hasTarget) {
           {"target_error_min", onlyIf(hasTarget, accuracy.targetErrorMin)},
           {"rigid_floor", onlyIf(hasTarget, accuracy.rigidFloor)},
           {"assembled_floor", onlyIf(summary.assembledFloor >= 0, summary.assembledFloor)},
-          {"penetration_max", accuracy.penetrationMax}};
+          {"penetration_max", accuracy.penetrationMax},
+          {"penetration_outside_pivots_max", accuracy.penetrationOutsidePivotsMax}};
 }
 
 Json costJson(const RunSummary& summary) {

@@ -43,12 +43,14 @@ Pivot makePivot(const Joint& joint, int jointIndex, JointFace face,
     return face == JointFace::Top ? brick.top[corner.vertex] : brick.bottom[corner.vertex];
   };
   const bool isUpper = joint.face == JointFace::Both && face == JointFace::Top;
-  return {joint.a.tile, joint.b.tile, point(joint.a), point(joint.b), jointIndex, 0, isUpper};
+  return {joint.a.tile, joint.b.tile,   point(joint.a), point(joint.b), jointIndex, 0,
+          isUpper,      joint.a.vertex, joint.b.vertex};
 }
 
 Pivot makeLinkPivot(const Joint& joint, int jointIndex, const std::vector<Brick>& bricks) {
   Pivot pivot = makePivot(joint, jointIndex, JointFace::Bottom, bricks);
   pivot.distance = joint.apart.norm();
+  pivot.cornerA = pivot.cornerB = kNoCorner;
   return pivot;
 }
 
@@ -158,6 +160,15 @@ std::vector<Pivot> makePivots(const std::vector<Joint>& joints, const std::vecto
     }
   }
   return pivots;
+}
+
+double meanEdge(const Brick& brick) {
+  double sum = 0;
+  const size_t count = brick.bottom.size();
+  for (size_t k = 0; k < count; ++k) {
+    sum += (brick.bottom[(k + 1) % count] - brick.bottom[k]).norm();
+  }
+  return sum / static_cast<double>(count);
 }
 
 }  // namespace kirireel

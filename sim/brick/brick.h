@@ -49,6 +49,9 @@ std::vector<std::vector<Vector3>> brickFaces(const Brick& brick);
 /// The bottom tiles of all bricks at the given poses, in world axes.
 std::vector<Tile> bottomTiles(const std::vector<Brick>& bricks, const Poses& poses);
 
+/// The corner of a pivot where bricks are linked or fixed, not pivoted at a corner of each.
+inline constexpr int kNoCorner = -1;
+
 /// A point that two bricks share. A joint on both faces has two pivots, hence a hinge; a fixed
 /// joint has three.
 struct Pivot {
@@ -59,6 +62,8 @@ struct Pivot {
   int joint = 0;         ///< index into the model's joints
   double distance = 0;   ///< that the two points keep, metres; above 0 for links alone
   bool isUpper = false;  ///< the second pivot of a hinge, which says nothing new in a planar scene
+  int cornerA = kNoCorner;  ///< vertex of brick A's tile, where pivoted bricks share a corner
+  int cornerB = kNoCorner;  ///< vertex of brick B's tile, likewise
 };
 
 /// By how much a pivot's two points miss what it asks of them, metres, from 0.
@@ -66,5 +71,8 @@ double pivotGap(const Pivot& pivot, const Poses& poses);
 
 /// The pivots of all joints: in joint order, bottom before top.
 std::vector<Pivot> makePivots(const std::vector<Joint>& joints, const std::vector<Brick>& bricks);
+
+/// The mean edge of a brick's tile, metres.
+double meanEdge(const Brick& brick);
 
 }  // namespace kirireel

@@ -29,6 +29,13 @@ struct Contact {
   bool operator==(const Contact&) const = default;
 };
 
+/// Whether two contacts hold points of one brick against the same plane of another, or points of
+/// two bricks along the normal of the same two edges.
+inline bool onOnePlane(const Contact& x, const Contact& y) {
+  return x.brickA == y.brickA && x.brickB == y.brickB && x.isEdge == y.isEdge &&
+         x.normal == y.normal && x.edgeA == y.edgeA;
+}
+
 /// The contact's unit normal from B towards A at the given poses, world axes.
 inline Vector3 contactNormal(const Contact& contact, const Poses& poses) {
   if (contact.brickB == kFixed) return contact.normal;
@@ -59,8 +66,9 @@ class ContactSource {
   /// the step started. Returns the largest overlap at `end`, metres.
   virtual double appendViolated(const Poses& end, std::vector<Contact>& contacts) = 0;
 
-  /// Whether a contact that carried load in the last step still is the only thing that keeps its
-  /// bricks apart at the start of the step, so that the step may begin with it.
+  /// Whether a contact that carried load in the last step still is in force at the start of the
+  /// step, so that the step may begin with it: its point touches the other brick, or nothing else
+  /// keeps the bricks apart.
   virtual bool isCurrent(const Contact& contact) const = 0;
 };
 

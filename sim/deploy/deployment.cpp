@@ -217,10 +217,15 @@ void Run::takeSample() {
   sample.pinned = timeline_.pinnedTiles();
   sample.jointGap = jointGap(pivots_, motion_.poses).max;
   sample.targetError = finalTargetError();
-  result_.accuracy.jointGapEnd = sample.jointGap;
-  result_.accuracy.targetErrorEnd = sample.targetError;
+  Accuracy& accuracy = result_.accuracy;
+  accuracy.jointGapEnd = sample.jointGap;
+  accuracy.targetErrorEnd = sample.targetError;
   sample.penetration = deepestPenetration(bricks_, motion_.poses).depth;
-  result_.accuracy.penetrationMax = std::max(result_.accuracy.penetrationMax, sample.penetration);
+  accuracy.penetrationMax = std::max(accuracy.penetrationMax, sample.penetration);
+  accuracy.penetrationOutsidePivotsMax = std::max(
+      accuracy.penetrationOutsidePivotsMax,
+      deepestPenetrationOutsidePivots(bricks_, pivots_, scene_.environment.pivotZone, motion_.poses)
+          .depth);
   if (!observer_(sample)) end(Outcome::Interrupted, "ended early by the caller");
 }
 

@@ -34,7 +34,8 @@ struct Accuracy {
   double targetErrorEnd = 0;
   double targetErrorMin = 0;
   double rigidFloor = 0;
-  double penetrationMax = 0;  ///< over the samples
+  double penetrationMax = 0;               ///< over the samples
+  double penetrationOutsidePivotsMax = 0;  ///< the same without the corners that bricks share
 };
 
 /// What a run cost.

@@ -57,8 +57,13 @@ void ContactRow<D>::addTangent(const Tangent& scale, Eigen::VectorXd& to) const 
 }
 
 template <int D>
+double ContactRow<D>::pushingImpulse(const Eigen::VectorXd& u, double rho) const {
+  return multiplier - rho * (normalVelocity(u) + bias);
+}
+
+template <int D>
 double ContactRow<D>::trialImpulse(const Eigen::VectorXd& u, double rho) const {
-  return hasNormal ? std::max(0.0, multiplier - rho * (normalVelocity(u) + bias)) : 0.0;
+  return hasNormal ? std::max(0.0, pushingImpulse(u, rho)) : 0.0;
 }
 
 template <int D>

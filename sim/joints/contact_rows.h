@@ -42,12 +42,16 @@ struct ContactRow {
   void addNormal(double scale, Eigen::VectorXd& to) const;
   void addTangent(const Tangent& scale, Eigen::VectorXd& to) const;
 
+  /// The normal impulse that the augmented Lagrangian gives at u to a contact that pushes or pulls.
+  double pushingImpulse(const Eigen::VectorXd& u, double rho) const;
   /// The normal impulse that the augmented Lagrangian gives at u.
   double trialImpulse(const Eigen::VectorXd& u, double rho) const;
   /// The tangential impulse, cut to the bound; `stiffness` gets its negative derivative by the slip
   /// velocity, divided by rho.
   Tangent trialSlipImpulse(const Eigen::VectorXd& u, double rho, TangentMatrix* stiffness) const;
   bool rubs() const { return slipBound > 0; }
+  /// Whether it is in force in its present state.
+  bool acts() const { return active || rubs(); }
 };
 
 /// The row of a contact at the poses where a step of `step` seconds starts. An overlap there

@@ -31,6 +31,14 @@ constexpr int kAssemblyRounds = 100;
 /// How a step went that was tried.
 enum class StepOutcome { Good, JointsOpen, Overlapping };
 
+/// The end of the rows that belong to the same plane as the first, which follow each other.
+template <int D, typename Iterator>
+Iterator endOfPlane(Iterator first, Iterator end) {
+  return std::find_if(first + 1, end, [&](const ContactRow<D>& row) {
+    return !row.hasNormal || !onOnePlane(first->contact, row.contact);
+  });
+}
+
 template <int D>
 class Stepper : public JointSolver {
  public:
@@ -56,11 +64,12 @@ class Stepper : public JointSolver {
   using Row = ContactRow<D>;
 
   void advanceHalving(Motion& motion, double step, int level);
-  StepOutcome tryStep(const Motion& start, double step);
+  StepOutcome tryStep(const Motion& start, double step, bool warm);
   StepOutcome solveContactRounds(const Poses& start, double step);
   bool appendRows(const std::vector<Contact>& found, const Poses& start, double step);
   bool boundNewFriction();
-  void startRows(const Poses& start, double step);
+  void startRows(const Poses& start, double step, bool warm);
+  void takeOver(const Row& old, const Poses& start, double step);
   void addSupports(const Poses& poses, double step);
   Row contactRow(const Contact& contact, const Poses& start, double step) const;
   void holdPinned(Row& row) const;
@@ -89,7 +98,7 @@ class Stepper : public JointSolver {
   std::vector<Load> loads_;
   Poses poses_;                // at its end
   StepProgram<D> program_;     // for its velocities; joint multipliers are warm from step to step
-  std::vector<Row> kept_;      // contacts that carried load at the end of the last step
+  std::vector<Row> kept_;      // planes of contacts that carried load at the end of the last step
   std::vector<Row> supports_;  // likewise
   double keptStep_ = 1;        // seconds that these rows' impulses refer to
 };
@@ -108,7 +117,7 @@ StepReport Stepper<D>::advance(Motion& motion, double step, const LoadSource& lo
 
 template <int D>
 void Stepper<D>::advanceHalving(Motion& motion, double step, int level) {
-  const StepOutcome outcome = tryStep(motion, step);
+  const StepOutcome outcome = tryStep(motion, step, level == 0);
   const bool halve = (outcome == StepOutcome::JointsOpen && level < kHalvings) ||
                      (outcome == StepOutcome::Overlapping && level < kContactHalvings);
   if (halve) {
@@ -123,8 +132,10 @@ void Stepper<D>::advanceHalving(Motion& motion, double step, int level) {
   finishStep(motion);
 }
 
+/// `warm`: whether to begin with the contacts of the last step; where that failed they may have
+/// been the wrong ones.
 template <int D>
-StepOutcome Stepper<D>::tryStep(const Motion& start, double step) {
+StepOutcome Stepper<D>::tryStep(const Motion& start, double step, bool warm) {
   (*loadSource_)(start.poses, loads_);
   system_.setStep(start, loads_, step);
   program_.force = system_.force();
@@ -132,7 +143,7 @@ StepOutcome Stepper<D>::tryStep(const Motion& start, double step) {
     const Velocity& velocity = start.velocities[i];
     program_.x.template segment<D>(D * i) = Space::pack(pinned_[i] ? Velocity{} : velocity);
   }
-  startRows(start.poses, step);
+  startRows(start.poses, step, warm);
   return solveContactRounds(start.poses, step);
 }
 
@@ -163,7 +174,9 @@ bool Stepper<D>::appendRows(const std::vector<Contact>& found, const Poses& star
     const bool known = std::any_of(program_.contacts.begin(), end,
                                    [&](const Row& row) { return row.contact == contact; });
     if (known) continue;
-    program_.contacts.push_back(contactRow(contact, start, step));
+    Row row = contactRow(contact, start, step);
+    row.active = row.trialImpulse(program_.x, system_.rho()) > 0;
+    program_.contacts.push_back(row);
   }
   return program_.contacts.size() > before;
 }
@@ -181,21 +194,36 @@ bool Stepper<D>::boundNewFriction() {
   return any;
 }
 
+/// Begins with the planes that carried load in the last step, as far as they still are current.
 template <int D>
-void Stepper<D>::startRows(const Poses& start, double step) {
+void Stepper<D>::startRows(const Poses& start, double step, bool warm) {
   program_.contacts.clear();
   addSupports(start, step);
   if (!contactSource_) return;
   contactSource_->startStep(start);
-  for (const Row& old : kept_) {
-    if (!contactSource_->isCurrent(old.contact)) continue;
-    Row row = contactRow(old.contact, start, step);
-    // Multipliers are impulses: they go with the length of the step.
-    row.multiplier = step / keptStep_ * old.multiplier;
-    row.slipMultiplier = step / keptStep_ * old.slipMultiplier;
-    row.slipBound = old.contact.friction * row.multiplier;
-    program_.contacts.push_back(row);
+  if (!warm) return;
+  for (auto first = kept_.begin(); first != kept_.end();) {
+    const auto last = endOfPlane<D>(first, kept_.end());
+    const bool isCurrent = std::any_of(first, last, [&](const Row& row) {
+      return row.multiplier > 0 && contactSource_->isCurrent(row.contact);
+    });
+    if (isCurrent) {
+      std::for_each(first, last, [&](const Row& row) { takeOver(row, start, step); });
+    }
+    first = last;
   }
+}
+
+/// Adds the row of a contact of the last step.
+template <int D>
+void Stepper<D>::takeOver(const Row& old, const Poses& start, double step) {
+  Row row = contactRow(old.contact, start, step);
+  // Multipliers are impulses: they go with the length of the step.
+  row.multiplier = step / keptStep_ * old.multiplier;
+  row.active = row.multiplier > 0;
+  row.slipMultiplier = step / keptStep_ * old.slipMultiplier;
+  row.slipBound = old.contact.friction * row.multiplier;
+  program_.contacts.push_back(row);
 }
 
 template <int D>
@@ -240,7 +268,7 @@ void Stepper<D>::holdPinned(Row& row) const {
 template <int D>
 bool Stepper<D>::solveVelocities(const Poses& start) {
   system_.placeJoints(start);
-  setContactStates(program_, system_.rho());
+  setSlipStates(program_, system_.rho());
   if (!system_.factor(program_.contacts)) return false;
   const double slow = kSlow * settings_.lengthScale;
   for (int round = 0; round < kMultiplierRounds; ++round) {
@@ -353,17 +381,23 @@ double Stepper<D>::norm(const Vector& move) const {
   return std::sqrt(sum);
 }
 
+/// Keeps the impulses, of contacts by whole planes: a plane that carries load somewhere may do so
+/// elsewhere in the next step.
 template <int D>
 void Stepper<D>::keepMultipliers(double step) {
   keptStep_ = step;
   kept_.clear();
   supports_.clear();
-  for (const Row& row : program_.contacts) {
-    if (!row.hasNormal) {
-      supports_.push_back(row);
-    } else if (row.multiplier > 0) {
-      kept_.push_back(row);
+  const std::vector<Row>& rows = program_.contacts;
+  for (auto first = rows.begin(); first != rows.end();) {
+    const auto last = endOfPlane<D>(first, rows.end());
+    const bool loaded = std::any_of(first, last, [](const Row& row) { return row.multiplier > 0; });
+    if (!first->hasNormal) {
+      supports_.push_back(*first);
+    } else if (loaded) {
+      kept_.insert(kept_.end(), first, last);
     }
+    first = last;
   }
 }
 

@@ -11,17 +11,38 @@ constexpr int kNewtonRounds = 60;
 constexpr int kBoldRounds = 8;  // whole steps at first: most often they settle the contacts' states
 constexpr int kSearchRounds = 30;
 
-/// Derivative of the augmented Lagrangian at x.
+/// Derivative of the augmented Lagrangian at x, apart from the contacts' normals.
 template <int D>
-Eigen::VectorXd gradient(const StepSystem<D>& system, const StepProgram<D>& program,
-                         const Eigen::VectorXd& x) {
+Eigen::VectorXd smoothGradient(const StepSystem<D>& system, const StepProgram<D>& program,
+                               const Eigen::VectorXd& x) {
   Eigen::VectorXd result = system.timesA(x) - program.force;
   const Eigen::VectorXd impulse = program.multipliers - system.kappa() * system.jointVelocity(x);
   system.addJointImpulse(-1.0, impulse, result);
   for (const ContactRow<D>& row : program.contacts) {
+    if (row.rubs()) row.addTangent(-row.trialSlipImpulse(x, system.rho(), nullptr), result);
+  }
+  return result;
+}
+
+/// Derivative of the augmented Lagrangian at x.
+template <int D>
+Eigen::VectorXd gradient(const StepSystem<D>& system, const StepProgram<D>& program,
+                         const Eigen::VectorXd& x) {
+  Eigen::VectorXd result = smoothGradient(system, program, x);
+  for (const ContactRow<D>& row : program.contacts) {
     const double normal = row.trialImpulse(x, system.rho());
     if (normal > 0) row.addNormal(-normal, result);
-    if (row.rubs()) row.addTangent(-row.trialSlipImpulse(x, system.rho(), nullptr), result);
+  }
+  return result;
+}
+
+/// The same of the quadratic piece in which the contacts are in the states that they have: where x
+/// is on another piece, a whole step from it still leads to this one's minimum.
+template <int D>
+Eigen::VectorXd gradientOfPiece(const StepSystem<D>& system, const StepProgram<D>& program) {
+  Eigen::VectorXd result = smoothGradient(system, program, program.x);
+  for (const ContactRow<D>& row : program.contacts) {
+    if (row.active) row.addNormal(-row.pushingImpulse(program.x, system.rho()), result);
   }
   return result;
 }
@@ -44,12 +65,22 @@ double lineSearch(const StepSystem<D>& system, const StepProgram<D>& program,
   return length;
 }
 
+/// Sets which contacts push and how they slip at x. Returns whether any state changed.
+template <int D>
+bool setContactStates(StepProgram<D>& program, double rho) {
+  bool changed = setSlipStates(program, rho);
+  for (ContactRow<D>& row : program.contacts) {
+    const bool active = row.trialImpulse(program.x, rho) > 0;
+    changed = changed || active != row.active;
+    row.active = active;
+  }
+  return changed;
+}
+
 template <int D>
 RoundReport minimize(StepSystem<D>& system, StepProgram<D>& program, double slow) {
-  // The multipliers have moved since the factor was made: a contact may have let go.
-  if (setContactStates(program, system.rho()) && !system.factor(program.contacts)) return {};
   for (int round = 0; round < kNewtonRounds; ++round) {
-    const Eigen::VectorXd slope = gradient(system, program, program.x);
+    const Eigen::VectorXd slope = gradientOfPiece(system, program);
     Eigen::VectorXd dx = -slope;
     system.solveInPlace(dx);
     // Close to the minimum the slope along dx is lost in rounding, and a whole step is right.
@@ -71,12 +102,9 @@ RoundReport minimize(StepSystem<D>& system, StepProgram<D>& program, double slow
 }  // namespace
 
 template <int D>
-bool setContactStates(StepProgram<D>& program, double rho) {
+bool setSlipStates(StepProgram<D>& program, double rho) {
   bool changed = false;
   for (ContactRow<D>& row : program.contacts) {
-    const bool active = row.trialImpulse(program.x, rho) > 0;
-    changed = changed || active != row.active;
-    row.active = active;
     if (!row.rubs()) continue;
     typename ContactRow<D>::TangentMatrix stiffness;
     row.trialSlipImpulse(program.x, rho, &stiffness);
@@ -104,8 +132,8 @@ RoundReport solveRound(StepSystem<D>& system, StepProgram<D>& program, double sl
   return report;
 }
 
-template bool setContactStates<3>(StepProgram<3>&, double);
-template bool setContactStates<6>(StepProgram<6>&, double);
+template bool setSlipStates<3>(StepProgram<3>&, double);
+template bool setSlipStates<6>(StepProgram<6>&, double);
 template RoundReport solveRound<3>(StepSystem<3>&, StepProgram<3>&, double);
 template RoundReport solveRound<6>(StepSystem<6>&, StepProgram<6>&, double);
 

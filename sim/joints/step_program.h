@@ -32,8 +32,8 @@ struct RoundReport {
 template <int D>
 RoundReport solveRound(StepSystem<D>& system, StepProgram<D>& program, double slow);
 
-/// Sets which contacts push and how they slip at x. Returns whether any state changed.
+/// Sets how the contacts slip at x. Returns whether any state changed.
 template <int D>
-bool setContactStates(StepProgram<D>& program, double rho);
+bool setSlipStates(StepProgram<D>& program, double rho);
 
 }  // namespace kirireel

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Eigenvalues>
+
 namespace kirireel {
 namespace {
 
@@ -111,57 +113,63 @@ void StepSystem<D>::keepLengthwiseRow(const Pivot& pivot, const Poses& poses, Jo
   rows.b.row(0) = alongB;
 }
 
+/// Adds weight * [a b]^T [a b] for one row of a pair of bricks; the row of a brick that does not
+/// move is left out.
+template <int D>
+void StepSystem<D>::addRowToMatrix(const PairOnGraph& pair, const RowVector& a, const RowVector& b,
+                                   double weight) {
+  const RowVector weightedA = weight * a;
+  matrix_.diagonal(pair.brickA).noalias() += weightedA.transpose() * a;
+  if (pair.brickB == kFixed) return;
+  const RowVector weightedB = weight * b;
+  matrix_.diagonal(pair.brickB).noalias() += weightedB.transpose() * b;
+  if (pair.brickA < pair.brickB) {
+    matrix_.offDiagonal(pair.edge).noalias() += weightedA.transpose() * b;
+  } else {
+    matrix_.offDiagonal(pair.edge).noalias() += weightedB.transpose() * a;
+  }
+}
+
 template <int D>
 void StepSystem<D>::addJointsToMatrix() {
   for (std::size_t p = 0; p < pivots_.size(); ++p) {
     const JointRows& rows = jointRows_[p];
-    const Pivot& pivot = pivots_[p];
-    const typename Space::Rows weightedA = kappa_ * rows.a;
-    const typename Space::Rows weightedB = kappa_ * rows.b;
-    matrix_.diagonal(pivot.brickA).noalias() += weightedA.transpose() * rows.a;
-    matrix_.diagonal(pivot.brickB).noalias() += weightedB.transpose() * rows.b;
-    if (pivot.brickA < pivot.brickB) {
-      matrix_.offDiagonal(rows.edge).noalias() += weightedA.transpose() * rows.b;
-    } else {
-      matrix_.offDiagonal(rows.edge).noalias() += weightedB.transpose() * rows.a;
+    const PairOnGraph pair{pivots_[p].brickA, pivots_[p].brickB, rows.edge};
+    for (int k = 0; k < Space::kJointRows; ++k) {
+      addRowToMatrix(pair, rows.a.row(k), rows.b.row(k), kappa_);
     }
   }
 }
 
 template <int D>
 void StepSystem<D>::addContactToMatrix(const ContactRow<D>& row) {
-  // Normal and tangents together: rho [n; T]^T diag(active, slip stiffness) [n; T].
-  Eigen::Matrix<double, 3, D> a, b;
-  a << row.normalA, row.tangentA;
-  b << row.normalB, row.tangentB;
-  Matrix3 weight = Matrix3::Zero();
-  weight(0, 0) = row.active ? rho_ : 0;
-  if (row.rubs()) weight.template bottomRightCorner<2, 2>() = rho_ * row.slipStiffness;
-  if (weight.isZero(0)) return;
-  const int brickA = row.contact.brickA;
-  const int brickB = row.contact.brickB;
-  matrix_.diagonal(brickA) += a.transpose() * weight * a;
-  if (brickB == kFixed) return;
-  matrix_.diagonal(brickB) += b.transpose() * weight * b;
-  const int edge = edgeOf(brickA, brickB);
-  if (brickA < brickB) {
-    matrix_.offDiagonal(edge) += a.transpose() * weight * b;
-  } else {
-    matrix_.offDiagonal(edge) += b.transpose() * weight * a;
+  PairOnGraph pair{row.contact.brickA, row.contact.brickB};
+  if (pair.brickB != kFixed) pair.edge = edgeOf(pair.brickA, pair.brickB);
+  if (row.active) addRowToMatrix(pair, row.normalA, row.normalB, rho_);
+  if (!row.rubs()) return;
+  // The tangents along the slip stiffness' own directions.
+  Eigen::SelfAdjointEigenSolver<typename ContactRow<D>::TangentMatrix> own;
+  own.computeDirect(row.slipStiffness);
+  const typename ContactRow<D>::TangentRows a = own.eigenvectors().transpose() * row.tangentA;
+  const typename ContactRow<D>::TangentRows b = own.eigenvectors().transpose() * row.tangentB;
+  for (int k = 0; k < ContactRow<D>::kTangents; ++k) {
+    addRowToMatrix(pair, a.row(k), b.row(k), rho_ * own.eigenvalues()[k]);
   }
 }
 
 template <int D>
 bool StepSystem<D>::factor(const std::vector<ContactRow<D>>& contacts) {
   for (const ContactRow<D>& row : contacts) {
-    if (row.contact.brickB != kFixed) edgeOf(row.contact.brickA, row.contact.brickB);
+    if (row.acts() && row.contact.brickB != kFixed) edgeOf(row.contact.brickA, row.contact.brickB);
   }
   if (graphChanged_) matrix_.analyze(brickCount(), edges_);
   graphChanged_ = false;
   matrix_.setZero();
   for (int i = 0; i < brickCount(); ++i) matrix_.diagonal(i) = A_[i];
   addJointsToMatrix();
-  for (const ContactRow<D>& row : contacts) addContactToMatrix(row);
+  for (const ContactRow<D>& row : contacts) {
+    if (row.acts()) addContactToMatrix(row);
+  }
   ++factorizations_;
   return matrix_.factor();
 }

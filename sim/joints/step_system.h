@@ -22,6 +22,7 @@ class StepSystem {
  public:
   using Space = Coordinates<D>;
   using Block = typename Space::Block;
+  using RowVector = typename Space::RowVector;
   using Vector = Eigen::VectorXd;
 
   /// `lengthScale` in metres makes turning and moving comparable.
@@ -71,7 +72,16 @@ class StepSystem {
   };
 
   void keepLengthwiseRow(const Pivot& pivot, const Poses& poses, JointRows& rows);
+  /// Two bricks, the second perhaps kFixed, and their edge of the graph.
+  struct PairOnGraph {
+    int brickA = 0;
+    int brickB = 0;
+    int edge = 0;
+  };
+
   int edgeOf(int brickA, int brickB);
+  void addRowToMatrix(const PairOnGraph& pair, const RowVector& a, const RowVector& b,
+                      double weight);
   void addJointsToMatrix();
   void addContactToMatrix(const ContactRow<D>& row);
 

@@ -38,6 +38,12 @@ struct Penetration {
 /// products of edges): exact for convex tiles and independent of the contact detection in use.
 Penetration deepestPenetration(const std::vector<Brick>& bricks, const Poses& poses);
 
+/// The same with joined bricks meeting without the corners that they share: what contacts hold
+/// apart. `zone` as in withoutSharedCorners.
+Penetration deepestPenetrationOutsidePivots(const std::vector<Brick>& bricks,
+                                            std::span<const Pivot> pivots, double zone,
+                                            const Poses& poses);
+
 /// Kinetic energy of all bricks, joules.
 double kineticEnergy(const std::vector<Brick>& bricks, const Motion& motion);
 

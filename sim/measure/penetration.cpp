@@ -2,6 +2,7 @@
 #include <limits>
 #include <numeric>
 
+#include "sim/brick/shared_corners.h"
 #include "sim/measure/measures.h"
 
 namespace kirireel {
@@ -137,9 +138,19 @@ int sweepAxis(const std::vector<PlacedBrick>& bricks) {
   return axis;
 }
 
-}  // namespace
+/// Two placed bricks and their numbers.
+struct PlacedPair {
+  int brickA;
+  int brickB;
+  const PlacedBrick& a;
+  const PlacedBrick& b;
+};
 
-Penetration deepestPenetration(const std::vector<Brick>& bricks, const Poses& poses) {
+/// The deepest of all pairs whose boxes overlap; `depthOf(pair, deepest)` gives the depth of a
+/// pair, or something not above `deepest`.
+template <typename DepthOf>
+Penetration deepestOverlap(const std::vector<Brick>& bricks, const Poses& poses,
+                           const DepthOf& depthOf) {
   Penetration deepest;
   if (bricks.empty()) return deepest;
   std::vector<PlacedBrick> placed;
@@ -161,11 +172,32 @@ Penetration deepestPenetration(const std::vector<Brick>& bricks, const Poses& po
       const PlacedBrick& second = placed[order[j]];
       if (second.box.min()[axis] >= first.box.max()[axis]) break;
       if (overlapOfBoxes(first.box, second.box) <= deepest.depth) continue;
-      const double depth = PairDepth(first, second, deepest.depth).find();
+      const double depth = depthOf({order[i], order[j], first, second}, deepest.depth);
       if (depth > deepest.depth) deepest = {depth, order[i], order[j]};
     }
   }
   return deepest;
+}
+
+}  // namespace
+
+Penetration deepestPenetration(const std::vector<Brick>& bricks, const Poses& poses) {
+  return deepestOverlap(bricks, poses, [](const PlacedPair& pair, double deepest) {
+    return PairDepth(pair.a, pair.b, deepest).find();
+  });
+}
+
+Penetration deepestPenetrationOutsidePivots(const std::vector<Brick>& bricks,
+                                            std::span<const Pivot> pivots, double zone,
+                                            const Poses& poses) {
+  const auto joined = sharedCorners(pivots);
+  return deepestOverlap(bricks, poses, [&](const PlacedPair& pair, double deepest) {
+    const auto [a, b] = std::minmax(pair.brickA, pair.brickB);
+    const auto corners = joined.find({a, b});
+    if (corners == joined.end()) return PairDepth(pair.a, pair.b, deepest).find();
+    const auto [cutA, cutB] = withoutSharedCorners(bricks[a], bricks[b], corners->second, zone);
+    return PairDepth(placeBrick(cutA, poses[a]), placeBrick(cutB, poses[b]), deepest).find();
+  });
 }
 
 }  // namespace kirireel

@@ -21,7 +21,7 @@ struct Ground {
 enum class ContactFilter {
   None,      ///< no pair: bricks pass through each other
   Unjoined,  ///< pairs that share no joint (what PyKirigami's --no_collision does)
-  All,       ///< every pair, away from shared pivots
+  All,       ///< every pair, away from shared pivots (see Environment::pivotZone)
 };
 
 /// What surrounds the bricks.
@@ -29,6 +29,9 @@ struct Environment {
   Vector3 gravity = Vector3::Zero();  ///< m/s^2
   std::optional<Ground> ground;
   ContactFilter contacts = ContactFilter::None;
+  /// Joined bricks meet without the corners that they share: so much of the mean edge is left out
+  /// of each edge there. From 0 (bricks meet up to the pivot) to 0.4.
+  double pivotZone = 0.05;
   double brickFriction = 0;      ///< Coulomb coefficient between bricks, from 0
   double linearDamping = 0.05;   ///< part of the velocity lost a second, as PyBullet has it
   double angularDamping = 0.05;  ///< the same for the angular velocity

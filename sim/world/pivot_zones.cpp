@@ -10,15 +10,6 @@ namespace {
 constexpr double kMargins = 4;
 constexpr double kEdges = 0.05;
 
-double meanEdge(const Brick& brick) {
-  double sum = 0;
-  const std::size_t count = brick.bottom.size();
-  for (std::size_t k = 0; k < count; ++k) {
-    sum += (brick.bottom[(k + 1) % count] - brick.bottom[k]).norm();
-  }
-  return sum / static_cast<double>(count);
-}
-
 double zoneRadius(const Brick& a, const Brick& b) {
   const double margin = std::max(insetHull(a).margin, insetHull(b).margin);
   return std::max(kMargins * margin, kEdges * 0.5 * (meanEdge(a) + meanEdge(b)));

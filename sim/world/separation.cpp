@@ -12,6 +12,8 @@ using Kind = SeparatingPlane::Kind;
 constexpr double kParallel = 1e-6;
 // Below this sine the plane of two edges turns too fast to be held.
 constexpr double kSteady = 0.05;
+// Points that reach equally far to this part of an edge tie.
+constexpr double kTie = 1e-9;
 
 double lowest(const std::vector<Vector3>& points, const Vector3& direction) {
   double low = std::numeric_limits<double>::infinity();
@@ -27,11 +29,12 @@ void addDirection(Outline& outline, const Vector3& edge) {
   if (!known) outline.directions.push_back(direction);
 }
 
-/// The point that reaches farthest along a direction.
+/// The point that reaches farthest along a direction; of both ends of an edge across it the first.
 const Vector3& farthest(const PlacedOutline& placed, const Vector3& direction, int& index) {
+  const double tie = kTie * (placed.points[1] - placed.points[0]).norm();
   index = 0;
   for (int p = 1; p < static_cast<int>(placed.points.size()); ++p) {
-    if (placed.points[p].dot(direction) > placed.points[index].dot(direction)) index = p;
+    if (placed.points[p].dot(direction) > placed.points[index].dot(direction) + tie) index = p;
   }
   return placed.outline->points[index];
 }

@@ -38,7 +38,7 @@ int main(int argc, char** argv) {
       "thread; ratios are taken within one run.");
   std::string folder;
   std::vector<std::string> only;
-  const std::vector<std::string> names{"gap",   "tessellation", "speed",     "step",
+  const std::vector<std::string> names{"gap",   "tessellation", "speed",     "step",  "path",
                                        "large", "contact",      "stability", "shares"};
   app.add_option("models", folder, "a folder of model folders, beside data/")
       ->check(CLI::ExistingDirectory);
@@ -53,6 +53,7 @@ int main(int argc, char** argv) {
     if (wanted("tessellation")) printTessellationTable();
     if (wanted("speed")) printSpeedTable();
     if (wanted("step")) printLargestStepTable();
+    if (wanted("path")) printPathTable(models);
     if (wanted("large")) printLargeSheetTable();
     if (wanted("contact")) printContactTable(models);
     if (wanted("stability")) printStabilityTable(stabilityScenes(models), false);

@@ -184,5 +184,26 @@ TEST(Penetration, NoBricksNoDepth) {
   EXPECT_EQ(found.brickA, -1);
 }
 
+TEST(Penetration, OutsidePivotsLeavesOutTheSharedCorners) {
+  // Two squares joined at a corner, turned into each other by an angle: whole, a side of one has
+  // its far end in the other; nothing changes there without the pivot's corners. Moved apart along
+  // the sides' common line so that only the corners overlap, nothing is left.
+  TessellationShape shape;
+  shape.columns = 2;
+  shape.rows = 1;
+  const Model model = makeTessellation(shape);
+  const std::vector<Brick> bricks = makeBricks(model.tiles, {});
+  const std::vector<Pivot> pivots = makePivots(model.joints, bricks);
+  Poses poses = startPoses(model.tiles, bricks);
+  poses[1].position.x() -= 0.01;
+  EXPECT_NEAR(deepestPenetration(bricks, poses).depth, 0.01, 1e-12);
+  EXPECT_NEAR(deepestPenetrationOutsidePivots(bricks, pivots, 0.05, poses).depth, 0.01, 1e-12);
+  const Vector3 pivot = poses[0].apply(pivots[0].pointA);
+  const double side = poses[0].position.y() < pivot.y() ? 1 : -1;
+  poses[1].position.y() += side * 0.97;
+  EXPECT_NEAR(deepestPenetration(bricks, poses).depth, 0.01, 1e-12);
+  EXPECT_EQ(deepestPenetrationOutsidePivots(bricks, pivots, 0.05, poses).depth, 0);
+}
+
 }  // namespace
 }  // namespace kirireel

@@ -1,6 +1,7 @@
 #include "sim/world/contact_finder.h"
 
 #include <algorithm>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -190,6 +191,59 @@ TEST(ContactFinder, StopsAFoldWhereTheFacesMeet) {
   }
   EXPECT_FALSE(look(finder, folded(3.1), folded(3.2)).contacts.empty());
   EXPECT_FALSE(look(finder, folded(0), folded(-0.1)).contacts.empty());
+}
+
+TEST(ContactFinder, LeavesOutTheCornersThatBricksShare) {
+  // Joined at their bottom corners and 0.3 rad open, folded towards their tops about the line
+  // through the pivot across the gap: whole bricks meet above the pivot at once, bricks without
+  // their corners when the fold has used up the gap beside them.
+  const JoinedPair pair(JointFace::Bottom);
+  const Poses open = pair.opened(0.3);
+  const Vector3 pivot = open[0].apply(pair.pivots[0].pointA);
+  const Vector3 across =
+      ((open[0].position - pivot).normalized() + (open[1].position - pivot).normalized());
+  const Vector3 axis(across.x(), across.y(), 0);
+  const auto folded = [&](double angle) {
+    Poses poses = open;
+    for (const double sign : {-1, 1}) {
+      Pose& pose = poses[sign < 0 ? 0 : 1];
+      const double side = axis.cross(pose.position - pivot).z() > 0 ? 1 : -1;
+      const Quaternion turn = rotationFromVector(0.5 * side * angle * axis.normalized());
+      pose = {pivot + turn * (pose.position - pivot), turn * pose.rotation};
+    }
+    return poses;
+  };
+  const auto meets = [&](double zone, double angle) {
+    Environment environment = around(ContactFilter::All);
+    environment.pivotZone = zone;
+    ContactFinder finder(pair.bricks, open, pair.pivots, environment, false, kTolerance);
+    return !look(finder, open, folded(angle)).contacts.empty();
+  };
+  int towardsTops = 0;
+  for (const double away : {-1.0, 1.0}) {
+    if (deepestPenetration(pair.bricks, folded(0.1 * away)).depth == 0) {
+      EXPECT_FALSE(meets(0, 0.1 * away));
+      EXPECT_FALSE(meets(0.05, 0.1 * away));
+    } else {
+      ++towardsTops;
+      EXPECT_TRUE(meets(0, 0.1 * away));
+      EXPECT_FALSE(meets(0.05, 0.1 * away));
+      EXPECT_TRUE(meets(0.05, 1.5 * away));
+    }
+  }
+  EXPECT_EQ(towardsTops, 1);
+}
+
+TEST(ContactFinder, HandsNoPairOverThroughItself) {
+  // Thin plates that overlap by more than their thickness where the run begins: every plane counts
+  // them as apart, but none may hand over to the one on the other side.
+  const std::vector<Brick> bricks(2, test::plate(0.01));
+  const Quaternion upright = rotationFromVector({0, 0.5 * std::numbers::pi, 0});
+  const auto crossed = [&](double height) { return Poses{{}, {Vector3(0.2, 0, height), upright}}; };
+  ContactFinder finder(bricks, crossed(0.45), {}, around(ContactFilter::All), false, kTolerance);
+  EXPECT_TRUE(look(finder, crossed(0.45), crossed(0.46)).contacts.empty());
+  EXPECT_FALSE(look(finder, crossed(0.45), crossed(0.3)).contacts.empty());
+  EXPECT_FALSE(look(finder, crossed(0.45), crossed(-0.6)).contacts.empty());
 }
 
 TEST(ContactFinder, FiltersPairs) {

@@ -1,0 +1,59 @@
+#include "sim/brick/shared_corners.h"
+
+#include <algorithm>
+
+namespace kirireel {
+namespace {
+
+// Both ends of an edge may be cut off, and something must be left.
+constexpr double kLargestCut = 0.4;
+
+bool contains(const std::vector<int>& corners, int corner) {
+  return std::find(corners.begin(), corners.end(), corner) != corners.end();
+}
+
+void note(std::vector<int>& corners, int corner) {
+  if (!contains(corners, corner)) corners.push_back(corner);
+}
+
+}  // namespace
+
+Brick withoutCorners(const Brick& brick, const std::vector<int>& corners, double length) {
+  Brick cut = brick;
+  cut.bottom.clear();
+  const std::size_t count = brick.bottom.size();
+  for (std::size_t k = 0; k < count; ++k) {
+    const Vector3& corner = brick.bottom[k];
+    if (!contains(corners, static_cast<int>(k))) {
+      cut.bottom.push_back(corner);
+      continue;
+    }
+    for (const std::size_t neighbour : {(k + count - 1) % count, (k + 1) % count}) {
+      const Vector3 edge = brick.bottom[neighbour] - corner;
+      cut.bottom.emplace_back(corner + std::min(length / edge.norm(), kLargestCut) * edge);
+    }
+  }
+  cut.top = cut.bottom;
+  for (Vector3& point : cut.top) point += brick.thickness * brick.normal;
+  return cut;
+}
+
+std::map<std::pair<int, int>, SharedCorners> sharedCorners(std::span<const Pivot> pivots) {
+  std::map<std::pair<int, int>, SharedCorners> shared;
+  for (const Pivot& pivot : pivots) {
+    const bool swapped = pivot.brickB < pivot.brickA;
+    SharedCorners& corners = shared[std::minmax(pivot.brickA, pivot.brickB)];
+    if (pivot.cornerA == kNoCorner) continue;
+    note(corners.ofA, swapped ? pivot.cornerB : pivot.cornerA);
+    note(corners.ofB, swapped ? pivot.cornerA : pivot.cornerB);
+  }
+  return shared;
+}
+
+std::pair<Brick, Brick> withoutSharedCorners(const Brick& a, const Brick& b,
+                                             const SharedCorners& corners, double zone) {
+  const double length = zone * 0.5 * (meanEdge(a) + meanEdge(b));
+  return {withoutCorners(a, corners.ofA, length), withoutCorners(b, corners.ofB, length)};
+}
+
+}  // namespace kirireel

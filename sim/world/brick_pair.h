@@ -1,0 +1,72 @@
+/// Two bricks that may touch: what keeps them apart from step to step, and what they run into.
+#pragma once
+
+#include <vector>
+
+#include "sim/world/separation.h"
+
+namespace kirireel {
+
+/// The poses of B in A's axes where a step starts and ends.
+struct PairMove {
+  Pose start;
+  Pose end;
+};
+
+/// The pose of a brick in the axes of another.
+Pose seenFrom(const Pose& seer, const Pose& seen);
+
+/// Everything about a pair is looked at in the axes of brick A.
+class BrickPair {
+ public:
+  /// Brick numbers and shapes. `tolerance`: overlap in metres that counts as none.
+  BrickPair(int a, int b, Outline outlineA, Outline outlineB, double tolerance);
+  BrickPair(const BrickPair&) = delete;
+  BrickPair& operator=(const BrickPair&) = delete;
+
+  int a() const { return a_; }
+  int b() const { return b_; }
+  /// Overlap that the pair may keep, metres.
+  double slack() const { return slack_; }
+
+  /// Notes how far the pair overlaps where the run begins: it may keep that.
+  void keepOverlap(const Pose& startOfB);
+  /// Lets the pair keep no more of that overlap than it still has.
+  void shrinkOverlap(const Pose& startOfB);
+
+  /// Appends the contacts of the plane that the move violates, unless they were given in this step
+  /// already. Returns the overlap at the end of the move, metres.
+  double appendViolated(const PairMove& move, long step, std::vector<Contact>& contacts);
+
+  /// Whether a contact of this pair still is in force at the start of a step: its point touches the
+  /// other brick's face, or no other face keeps the two apart.
+  bool isCurrent(const Contact& contact, const Pose& startOfB);
+
+ private:
+  bool touches(const Contact& contact) const;
+  bool isApartOtherwise(const Contact& contact) const;
+  bool isSurelyApart(const PairMove& move) const;
+  bool lastPlaneHolds();
+  double separationAtStart(const SeparatingPlane& plane) const;
+  double separationAtEnd(const SeparatingPlane& plane) const;
+  double bestSeparationAtStart() const;
+  bool keptApartInTurn(const PairMove& move) const;
+  bool canGive(const SeparatingPlane& plane, long step);
+  const SeparatingPlane* planeToGive(long step);
+  void givePlane(const SeparatingPlane& plane, std::vector<Contact>& contacts);
+
+  int a_, b_;
+  Outline outlineA_, outlineB_;
+  double radiusB_;
+  double tolerance_;
+  double slack_ = 0;
+  std::vector<SeparatingPlane> planes_;
+  SeparatingPlane last_;                // that kept the pair apart when last looked at
+  Pose lookedAt_;                       // B's pose then
+  double clearance_;                    // the separation then
+  std::vector<SeparatingPlane> given_;  // whose contacts were given in this step
+  long givenStep_ = -1;
+  PlacedOutline placedA_, startB_, endB_;
+};
+
+}  // namespace kirireel

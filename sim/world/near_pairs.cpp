@@ -1,0 +1,129 @@
+#include "sim/world/near_pairs.h"
+
+#include <algorithm>
+
+#include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
+
+namespace kirireel {
+namespace {
+
+static_assert(sizeof(btScalar) == sizeof(double), "link Bullet's float64 libraries");
+
+// Wider boxes give more pairs, narrower ones must be set more often.
+constexpr double kMarginOfRadius = 0.05;
+
+btVector3 toBullet(const Vector3& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+int number(const btBroadphaseProxy* proxy) {
+  return static_cast<int>(reinterpret_cast<std::intptr_t>(proxy->m_clientObject));
+}
+
+void extend(Eigen::AlignedBox3d& box, const Brick& brick, const Pose& pose) {
+  for (const std::vector<Vector3>* points : {&brick.bottom, &brick.top}) {
+    for (const Vector3& point : *points) box.extend(pose.apply(point));
+  }
+}
+
+}  // namespace
+
+double motionBound(const Pose& from, const Pose& to, double radius) {
+  // A turn by an angle moves points by at most 2 sin(angle / 2) radii, and the quaternions by
+  // 2 sin(angle / 4).
+  const double turned = (to.rotation.coeffs() - from.rotation.coeffs()).norm();
+  return (to.position - from.position).norm() + 2 * turned * radius;
+}
+
+double outerRadius(const Brick& brick) {
+  double squared = 0;
+  for (const Vector3& point : brick.bottom) squared = std::max(squared, point.squaredNorm());
+  for (const Vector3& point : brick.top) squared = std::max(squared, point.squaredNorm());
+  return std::sqrt(squared);
+}
+
+struct NearPairs::Internals {
+  explicit Internals(const std::vector<Brick>& all) : bricks(all), broadphase(&cache) {}
+  ~Internals() {
+    for (btBroadphaseProxy* proxy : proxies) broadphase.destroyProxy(proxy, nullptr);
+  }
+
+  bool anyLeft(const Poses& poses) const;
+  void setBox(int brick, const Eigen::AlignedBox3d& box);
+  void listPairs();
+
+  const std::vector<Brick>& bricks;
+  std::vector<double> radii;
+  double margin = 0;
+  Poses boxedAt;  // empty before the first call
+  btHashedOverlappingPairCache cache;
+  btDbvtBroadphase broadphase;
+  std::vector<btBroadphaseProxy*> proxies;
+  std::vector<std::pair<int, int>> pairs;
+};
+
+bool NearPairs::Internals::anyLeft(const Poses& poses) const {
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (motionBound(boxedAt[i], poses[i], radii[i]) > margin) return true;
+  }
+  return false;
+}
+
+/// Makes a proxy on the first call, moves it afterwards.
+void NearPairs::Internals::setBox(int brick, const Eigen::AlignedBox3d& box) {
+  const btVector3 low = toBullet(box.min());
+  const btVector3 high = toBullet(box.max());
+  if (brick < static_cast<int>(proxies.size())) {
+    broadphase.setAabb(proxies[brick], low, high, nullptr);
+    return;
+  }
+  // The user pointer only has to carry the brick's number.
+  void* carried = reinterpret_cast<void*>(static_cast<std::intptr_t>(brick));
+  proxies.push_back(broadphase.createProxy(low, high, BOX_SHAPE_PROXYTYPE, carried, 1, 1, nullptr));
+}
+
+void NearPairs::Internals::listPairs() {
+  broadphase.calculateOverlappingPairs(nullptr);
+  pairs.clear();
+  const btBroadphasePairArray& found = cache.getOverlappingPairArray();
+  for (int i = 0; i < found.size(); ++i) {
+    const auto [a, b] = std::minmax({number(found[i].m_pProxy0), number(found[i].m_pProxy1)});
+    pairs.emplace_back(a, b);
+  }
+  std::sort(pairs.begin(), pairs.end());
+}
+
+NearPairs::NearPairs(const std::vector<Brick>& bricks)
+    : internals_(std::make_unique<Internals>(bricks)) {
+  double sum = 0;
+  for (const Brick& brick : bricks) {
+    internals_->radii.push_back(outerRadius(brick));
+    sum += internals_->radii.back();
+  }
+  if (!bricks.empty()) {
+    internals_->margin = kMarginOfRadius * sum / static_cast<double>(bricks.size());
+  }
+}
+
+NearPairs::~NearPairs() = default;
+
+bool NearPairs::update(const Poses& start, const Poses& end) {
+  Internals& in = *internals_;
+  if (!in.boxedAt.empty() && !in.anyLeft(start) && !in.anyLeft(end)) return false;
+  for (std::size_t i = 0; i < end.size(); ++i) {
+    Eigen::AlignedBox3d box;
+    extend(box, in.bricks[i], start[i]);
+    extend(box, in.bricks[i], end[i]);
+    const Vector3 wider = Vector3::Constant(in.margin);
+    in.setBox(static_cast<int>(i), {box.min() - wider, box.max() + wider});
+  }
+  in.boxedAt = end;
+  in.listPairs();
+  return true;
+}
+
+const std::vector<std::pair<int, int>>& NearPairs::pairs() const {
+  return internals_->pairs;
+}
+
+}  // namespace kirireel

@@ -1,0 +1,68 @@
+#include "sim/world/near_pairs.h"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "tests/sim/world/prisms.h"
+
+namespace kirireel {
+namespace {
+
+using test::Chance;
+
+TEST(MotionBound, IsReachedByNoPoint) {
+  Chance chance(1);
+  double closest = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    const Pose from = chance.pose(0.1);
+    Pose to = from;
+    const double size = std::pow(10, 3 * chance.next());
+    to.position += 0.1 * size * chance.vector();
+    to.rotation = (rotationFromVector(size * chance.vector()) * to.rotation).normalized();
+    const Vector3 point = chance.vector().normalized();
+    const double moved = (to.apply(point) - from.apply(point)).norm();
+    const double bound = motionBound(from, to, 1);
+    EXPECT_LE(moved, bound + 1e-12);
+    closest = std::max(closest, moved / bound);
+  }
+  EXPECT_GT(closest, 0.9);  // the bound is no looser than it must be; measured 0.99
+}
+
+TEST(NearPairs, HoldEveryPairWhoseBoxesMeet) {
+  // Second method: all boxes against all.
+  Chance chance(2);
+  std::vector<Brick> bricks;
+  Poses start;
+  for (int i = 0; i < 40; ++i) {
+    bricks.push_back(test::prism(3 + i % 4, 0.3, 0.1));
+    start.push_back(chance.pose(2));
+  }
+  NearPairs near(bricks);
+  int found = 0, reused = 0;
+  for (int step = 0; step < 100; ++step) {
+    Poses end = start;
+    for (Pose& pose : end) pose.position += 0.004 * chance.vector();
+    reused += near.update(start, end) ? 0 : 1;
+    for (int a = 0; a < 40; ++a) {
+      for (int b = a + 1; b < 40; ++b) {
+        const auto box = [&](int brick, const Pose& pose) {
+          Eigen::AlignedBox3d all;
+          for (const Vector3& point : bricks[brick].bottom) all.extend(pose.apply(point));
+          for (const Vector3& point : bricks[brick].top) all.extend(pose.apply(point));
+          return all;
+        };
+        if (!box(a, end[a]).intersects(box(b, end[b]))) continue;
+        ++found;
+        const auto& pairs = near.pairs();
+        EXPECT_TRUE(std::binary_search(pairs.begin(), pairs.end(), std::pair(a, b)));
+      }
+    }
+    start = end;
+  }
+  EXPECT_GT(found, 500);
+  EXPECT_GT(reused, 20);
+}
+
+}  // namespace
+}  // namespace kirireel
