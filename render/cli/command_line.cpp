@@ -95,6 +95,7 @@ Order parseCommandLine(const std::vector<std::string>& arguments) {
   RecordOrder record;
   RecordOrder simulate;
   RenderOrder render;
+  ExportOrder exportation;
   GenerateOrder generate;
   CLI::App program("Records kirigami deployments off screen.", "kirireel");
   program.allow_extras();
@@ -102,6 +103,7 @@ Order parseCommandLine(const std::vector<std::string>& arguments) {
   const CLI::App* recordCommand = addRecordCommand(program, record);
   const CLI::App* simulateCommand = addSimulateCommand(program, simulate);
   const CLI::App* renderCommand = addRenderCommand(program, render);
+  const CLI::App* exportCommand = addExportCommand(program, exportation);
   const CLI::App* generateCommand = addGenerateCommand(program, generate);
   program.footer("kirireel COMMAND --help explains a command.");
 
@@ -118,6 +120,10 @@ Order parseCommandLine(const std::vector<std::string>& arguments) {
   if (renderCommand->parsed()) {
     requireGiven(render.trajectory, "TRAJECTORY", *renderCommand);
     return render;
+  }
+  if (exportCommand->parsed()) {
+    requireGiven(exportation.trajectory, "TRAJECTORY", *exportCommand);
+    return exportation;
   }
   if (generateCommand->parsed()) {
     requireFamily(*generateCommand);

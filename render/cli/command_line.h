@@ -5,6 +5,7 @@
 #include <variant>
 #include <vector>
 
+#include "render/cli/export_command.h"
 #include "render/cli/generate_command.h"
 #include "render/cli/record_command.h"
 #include "render/cli/render_command.h"
@@ -20,7 +21,7 @@ struct PrintOrder {
 int carryOut(const PrintOrder& order);
 
 /// One of the things that kirireel does.
-using Order = std::variant<RecordOrder, RenderOrder, GenerateOrder, PrintOrder>;
+using Order = std::variant<RecordOrder, RenderOrder, ExportOrder, GenerateOrder, PrintOrder>;
 
 /// Reads the arguments that follow the program's name. Throws InputError for an unknown option
 /// (suggesting the nearest), a value out of range, a missing or surplus argument.

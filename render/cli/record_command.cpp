@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "render/cli/exit_codes.h"
+#include "render/cli/export_command.h"
 #include "render/cli/interrupt.h"
 #include "render/cli/option_group.h"
 #include "render/cli/picture_options.h"
@@ -42,6 +43,7 @@ void addRunOptions(CLI::App& command, RecordOrder& order) {
                "frames, and samples, a simulated second");
   addFaceOptions(command, order);
   addSceneOptions(command, order.scene);
+  addExportOptions(command, "--export", order.settings.exports);
 }
 
 constexpr const char* kPeerNote =

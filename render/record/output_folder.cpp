@@ -15,9 +15,11 @@ namespace fs = std::filesystem;
 
 bool isRunFile(const fs::path& file) {
   static const std::regex names(
-      "deployment\\.(mp4|webm|gif|apng|mkv)|snapshots\\.png|snapshot_[0-9]+\\.svg|(initial|final)"
-      "\\.(obj|mtl|ply)|"
-      "final_vertices\\.txt|trajectory\\.h5|summary\\.json");
+      "deployment\\.(mp4|webm|gif|apng|mkv|glb|pvd|fold)|cut_pattern\\.(svg|dxf)|"
+      "snapshots\\.png|snapshot_[0-9]+\\.svg|(initial|final)\\.(obj|mtl|ply)|"
+      "final_vertices\\.txt|trajectory\\.h5|summary\\.json|"
+      "state_[0-9]{4,}\\.(obj|ply|stl|msh|vtu)|"
+      "state_[0-9]{4,}_(mesh\\.inp|job\\.inp|planar\\.obj|vertices\\.txt)");
   return std::regex_match(file.filename().string(), names);
 }
 
@@ -45,16 +47,6 @@ fs::path frameFile(int number) {
 
 fs::path snapshotDrawing(int number) {
   return fmt::format("snapshot_{:02}.svg", number);
-}
-
-void makeFolder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (!error && fs::is_directory(folder)) return;
-  const std::string reason = error ? error.message() : "a file of that name is there";
-  throw OutputError(
-      fmt::format("{}: error: the folder cannot be made ({}); choose another with --out",
-                  folder.string(), reason));
 }
 
 void prepareOutputFolder(const fs::path& folder) {

@@ -28,7 +28,4 @@ std::filesystem::path snapshotDrawing(int number);
 /// Throws OutputError.
 void prepareOutputFolder(const std::filesystem::path& folder);
 
-/// Makes a folder and those above it. Throws OutputError with the system's reason.
-void makeFolder(const std::filesystem::path& folder);
-
 }  // namespace kirireel

@@ -135,14 +135,6 @@ std::vector<int> readPulledTiles(const fs::path& file, int tileCount) {
   return pulled;
 }
 
-void makeFolder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (!error) return;
-  throw OutputError(fmt::format("{}: error: the folder cannot be made ({}); choose another",
-                                folder.string(), error.message()));
-}
-
 /// A file that an earlier model left would become part of this one.
 void removeStale(const fs::path& file) {
   std::error_code error;

@@ -251,9 +251,9 @@ TEST(CommandLine, UnknownCommandSuggestsTheNearest) {
 }
 
 TEST(CommandLine, MissingAndSurplusArgumentsAreErrors) {
-  EXPECT_EQ(
-      messageOf({}),
-      "error: no command given; choose record, simulate, render or generate, see kirireel --help");
+  EXPECT_EQ(messageOf({}),
+            "error: no command given; choose record, simulate, render, export or generate, see "
+            "kirireel --help");
   EXPECT_EQ(messageOf({"record"}),
             "error: MODEL is missing, as in kirireel record MODEL; see kirireel record --help");
   EXPECT_EQ(messageOf({"generate", "tessellation"}),
