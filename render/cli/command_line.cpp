@@ -95,6 +95,7 @@ Order parseCommandLine(const std::vector<std::string>& arguments) {
   RecordOrder record;
   RecordOrder simulate;
   RenderOrder render;
+  ExportOrder exportation;
   GenerateOrder generate;
   InspectOrder inspect;
   ConvertOrder convert;
@@ -104,6 +105,7 @@ Order parseCommandLine(const std::vector<std::string>& arguments) {
   CLI::App* recordCommand = addRecordCommand(program, record);
   CLI::App* simulateCommand = addSimulateCommand(program, simulate);
   const CLI::App* renderCommand = addRenderCommand(program, render);
+  const CLI::App* exportCommand = addExportCommand(program, exportation);
   const CLI::App* generateCommand = addGenerateCommand(program, generate);
   const CLI::App* inspectCommand = addInspectCommand(program, inspect);
   const CLI::App* convertCommand = addConvertCommand(program, convert);
@@ -122,6 +124,10 @@ Order parseCommandLine(const std::vector<std::string>& arguments) {
   if (renderCommand->parsed()) {
     requireGiven(render.trajectory, "TRAJECTORY", *renderCommand);
     return render;
+  }
+  if (exportCommand->parsed()) {
+    requireGiven(exportation.trajectory, "TRAJECTORY", *exportCommand);
+    return exportation;
   }
   if (inspectCommand->parsed()) {
     requireGiven(inspect.model, "MODEL", *inspectCommand);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "render/cli/convert_command.h"
+#include "render/cli/export_command.h"
 #include "render/cli/generate_command.h"
 #include "render/cli/inspect_command.h"
 #include "render/cli/record_command.h"
@@ -22,8 +23,8 @@ struct PrintOrder {
 int carryOut(const PrintOrder& order);
 
 /// One of the things that kirireel does.
-using Order =
-    std::variant<RecordOrder, RenderOrder, GenerateOrder, InspectOrder, ConvertOrder, PrintOrder>;
+using Order = std::variant<RecordOrder, RenderOrder, ExportOrder, GenerateOrder, InspectOrder,
+                           ConvertOrder, PrintOrder>;
 
 /// Reads the arguments that follow the program's name. Throws InputError for an unknown option
 /// (suggesting the nearest), a value out of range, a missing or surplus argument.

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "render/cli/exit_codes.h"
+#include "render/cli/export_command.h"
 #include "render/cli/interrupt.h"
 #include "render/cli/model_place.h"
 #include "render/cli/option_group.h"
@@ -46,6 +47,7 @@ void addRunOptions(CLI::App& command, RecordOrder& order) {
   addModelOptions(command, order);
   addSceneRequestOptions(command, order.request);
   addSceneOptions(command, order.scene);
+  addExportOptions(command, "--export", order.settings.exports);
 }
 
 constexpr const char* kPeerNote =

@@ -13,6 +13,8 @@ namespace kirireel {
 namespace {
 
 constexpr int kMostElements = 64;
+/// More would fill memory, and no program reads them.
+constexpr std::size_t kMostElementsInAll = 4'000'000;
 /// Elements this many times longer than thick are useless in any program.
 constexpr double kMostAspect = 500;
 
@@ -30,6 +32,20 @@ void requireValidRule(const ElementRule& rule) {
                     "one, at least the length of an element's edge",
                     rule.patchRadius));
   }
+}
+
+void requireReasonableCount(const std::vector<Brick>& bricks, const ElementRule& rule) {
+  std::size_t cells = 0;
+  for (const Brick& brick : bricks) {
+    const std::size_t sides = brick.bottom.size();
+    cells += (sides > 4 ? sides : 1) * rule.perEdge * rule.perEdge;
+  }
+  const std::size_t count = cells * rule.through;
+  if (count <= kMostElementsInAll) return;
+  throw InputError(
+      fmt::format("error: {} elements would be made, at most {} are allowed; use fewer "
+                  "per edge or through the thickness",
+                  count, kMostElementsInAll));
 }
 
 /// Cells, points and edges of each shape of tile, made once.
@@ -208,6 +224,7 @@ int nodeCount(int sides, bool quadratic) {
 ElementMesh makeElementMesh(const std::vector<Brick>& bricks, const std::vector<Joint>& joints,
                             const Poses& poses, const ElementRule& rule) {
   requireValidRule(rule);
+  requireReasonableCount(bricks, rule);
   ElementMesh mesh;
   mesh.rule = rule;
   Footprints footprints(rule.perEdge);

@@ -5,6 +5,7 @@
 #include "render/png/png.h"
 #include "render/record/output_folder.h"
 #include "render/record/stopwatch.h"
+#include "sim/base/pending_file.h"
 
 namespace kirireel {
 namespace {

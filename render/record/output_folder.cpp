@@ -15,10 +15,11 @@ namespace fs = std::filesystem;
 
 bool isRunFile(const fs::path& file) {
   static const std::regex names(
-      "deployment\\.(mp4|webm|gif|apng|mkv)|snapshots\\.png|snapshot_[0-9]+\\.(svg|png)|"
-      "(initial|final|state_[0-9]+)"
-      "\\.(obj|mtl|ply)|"
-      "final_vertices\\.txt|trajectory\\.h5|summary\\.json");
+      "deployment\\.(mp4|webm|gif|apng|mkv|glb|pvd|fold)|cut_pattern\\.(svg|dxf)|"
+      "snapshots\\.png|snapshot_[0-9]+\\.(svg|png)|(initial|final|export_[0-9]+)\\.(obj|mtl|ply)|"
+      "final_vertices\\.txt|trajectory\\.h5|summary\\.json|"
+      "state_[0-9]{4,}\\.(obj|ply|stl|msh|vtu)|"
+      "state_[0-9]{4,}_(mesh\\.inp|job\\.inp|planar\\.obj|vertices\\.txt)");
   return std::regex_match(file.filename().string(), names);
 }
 
@@ -50,16 +51,6 @@ fs::path snapshotDrawing(int number) {
 
 std::string momentFile(const char* name, int number, const char* ending) {
   return fmt::format("{}_{:04}{}", name, number, ending);
-}
-
-void makeFolder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (!error && fs::is_directory(folder)) return;
-  const std::string reason = error ? error.message() : "a file of that name is there";
-  throw OutputError(
-      fmt::format("{}: error: the folder cannot be made ({}); choose another with --out",
-                  folder.string(), reason));
 }
 
 void prepareOutputFolder(const fs::path& folder) {

@@ -15,7 +15,7 @@ inline constexpr const char* kFinalMesh = "final";      ///< .obj and .ply
 inline constexpr const char* kFinalVertices = "final_vertices.txt";
 inline constexpr const char* kTrajectory = "trajectory.h5";
 inline constexpr const char* kSummary = "summary.json";
-inline constexpr const char* kStateMoment = "state";        ///< _0001.obj, .ply, ...
+inline constexpr const char* kStateMoment = "export";       ///< _0001.obj, .ply, ...
 inline constexpr const char* kSnapshotMoment = "snapshot";  ///< _0001.png, ...
 inline constexpr const char* kFrames = "frames";            ///< a folder
 }  // namespace output
@@ -26,15 +26,12 @@ std::filesystem::path frameFile(int number);
 /// "snapshot_01.svg": number counts from 1.
 std::filesystem::path snapshotDrawing(int number);
 
-/// "state_0001.obj": a file of the moments that a timeline asks for; `ending` with its dot.
+/// "export_0001.obj": a file of the moments that a timeline asks for; `ending` with its dot.
 std::string momentFile(const char* name, int number, const char* ending);
 
 /// Makes the folder, checks that it can be written, and removes what an earlier run left under the
 /// names above, so that files of two runs never stand side by side. Nothing else is touched.
 /// Throws OutputError.
 void prepareOutputFolder(const std::filesystem::path& folder);
-
-/// Makes a folder and those above it. Throws OutputError with the system's reason.
-void makeFolder(const std::filesystem::path& folder);
 
 }  // namespace kirireel

@@ -185,6 +185,13 @@ class PictureJob {
   bool framesMade_ = false;
 };
 
+void writeExports(const RecordSettings& settings, RunSummary& summary) {
+  const TrajectoryReader trajectory(settings.folder / output::kTrajectory);
+  for (const std::string& file : exportStates(trajectory, settings.exports, settings.folder)) {
+    summary.files.push_back(file);
+  }
+}
+
 }  // namespace
 
 RunSummary record(const Scene& scene, const RecordSettings& settings,
@@ -215,10 +222,18 @@ RunSummary record(const Scene& scene, const RecordSettings& settings,
         fmt::format("stopped while painting; the video ends at {:.4g} s", *summary.stoppedAt);
   }
 
+  const auto writeSummary = [&] {
+    summary.recordCost.wallSeconds = stopwatch.seconds();
+    summary.recordCost.peakMemoryBytes = peakMemoryBytes();
+    writeTextFile(settings.folder / output::kSummary, summaryJson(scene, settings, summary));
+  };
   summary.files.emplace_back(output::kSummary);
-  summary.recordCost.wallSeconds = stopwatch.seconds();
-  summary.recordCost.peakMemoryBytes = peakMemoryBytes();
-  writeTextFile(settings.folder / output::kSummary, summaryJson(scene, settings, summary));
+  writeSummary();
+  // What to export may turn out not to exist; all else is in place by then.
+  if (!settings.exports.formats.empty()) {
+    writeExports(settings, summary);
+    writeSummary();
+  }
   return summary;
 }
 

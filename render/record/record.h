@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "render/export/export.h"
 #include "render/gl/context.h"
 #include "render/grid/grid.h"
 #include "render/picture/frame.h"
@@ -65,7 +66,8 @@ struct PictureSettings {
 
 /// What a run leaves: its pictures, one sample for each frame, and more.
 struct RecordSettings : PictureSettings {
-  bool meshes = true;  ///< initial and final, OBJ and PLY
+  bool meshes = true;      ///< initial and final, OBJ and PLY
+  ExportSettings exports;  ///< further files; none without formats
 };
 
 /// What recording cost, beside the deployment's own cost. CPU seconds are of the stage's thread.

@@ -231,7 +231,7 @@ std::vector<PatternLine> cutPattern(const Model& model, double hingeWidth) {
   return PatternMaker(model, hingeWidth).take();
 }
 
-std::string svgText(const std::vector<PatternLine>& lines) {
+std::string patternSvg(const std::vector<PatternLine>& lines) {
   constexpr double kMillimetres = 1000;
   constexpr double kMargin = 5;
   Eigen::AlignedBox2d box;
@@ -257,7 +257,7 @@ std::string svgText(const std::vector<PatternLine>& lines) {
   return text + "</svg>\n";
 }
 
-std::string dxfText(const std::vector<PatternLine>& lines) {
+std::string patternDxf(const std::vector<PatternLine>& lines) {
   std::string text =
       "0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1009\n9\n$INSUNITS\n70\n6\n0\nENDSEC\n"
       "0\nSECTION\n2\nTABLES\n0\nTABLE\n2\nLAYER\n70\n3\n";

@@ -34,9 +34,9 @@ struct PatternLine {
 std::vector<PatternLine> cutPattern(const Model& model, double hingeWidth);
 
 /// The lines as an SVG in millimetres at true size, a group a layer.
-std::string svgText(const std::vector<PatternLine>& lines);
+std::string patternSvg(const std::vector<PatternLine>& lines);
 
 /// The lines as a DXF (R12) in metres, a layer a kind.
-std::string dxfText(const std::vector<PatternLine>& lines);
+std::string patternDxf(const std::vector<PatternLine>& lines);
 
 }  // namespace kirireel

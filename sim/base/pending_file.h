@@ -29,6 +29,9 @@ class PendingFile {
   bool committed_ = false;
 };
 
+/// Makes a folder and those above it. Throws OutputError with the system's reason.
+void makeFolder(const std::filesystem::path& folder);
+
 /// Writes text whole to finalPath through a PendingFile. Throws OutputError naming the path and the
 /// system's reason (disk full, no permission).
 void writeTextFile(const std::filesystem::path& finalPath, const std::string& text);

@@ -163,14 +163,6 @@ std::vector<Corner> readHull(const fs::path& file, const std::vector<Tile>& tile
       {file}, fmt::format("{} corners do not go round anything; {}", hull.size(), kHullPurpose));
 }
 
-void makeFolder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (!error) return;
-  throw OutputError(fmt::format("{}: error: the folder cannot be made ({}); choose another",
-                                folder.string(), error.message()));
-}
-
 /// A file that an earlier model left would become part of this one.
 void removeStale(const fs::path& file) {
   std::error_code error;

@@ -268,7 +268,8 @@ TEST(CommandLine, UnknownCommandSuggestsTheNearest) {
 
 TEST(CommandLine, MissingAndSurplusArgumentsAreErrors) {
   EXPECT_EQ(messageOf({}),
-            "error: no command given; choose record, simulate, render, generate, inspect or convert, see "
+            "error: no command given; choose record, simulate, render, export, generate, inspect or "
+            "convert, see "
             "kirireel --help");
   EXPECT_EQ(messageOf({"record"}),
             "error: MODEL is missing, as in kirireel record MODEL; see kirireel record --help");

@@ -5,8 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/support/layouts.h"
 #include "tests/render/fea/read_deck.h"
+#include "tests/support/layouts.h"
 
 namespace kirireel {
 namespace {

@@ -84,6 +84,14 @@ TEST(ElementMesh, RefusesImpossibleRules) {
             "length of an element's edge");
 }
 
+TEST(ElementMesh, RefusesMoreElementsThanFit) {
+  const Model model = makeTessellation(test::squares(20, 20, 0));
+  EXPECT_EQ(
+      refusal(test::layoutOf(model.tiles, {}), {.perEdge = 64, .through = 3}),
+      "error: 4915200 elements would be made, at most 4000000 are allowed; use fewer per edge "
+      "or through the thickness");
+}
+
 TEST(ElementMesh, RefusesPatchesThatAreTooSmallOrTooLarge) {
   const Layout layout = test::hingedSquares();
   EXPECT_EQ(refusal(layout, {.joints = JointStyle::Patch, .patchRadius = 0.1}),

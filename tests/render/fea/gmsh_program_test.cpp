@@ -4,9 +4,9 @@
 
 #include "render/fea/gmsh.h"
 #include "sim/base/pending_file.h"
-#include "tests/support/layouts.h"
 #include "tests/render/fea/read_deck.h"
 #include "tests/support/files.h"
+#include "tests/support/layouts.h"
 #include "tests/support/program.h"
 
 namespace kirireel {

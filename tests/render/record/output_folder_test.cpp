@@ -66,10 +66,10 @@ TEST_F(OutputFolder, SaysWhyItCannotBeMade) {
   write("file");
   EXPECT_EQ(messageOfPreparing(folder_ / "file"),
             (folder_ / "file").string() +
-                ": error: the folder cannot be made (Not a directory); choose another with --out");
+                ": error: the folder cannot be made (Not a directory); choose another");
   EXPECT_EQ(messageOfPreparing(folder_ / "file" / "in"),
             (folder_ / "file" / "in").string() +
-                ": error: the folder cannot be made (Not a directory); choose another with --out");
+                ": error: the folder cannot be made (Not a directory); choose another");
 }
 
 TEST(FrameFile, SortsByNumber) {

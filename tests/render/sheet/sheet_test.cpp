@@ -149,12 +149,12 @@ TEST(CutPattern, DrawsLayersInSvgAndDxf) {
   const std::vector<PatternLine> lines = {{PatternLayer::Cuts, {0, 0}, {0.1, 0}},
                                           {PatternLayer::Slits, {0, 0}, {0, 0.2}},
                                           {PatternLayer::Hinges, {0, 0.2}, {0, 0.25}}};
-  const std::string svg = svgText(lines);
+  const std::string svg = patternSvg(lines);
   EXPECT_THAT(svg, HasSubstr("width=\"110mm\" height=\"260mm\" viewBox=\"0 0 110 260\""));
   EXPECT_THAT(svg, HasSubstr("<g id=\"cuts\" fill=\"none\" stroke-width=\"0.1\" "
                              "stroke=\"#d00000\">\n<path d=\"M 5 255 L 105 255\"/>\n</g>"));
   EXPECT_THAT(svg, HasSubstr("<g id=\"slits\""));
-  const std::string dxf = dxfText(lines);
+  const std::string dxf = patternDxf(lines);
   EXPECT_THAT(dxf, HasSubstr("0\nLINE\n8\nslits\n10\n0\n20\n0\n11\n0\n21\n0.2\n"));
   EXPECT_THAT(dxf, HasSubstr("0\nLINE\n8\nhinges\n10\n0\n20\n0.2\n11\n0\n21\n0.25\n"));
   EXPECT_THAT(dxf, testing::EndsWith("0\nENDSEC\n0\nEOF\n"));

@@ -1,0 +1,31 @@
+/// `kirireel export TRAJECTORY`.
+#pragma once
+
+#include <filesystem>
+
+#include "render/export/export.h"
+
+namespace CLI {
+class App;
+}
+
+namespace kirireel {
+
+/// A trajectory and what is made of it.
+struct ExportOrder {
+  std::filesystem::path trajectory;  ///< a trajectory.h5, or the folder that it is in
+  std::filesystem::path folder;      ///< empty for the trajectory's own
+  ExportSettings settings;
+};
+
+/// Adds the options that say which states are exported as what; `formatOption` is the name of the
+/// one for the formats. The settings must outlive the parsing.
+void addExportOptions(CLI::App& command, const std::string& formatOption, ExportSettings& settings);
+
+/// Adds `export`. The order must outlive the parsing.
+CLI::App* addExportCommand(CLI::App& program, ExportOrder& order);
+
+/// Reads the trajectory, writes the files, prints their names. Returns the exit code.
+int carryOut(const ExportOrder& order);
+
+}  // namespace kirireel

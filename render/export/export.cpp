@@ -1,0 +1,159 @@
+#include "render/export/export.h"
+
+#include <algorithm>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "render/export/file_set.h"
+#include "render/export/state_choice.h"
+#include "render/fea/deck.h"
+#include "render/fea/gmsh.h"
+#include "render/mesh/animation.h"
+#include "render/mesh/mesh.h"
+#include "render/sheet/cut_pattern.h"
+#include "render/sheet/planar_files.h"
+#include "render/vtk/vtk.h"
+#include "sim/base/error.h"
+#include "sim/base/pending_file.h"
+#include "sim/model/folder.h"
+
+namespace kirireel {
+namespace {
+
+void requireDifferent(const std::vector<ExportFormat>& formats) {
+  for (std::size_t k = 0; k < formats.size(); ++k) {
+    const auto rest = formats.begin() + static_cast<std::ptrdiff_t>(k) + 1;
+    if (std::find(rest, formats.end(), formats[k]) == formats.end()) continue;
+    throw InputError(
+        fmt::format("error: format {} is given twice, so its files would have one "
+                    "name; leave one out",
+                    exportFormatNames()[static_cast<std::size_t>(formats[k])].first));
+  }
+}
+
+/// Writes one format after the other into a set of files.
+class Exporter {
+ public:
+  Exporter(const TrajectoryReader& trajectory, const ExportSettings& settings, FileSet& files)
+      : trajectory_(trajectory),
+        subject_(trajectory.subject()),
+        settings_(settings),
+        samples_(chooseStates(trajectory, settings.states)),
+        files_(files) {}
+
+  void writeAll() {
+    for (const std::size_t number : samples_) writeState(number, trajectory_.sample(number));
+    for (const ExportFormat format : settings_.formats) writeDeployment(format);
+  }
+
+ private:
+  bool wants(ExportFormat format) const {
+    return std::ranges::find(settings_.formats, format) != settings_.formats.end();
+  }
+
+  static std::string stateName(std::size_t number) { return fmt::format("state_{:04}", number); }
+
+  void writeState(std::size_t number, const Sample& sample) {
+    const std::string name = stateName(number);
+    if (wants(ExportFormat::Inp) || wants(ExportFormat::Msh)) writeElements(name, sample);
+    for (const auto& [format, ending] : {std::pair{ExportFormat::Obj, ".obj"},
+                                         {ExportFormat::Ply, ".ply"},
+                                         {ExportFormat::Stl, ".stl"}}) {
+      if (wants(format)) writeMesh(files_.add(name + ending), subject_.bricks, sample.poses);
+    }
+    if (wants(ExportFormat::Vtu)) {
+      if (start_.empty()) start_ = trajectory_.sample(0).poses;
+      writeTextFile(files_.add(name + ".vtu"), vtuText(subject_, start_, sample));
+    }
+    const std::vector<Tile> tiles = bottomTiles(subject_.bricks, sample.poses);
+    if (wants(ExportFormat::Planar)) {
+      writeTextFile(files_.add(name + "_planar.obj"), planarObjText(tiles));
+    }
+    if (wants(ExportFormat::Vertices)) writeTiles(tiles, files_.add(name + "_vertices.txt"));
+  }
+
+  void writeElements(const std::string& name, const Sample& sample) {
+    const ElementMesh mesh =
+        makeElementMesh(subject_.bricks, subject_.model.joints, sample.poses, settings_.elements);
+    if (wants(ExportFormat::Msh)) writeTextFile(files_.add(name + ".msh"), gmshMesh(mesh));
+    if (!wants(ExportFormat::Inp)) return;
+    const std::string title = fmt::format("State at {} s", sample.time);
+    writeTextFile(files_.add(name + "_mesh.inp"), meshDeck(mesh, title));
+    writeTextFile(files_.add(name + "_job.inp"), jobDeck(mesh, name + "_mesh.inp"));
+  }
+
+  void writeDeployment(ExportFormat format) {
+    if (format == ExportFormat::Vtu) writeTextFile(files_.add("deployment.pvd"), pvdText(series()));
+    if (format == ExportFormat::Glb) writeTextFile(files_.add("deployment.glb"), animation());
+    if (format == ExportFormat::Fold) {
+      writeTextFile(files_.add("deployment.fold"), foldText(subject_.model, sheets()));
+    }
+    if (format == ExportFormat::Svg)
+      writeTextFile(files_.add("cut_pattern.svg"), patternSvg(pattern()));
+    if (format == ExportFormat::Dxf)
+      writeTextFile(files_.add("cut_pattern.dxf"), patternDxf(pattern()));
+  }
+
+  std::vector<std::pair<double, std::string>> series() const {
+    std::vector<std::pair<double, std::string>> files;
+    for (const std::size_t number : samples_) {
+      files.emplace_back(trajectory_.times()[number], stateName(number) + ".vtu");
+    }
+    return files;
+  }
+
+  std::string animation() const {
+    return animationBytes(subject_.bricks, trajectory_.times().size(), [this](std::size_t k) {
+      Sample sample = trajectory_.sample(k);
+      return AnimationKey{sample.time, std::move(sample.poses)};
+    });
+  }
+
+  std::vector<SheetState> sheets() const {
+    std::vector<SheetState> states;
+    for (const std::size_t number : samples_) {
+      const Sample sample = trajectory_.sample(number);
+      states.push_back({sample.time, bottomTiles(subject_.bricks, sample.poses)});
+    }
+    return states;
+  }
+
+  std::vector<PatternLine> pattern() const {
+    constexpr double kHingeOfTile = 0.05;
+    const double width = settings_.hingeWidth;
+    return cutPattern(subject_.model, width != 0 ? width : kHingeOfTile * tileSize(subject_.model));
+  }
+
+  const TrajectoryReader& trajectory_;
+  const Subject& subject_;
+  const ExportSettings& settings_;
+  std::vector<std::size_t> samples_;
+  FileSet& files_;
+  Poses start_;
+};
+
+}  // namespace
+
+const std::vector<std::pair<std::string, ExportFormat>>& exportFormatNames() {
+  static const std::vector<std::pair<std::string, ExportFormat>> names = {
+      {"obj", ExportFormat::Obj},           {"ply", ExportFormat::Ply},
+      {"stl", ExportFormat::Stl},           {"planar", ExportFormat::Planar},
+      {"vertices", ExportFormat::Vertices}, {"inp", ExportFormat::Inp},
+      {"msh", ExportFormat::Msh},           {"vtu", ExportFormat::Vtu},
+      {"glb", ExportFormat::Glb},           {"fold", ExportFormat::Fold},
+      {"svg", ExportFormat::Svg},           {"dxf", ExportFormat::Dxf},
+  };
+  return names;
+}
+
+std::vector<std::string> exportStates(const TrajectoryReader& trajectory,
+                                      const ExportSettings& settings,
+                                      const std::filesystem::path& folder) {
+  requireDifferent(settings.formats);
+  FileSet files(folder);
+  Exporter(trajectory, settings, files).writeAll();
+  return files.commit();
+}
+
+}  // namespace kirireel

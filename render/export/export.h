@@ -1,0 +1,48 @@
+/// States of a trajectory as files for other programs.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "render/fea/element_mesh.h"
+#include "sim/trajectory/trajectory_file.h"
+
+namespace kirireel {
+
+/// What a state, or the whole deployment, is written as. #### is the number of the sample.
+enum class ExportFormat {
+  Obj,       ///< state_####.obj: closed bricks, a group a tile
+  Ply,       ///< state_####.ply: closed bricks, triangles
+  Stl,       ///< state_####.stl: closed bricks, triangles, binary
+  Planar,    ///< state_####_planar.obj: the tiles as polygons, as PyKirigami has them
+  Vertices,  ///< state_####_vertices.txt: the tiles in the format of vertices.txt
+  Inp,       ///< state_####_mesh.inp and _job.inp: an Abaqus and CalculiX deck and a job on it
+  Msh,       ///< state_####.msh: a Gmsh 2.2 mesh of the same elements
+  Vtu,       ///< state_####.vtu and deployment.pvd: ParaView, measures as fields
+  Glb,       ///< deployment.glb: the whole deployment, animated
+  Fold,      ///< deployment.fold: the states as frames of a FOLD file
+  Svg,       ///< cut_pattern.svg: what to cut to make the start
+  Dxf,       ///< cut_pattern.dxf: the same
+};
+
+/// The names of the formats on the command line, in that order.
+const std::vector<std::pair<std::string, ExportFormat>>& exportFormatNames();
+
+/// What is to be exported.
+struct ExportSettings {
+  std::vector<std::string> states = {"initial", "final"};  ///< as chooseStates reads them
+  std::vector<ExportFormat> formats;
+  ElementRule elements;   ///< of decks and meshes
+  double hingeWidth = 0;  ///< of cut patterns, metres; 0 for a twentieth of the tile size
+};
+
+/// Writes the files into the folder, which is made if need be. Returns their names in order. Either
+/// all of them appear or none. Throws InputError for states that are not there, formats given
+/// twice, and formats that the model cannot have; OutputError when a file cannot be written.
+std::vector<std::string> exportStates(const TrajectoryReader& trajectory,
+                                      const ExportSettings& settings,
+                                      const std::filesystem::path& folder);
+
+}  // namespace kirireel

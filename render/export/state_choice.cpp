@@ -1,0 +1,164 @@
+#include "render/export/state_choice.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "sim/base/error.h"
+
+namespace kirireel {
+namespace {
+
+InputError unknownState(const std::string& name, const std::string& allowed) {
+  return InputError(fmt::format("error: state '{}' is not in the trajectory; {}", name, allowed));
+}
+
+/// The number that the text consists of, up to the ending.
+std::optional<double> numberBefore(const std::string& text, const std::string& ending) {
+  if (!text.ends_with(ending)) return std::nullopt;
+  double number = 0;
+  const char* last = text.data() + text.size() - ending.size();
+  const auto [end, error] = std::from_chars(text.data(), last, number);
+  const bool isWhole = error == std::errc() && end == last && std::isfinite(number);
+  return isWhole ? std::optional(number) : std::nullopt;
+}
+
+std::size_t nearestSample(const std::vector<double>& times, double time) {
+  const auto later = std::ranges::lower_bound(times, time);
+  if (later == times.begin()) return 0;
+  if (later == times.end()) return times.size() - 1;
+  const std::size_t index = later - times.begin();
+  return time - times[index - 1] <= times[index] - time ? index - 1 : index;
+}
+
+std::size_t sampleAtShare(const std::vector<double>& times, double percent,
+                          const std::string& name) {
+  if (percent < 0 || percent > 100) throw unknownState(name, "shares go from 0% to 100%");
+  return nearestSample(times, percent / 100 * times.back());
+}
+
+std::size_t sampleAtTime(const std::vector<double>& times, double time, const std::string& name) {
+  // Half a sample beyond the end still means the end.
+  const double slack = times.size() > 1 ? 0.5 * (times[1] - times[0]) : 0;
+  if (time < 0 || time > times.back() + slack) {
+    throw unknownState(name, fmt::format("it goes from 0 to {:.6g} s", times.back()));
+  }
+  return nearestSample(times, time);
+}
+
+double largestTurn(const Poses& start, const Poses& poses) {
+  double largest = 0;
+  for (std::size_t k = 0; k < poses.size(); ++k) {
+    largest = std::max(largest, start[k].rotation.angularDistance(poses[k].rotation));
+  }
+  return largest;
+}
+
+std::size_t sampleAtAngle(const TrajectoryReader& trajectory, double degrees,
+                          const std::string& name) {
+  const Poses start = trajectory.sample(0).poses;
+  const double wanted = degrees * std::numbers::pi / 180;
+  double largest = 0;
+  for (std::size_t k = 0; k < trajectory.times().size(); ++k) {
+    const double turn = largestTurn(start, trajectory.sample(k).poses);
+    if (turn >= wanted) return k;
+    largest = std::max(largest, turn);
+  }
+  throw unknownState(name, fmt::format("its tiles turn by {:.4g} degrees at most",
+                                       largest * 180 / std::numbers::pi));
+}
+
+std::size_t sampleAtEvent(const TrajectoryReader& trajectory, const std::string& text,
+                          const std::string& name) {
+  std::string known;
+  for (const Event& event : trajectory.events()) {
+    if (event.text.find(text) != std::string::npos) {
+      return nearestSample(trajectory.times(), event.time);
+    }
+    known += fmt::format("{}'{}'", known.empty() ? "" : ", ", event.text);
+  }
+  throw unknownState(name, known.empty() ? "it has no events" : "its events are " + known);
+}
+
+/// What a name of a state says.
+struct StateName {
+  enum Kind { Initial, Final, All, Share, Time, Angle, Event } kind = Initial;
+  double number = 0;  ///< per cent, seconds or degrees
+  std::string text;   ///< of an event
+};
+
+StateName readName(const std::string& name) {
+  constexpr std::string_view kEvent = "event:";
+  if (name == "initial") return {StateName::Initial};
+  if (name == "final") return {StateName::Final};
+  if (name == "all") return {StateName::All};
+  if (name.starts_with(kEvent)) return {StateName::Event, 0, name.substr(kEvent.size())};
+  for (const auto& [ending, kind] : {std::pair{"%", StateName::Share},
+                                     {"deg", StateName::Angle},
+                                     {"s", StateName::Time},
+                                     {"", StateName::Time}}) {
+    if (const auto number = numberBefore(name, ending)) return {kind, *number};
+  }
+  throw InputError(
+      fmt::format("error: '{}' names no state; write initial, final, all, a share "
+                  "(25%), a time (1.5 or 1.5s), an angle (30deg) or an event "
+                  "(event:TEXT)",
+                  name));
+}
+
+/// The first and the last sample that a name stands for.
+std::pair<std::size_t, std::size_t> samplesNamed(const TrajectoryReader& trajectory,
+                                                 const std::string& name) {
+  const std::vector<double>& times = trajectory.times();
+  const StateName read = readName(name);
+  const auto one = [](std::size_t sample) { return std::pair{sample, sample}; };
+  switch (read.kind) {
+    case StateName::Final:
+      return one(times.size() - 1);
+    case StateName::All:
+      return {0, times.size() - 1};
+    case StateName::Share:
+      return one(sampleAtShare(times, read.number, name));
+    case StateName::Time:
+      return one(sampleAtTime(times, read.number, name));
+    case StateName::Angle:
+      return one(sampleAtAngle(trajectory, read.number, name));
+    case StateName::Event:
+      return one(sampleAtEvent(trajectory, read.text, name));
+    case StateName::Initial:
+      break;
+  }
+  return one(0);
+}
+
+}  // namespace
+
+void requireStateName(const std::string& name) {
+  readName(name);
+}
+
+std::vector<std::size_t> chooseStates(const TrajectoryReader& trajectory,
+                                      const std::vector<std::string>& names) {
+  std::map<std::size_t, std::string> chosen;
+  for (const std::string& name : names) {
+    const auto [first, last] = samplesNamed(trajectory, name);
+    for (std::size_t sample = first; sample <= last; ++sample) {
+      const auto [place, isNew] = chosen.try_emplace(sample, name);
+      if (isNew) continue;
+      throw InputError(
+          fmt::format("error: states '{}' and '{}' are both sample {}, so their files "
+                      "would have one name; leave one of them out",
+                      place->second, name, sample));
+    }
+  }
+  std::vector<std::size_t> samples;
+  for (const auto& [sample, name] : chosen) samples.push_back(sample);
+  return samples;
+}
+
+}  // namespace kirireel

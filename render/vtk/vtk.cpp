@@ -1,0 +1,194 @@
+#include "render/vtk/vtk.h"
+
+#include <iterator>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "sim/measure/brick_measures.h"
+
+namespace kirireel {
+namespace {
+
+// VTK's numbers for kinds of cells.
+constexpr int kHexahedron = 12;
+constexpr int kPolyhedron = 42;
+
+template <typename... Arguments>
+void append(std::string& text, fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+  fmt::format_to(std::back_inserter(text), format, std::forward<Arguments>(arguments)...);
+}
+
+std::string words(const Vector3& v) {
+  return fmt::format("{} {} {}", v.x(), v.y(), v.z());
+}
+
+template <typename T>
+std::string words(const T& number) {
+  return fmt::format("{}", number);
+}
+
+template <typename T>
+constexpr const char* kTypeName = "Float64";
+template <>
+constexpr const char* kTypeName<int> = "Int64";
+
+template <typename T>
+constexpr int kComponents = 1;
+template <>
+constexpr int kComponents<Vector3> = 3;
+
+template <typename T>
+void appendArray(std::string& text, const char* name, const std::vector<T>& values) {
+  append(text, "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"ascii\">\n",
+         kTypeName<T>, name, kComponents<T>);
+  for (const T& value : values) text.append(words(value)).append("\n");
+  text += "</DataArray>\n";
+}
+
+void appendNumber(std::string& text, const char* name, double value) {
+  append(text,
+         "<DataArray type=\"Float64\" Name=\"{}\" NumberOfTuples=\"1\" format=\"ascii\">{}"
+         "</DataArray>\n",
+         name, value);
+}
+
+/// Bottom, then top corners of all bricks: as brickCorners, whatever the poses.
+template <typename Function>
+void forEachCorner(const std::vector<Brick>& bricks, const Function& function) {
+  for (std::size_t tile = 0; tile < bricks.size(); ++tile) {
+    for (const auto* face : {&bricks[tile].bottom, &bricks[tile].top}) {
+      for (std::size_t k = 0; k < face->size(); ++k) function(tile, k, (*face)[k]);
+    }
+  }
+}
+
+/// Cells as VTK lists them: point numbers, where each cell ends, and the faces of polyhedra.
+struct Cells {
+  std::vector<int> connectivity;
+  std::vector<int> offsets;
+  std::vector<int> types;
+  std::vector<int> faces;
+  std::vector<int> faceOffsets;
+};
+
+/// The number of faces, then of each face its size and points.
+void appendFaces(Cells& cells, int n, int first) {
+  cells.faces.push_back(n + 2);
+  for (const int base : {0, n}) {
+    cells.faces.push_back(n);
+    for (int k = 0; k < n; ++k) cells.faces.push_back(first + (base == 0 ? n - 1 - k : n + k));
+  }
+  for (int k = 0; k < n; ++k) {
+    const int next = (k + 1) % n;
+    for (const int value : {4, first + k, first + next, first + n + next, first + n + k}) {
+      cells.faces.push_back(value);
+    }
+  }
+}
+
+Cells cellsOf(const std::vector<Brick>& bricks) {
+  Cells cells;
+  for (const Brick& brick : bricks) {
+    const int n = static_cast<int>(brick.bottom.size());
+    const int first = static_cast<int>(cells.connectivity.size());
+    for (int k = 0; k < 2 * n; ++k) cells.connectivity.push_back(first + k);
+    cells.offsets.push_back(first + 2 * n);
+    cells.types.push_back(n == 4 ? kHexahedron : kPolyhedron);
+    if (n != 4) appendFaces(cells, n, first);
+    cells.faceOffsets.push_back(n == 4 ? -1 : static_cast<int>(cells.faces.size()));
+  }
+  return cells;
+}
+
+void appendCells(std::string& text, const std::vector<Brick>& bricks) {
+  const Cells cells = cellsOf(bricks);
+  text += "<Cells>\n";
+  appendArray(text, "connectivity", cells.connectivity);
+  appendArray(text, "offsets", cells.offsets);
+  appendArray(text, "types", cells.types);
+  if (!cells.faces.empty()) {
+    appendArray(text, "faces", cells.faces);
+    appendArray(text, "faceoffsets", cells.faceOffsets);
+  }
+  text += "</Cells>\n";
+}
+
+void appendPoints(std::string& text, const Subject& subject, const Poses& poses) {
+  std::vector<Vector3> points;
+  forEachCorner(subject.bricks, [&](std::size_t tile, std::size_t, const Vector3& corner) {
+    points.push_back(poses[tile].apply(corner));
+  });
+  text += "<Points>\n";
+  appendArray(text, "points", points);
+  text += "</Points>\n";
+}
+
+void appendCellFields(std::string& text, const Subject& subject, const Poses& start,
+                      const Poses& poses) {
+  std::vector<int> tiles(poses.size());
+  std::iota(tiles.begin(), tiles.end(), 0);
+  const std::vector<Pivot> pivots = makePivots(subject.model.joints, subject.bricks);
+  text += "<CellData Scalars=\"joint_gap\">\n";
+  appendArray(text, "tile", tiles);
+  appendArray(text, "joint_gap", brickJointGaps(pivots, poses));
+  appendArray(text, "turn", brickRotations(start, poses));
+  text += "</CellData>\n";
+}
+
+void appendPointFields(std::string& text, const Subject& subject, const Poses& start,
+                       const Poses& poses) {
+  const std::optional<std::vector<Tile>>& target = subject.model.target;
+  std::vector<Vector3> moves;
+  std::vector<double> distances;
+  forEachCorner(subject.bricks, [&](std::size_t tile, std::size_t k, const Vector3& corner) {
+    moves.emplace_back(poses[tile].apply(corner) - start[tile].apply(corner));
+    if (!target) return;
+    const Vector3 vertex = poses[tile].apply(subject.bricks[tile].bottom[k]);
+    distances.push_back((vertex - (*target)[tile].vertices[k]).norm());
+  });
+  text += "<PointData Vectors=\"displacement\">\n";
+  appendArray(text, "displacement", moves);
+  if (target) appendArray(text, "target_distance", distances);
+  text += "</PointData>\n";
+}
+
+void appendMeasures(std::string& text, const Subject& subject, const Sample& sample) {
+  text += "<FieldData>\n";
+  appendNumber(text, "TimeValue", sample.time);
+  appendNumber(text, "joint_gap", sample.jointGap);
+  appendNumber(text, "penetration", sample.penetration);
+  if (subject.model.target) appendNumber(text, "target_error", sample.targetError);
+  text += "</FieldData>\n";
+}
+
+}  // namespace
+
+std::string vtuText(const Subject& subject, const Poses& start, const Sample& sample) {
+  std::size_t points = 0;
+  for (const Brick& brick : subject.bricks) points += 2 * brick.bottom.size();
+  std::string text =
+      "<?xml version=\"1.0\"?>\n"
+      "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\">\n"
+      "<UnstructuredGrid>\n";
+  appendMeasures(text, subject, sample);
+  append(text, "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", points,
+         subject.bricks.size());
+  appendPoints(text, subject, sample.poses);
+  appendCells(text, subject.bricks);
+  appendPointFields(text, subject, start, sample.poses);
+  appendCellFields(text, subject, start, sample.poses);
+  return text.append("</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
+}
+
+std::string pvdText(const std::vector<std::pair<double, std::string>>& files) {
+  std::string text =
+      "<?xml version=\"1.0\"?>\n"
+      "<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n<Collection>\n";
+  for (const auto& [time, file] : files) {
+    append(text, "<DataSet timestep=\"{}\" part=\"0\" file=\"{}\"/>\n", time, file);
+  }
+  return text.append("</Collection>\n</VTKFile>\n");
+}
+
+}  // namespace kirireel

@@ -1,0 +1,80 @@
+// `kirireel export`, and what other programs make of its files.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/cli/run_program.h"
+
+namespace kirireel {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+/// A simulated tessellation to export from.
+class ProgramExport : public testing::Test {
+ protected:
+  ProgramExport() {
+    const ProgramEnd end = runKirireel({"simulate", shippedModel("tessellation_4x4").string(),
+                                        "--out", run().string(), "--duration", "1", "--fps", "10"});
+    EXPECT_EQ(end.exitCode, 0) << end.err;
+  }
+
+  std::filesystem::path run() const { return scratch_ / "run"; }
+  std::filesystem::path out() const { return scratch_ / "out"; }
+
+  ProgramEnd exported(std::vector<std::string> options) const {
+    options.insert(options.begin(), {"export", run().string(), "--out", out().string()});
+    return runKirireel(options);
+  }
+
+  ScratchFolder scratch_;
+};
+
+TEST_F(ProgramExport, WritesStatesAndPrintsTheirNames) {
+  const ProgramEnd end = exported({"--format", "obj,vertices", "--states", "0%,50%"});
+  EXPECT_EQ(end.exitCode, 0) << end.err;
+  EXPECT_THAT(filesIn(out()), ElementsAre("state_0000.obj", "state_0000_vertices.txt",
+                                          "state_0005.obj", "state_0005_vertices.txt"));
+  EXPECT_THAT(end.out, HasSubstr("state_0005.obj\n"));
+}
+
+TEST_F(ProgramExport, SaysWhatIsWrongInOneLine) {
+  const auto complaint = [&](const std::vector<std::string>& options) {
+    const ProgramEnd end = exported(options);
+    EXPECT_EQ(end.exitCode, 2);
+    return end.err;
+  };
+  EXPECT_EQ(complaint({"--format", "obj", "--state", "9"}),
+            "kirireel: error: state '9' is not in the trajectory; it goes from 0 to 1 s\n");
+  EXPECT_THAT(complaint({"--format", "obj,step"}),
+              HasSubstr("--format: 'step' is not allowed; give obj, ply, stl,"));
+  EXPECT_EQ(complaint({}),
+            "kirireel: error: --format is missing, as in kirireel export TRAJECTORY --format "
+            "obj,inp; see kirireel export --help\n");
+  EXPECT_THAT(complaint({"--format", "obj", "--states", "0,half"}),
+              HasSubstr("error: 'half' names no state; write initial,"));
+  EXPECT_THAT(complaint({"--format", "inp", "--joints", "patch"}),
+              HasSubstr("a joint patch cannot have the radius 0 m"));
+  EXPECT_THAT(filesIn(out()), ElementsAre());
+}
+
+TEST_F(ProgramExport, IsPartOfARun) {
+  const ProgramEnd end =
+      runKirireel({"simulate", shippedModel("tessellation_4x4").string(), "--out", out().string(),
+                   "--duration", "0.5", "--fps", "10", "--export", "stl,svg", "--states", "100%"});
+  EXPECT_EQ(end.exitCode, 0) << end.err;
+  EXPECT_THAT(filesIn(out()), ElementsAre("cut_pattern.svg", "final_vertices.txt", "state_0005.stl",
+                                          "summary.json", "trajectory.h5"));
+  EXPECT_THAT(readText(out() / "summary.json"), HasSubstr("\"state_0005.stl\""));
+}
+
+TEST_F(ProgramExport, NamesAMissingTrajectory) {
+  const ProgramEnd end =
+      runKirireel({"export", (scratch_ / "none.h5").string(), "--format", "obj"});
+  EXPECT_EQ(end.exitCode, 2);
+  EXPECT_THAT(end.err, HasSubstr("none.h5: error: "));
+}
+
+}  // namespace
+}  // namespace kirireel

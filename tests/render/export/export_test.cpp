@@ -1,0 +1,150 @@
+#include "render/export/export.h"
+
+#include <algorithm>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "render/export/state_choice.h"
+#include "sim/base/error.h"
+#include "tests/support/files.h"
+#include "tests/support/layouts.h"
+
+namespace kirireel {
+namespace {
+
+using test::TemporaryFolder;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+/// Four hinged squares that open from 0 to 1 radian in a second, eleven samples, two events.
+Trajectory opening() {
+  Trajectory run;
+  run.model = makeTessellation(test::squares(2, 2, 0));
+  run.bricks = makeBricks(run.model.tiles, run.brickRule);
+  for (int k = 0; k <= 10; ++k) {
+    const std::vector<Tile> tiles = tessellationTiles(test::squares(2, 2, 0), 0.1 * k);
+    Sample sample;
+    sample.time = 0.1 * k;
+    for (std::size_t t = 0; t < tiles.size(); ++t) {
+      Pose pose;
+      pose.position = tileCentroid(tiles[t]) + Vector3(0, 0, 0.01);
+      // Tiles 0 and 3 are even.
+      const double turn = (t == 0 || t == 3 ? -0.05 : 0.05) * k;
+      pose.rotation = rotationFromVector({0, 0, turn});
+      sample.poses.push_back(pose);
+    }
+    run.samples.push_back(sample);
+  }
+  run.events = {{0.31, "ground off"}, {0.72, "pinned tile 3"}};
+  return run;
+}
+
+/// The run as a file that is read again.
+class Export : public testing::Test {
+ protected:
+  Export() {
+    writeTrajectory(opening(), folder_ / "trajectory.h5");
+    reader_ = std::make_unique<TrajectoryReader>(folder_ / "trajectory.h5");
+  }
+
+  std::vector<std::size_t> states(const std::vector<std::string>& names) const {
+    return chooseStates(*reader_, names);
+  }
+
+  std::string refusal(const std::vector<std::string>& names) const {
+    try {
+      states(names);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "accepted";
+  }
+
+  std::filesystem::path out() const { return folder_ / "out"; }
+
+  std::vector<std::string> filesOut() const {
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(out())) {
+      names.push_back(entry.path().filename().string());
+    }
+    std::ranges::sort(names);
+    return names;
+  }
+
+  TemporaryFolder folder_;
+  std::unique_ptr<TrajectoryReader> reader_;
+};
+
+TEST_F(Export, FindsStatesBySharesTimesAnglesAndEvents) {
+  EXPECT_THAT(states({"initial", "25%", "50%", "final"}), ElementsAre(0, 2, 5, 10));
+  EXPECT_THAT(states({"0", "0.32", "0.98s"}), ElementsAre(0, 3, 10));
+  // Tiles turn by 0.05 rad = 2.86 degrees a sample.
+  EXPECT_THAT(states({"10deg"}), ElementsAre(4));
+  EXPECT_THAT(states({"event:pinned"}), ElementsAre(7));
+  EXPECT_EQ(states({"all"}).size(), 11U);
+}
+
+TEST_F(Export, SaysWhatIsNotInTheTrajectory) {
+  EXPECT_EQ(refusal({"1.2"}), "error: state '1.2' is not in the trajectory; it goes from 0 to 1 s");
+  EXPECT_EQ(refusal({"-1s"}), "error: state '-1s' is not in the trajectory; it goes from 0 to 1 s");
+  EXPECT_EQ(refusal({"101%"}),
+            "error: state '101%' is not in the trajectory; shares go from 0% to 100%");
+  EXPECT_EQ(
+      refusal({"40deg"}),
+      "error: state '40deg' is not in the trajectory; its tiles turn by 28.65 degrees at most");
+  EXPECT_EQ(refusal({"event:reset"}),
+            "error: state 'event:reset' is not in the trajectory; its "
+            "events are 'ground off', 'pinned tile 3'");
+  EXPECT_EQ(
+      refusal({"half"}),
+      "error: 'half' names no state; write initial, final, all, a share (25%), a time (1.5 or "
+      "1.5s), an angle (30deg) or an event (event:TEXT)");
+  EXPECT_THAT(refusal({"nan"}), testing::StartsWith("error: 'nan' names no state"));
+}
+
+TEST_F(Export, RefusesStatesWhoseFilesWouldClash) {
+  EXPECT_EQ(refusal({"50%", "0.52"}),
+            "error: states '50%' and '0.52' are both sample 5, so their files would have one name; "
+            "leave one of them out");
+}
+
+TEST_F(Export, WritesEveryFormat) {
+  ExportSettings settings;
+  for (const auto& [name, format] : exportFormatNames()) settings.formats.push_back(format);
+  settings.states = {"50%"};
+  const std::vector<std::string> names = exportStates(*reader_, settings, out());
+  EXPECT_THAT(filesOut(), ElementsAre("cut_pattern.dxf", "cut_pattern.svg", "deployment.fold",
+                                      "deployment.glb", "deployment.pvd", "state_0005.msh",
+                                      "state_0005.obj", "state_0005.ply", "state_0005.stl",
+                                      "state_0005.vtu", "state_0005_job.inp", "state_0005_mesh.inp",
+                                      "state_0005_planar.obj", "state_0005_vertices.txt"));
+  EXPECT_THAT(names, testing::UnorderedElementsAreArray(filesOut()));
+  for (const std::string& name : names) EXPECT_GT(std::filesystem::file_size(out() / name), 0U);
+  EXPECT_THAT(test::bytesOf(out() / "state_0005_job.inp"), HasSubstr("INPUT=state_0005_mesh.inp"));
+  EXPECT_THAT(test::bytesOf(out() / "state_0005_mesh.inp"), HasSubstr("** State at 0.5 s\n"));
+}
+
+TEST_F(Export, LeavesNothingOfASetThatFails) {
+  ExportSettings settings;
+  settings.formats = {ExportFormat::Obj, ExportFormat::Svg};
+  settings.hingeWidth = 2;  // wider than a tile, found after the meshes are written
+  EXPECT_THROW(exportStates(*reader_, settings, out()), InputError);
+  EXPECT_THAT(filesOut(), ElementsAre());
+}
+
+TEST_F(Export, RefusesAFormatGivenTwice) {
+  ExportSettings settings;
+  settings.formats = {ExportFormat::Obj, ExportFormat::Ply, ExportFormat::Obj};
+  try {
+    exportStates(*reader_, settings, out());
+    ADD_FAILURE() << "nothing was thrown";
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "error: format obj is given twice, so its files would have one name; "
+                 "leave one out");
+  }
+}
+
+}  // namespace
+}  // namespace kirireel
