@@ -1,0 +1,56 @@
+#include "sim/deploy/path_follower.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kirireel {
+namespace {
+
+// Turning counts this much more than place while the tiles are led.
+constexpr double kTurnShare = 40;
+// Damping while led, N s/m and, at a tile of 1 m, N m s.
+constexpr double kForceDamping = 50;
+constexpr double kTorqueDamping = 2;
+// Seconds to catch up with a target that has stopped, and to stiffen joints that gave.
+constexpr double kCatchUp = 0.5;
+constexpr double kStiffening = 0.5;
+// The joints' stiffness at the end, N/m: what is left of their openings closes in one step.
+constexpr double kClosingStiffness = 1e10;
+
+TargetSpringSettings leadingSprings(const Scene& scene) {
+  const double edge = tileSize(scene.model);
+  TargetSpringSettings springs;
+  springs.springStiffness = scene.path.ledStiffness;
+  springs.torqueStiffness = kTurnShare * scene.path.ledStiffness;
+  springs.forceDamping = kForceDamping;
+  springs.torqueDamping = kTorqueDamping * edge * edge;
+  springs.adaptive = false;
+  return springs;
+}
+
+}  // namespace
+
+PathFollower::PathFollower(const Scene& scene, const std::vector<Brick>& bricks, const Poses& start)
+    : path_(scene.path),
+      guide_(bottomTiles(bricks, start), *scene.model.target),
+      springs_(bricks, *scene.model.target, scene.model.pulledTiles, leadingSprings(scene)) {}
+
+bool PathFollower::jointsGive() const {
+  return std::isfinite(path_.jointStiffness);
+}
+
+bool PathFollower::prepareStep(double time, Dynamics& dynamics) {
+  springs_.setTarget(guide_.at(std::min(1.0, time / path_.ledTime)));
+  const double late = time - path_.ledTime - kCatchUp;
+  if (!jointsGive()) return late <= 0;
+  if (late > kStiffening) {
+    dynamics.setJointStiffness(std::numeric_limits<double>::infinity());
+    return false;
+  }
+  const double range = std::max(1.0, kClosingStiffness / path_.jointStiffness);
+  dynamics.setJointStiffness(path_.jointStiffness *
+                             std::pow(range, std::max(0.0, late / kStiffening)));
+  return true;
+}
+
+}  // namespace kirireel
