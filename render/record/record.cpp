@@ -55,10 +55,14 @@ DeploymentResult deployWatched(const Scene& scene, const RecordSettings& setting
   Subject subject = subjectOf(scene);
   subject.settings = settingsText(scene, settings);
   TrajectoryWriter writer(settings.folder / output::kTrajectory, subject);
-  DeploymentResult result =
-      deploy(scene, 1.0 / settings.framesPerSecond, [&](const Sample& sample) {
+  DeploymentResult result = deploy(
+      scene, 1.0 / settings.framesPerSecond,
+      [&](const Sample& sample) {
         writer.append(sample);
         return observer({"deploying", std::min(1.0, sample.time / scene.stop.duration)});
+      },
+      [&](const std::string&) {
+        return observer({"looking for a path", 0});
       });
   writer.finish(result.trajectory.events);
   return result;
@@ -71,6 +75,8 @@ RunSummary summarize(const DeploymentResult& result) {
   summary.endTime = result.trajectory.samples.back().time;
   summary.needs = result.needs;
   summary.accuracy = result.accuracy;
+  summary.path = result.path;
+  summary.pathReason = result.pathReason;
   summary.assembledFloor = result.assembledFloor;
   summary.deployCost = result.cost;
   return summary;

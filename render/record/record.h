@@ -58,8 +58,10 @@ struct RunSummary {
   double endTime = 0;   ///< simulated seconds
   int videoFrames = 0;  ///< frames in deployment.mp4
   Needs needs;
+  PathSettings path;       ///< that was taken
+  std::string pathReason;  ///< one short phrase: why
   Accuracy accuracy;
-  double assembledFloor = -1;  ///< metres; negative when not computed
+  double assembledFloor = -1;  ///< metres; negative without a target
   DeployCost deployCost;
   RecordCost recordCost;
   std::string graphics;            ///< version of OpenGL and its maker; empty when none was used
@@ -68,7 +70,7 @@ struct RunSummary {
 
 /// How far a run is, for a progress line.
 struct Progress {
-  const char* stage = "";  ///< "deploying" or "painting"
+  const char* stage = "";  ///< "looking for a path", "deploying" or "painting"
   double share = 0;        ///< of this stage, 0 to 1
 };
 

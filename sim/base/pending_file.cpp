@@ -1,12 +1,12 @@
 #include "sim/base/pending_file.h"
 
-#include <fmt/format.h>
-#include <unistd.h>
-
 #include <cerrno>
 #include <cstring>
 #include <fstream>
 #include <system_error>
+
+#include <fmt/format.h>
+#include <unistd.h>
 
 #include "sim/base/error.h"
 
@@ -23,8 +23,9 @@ std::filesystem::path pendingName(const std::filesystem::path& finalPath) {
 void requireWritableFolder(const std::filesystem::path& file) {
   const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
   if (::access(folder.c_str(), W_OK | X_OK) == 0) return;
-  throw OutputError(fmt::format("{}: error: cannot write in this folder ({}); choose another with --out",
-                                folder.string(), std::strerror(errno)));
+  throw OutputError(
+      fmt::format("{}: error: cannot write in this folder ({}); choose another with --out",
+                  folder.string(), std::strerror(errno)));
 }
 
 }  // namespace
@@ -56,9 +57,10 @@ void writeTextFile(const std::filesystem::path& finalPath, const std::string& te
   stream << text;
   stream.close();
   if (!stream) {
-    throw OutputError(fmt::format("{}: error: cannot be written ({}); free some space or choose "
-                                  "another folder with --out",
-                                  finalPath.string(), std::strerror(errno)));
+    throw OutputError(
+        fmt::format("{}: error: cannot be written ({}); free some space or choose "
+                    "another folder with --out",
+                    finalPath.string(), std::strerror(errno)));
   }
   pending.commit();
 }

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/base/cpu_time.h"
 #include "sim/base/error.h"
 #include "sim/deploy/assembled_floor.h"
 #include "sim/deploy/run.h"
@@ -51,12 +52,15 @@ DeploymentResult deployUnkept(const Scene& scene, double sampleInterval,
   requireShare(scene.environment.angularDamping, "the angular damping");
   if (scene.model.tiles.empty())
     throw InputError("the model has no tiles; add one to vertices.txt");
+  const double startSeconds = threadCpuSeconds();
   const double floor = assembledFloor(scene);
   PathChoice choice = choosePath(scene, floor, searching);
   Scene chosen = scene;
   chosen.path = choice.path;
+  const double searchSeconds = threadCpuSeconds() - startSeconds;
   DeploymentResult result = Run(chosen, sampleInterval, floor, observer).finish();
   result.pathReason = std::move(choice.reason);
+  result.cost.cpuSecondsSearch = searchSeconds;
   return result;
 }
 

@@ -40,10 +40,11 @@ struct Accuracy {
 
 /// What a run cost.
 struct DeployCost {
-  long steps = 0;             ///< solver steps taken, halved ones included
-  long halvedSteps = 0;       ///< steps that were redone as two halves
-  long unconvergedSteps = 0;  ///< steps whose contacts did not reach their tolerance
-  double cpuSeconds = 0;      ///< of the deploying thread
+  long steps = 0;               ///< solver steps taken, halved ones included
+  long halvedSteps = 0;         ///< steps that were redone as two halves
+  long unconvergedSteps = 0;    ///< steps whose contacts did not reach their tolerance
+  double cpuSeconds = 0;        ///< of the deploying thread, the search for a path apart
+  double cpuSecondsSearch = 0;  ///< of finding the assembled floor and a path
 };
 
 /// Everything that a finished run leaves.

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <random>
 
 #include <fmt/format.h>
+
+#include "sim/base/cpu_time.h"
 
 namespace kirireel {
 namespace {
@@ -16,12 +17,6 @@ constexpr double kLostDistance = 1e3;
 constexpr double kLockedShare = 0.02;
 // Initial speeds, in model sizes a second, that let a run leave an unstable equilibrium.
 constexpr double kNudge = 1e-6;
-
-double threadSeconds() {
-  timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
 
 /// Uniform in [-1, 1) with the same bits from every standard library.
 double uniform(std::mt19937& generator) {
@@ -205,13 +200,13 @@ void Run::advanceSample() {
 }
 
 DeploymentResult Run::finish() {
-  const double startSeconds = threadSeconds();
+  const double startSeconds = threadCpuSeconds();
   start();
   while (!ended_ && time() < scene_.stop.duration - 0.5 * step_) advanceSample();
   if (!ended_)
     end(Outcome::OutOfTime, fmt::format("still moving after {:.4g} s", scene_.stop.duration));
   if (stepCount_ > 0) result_.accuracy.jointGapMean = gapSum_ / static_cast<double>(stepCount_);
-  result_.cost.cpuSeconds = threadSeconds() - startSeconds;
+  result_.cost.cpuSeconds = threadCpuSeconds() - startSeconds;
   return std::move(result_);
 }
 
