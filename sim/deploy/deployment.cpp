@@ -54,11 +54,17 @@ DeploymentResult deployUnkept(const Scene& scene, double sampleInterval,
     throw InputError("the model has no tiles; add one to vertices.txt");
   const double startSeconds = threadCpuSeconds();
   const double floor = assembledFloor(scene);
-  PathChoice choice = choosePath(scene, floor, searching);
+  bool goOn = true;
+  PathChoice choice = choosePath(scene, floor, [&](const std::string& what) {
+    goOn = !searching || searching(what);
+    return goOn;
+  });
   Scene chosen = scene;
   chosen.path = choice.path;
   const double searchSeconds = threadCpuSeconds() - startSeconds;
-  DeploymentResult result = Run(chosen, sampleInterval, floor, observer).finish();
+  // A search that was ended early ends the run with its start.
+  const SampleObserver watch = [&](const Sample& sample) { return observer(sample) && goOn; };
+  DeploymentResult result = Run(chosen, sampleInterval, floor, watch).finish();
   result.pathReason = std::move(choice.reason);
   result.cost.cpuSecondsSearch = searchSeconds;
   return result;

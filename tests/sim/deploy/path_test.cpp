@@ -21,6 +21,8 @@ Scene closedToClosed() {
   shape.columns = shape.rows = 3;
   shape.targetAngle = 3.14159265358979323846;
   scene.model = makeTessellation(shape);
+  scene.springs.springStiffness = 400;  // place counts more than turn
+  scene.springs.torqueStiffness = 10;
   return scene;
 }
 
