@@ -84,6 +84,7 @@ PathChoice choosePath(const Scene& scene, double assembledFloor, const TrialObse
 
   Scene trial = scene;
   trial.environment = Environment{};
+  trial.stop = StopRules{};  // the run's own time may be too short for any path
   trial.path = straight;
   trial.solver.timestep = kCoarseSteps * scene.solver.timestep;
   if (arrives(trial, assembledFloor)) return {straight, "a straight pull arrives"};

@@ -124,6 +124,13 @@ TEST(Path, AsksNobodyWhereThereIsNoChoice) {
   EXPECT_EQ(choosePath(asked, 0, unasked).reason, "asked for");
 }
 
+TEST(Path, ASearchThatIsEndedEndsTheRun) {
+  const DeploymentResult result =
+      deploy(closedToClosed(), 1.0 / 60, nullptr, [](const std::string&) { return false; });
+  EXPECT_EQ(result.outcome, Outcome::Interrupted);
+  EXPECT_THAT(result.trajectory.samples, SizeIs(1));
+}
+
 TEST(Path, ASearchCanBeStopped) {
   const PathChoice choice =
       choosePath(closedToClosed(), 0, [](const std::string&) { return false; });
