@@ -66,8 +66,8 @@ using SampleObserver = std::function<bool(const Sample&)>;
 /// Runs the scene along its path (see choosePath) and samples it every `sampleInterval` simulated
 /// seconds (the start and the end included). The step divides the interval, so that samples are
 /// steps, not interpolations. Throws InputError when the scene makes no sense; a run that diverges
-/// is reported, not thrown. `searching` is told of each trial while a path is sought, and may end the run.
-/// Either observer may be empty.
+/// is reported, not thrown. `searching` is told of each trial while a path is sought, and may end
+/// the run. Either observer may be empty.
 DeploymentResult deploy(const Scene& scene, double sampleInterval, const SampleObserver& observer,
                         const TrialObserver& searching = {});
 
