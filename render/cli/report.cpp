@@ -83,7 +83,10 @@ std::string describeRun(const Scene& scene, const RecordSettings& settings,
   text += fmt::format("{} tiles, {} joints; {}; {}\n", scene.model.tiles.size(),
                       scene.model.joints.size(), describeNeed("planar", summary.needs.planar),
                       describeNeed("contacts", summary.needs.contacts));
-  if (scene.model.target) text += describeTarget(accuracy);
+  if (scene.model.target) {
+    text += describeTarget(accuracy);
+    text += fmt::format("path: {}\n", summary.pathReason);
+  }
   text += fmt::format("joint gap {:.3g} m at most, penetration {:.3g} m at most\n",
                       accuracy.jointGapMax, accuracy.penetrationMax);
   text += describeCost(summary);

@@ -48,6 +48,21 @@ void addSpringOptions(CLI::App& command, TargetSpringSettings& springs) {
              [&springs] { springs.adaptive = false; });
 }
 
+void addPathOptions(CLI::App& command, PathSettings& path) {
+  OptionGroup group(command, "Path to the target");
+  group.choice<PathKind>(
+      "--path", path.kind,
+      {{"auto", PathKind::Auto}, {"straight", PathKind::Straight}, {"led", PathKind::Led}},
+      "springs pull straight, or each tile is led along its own motion; auto tries which arrives");
+  group.number("--led-time", path.ledTime, {1e-6, 1e6}, "SECONDS", "of leading, with --path led");
+  group.number("--led-stiffness", path.ledStiffness, kFromZero, "N/M",
+               "pull on each vertex while led");
+  group.value("--joint-stiffness", "N/M", "exact", "of joints while led; closed at the end",
+              [&path](const OptionValue& typed) {
+                path.jointStiffness = parseNumber(typed, {1e-6, 1e15});
+              });
+}
+
 void addEnvironmentOptions(CLI::App& command, Environment& environment) {
   OptionGroup group(command, "Environment");
   group.value("--gravity", "M/S2", "0", "acceleration along z, or X,Y,Z",
@@ -107,6 +122,7 @@ void addSceneOptions(CLI::App& command, Scene& scene) {
   addBrickOptions(command, scene.brick);
   addActuationOptions(command, scene.actuation);
   addSpringOptions(command, scene.springs);
+  addPathOptions(command, scene.path);
   addEnvironmentOptions(command, scene.environment);
   addStopOptions(command, scene.stop);
   addSolverOptions(command, scene.solver);

@@ -74,9 +74,12 @@ class LiveRun {
     Subject subject = subjectOf(scene_);
     subject.settings = settingsText(scene_, settings_);
     Scribe scribe(settings_.folder / output::kTrajectory, subject);
-    end_.result = deployUnkept(scene_, settings_.frameInterval(), [&](const Sample& sample) {
+    const SampleObserver watch = [&](const Sample& sample) {
       const bool taken = !keep(sample) || (scribe.take(end_.last) && take(end_.last));
       return taken && observer_({"deploying", std::min(1.0, sample.time / scene_.stop.duration)});
+    };
+    end_.result = deployUnkept(scene_, settings_.frameInterval(), watch, [&](const std::string&) {
+      return observer_({"looking for a path", 0});
     });
     scribe.finish(end_.result.trajectory.events);
   }
@@ -106,6 +109,8 @@ void summarize(const RunEnd& end, RunSummary& summary) {
   summary.endTime = end.last->time;
   summary.needs = end.result.needs;
   summary.accuracy = end.result.accuracy;
+  summary.path = end.result.path;
+  summary.pathReason = end.result.pathReason;
   summary.assembledFloor = end.result.assembledFloor;
   summary.deployCost = end.result.cost;
   summary.events = end.result.trajectory.events;

@@ -93,6 +93,8 @@ struct RunSummary : PictureReport {
   std::string reason;  ///< one line: why it ended so
   double endTime = 0;  ///< simulated seconds
   Needs needs;
+  PathSettings path;       ///< that was taken
+  std::string pathReason;  ///< one short phrase: why
   Accuracy accuracy;
   double assembledFloor = -1;  ///< metres; negative when not computed
   std::vector<Event> events;   ///< what the timeline did, and how the run ended
@@ -101,7 +103,7 @@ struct RunSummary : PictureReport {
 
 /// How far a run is, for a progress line.
 struct Progress {
-  const char* stage = "";  ///< "deploying" or "painting"
+  const char* stage = "";  ///< "looking for a path", "deploying" or "painting"
   double share = 0;        ///< of this stage, 0 to 1
 };
 

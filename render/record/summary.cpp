@@ -1,5 +1,7 @@
 #include "render/record/summary.h"
 
+#include <cmath>
+
 #include <nlohmann/json.hpp>
 
 #include "render/record/versions.h"
@@ -42,10 +44,21 @@ Json accuracyJson(const RunSummary& summary, bool hasTarget) {
           {"penetration_outside_pivots_max", accuracy.penetrationOutsidePivotsMax}};
 }
 
+Json pathJson(const PathSettings& path, const std::string& reason) {
+  const bool isLed = path.kind == PathKind::Led;
+  const bool jointsGive = isLed && std::isfinite(path.jointStiffness);
+  return {{"kind", isLed ? "led" : "straight"},
+          {"reason", reason},
+          {"led_time", onlyIf(isLed, path.ledTime)},
+          {"led_stiffness", onlyIf(isLed, path.ledStiffness)},
+          {"joint_stiffness", onlyIf(jointsGive, path.jointStiffness)}};
+}
+
 Json costJson(const RunSummary& summary) {
   return {{"steps", summary.deployCost.steps},
           {"halved_steps", summary.deployCost.halvedSteps},
           {"unconverged_steps", summary.deployCost.unconvergedSteps},
+          {"cpu_seconds_search", summary.deployCost.cpuSecondsSearch},
           {"cpu_seconds_deploy", summary.deployCost.cpuSeconds},
           {"cpu_seconds_render", summary.recordCost.cpuSecondsRender},
           {"cpu_seconds_encode", summary.recordCost.cpuSecondsEncode},
@@ -204,6 +217,7 @@ std::string summaryJson(const Scene& scene, const RecordSettings& settings,
       {"video_frames", summary.videoFrames},
       {"model", modelJson(scene.model)},
       {"accuracy", accuracyJson(summary, scene.model.target.has_value())},
+      {"path", pathJson(summary.path, summary.pathReason)},
       {"needs",
        {{"planar", needJson(summary.needs.planar)},
         {"contacts", needJson(summary.needs.contacts)},

@@ -46,22 +46,30 @@ Vector3 crossSum(const Matrix3& C) {
 TargetSprings::TargetSprings(const std::vector<Brick>& bricks, const std::vector<Tile>& target,
                              const std::optional<std::vector<int>>& pulled,
                              const TargetSpringSettings& settings)
-    : settings_(settings) {
-  for (std::size_t i = 0; i < bricks.size(); ++i) {
-    Spring spring;
-    spring.vertexCount = static_cast<int>(bricks[i].bottom.size());
-    spring.bottomMean = mean(bricks[i].bottom);
+    : bricks_(bricks), springs_(bricks.size()), settings_(settings) {
+  setTarget(target);
+  if (!pulled) return;
+  for (std::size_t i = 0; i < springs_.size(); ++i) {
+    springs_[i].pulled =
+        std::find(pulled->begin(), pulled->end(), static_cast<int>(i)) != pulled->end();
+  }
+}
+
+void TargetSprings::setTarget(const std::vector<Tile>& target) {
+  for (std::size_t i = 0; i < springs_.size(); ++i) {
+    const std::vector<Vector3>& bottom = bricks_[i].bottom;
+    Spring& spring = springs_[i];
+    spring.vertexCount = static_cast<int>(bottom.size());
+    spring.bottomMean = mean(bottom);
     spring.targetMean = mean(target[i].vertices);
     spring.moment.setZero();
-    for (std::size_t k = 0; k < bricks[i].bottom.size(); ++k) {
-      const Vector3 p = bricks[i].bottom[k] - spring.bottomMean;
+    spring.spread = 0;
+    for (std::size_t k = 0; k < bottom.size(); ++k) {
+      const Vector3 p = bottom[k] - spring.bottomMean;
       const Vector3 t = target[i].vertices[k] - spring.targetMean;
       spring.moment += p * t.transpose();
       spring.spread += p.squaredNorm() + t.squaredNorm();
     }
-    spring.pulled =
-        !pulled || std::find(pulled->begin(), pulled->end(), static_cast<int>(i)) != pulled->end();
-    springs_.push_back(spring);
   }
 }
 

@@ -18,11 +18,14 @@ namespace kirireel {
 /// the energy k_f n/2 |mean p - mean t|^2 + k_tau/2 sum |p'_k - t'_k|^2.
 class TargetSprings {
  public:
-  /// `target`: one tile a brick, vertex by vertex. `pulled`: the bricks that feel springs; all when
-  /// absent. Bricks that feel none keep their damping.
+  /// `bricks` must outlive this. `target`: one tile a brick, vertex by vertex. `pulled`: the bricks
+  /// that feel springs; all when absent. Bricks that feel none keep their damping.
   TargetSprings(const std::vector<Brick>& bricks, const std::vector<Tile>& target,
                 const std::optional<std::vector<int>>& pulled,
                 const TargetSpringSettings& settings);
+
+  /// Pulls towards another target from now on; the same tiles as the first.
+  void setTarget(const std::vector<Tile>& target);
 
   /// The load on one brick at a pose; both stiffnesses times `stiffening` (from 1).
   Load load(int brick, const Pose& pose, double stiffening) const;
@@ -41,6 +44,7 @@ class TargetSprings {
     bool pulled = true;
   };
 
+  const std::vector<Brick>& bricks_;
   std::vector<Spring> springs_;
   TargetSpringSettings settings_;
 };

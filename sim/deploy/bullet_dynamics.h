@@ -13,6 +13,7 @@ class BulletDynamics : public Dynamics {
 
   void assemble(Poses& /*poses*/) override {}  // Bullet pulls open joints together as it goes
   void setPinned(const std::vector<bool>& pinned) override;
+  void setJointStiffness(double /*stiffness*/) override {}  // they give as it is
   StepReport advance(Motion& motion, double step, const LoadSource& actuation) override;
 
  private:

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "sim/deploy/path_choice.h"
 #include "sim/measure/measures.h"
 #include "sim/scene/scene.h"
 #include "sim/trajectory/trajectory.h"
@@ -25,10 +26,10 @@ std::string toString(Outcome outcome);
 
 /// How accurate a run was. Lengths in metres.
 struct Accuracy {
-  double jointGapMax = 0;      ///< largest gap of any pivot at the end of any step
+  double jointGapMax = 0;      ///< largest of any pivot at the end of any step with exact joints
   double jointGapMean = 0;     ///< mean over pivots and steps
   double jointGapEnd = 0;      ///< largest at the end
-  double jointOpeningMax = 0;  ///< largest gap allowed on purpose (finite joints); 0 when exact
+  double jointOpeningMax = 0;  ///< largest while joints gave on purpose; 0 when always exact
   double assemblyMove = 0;     ///< largest move of a vertex when an open start was closed
   double targetErrorStart = 0;
   double targetErrorEnd = 0;
@@ -40,10 +41,11 @@ struct Accuracy {
 
 /// What a run cost.
 struct DeployCost {
-  long steps = 0;             ///< solver steps taken, halved ones included
-  long halvedSteps = 0;       ///< steps that were redone as two halves
-  long unconvergedSteps = 0;  ///< steps whose contacts did not reach their tolerance
-  double cpuSeconds = 0;      ///< of the deploying thread
+  long steps = 0;               ///< solver steps taken, halved ones included
+  long halvedSteps = 0;         ///< steps that were redone as two halves
+  long unconvergedSteps = 0;    ///< steps whose contacts did not reach their tolerance
+  double cpuSeconds = 0;        ///< of the deploying thread, the search for a path apart
+  double cpuSecondsSearch = 0;  ///< of finding the assembled floor and a path
 };
 
 /// Everything that a finished run leaves.
@@ -54,20 +56,25 @@ struct DeploymentResult {
   Accuracy accuracy;
   DeployCost cost;
   Needs needs;
-  double assembledFloor = -1;  ///< metres; negative when not computed
+  PathSettings path;           ///< that was taken, never Auto
+  std::string pathReason;      ///< one short phrase: why
+  double assembledFloor = -1;  ///< metres; negative without a target
 };
 
 /// Called with each sample, the last included; return false to end the run early.
 using SampleObserver = std::function<bool(const Sample&)>;
 
-/// Runs the scene and samples it every `sampleInterval` simulated seconds (the start and the end
-/// included). The step divides the interval, so that samples are steps, not interpolations.
-/// Throws InputError when the scene makes no sense; a run that diverges is reported, not thrown.
-DeploymentResult deploy(const Scene& scene, double sampleInterval, const SampleObserver& observer);
+/// Runs the scene along its path (see choosePath) and samples it every `sampleInterval` simulated
+/// seconds (the start and the end included). The step divides the interval, so that samples are
+/// steps, not interpolations. Throws InputError when the scene makes no sense; a run that diverges
+/// is reported, not thrown. `searching` is told of each trial while a path is sought, and may end
+/// the run. Either observer may be empty.
+DeploymentResult deploy(const Scene& scene, double sampleInterval, const SampleObserver& observer,
+                        const TrialObserver& searching = {});
 
 /// The same, but the samples go to the observer alone: the result's trajectory holds none, so that
 /// memory does not grow with the length of the run.
 DeploymentResult deployUnkept(const Scene& scene, double sampleInterval,
-                              const SampleObserver& observer);
+                              const SampleObserver& observer, const TrialObserver& searching = {});
 
 }  // namespace kirireel

@@ -19,6 +19,8 @@ class Dynamics {
   /// Holds these bricks where they are until told otherwise; one entry a brick. Throws InputError
   /// where the solver cannot.
   virtual void setPinned(const std::vector<bool>& pinned) = 0;
+  /// Makes joints springs, or exact again; see JointSolver::setJointStiffness.
+  virtual void setJointStiffness(double stiffness) = 0;
 
   /// Advances the motion by `step` seconds; `actuation` gives the loads beyond gravity and damping.
   virtual StepReport advance(Motion& motion, double step, const LoadSource& actuation) = 0;

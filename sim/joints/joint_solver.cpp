@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "sim/joints/step_program.h"
 
@@ -56,6 +57,7 @@ class Stepper : public JointSolver {
   StepReport advance(Motion& motion, double step, const LoadSource& loads,
                      ContactSource* contacts) override;
   void setPinned(const std::vector<bool>& pinned) override;
+  void setJointStiffness(double stiffness) override;
   double assemble(Poses& poses) override;
 
  private:
@@ -91,6 +93,7 @@ class Stepper : public JointSolver {
   StepSystem<D> system_;
   const LoadSource* loadSource_ = nullptr;
   ContactSource* contactSource_ = nullptr;
+  double jointStiffness_ = std::numeric_limits<double>::infinity();
   StepReport report_;
   std::vector<bool> pinned_;
 
@@ -116,6 +119,13 @@ StepReport Stepper<D>::advance(Motion& motion, double step, const LoadSource& lo
 }
 
 template <int D>
+void Stepper<D>::setJointStiffness(double stiffness) {
+  jointStiffness_ = stiffness;
+  program_.exactJoints = !std::isfinite(stiffness);
+  program_.multipliers.setZero();
+}
+
+template <int D>
 void Stepper<D>::advanceHalving(Motion& motion, double step, int level) {
   const StepOutcome outcome = tryStep(motion, step, level == 0);
   const bool halve = (outcome == StepOutcome::JointsOpen && level < kHalvings) ||
@@ -137,7 +147,11 @@ void Stepper<D>::advanceHalving(Motion& motion, double step, int level) {
 template <int D>
 StepOutcome Stepper<D>::tryStep(const Motion& start, double step, bool warm) {
   (*loadSource_)(start.poses, loads_);
-  system_.setStep(start, loads_, step);
+  system_.setStep(start, loads_, step, jointStiffness_);
+  if (!program_.exactJoints) {
+    // The spring at the step's end, k (gap + h J u), is that of a multiplier that does not move.
+    program_.multipliers = -system_.kappa() / step * system_.jointGaps(start.poses);
+  }
   program_.force = system_.force();
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
     const Velocity& velocity = start.velocities[i];
@@ -277,7 +291,7 @@ bool Stepper<D>::solveVelocities(const Poses& start) {
     const double speed = std::max(system_.largestSpeed(program_.x), slow);
     const bool refined = report.change <= kChangeTolerance * speed &&
                          report.contactChange <= kContactSpeedTolerance * speed;
-    if (refined && jointSpeed() <= kSpeedTolerance * speed) break;
+    if (refined && (!program_.exactJoints || jointSpeed() <= kSpeedTolerance * speed)) break;
   }
   return true;  // the rest is judged by the gap after closing
 }
@@ -289,6 +303,7 @@ template <int D>
 bool Stepper<D>::moveAndClose(const Poses& start, double step) {
   poses_ = start;
   displace(step * program_.x);
+  if (!program_.exactJoints) return true;
   if (closeJoints(program_.contacts, step)) return true;
   if (program_.contacts.empty()) return false;
   poses_ = start;

@@ -60,6 +60,10 @@ class JointSolver {
   /// Holds these bricks where they are, exactly, until told otherwise; one entry a brick. Their
   /// velocities are zero at the end of each step. Two pinned bricks must not have an open joint.
   virtual void setPinned(const std::vector<bool>& pinned) = 0;
+  /// Lets joints give from now on: each pivot is a spring of this stiffness (N/m, above 0),
+  /// implicit in the step; infinity holds them exactly again, which is how a solver starts out.
+  /// Gaps that springs have left are to be closed by assemble() first.
+  virtual void setJointStiffness(double stiffness) = 0;
 
   /// Closes the joints of an open state, moving the bricks as little as their masses allow. Returns
   /// the largest gap left, metres.

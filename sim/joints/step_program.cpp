@@ -118,7 +118,9 @@ template <int D>
 RoundReport solveRound(StepSystem<D>& system, StepProgram<D>& program, double slow) {
   RoundReport report = minimize(system, program, slow);
   if (!report.found) return report;
-  program.multipliers -= system.kappa() * system.jointVelocity(program.x);
+  if (program.exactJoints) {
+    program.multipliers -= system.kappa() * system.jointVelocity(program.x);
+  }
   double& change = report.contactChange;
   for (ContactRow<D>& row : program.contacts) {
     const double normal = row.trialImpulse(program.x, system.rho());

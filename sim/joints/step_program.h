@@ -15,6 +15,7 @@ struct StepProgram {
   Eigen::VectorXd x;            ///< the start of the search, then its end
   Eigen::VectorXd force;        ///< f
   Eigen::VectorXd multipliers;  ///< of the joint rows
+  bool exactJoints = true;      ///< or springs, whose multipliers do not move
   std::vector<ContactRow<D>> contacts;
 };
 

@@ -67,7 +67,8 @@ void StepSystem<D>::setMasses(const Poses& poses) {
 }
 
 template <int D>
-void StepSystem<D>::setStep(const Motion& motion, const std::vector<Load>& loads, double step) {
+void StepSystem<D>::setStep(const Motion& motion, const std::vector<Load>& loads, double step,
+                            double jointStiffness) {
   double sum = 0;
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
     const Block M = Space::inertia(bricks_[i].mass, worldInertia(bricks_[i], motion.poses[i]));
@@ -83,7 +84,8 @@ void StepSystem<D>::setStep(const Motion& motion, const std::vector<Load>& loads
     }
     sum += A_[i](0, 0);
   }
-  kappa_ = kJointWeight * sum / static_cast<double>(bricks_.size());
+  kappa_ = std::isfinite(jointStiffness) ? step * step * jointStiffness
+                                         : kJointWeight * sum / static_cast<double>(bricks_.size());
   rho_ = kContactWeight * sum / static_cast<double>(bricks_.size());
 }
 

@@ -36,8 +36,10 @@ class StepSystem {
   /// brick.
   void setPinned(std::vector<bool> pinned) { pinned_ = std::move(pinned); }
 
-  /// Sets A and f from the motion at the start of a step. `momentum` gets M u0.
-  void setStep(const Motion& motion, const std::vector<Load>& loads, double step);
+  /// Sets A and f from the motion at the start of a step. `jointStiffness` in N/m makes the joints
+  /// springs: kappa = h^2 k; infinity makes them exact.
+  void setStep(const Motion& motion, const std::vector<Load>& loads, double step,
+               double jointStiffness);
   /// Sets A = M alone, f = 0: for closing an open state.
   void setMasses(const Poses& poses);
   /// Sets the joint rows at these poses.

@@ -1,6 +1,7 @@
 /// The scene: a model plus everything that decides how it deploys.
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -68,6 +69,23 @@ struct Actuation {
   BoundaryCurve boundary;
 };
 
+/// How the springs bring the tiles to their target.
+enum class PathKind {
+  Auto,      ///< straight where that arrives, else led, with joints that give as little as arrives
+  Straight,  ///< the springs pull towards the target from the start on (the paper's way)
+  Led,       ///< each tile is led along its own rigid motion, by its turn more than by its place
+};
+
+/// The path to the target. Straight pulling has local minima in which hard models lock.
+struct PathSettings {
+  PathKind kind = PathKind::Auto;
+  double ledTime = 4;         ///< seconds in which the tiles are led to the target, above 0
+  double ledStiffness = 200;  ///< k_f while led, N/m; k_tau is 40 times that
+  /// Of each pivot while led, N/m: joints give on the way and are closed at its end. Infinity:
+  /// exact throughout.
+  double jointStiffness = std::numeric_limits<double>::infinity();
+};
+
 /// Which solver holds the joints.
 enum class SolverKind {
   Direct,  ///< exact joints by a direct solve
@@ -87,7 +105,7 @@ struct SolverSettings {
 /// When a run ends.
 struct StopRules {
   double duration = 20;       ///< simulated seconds at most
-  double settleSpeed = 1e-4;  ///< settled below this many model sizes a second ...
+  double settleSpeed = 2e-6;  ///< settled below this many model sizes a second ...
   double settleTime = 0.25;   ///< ... for this many seconds
 };
 
@@ -98,6 +116,7 @@ struct Scene {
   Environment environment;
   Actuation actuation;
   TargetSpringSettings springs;
+  PathSettings path;
   SolverSettings solver;
   StopRules stop;
   Timeline timeline;

@@ -94,15 +94,15 @@ TEST(Deploy, RunsForItsDuration) {
   EXPECT_NEAR(result.trajectory.samples.back().time, 0.2, 1e-12);
 }
 
-TEST(Deploy, AnUnreachableTargetLocks) {
+TEST(Deploy, AnUnreachableTargetIsReachedAsNearAsJointsAllow) {
   Scene scene = smallScene();
   for (Tile& tile : *scene.model.target) {
     for (Vector3& vertex : tile.vertices) vertex *= 1.2;  // the tiles do not grow with it
   }
   const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
-  EXPECT_EQ(result.outcome, Outcome::Locked) << result.reason;
-  EXPECT_THAT(result.reason, HasSubstr("short of the target"));
+  EXPECT_EQ(result.outcome, Outcome::Settled) << result.reason;
   EXPECT_GT(result.accuracy.targetErrorEnd, result.accuracy.rigidFloor);
+  EXPECT_NEAR(result.accuracy.targetErrorEnd / result.assembledFloor, 1, 1e-3);  // measured 1e-5
 }
 
 TEST(Deploy, WithoutTargetItSettlesWhereItStands) {

@@ -1,0 +1,82 @@
+/// One deployment in progress.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim/actuation/boundary_springs.h"
+#include "sim/actuation/target_springs.h"
+#include "sim/deploy/deployment.h"
+#include "sim/deploy/dynamics.h"
+#include "sim/deploy/path_follower.h"
+#include "sim/deploy/timeline_runner.h"
+
+namespace kirireel {
+
+/// Steps a scene from its start until it rests, locks, diverges, or its time is up.
+class Run : private TimelineStage {
+ public:
+  /// `assembledFloor`: see assembledFloor(); negative where there is no target. The scene's path
+  /// must be chosen (not Auto). Scene and observer must outlive the run.
+  Run(const Scene& scene, double sampleInterval, double assembledFloor,
+      const SampleObserver& observer);
+
+  /// Runs to the end. The trajectory holds no samples: they go to the observer.
+  DeploymentResult finish();
+
+ private:
+  void start();
+  void pull(const Poses& poses, std::vector<Load>& loads) const;
+  void setPinned(const std::vector<bool>& pinned) override { dynamics_->setPinned(pinned); }
+  void goTo(const std::vector<Tile>* target) override;
+  void reset() override;
+  void quit() override;
+  bool followTimeline(bool atRest);
+  void restOrGoOn();
+  void advanceSample();
+  void advanceStep();
+  void followPath();
+  void observeStep();
+  void updateRest();
+  bool isLost() const;
+  void takeSample();
+  void end(Outcome outcome, std::string reason);
+  void endAtRest();
+  double time() const { return static_cast<double>(stepCount_) * step_; }
+  bool pullsToTarget() const { return scene_.actuation.drive == Drive::Target && target_; }
+  double finalTargetError() const;
+  double currentTargetError() const;
+  double reachableError() const;
+
+  const Scene& scene_;
+  const SampleObserver& observer_;
+  std::vector<Brick> bricks_;
+  std::vector<Pivot> pivots_;
+  Motion motion_;
+  Poses startPoses_;                 // joints closed
+  const std::vector<Tile>* target_;  // the one headed for at present; null when there is none
+  double targetStartError_ = 0;      // when it was set
+  double targetFloor_ = 0;           // how near the tiles can come
+  Needs needs_;
+  std::unique_ptr<Dynamics> dynamics_;
+  std::optional<TargetSprings> springs_;
+  std::optional<PathFollower> follower_;  // while the tiles are led
+  std::optional<BoundarySprings> boundary_;
+  TimelineRunner timeline_;
+  AdaptiveStiffness stiffness_;
+  LoadSource actuation_;
+  int stepsPerSample_;
+  double step_;
+  double size_;
+  double tileSize_;
+  double assembledFloor_;
+  long stepCount_ = 0;
+  double gapSum_ = 0;
+  double restTime_ = 0;
+  bool ended_ = false;
+  DeploymentResult result_;
+};
+
+}  // namespace kirireel

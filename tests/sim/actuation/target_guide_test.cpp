@@ -1,0 +1,57 @@
+#include "sim/actuation/target_guide.h"
+
+#include <gtest/gtest.h>
+
+#include "sim/model/tessellation.h"
+
+namespace kirireel {
+namespace {
+
+double largestDistance(const std::vector<Tile>& a, const std::vector<Tile>& b) {
+  double largest = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    for (std::size_t k = 0; k < a[i].vertices.size(); ++k) {
+      largest = std::max(largest, (a[i].vertices[k] - b[i].vertices[k]).norm());
+    }
+  }
+  return largest;
+}
+
+TEST(TargetGuide, BeginsAtTheStartAndEndsAtTheTarget) {
+  const Model model = makeTessellation({});
+  std::vector<Tile> target = *model.target;
+  target[3].vertices[1] += Vector3(0.1, -0.05, 0.02);  // no rigid image of its start
+  const TargetGuide guide(model.tiles, target);
+  EXPECT_LT(largestDistance(guide.at(0), model.tiles), 1e-14);  // measured 9e-16
+  EXPECT_LT(largestDistance(guide.at(1), target), 1e-14);       // measured 2e-15
+}
+
+TEST(TargetGuide, TurnsATileEvenlyAboutItsMiddle) {
+  TessellationShape shape;
+  shape.columns = shape.rows = 1;
+  const std::vector<Tile> start = makeTessellation(shape).tiles;
+  const auto turnedBy = [&](double angle) {
+    std::vector<Tile> tiles = start;
+    Vector3 middle = Vector3::Zero();
+    for (const Vector3& vertex : start[0].vertices) middle += 0.25 * vertex;
+    const Quaternion turn = rotationFromVector(angle * Vector3(0.6, 0, 0.8));
+    for (Vector3& vertex : tiles[0].vertices) {
+      vertex = middle + 0.4 * angle * Vector3::UnitX() + turn * (vertex - middle);
+    }
+    return tiles;
+  };
+  const TargetGuide guide(start, turnedBy(2.5));
+  for (const double progress : {0.1, 0.5, 0.9}) {
+    EXPECT_LT(largestDistance(guide.at(progress), turnedBy(2.5 * progress)), 1e-14);
+  }
+}
+
+TEST(BestFitPoses, PutBricksOntoACongruentTarget) {
+  const Model model = makeTessellation({});
+  const std::vector<Brick> bricks = makeBricks(model.tiles, {});
+  const Poses poses = bestFitPoses(bricks, *model.target);
+  EXPECT_LT(largestDistance(bottomTiles(bricks, poses), *model.target), 1e-14);
+}
+
+}  // namespace
+}  // namespace kirireel

@@ -1,0 +1,142 @@
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/deploy/assembled_floor.h"
+#include "sim/deploy/deployment.h"
+#include "sim/model/tessellation.h"
+
+namespace kirireel {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+
+/// From one closed state of the rotating squares to the other: every tile comes back to the height
+/// that it left, so that a straight pull first has to pull away from the target.
+Scene closedToClosed() {
+  Scene scene;
+  TessellationShape shape;
+  shape.columns = shape.rows = 3;
+  shape.targetAngle = 3.14159265358979323846;
+  scene.model = makeTessellation(shape);
+  scene.springs.springStiffness = 400;  // place counts more than turn
+  scene.springs.torqueStiffness = 10;
+  return scene;
+}
+
+/// Two squares side by side, joined at a corner, whose targets are pulled apart by `distance`.
+Scene pulledApart(double distance) {
+  Scene scene;
+  TessellationShape shape;
+  shape.columns = 2;
+  shape.rows = 1;
+  scene.model = makeTessellation(shape);
+  const Vector3 away(0.5 * distance, 0, 0);
+  scene.model.target = scene.model.tiles;
+  for (Vector3& vertex : (*scene.model.target)[0].vertices) vertex -= away;
+  for (Vector3& vertex : (*scene.model.target)[1].vertices) vertex += away;
+  return scene;
+}
+
+TEST(AssembledFloor, IsZeroWhereTheTargetCloses) {
+  EXPECT_LT(assembledFloor(closedToClosed()), 1e-12);  // measured 3e-15
+}
+
+TEST(AssembledFloor, SharesTheDistanceOfTargetsThatDoNotMeet) {
+  // Along the line between the middles alone both move by half the distance; the joint is at a
+  // corner, so that they also turn a little: the floor lies somewhat below.
+  Scene scene = pulledApart(0.1);
+  const double floor = assembledFloor(scene);
+  EXPECT_GT(floor, 0.03);
+  EXPECT_LT(floor, 0.06);  // measured 0.05
+  // Whatever the run, it ends at the floor.
+  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_NEAR(result.accuracy.targetErrorEnd, floor, 1e-4 * floor);  // measured 4e-7
+}
+
+TEST(AssembledFloor, IsNegativeWithoutTarget) {
+  Scene scene = closedToClosed();
+  scene.model.target.reset();
+  EXPECT_LT(assembledFloor(scene), 0);
+}
+
+TEST(Path, AStraightPullIsKeptWhereItArrives) {
+  Scene scene;
+  scene.model = makeTessellation({});
+  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_EQ(result.path.kind, PathKind::Straight);
+  EXPECT_EQ(result.pathReason, "a straight pull arrives");
+  EXPECT_EQ(result.accuracy.jointOpeningMax, 0);
+}
+
+TEST(Path, ALockedModelIsLedWithExactJoints) {
+  Scene straight = closedToClosed();
+  straight.path.kind = PathKind::Straight;
+  const DeploymentResult locked = deploy(straight, 1.0 / 60, nullptr);
+  EXPECT_EQ(locked.outcome, Outcome::Locked) << locked.reason;
+  EXPECT_THAT(locked.reason, HasSubstr("short of the target"));
+
+  std::vector<std::string> tried;
+  const DeploymentResult led = deploy(closedToClosed(), 1.0 / 60, nullptr, [&](const auto& what) {
+    tried.push_back(what);
+    return true;
+  });
+  EXPECT_EQ(led.outcome, Outcome::Settled) << led.reason;
+  EXPECT_EQ(led.path.kind, PathKind::Led);
+  EXPECT_THAT(tried, SizeIs(2));
+  EXPECT_THAT(led.pathReason, HasSubstr("exact joints arrives"));
+  EXPECT_LT(led.accuracy.targetErrorEnd, 1e-6);  // measured 1e-9
+  EXPECT_LT(led.accuracy.jointGapMax, 1e-10);    // measured 1e-12
+  EXPECT_EQ(led.accuracy.jointOpeningMax, 0);
+}
+
+TEST(Path, JointsThatGiveCloseAgain) {
+  Scene scene = closedToClosed();
+  scene.path.kind = PathKind::Led;
+  scene.path.ledStiffness = 10;
+  double before = 1;
+  for (const double stiffness : {1e4, 1e6, 1e8}) {
+    scene.path.jointStiffness = stiffness;
+    const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
+    EXPECT_EQ(result.outcome, Outcome::Settled) << result.reason;
+    EXPECT_LT(result.accuracy.jointGapEnd, 1e-10);  // measured 1e-13
+    EXPECT_GT(result.accuracy.jointOpeningMax, 0);
+    EXPECT_LT(result.accuracy.jointOpeningMax, before);  // stiffer joints open less
+    before = result.accuracy.jointOpeningMax;
+  }
+}
+
+TEST(Path, AsksNobodyWhereThereIsNoChoice) {
+  const TrialObserver unasked = [](const std::string& what) {
+    ADD_FAILURE() << what;
+    return true;
+  };
+  Scene bullet = closedToClosed();
+  bullet.solver.kind = SolverKind::Bullet;
+  EXPECT_EQ(choosePath(bullet, 0, unasked).reason, "the baseline tries no others");
+  Scene aimless = closedToClosed();
+  aimless.model.target.reset();
+  EXPECT_EQ(choosePath(aimless, -1, unasked).reason, "there is no target");
+  Scene asked = closedToClosed();
+  asked.path.kind = PathKind::Led;
+  EXPECT_EQ(choosePath(asked, 0, unasked).reason, "asked for");
+}
+
+TEST(Path, ASearchThatIsEndedEndsTheRun) {
+  const DeploymentResult result =
+      deploy(closedToClosed(), 1.0 / 60, nullptr, [](const std::string&) { return false; });
+  EXPECT_EQ(result.outcome, Outcome::Interrupted);
+  EXPECT_THAT(result.trajectory.samples, SizeIs(1));
+}
+
+TEST(Path, ASearchCanBeStopped) {
+  const PathChoice choice =
+      choosePath(closedToClosed(), 0, [](const std::string&) { return false; });
+  EXPECT_EQ(choice.path.kind, PathKind::Straight);
+  EXPECT_EQ(choice.reason, "no path that was tried arrives");
+}
+
+}  // namespace
+}  // namespace kirireel
