@@ -71,9 +71,15 @@ void requireKindOfValue(const SceneSetting& setting, bool isSwitch) {
                                              : fmt::format("{} needs a value", setting.key));
 }
 
+/// The message of an option without the "error: " that its place in the file brings along.
+std::string withoutMark(const std::string& message) {
+  constexpr std::string_view kMark = "error: ";
+  return message.starts_with(kMark) ? message.substr(kMark.size()) : message;
+}
+
 void apply(CLI::App& command, const SceneSetting& setting) {
   CLI::Option& option = findOption(command, setting);
-  const bool isSwitch = option.get_type_size() == 0;
+  const bool isSwitch = option.get_items_expected_max() == 0;
   requireKindOfValue(setting, isSwitch);
   const bool isGiven = option.count() > 0;
   if (isGiven || (isSwitch && setting.values.front() == "false")) return;
@@ -81,7 +87,7 @@ void apply(CLI::App& command, const SceneSetting& setting) {
   try {
     option.run_callback();
   } catch (const InputError& error) {
-    throw inputErrorAt(setting.where, error.what());
+    throw inputErrorAt(setting.where, withoutMark(error.what()));
   }
 }
 

@@ -77,9 +77,9 @@ struct ElementMesh {
 /// other polygons (fanned round the centre of area) wedges. Corners of tiles lie where the bricks
 /// have them, to the last bit; with JointStyle::Shared, where corners meet, at their mean.
 ///
-/// Throws InputError for a rule out of range, too many elements, bricks too thin for such elements, a tile that is not
-/// star-shaped round its centre, joints that would merge two corners of one tile, and patches that
-/// are too small for the elements or so large that they overlap.
+/// Throws InputError for a rule out of range, too many elements, bricks too thin for such elements,
+/// a tile that is not star-shaped round its centre, joints that would merge two corners of one
+/// tile, and patches that are too small for the elements or so large that they overlap.
 ElementMesh makeElementMesh(const std::vector<Brick>& bricks, const std::vector<Joint>& joints,
                             const Poses& poses, const ElementRule& rule);
 

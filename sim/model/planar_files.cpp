@@ -113,9 +113,15 @@ std::string modelName(const fs::path& vertices) {
   return before.ends_with('_') ? before.substr(0, before.size() - 1) : before;
 }
 
-}  // namespace
+/// Only joints of model folders have a fifth number, their face.
+bool namesFaces(const fs::path& constraints) {
+  if (!fs::is_regular_file(constraints)) return false;
+  TextTable text(constraints, kJointPurpose);
+  TextLine line;
+  return text.next(line) && line.fields.size() == 5;
+}
 
-bool holdsPlanarVertices(const fs::path& vertices) {
+bool holdsPairs(const fs::path& vertices) {
   TextTable text(vertices, kTilePurpose);
   TextLine line;
   bool onlyTriples = true;
@@ -124,6 +130,12 @@ bool holdsPlanarVertices(const fs::path& vertices) {
     onlyTriples = onlyTriples && line.fields.size() % 3 == 0;
   }
   return !onlyTriples;
+}
+
+}  // namespace
+
+bool holdsPlanarModel(const fs::path& vertices) {
+  return holdsPairs(vertices) && !namesFaces(constraintsBeside(vertices));
 }
 
 Model readPlanarFiles(const fs::path& vertices, std::vector<std::string>& warnings) {

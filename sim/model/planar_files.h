@@ -10,8 +10,8 @@
 namespace kirireel {
 
 /// Whether a file of vertices holds "x y" pairs rather than "x y z": an even count of numbers on
-/// every line, not always a multiple of 3.
-bool holdsPlanarVertices(const std::filesystem::path& vertices);
+/// every line, not always a multiple of 3, and no joint beside it that names its face.
+bool holdsPlanarModel(const std::filesystem::path& vertices);
 
 /// Reads a planar model. The vertices' file holds one tile a line, "x y" for each vertex, in either
 /// sense; the constraints' file, whose name has "constraints" in place of "vertices", "tile vertex

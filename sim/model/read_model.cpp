@@ -37,7 +37,7 @@ Model readFile(const fs::path& path, const std::optional<fs::path>& target,
 
 bool isPlanarFolder(const fs::path& folder) {
   const fs::path vertices = folder / "vertices.txt";
-  return fs::is_regular_file(vertices) && holdsPlanarVertices(vertices);
+  return fs::is_regular_file(vertices) && holdsPlanarModel(vertices);
 }
 
 void requireSameTiles(const Model& model, const Model& other, const fs::path& path) {

@@ -14,9 +14,9 @@ namespace kirireel {
 struct SceneParts {
   std::vector<std::filesystem::path> targets;  ///< a chain: each is reached before the next; the
                                                ///< last takes the place of the model's target
-  std::vector<int> pinned;                ///< tiles fixed to the world from the start
-  std::vector<std::array<int, 2>> fixed;  ///< pairs of tiles that move as one
-  std::vector<std::array<int, 4>> links;  ///< tile, vertex, tile, vertex
+  std::vector<int> pinned;                     ///< tiles fixed to the world from the start
+  std::vector<std::array<int, 2>> fixed;       ///< pairs of tiles that move as one
+  std::vector<std::array<int, 4>> links;       ///< tile, vertex, tile, vertex
 };
 
 /// Completes a scene whose model was just read: reads targets, turns the start into the target's

@@ -1,3 +1,5 @@
+#include <limits>
+
 #include <fmt/format.h>
 
 #include "sim/joints/step_system.h"
@@ -34,7 +36,7 @@ void printShares(int side) {
     }
   });
   const double set = microseconds([&] {
-    system.setStep(motion, loads, scene.solver.timestep);
+    system.setStep(motion, loads, scene.solver.timestep, std::numeric_limits<double>::infinity());
     system.placeJoints(motion.poses);
   });
   const double factor = microseconds([&] { system.factor({}); });

@@ -31,8 +31,8 @@ struct Deck {
 
 Deck readDeck(const std::string& text);
 
-/// By how much a quadratic element's middle nodes miss the middles of its edges at most, in Abaqus's
-/// order of nodes.
+/// By how much a quadratic element's middle nodes miss the middles of its edges at most, in
+/// Abaqus's order of nodes.
 double largestMiddleMiss(const Deck& deck, const DeckElement& element);
 
 /// The volume of an element by the corners of its flat faces.

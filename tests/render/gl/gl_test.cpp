@@ -103,8 +103,7 @@ TEST(Program, ReportsShadersThatDoNotFitTogether) {
 
 TEST(Framebuffer, RefusesMoreThanTheDriverHas) {
   const Context context;
-  const std::string message =
-      messageOf([] { const Framebuffer buffer(20000, 10); });
+  const std::string message = messageOf([] { const Framebuffer buffer(20000, 10); });
   EXPECT_THAT(message, StartsWith("error: the OpenGL driver cannot draw 20000 x 10 samples"));
   EXPECT_THAT(message, EndsWith("choose a smaller picture with --size"));
 }

@@ -88,7 +88,7 @@ TEST(Timelines, PinnedTilesStayAndAreFreedAgain) {
   EXPECT_EQ(samples[19].poses[8].position, samples[0].poses[8].position);
   EXPECT_EQ(samples.back().poses[0].position, samples[0].poses[0].position);
   EXPECT_GT((samples.back().poses[8].position - samples[0].poses[8].position).norm(), 0.1);
-  ASSERT_EQ(result.trajectory.events.size(), 2u);
+  ASSERT_EQ(result.trajectory.events.size(), 3u);  // and the end
   EXPECT_EQ(result.trajectory.events[1].text, "unpin tiles 8");
   EXPECT_NEAR(result.trajectory.events[1].time, 1, 1e-9);
 }
@@ -115,7 +115,7 @@ TEST(Timelines, WaypointsEndWhereTheDirectWayEnds) {
   scene.stop.duration = 60;
   const DeploymentResult chain = deploy(scene, 1.0 / 60, nullptr);
   EXPECT_EQ(chain.outcome, Outcome::Settled) << chain.reason;
-  ASSERT_EQ(chain.trajectory.events.size(), 2u);
+  ASSERT_EQ(chain.trajectory.events.size(), 3u);                            // and the end
   EXPECT_LT(chain.accuracy.targetErrorEnd, 1e-6 * modelSize(scene.model));  // measured 1.1e-6
   EXPECT_LT(
       largestMove(direct.trajectory.samples.back().poses, chain.trajectory.samples.back().poses),
