@@ -143,6 +143,13 @@ bool Album::isInSight(const Sample& sample) const {
   });
 }
 
+bool Album::sees(const TrajectoryReader& run) const {
+  for (std::size_t i = 0; i < run.times().size(); ++i) {
+    if (!isInSight(run.sample(i))) return false;
+  }
+  return true;
+}
+
 Frame Album::take(const Sample& sample, Studio::Scales scales) {
   const CpuTimer timer(report_.recordCost.cpuSecondsRender);
   return studio_.take({sample.time, sample.poses, sample.pinned}, scales);

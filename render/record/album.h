@@ -43,6 +43,9 @@ class Album {
   /// Throws the first error of any of the three.
   bool makeFrames(const SampleFeed& feed);
 
+  /// Whether no sample of the run leaves the picture.
+  bool sees(const TrajectoryReader& run) const;
+
   /// Writes the snapshot grid, the timeline's snapshots and chosen frames of a finished run. Throws
   /// OutputError.
   void writeSnapshots(const TrajectoryReader& run);

@@ -167,11 +167,19 @@ class PictureJob {
   /// Makes what is missing, once the run is over.
   void makeTheRest(const TrajectoryReader& run) {
     if (settings_.paintsFrames() && !framesMade_) makeFrames(run);
-    if (!album_) album_.emplace(settings_, motifOf(run, settings_), report_);
+    if (!album_) openAlbum(run);
     album_->writeSnapshots(run);
   }
 
  private:
+  /// An album for pictures alone.
+  void openAlbum(const TrajectoryReader& run) {
+    album_.emplace(settings_, motifOf(run, settings_), report_);
+    if (!choosesCamera(settings_) || album_->sees(run)) return;
+    album_.reset();
+    album_.emplace(settings_, motifOf(run, settings_, true), report_);
+  }
+
   void makeFrames(const TrajectoryReader& run) {
     const SampleFeed feed = replay(run, settings_.frameInterval(), observer_, report_.stoppedAt);
     // An album that lost sight of something is replaced by one that sees all of the run.

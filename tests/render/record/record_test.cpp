@@ -257,6 +257,14 @@ TEST_F(RecordTest, RepaintsWhatLeftThePicture) {
   EXPECT_TRUE(hasFreeBorder(readPng(settings_.folder / "frames/frame_00008.png")));
 }
 
+TEST_F(RecordTest, PicturesWithoutVideoShowTheRunWholeToo) {
+  settings_.look.camera.view = kFrontView;
+  settings_.video = settings_.snapshots = false;
+  settings_.chosenFrames = {{1, FrameChoice::Unit::Share}};
+  record(fallingScene(), settings_, proceed_);
+  EXPECT_TRUE(hasFreeBorder(readPng(settings_.folder / "frames/frame_00008.png")));
+}
+
 TEST_F(RecordTest, ErrorOfAStageEndsTheOthers) {
   settings_.encoder = "libx999";
   const auto recording = [this] { record(tessellationScene(), settings_, proceed_); };
