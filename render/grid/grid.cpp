@@ -177,12 +177,22 @@ void trimAlike(std::vector<GridPicture>& pictures) {
   for (GridPicture& picture : pictures) picture.frame = cutOut(picture.frame, box);
 }
 
+namespace {
+
+/// Two significant digits, so that figures side by side are alike: "2.0", "0.00012", "12".
+std::string twoDigits(double value) {
+  return value < 10 ? fmt::format("{:#.2g}", value) : fmt::format("{:.2g}", value);
+}
+
+}  // namespace
+
 std::string captionText(const CaptionParts& parts, const CaptionValues& values) {
   std::vector<std::string> texts;
   if (parts.time) texts.push_back(fmt::format("t = {:.2f} s", values.time));
   if (parts.angle) texts.push_back(fmt::format("{:.1f} deg", values.angle * 180 / M_PI));
-  if (parts.error && values.error) texts.push_back(fmt::format("error {:.2g} m", *values.error));
-  if (parts.gap) texts.push_back(fmt::format("gap {:.2g} m", values.gap));
+  if (parts.error && values.error)
+    texts.push_back(fmt::format("error {} m", twoDigits(*values.error)));
+  if (parts.gap) texts.push_back(fmt::format("gap {} m", twoDigits(values.gap)));
   return fmt::format("{}", fmt::join(texts, ", "));
 }
 

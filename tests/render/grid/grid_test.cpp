@@ -155,6 +155,7 @@ TEST(CaptionText, SaysTheChosenParts) {
   EXPECT_EQ(captionText({}, values), "t = 1.25 s");
   EXPECT_EQ(captionText({true, true, true, true}, values),
             "t = 1.25 s, 45.0 deg, error 0.0012 m, gap 4.6e-13 m");
+  EXPECT_EQ(captionText({false, false, true, true}, {0, 0, 2, 12}), "error 2.0 m, gap 12 m");
   EXPECT_EQ(captionText({false, false, false, false}, values), "");
   EXPECT_EQ(captionText({true, false, true, false}, {0, 0, std::nullopt, 0}), "t = 0.00 s");
 }
