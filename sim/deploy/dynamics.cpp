@@ -1,14 +1,14 @@
 #include "sim/deploy/dynamics.h"
 
-#include "sim/deploy/bullet_dynamics.h"
 #include "sim/deploy/direct_dynamics.h"
+#include "sim/deploy/world_dynamics.h"
 
 namespace kirireel {
 
 std::unique_ptr<Dynamics> makeDynamics(const Scene& scene, const Needs& needs,
                                        const std::vector<Brick>& bricks, const Poses& start) {
   if (scene.solver.kind == SolverKind::Bullet) {
-    return std::make_unique<BulletDynamics>(scene, bricks, start);
+    return makeBulletDynamics(scene, bricks, start);
   }
   return std::make_unique<DirectDynamics>(scene, needs, bricks, start);
 }

@@ -2,18 +2,18 @@
 
 #include <optional>
 
-#include <Eigen/Eigenvalues>
+#include <BulletDynamics/ConstraintSolver/btNNCGConstraintSolver.h>
+#include <BulletDynamics/MLCPSolvers/btDantzigSolver.h>
+#include <BulletDynamics/MLCPSolvers/btMLCPSolver.h>
 #include <btBulletDynamicsCommon.h>
 #include <fmt/format.h>
 
+#include "sim/world/bullet_values.h"
 #include "sim/world/inset_hull.h"
 #include "sim/world/pivot_zones.h"
 
 namespace kirireel {
 namespace {
-
-// Debian ships Bullet in both precisions; mixed, it compiles and corrupts memory.
-static_assert(sizeof(btScalar) == sizeof(double), "Bullet must be built in double precision");
 
 // Collision groups: what may be in a pair with what.
 constexpr int kBrickGroup = 1;
@@ -22,32 +22,27 @@ constexpr int kGroundGroup = 2;
 // Bodies carry their brick's index; the ground carries this.
 constexpr int kGroundIndex = -1;
 
-btVector3 toBullet(const Vector3& v) {
-  return {v.x(), v.y(), v.z()};
-}
-Vector3 fromBullet(const btVector3& v) {
-  return {v.x(), v.y(), v.z()};
-}
-
-btQuaternion toBullet(const Quaternion& q) {
-  return {q.x(), q.y(), q.z(), q.w()};
-}
-
-Quaternion fromBullet(const btQuaternion& q) {
-  return Quaternion(q.w(), q.x(), q.y(), q.z()).normalized();
-}
-
-/// Bullet wants diagonal inertias, so a body's axes are its brick's principal axes.
-struct PrincipalAxes {
-  Quaternion rotation;  ///< from principal axes to brick axes
-  Vector3 inertia;      ///< about the principal axes
+/// A solver, and what it works with.
+struct Solver {
+  std::unique_ptr<btDantzigSolver> pivoting;
+  std::unique_ptr<btConstraintSolver> solver;
 };
 
-PrincipalAxes principalAxes(const Brick& brick) {
-  const Eigen::SelfAdjointEigenSolver<Matrix3> solver(brick.inertia);
-  Matrix3 axes = solver.eigenvectors();
-  if (axes.determinant() < 0) axes.col(2) = -axes.col(2);
-  return {Quaternion(axes).normalized(), solver.eigenvalues()};
+Solver makeSolver(BulletMethod method) {
+  Solver made;
+  switch (method) {
+    case BulletMethod::SequentialImpulse:
+      made.solver = std::make_unique<btSequentialImpulseConstraintSolver>();
+      break;
+    case BulletMethod::Nncg:
+      made.solver = std::make_unique<btNNCGConstraintSolver>();
+      break;
+    case BulletMethod::Dantzig:
+      made.pivoting = std::make_unique<btDantzigSolver>();
+      made.solver = std::make_unique<btMLCPSolver>(made.pivoting.get());
+      break;
+  }
+  return made;
 }
 
 std::unique_ptr<btConvexHullShape> makeShape(const Brick& brick, const PrincipalAxes& axes) {
@@ -116,7 +111,7 @@ struct BulletWorld::Internals {
   btDefaultCollisionConfiguration configuration;
   btCollisionDispatcher dispatcher{&configuration};
   btDbvtBroadphase broadphase;
-  btSequentialImpulseConstraintSolver solver;
+  Solver solver;
   std::vector<std::unique_ptr<btCollisionShape>> shapes;
   std::vector<std::unique_ptr<btRigidBody>> bodies;  ///< one a brick, in order
   std::unique_ptr<btRigidBody> groundBody;
@@ -173,16 +168,18 @@ void BulletWorld::Internals::placeBodies() {
 
 BulletWorld::BulletWorld(const std::vector<Brick>& bricks, const Poses& start,
                          std::span<const Pivot> pivots, const Environment& environment,
-                         int iterations)
+                         const BulletSettings& settings)
     : internals_(std::make_unique<Internals>()) {
   Internals& in = *internals_;
   in.motion = {start, std::vector<Velocity>(bricks.size())};
+  in.solver = makeSolver(settings.method);
   // Several contact points at once, else a brick laid flat on the ground rocks on one.
   in.configuration.setPlaneConvexMultipointIterations();
-  in.world.emplace(in.dispatcher, in.broadphase, in.solver, in.configuration, environment,
+  in.world.emplace(in.dispatcher, in.broadphase, *in.solver.solver, in.configuration, environment,
                    PivotZones(bricks, pivots), in.motion.poses);
   in.world->setGravity(toBullet(environment.gravity));
-  in.world->getSolverInfo().m_numIterations = iterations;
+  in.world->getSolverInfo().m_numIterations = settings.iterations;
+  in.world->getSolverInfo().m_erp = settings.jointCorrection;
   in.world->getDispatchInfo().m_deterministicOverlappingPairs = true;
   for (const Brick& brick : bricks) in.addBrick(brick, environment);
   in.placeBodies();

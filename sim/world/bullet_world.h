@@ -10,32 +10,39 @@
 #include "sim/base/geometry.h"
 #include "sim/brick/brick.h"
 #include "sim/scene/scene.h"
+#include "sim/world/brick_world.h"
 
 namespace kirireel {
 
+/// Which of Bullet's solvers holds joints and contacts.
+enum class BulletMethod {
+  SequentialImpulse,  ///< projected Gauss-Seidel, Bullet's usual one
+  Nncg,               ///< nonsmooth nonlinear conjugate gradients over the same sweeps
+  Dantzig,            ///< Dantzig's pivoting on the dense matrix of all joints and contacts
+};
+
+/// How Bullet solves a step.
+struct BulletSettings {
+  BulletMethod method = BulletMethod::SequentialImpulse;
+  int iterations = 50;           ///< sweeps in each step; Dantzig has no use for them
+  double jointCorrection = 0.2;  ///< part of a joint's gap taken back in a step, 0 to 1 (its ERP)
+};
+
 /// A btDiscreteDynamicsWorld in double precision that holds one convex hull a brick, one point
 /// joint a pivot, and the ground if there is one.
-class BulletWorld {
+class BulletWorld : public BrickWorld {
  public:
-  /// `iterations` of the sequential-impulse solver in each step; the environment gives gravity,
-  /// damping, contacts and ground.
+  /// The environment gives gravity, damping, contacts and ground.
   BulletWorld(const std::vector<Brick>& bricks, const Poses& start, std::span<const Pivot> pivots,
-              const Environment& environment, int iterations);
-  ~BulletWorld();
+              const Environment& environment, const BulletSettings& settings);
+  ~BulletWorld() override;
   BulletWorld(const BulletWorld&) = delete;
   BulletWorld& operator=(const BulletWorld&) = delete;
 
-  /// Adds a force at the centre of mass and a torque, world axes, for the next step alone.
-  void applyLoad(int brick, const Vector3& force, const Vector3& torque);
-
-  /// Advances by exactly `step` seconds, one internal step.
-  void advance(double step);
-
-  /// Reads the poses and velocities of all bricks.
-  void readMotion(Motion& motion) const;
-
-  /// Sets the poses and velocities of all bricks.
-  void writeMotion(const Motion& motion);
+  void applyLoad(int brick, const Vector3& force, const Vector3& torque) override;
+  void advance(double step) override;
+  void readMotion(Motion& motion) const override;
+  void writeMotion(const Motion& motion) override;
 
  private:
   struct Internals;

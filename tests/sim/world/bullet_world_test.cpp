@@ -35,7 +35,8 @@ Layout makeLayout(const std::vector<Tile>& tiles, const std::vector<Joint>& join
 }
 
 BulletWorld makeWorld(const Layout& layout, const Environment& environment) {
-  return BulletWorld(layout.bricks, layout.poses, layout.pivots, environment, kIterations);
+  return BulletWorld(layout.bricks, layout.poses, layout.pivots, environment,
+                     {.iterations = kIterations});
 }
 
 /// No gravity, no damping, no contacts.

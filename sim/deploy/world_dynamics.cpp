@@ -1,10 +1,11 @@
-#include "sim/deploy/bullet_dynamics.h"
+#include "sim/deploy/world_dynamics.h"
 
 #include <algorithm>
 
 #include <fmt/format.h>
 
 #include "sim/base/error.h"
+#include "sim/world/bullet_world.h"
 
 namespace kirireel {
 namespace {
@@ -25,34 +26,41 @@ std::vector<Pivot> sharedPivots(const Scene& scene, const std::vector<Brick>& br
 
 }  // namespace
 
-BulletDynamics::BulletDynamics(const Scene& scene, const std::vector<Brick>& bricks,
-                               const Poses& start)
-    : world_(bricks, start, sharedPivots(scene, bricks), scene.environment,
-             scene.solver.iterations),
-      substeps_(scene.solver.substeps.value_or(kSubsteps)),
-      loads_(bricks.size()) {}
+WorldDynamics::WorldDynamics(std::unique_ptr<BrickWorld> world, int substeps,
+                             std::size_t brickCount)
+    : world_(std::move(world)), substeps_(substeps), loads_(brickCount) {}
 
-void BulletDynamics::setPinned(const std::vector<bool>& pinned) {
+void WorldDynamics::setPinned(const std::vector<bool>& pinned) {
   if (std::find(pinned.begin(), pinned.end(), true) == pinned.end()) return;
   throw InputError("error: --solver bullet cannot pin tiles; use --solver direct");
 }
 
-StepReport BulletDynamics::advance(Motion& motion, double step, const LoadSource& actuation) {
-  world_.writeMotion(motion);
+StepReport WorldDynamics::advance(Motion& motion, double step, const LoadSource& actuation) {
+  world_->writeMotion(motion);
   for (int substep = 0; substep < substeps_; ++substep) {
     actuation(motion.poses, loads_);
     for (std::size_t i = 0; i < loads_.size(); ++i) {
       Vector6 velocity;
       velocity << motion.velocities[i].linear, motion.velocities[i].angular;
       const Vector6 force = loads_[i].force - loads_[i].damping * velocity;
-      world_.applyLoad(static_cast<int>(i), force.head<3>(), force.tail<3>());
+      world_->applyLoad(static_cast<int>(i), force.head<3>(), force.tail<3>());
     }
-    world_.advance(step / substeps_);
-    world_.readMotion(motion);
+    world_->advance(step / substeps_);
+    world_->readMotion(motion);
   }
   StepReport report;
   report.steps = substeps_;
   return report;
+}
+
+std::unique_ptr<Dynamics> makeBulletDynamics(const Scene& scene, const std::vector<Brick>& bricks,
+                                             const Poses& start) {
+  BulletSettings settings;
+  settings.iterations = scene.solver.iterations;
+  auto world = std::make_unique<BulletWorld>(bricks, start, sharedPivots(scene, bricks),
+                                             scene.environment, settings);
+  return std::make_unique<WorldDynamics>(std::move(world),
+                                         scene.solver.substeps.value_or(kSubsteps), bricks.size());
 }
 
 }  // namespace kirireel

@@ -1,0 +1,27 @@
+/// What a physics engine's world does with bricks: the seam between a deployment and the engines
+/// that hold joints by impulses.
+#pragma once
+
+#include "sim/base/geometry.h"
+
+namespace kirireel {
+
+/// Bricks in the hands of a physics engine.
+class BrickWorld {
+ public:
+  virtual ~BrickWorld() = default;
+
+  /// Adds a force at the centre of mass and a torque, world axes, for the next step alone.
+  virtual void applyLoad(int brick, const Vector3& force, const Vector3& torque) = 0;
+
+  /// Advances by exactly `step` seconds, one internal step.
+  virtual void advance(double step) = 0;
+
+  /// Reads the poses and velocities of all bricks.
+  virtual void readMotion(Motion& motion) const = 0;
+
+  /// Sets the poses and velocities of all bricks.
+  virtual void writeMotion(const Motion& motion) = 0;
+};
+
+}  // namespace kirireel
