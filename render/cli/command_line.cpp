@@ -99,6 +99,7 @@ Order parseCommandLine(const std::vector<std::string>& arguments) {
   GenerateOrder generate;
   InspectOrder inspect;
   ConvertOrder convert;
+  StudyOrder study;
   CLI::App program("Records kirigami deployments off screen.", "kirireel");
   program.allow_extras();
   program.set_version_flag("--version", versionText());
@@ -109,6 +110,7 @@ Order parseCommandLine(const std::vector<std::string>& arguments) {
   const CLI::App* generateCommand = addGenerateCommand(program, generate);
   const CLI::App* inspectCommand = addInspectCommand(program, inspect);
   const CLI::App* convertCommand = addConvertCommand(program, convert);
+  const CLI::App* studyCommand = addStudyCommand(program, study);
   program.footer("kirireel COMMAND --help explains a command.");
 
   if (const std::optional<PrintOrder> page = parseInto(program, arguments)) return *page;
@@ -137,6 +139,10 @@ Order parseCommandLine(const std::vector<std::string>& arguments) {
     requireGiven(convert.input, "IN", *convertCommand);
     requireGiven(convert.output, "OUT", *convertCommand);
     return convert;
+  }
+  if (studyCommand->parsed()) {
+    if (!study.list) requireGiven(study.name, "NAME", *studyCommand);
+    return study;
   }
   if (generateCommand->parsed()) {
     requireFamily(*generateCommand);

@@ -11,6 +11,7 @@
 #include "render/cli/inspect_command.h"
 #include "render/cli/record_command.h"
 #include "render/cli/render_command.h"
+#include "render/cli/study_command.h"
 
 namespace kirireel {
 
@@ -24,7 +25,7 @@ int carryOut(const PrintOrder& order);
 
 /// One of the things that kirireel does.
 using Order = std::variant<RecordOrder, RenderOrder, ExportOrder, GenerateOrder, InspectOrder,
-                           ConvertOrder, PrintOrder>;
+                           ConvertOrder, StudyOrder, PrintOrder>;
 
 /// Reads the arguments that follow the program's name. Throws InputError for an unknown option
 /// (suggesting the nearest), a value out of range, a missing or surplus argument.

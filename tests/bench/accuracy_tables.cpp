@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "sim/base/cpu_time.h"
 #include "sim/deploy/deployment.h"
 #include "tests/bench/joint_tables.h"
 
@@ -11,9 +12,9 @@ void printGapTable(const std::vector<NamedScene>& models) {
              "gap/size", "outcome", "error", "floor", "pen/tile", "ms/step", "steps", "halved",
              "unconv");
   for (const auto& [name, scene] : models) {
-    const double start = test::threadSeconds();
+    const double start = threadCpuSeconds();
     const DeploymentResult result = deploy(
-        scene, 1.0 / 60, [&](const Sample&) { return test::threadSeconds() - start < kRunBudget; });
+        scene, 1.0 / 60, [&](const Sample&) { return threadCpuSeconds() - start < kRunBudget; });
     const Accuracy& accuracy = result.accuracy;
     const double steps = 240 * result.trajectory.samples.back().time;
     fmt::print("{:<28}{:>6}{:>10.1e}{:>12}{:>10.2e}{:>10.1e}{:>10.1e}{:>10.3f}{:>9}{:>9}{:>9}\n",

@@ -4,6 +4,7 @@
 
 #include "sim/model/alignment.h"
 #include "sim/model/folder.h"
+#include "sim/study/exact_sheet.h"
 
 namespace kirireel::bench {
 namespace {
@@ -26,33 +27,6 @@ void applyAuthorsSettings(const std::string& name, Scene& scene) {
   }
 }
 
-double openingAngle(const Poses& poses) {
-  const Quaternion relative = poses[0].rotation.conjugate() * poses[1].rotation;
-  return 2 * std::atan2(relative.vec().norm(), std::abs(relative.w()));
-}
-
-std::vector<Vector3> verticesOf(const std::vector<Tile>& tiles) {
-  std::vector<Vector3> vertices;
-  for (const Tile& tile : tiles) {
-    vertices.insert(vertices.end(), tile.vertices.begin(), tile.vertices.end());
-  }
-  return vertices;
-}
-
-double distanceFromExact(int side, double angle, const std::vector<Brick>& bricks,
-                         const Poses& poses) {
-  TessellationShape shape;
-  shape.columns = shape.rows = side;
-  const std::vector<Vector3> found = verticesOf(bottomTiles(bricks, poses));
-  const std::vector<Vector3> exact = verticesOf(tessellationTiles(shape, angle));
-  const RigidMotion fit = bestRigidMotion(exact, found);
-  double largest = 0;
-  for (std::size_t k = 0; k < found.size(); ++k) {
-    largest = std::max(largest, (fit.apply(exact[k]) - found[k]).norm());
-  }
-  return largest;
-}
-
 }  // namespace
 
 std::vector<NamedScene> modelScenes(const std::filesystem::path& folder) {
@@ -73,19 +47,13 @@ std::vector<NamedScene> modelScenes(const std::filesystem::path& folder) {
 }
 
 Scene sheetScene(int side, bool planar, SolverKind kind, JointFace face) {
-  Scene scene;
-  TessellationShape shape;
-  shape.columns = shape.rows = side;
-  shape.face = face;
-  scene.model = makeTessellation(shape);
-  scene.environment.contacts = ContactFilter::None;
-  scene.solver.planar = planar;
+  Scene scene = kirireel::sheetScene(side, planar, face);
   scene.solver.kind = kind;
   return scene;
 }
 
 double millisecondsPerStep(const Scene& scene, int steps) {
-  test::SteppedScene run(scene);
+  SteppedScene run(scene);
   const bool bullet = scene.solver.kind == SolverKind::Bullet;
   int done = 0;
   while (done < steps && !(bullet && done >= 3 && run.seconds() > 0.5)) {
@@ -96,7 +64,7 @@ double millisecondsPerStep(const Scene& scene, int steps) {
 }
 
 MotionError motionError(const Scene& scene, int side, double seconds) {
-  test::SteppedScene run(scene);
+  SteppedScene run(scene);
   MotionError error;
   const long steps = std::lround(seconds / scene.solver.timestep);
   for (long step = 0; step < steps; ++step) {
@@ -106,8 +74,7 @@ MotionError motionError(const Scene& scene, int side, double seconds) {
     const bool compact = error.lastAngle < 0.04;
     error.compactSamples += compact ? 1 : 0;
     double& largest = compact ? error.compact : error.open;
-    largest = std::max(largest,
-                       distanceFromExact(side, error.lastAngle, run.bricks(), run.motion().poses));
+    largest = std::max(largest, sheetError(side, error.lastAngle, run.tiles()).max);
   }
   return error;
 }

@@ -5,8 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/model/tessellation.h"
-#include "tests/support/stepped_scene.h"
+#include "sim/study/stepped_scene.h"
 
 namespace kirireel::bench {
 

@@ -18,7 +18,7 @@ struct ContactRun {
 
 ContactRun runContacts(Scene scene, SolverKind kind, double seconds) {
   scene.solver.kind = kind;
-  test::SteppedScene run(scene);
+  SteppedScene run(scene);
   ContactRun result;
   const int steps = static_cast<int>(std::lround(seconds / scene.solver.timestep));
   int done = 0;

@@ -20,7 +20,7 @@ struct Path {
 
 Path followPath(Scene scene, int rate) {
   scene.solver.timestep = 1.0 / rate;
-  test::SteppedScene run(scene);
+  SteppedScene run(scene);
   Path path;
   const int steps = static_cast<int>(kSeconds * rate);
   for (int step = 1; step <= steps; ++step) {

@@ -70,7 +70,7 @@ void printLargestStepTable() {
 
 void printLargeSheetTable() {
   Scene scene = sheetScene(100, true, SolverKind::Direct);
-  test::SteppedScene run(scene);
+  SteppedScene run(scene);
   double start = 0;
   for (int step = 0; step < 60; ++step) {
     if (step == 20) start = run.seconds();

@@ -23,7 +23,7 @@ struct Worst {
   int unconverged = 0;
   std::string where;  // the energy grew most
 
-  void add(const test::Stability& result, const std::string& combination) {
+  void add(const Stability& result, const std::string& combination) {
     ++runs;
     diverged += result.finite ? 0 : 1;
     grew += result.growth > 1e-9 ? 1 : 0;
@@ -45,7 +45,8 @@ Worst worstAtStep(Scene scene, double rate) {
         scene.springs.forceDamping = damping;
         scene.brick.thickness = thickness;
         const int steps = static_cast<int>(std::lround(kSeconds * rate));
-        worst.add(test::watchStability(scene, steps),
+        SteppedScene run(scene);
+        worst.add(watchStability(run, steps),
                   fmt::format("k_f {}, mu_v {}, thickness {}", stiffness, damping, thickness));
       }
     }

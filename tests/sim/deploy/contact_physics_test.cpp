@@ -7,7 +7,7 @@
 #include "sim/measure/measures.h"
 #include "sim/model/folder.h"
 #include "sim/model/tessellation.h"
-#include "tests/support/stepped_scene.h"
+#include "sim/study/stepped_scene.h"
 
 namespace kirireel {
 namespace {
@@ -381,7 +381,7 @@ struct Squeeze {
 Squeeze squeeze(Scene scene, int steps) {
   scene.environment.contacts = ContactFilter::All;
   scene.springs.springStiffness = scene.springs.torqueStiffness = 2000;
-  test::SteppedScene run(scene);
+  SteppedScene run(scene);
   Squeeze result;
   const double tile = tileSize(scene.model), size = modelSize(scene.model);
   for (int step = 0; step < steps; ++step) {

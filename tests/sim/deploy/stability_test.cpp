@@ -7,7 +7,7 @@
 #include "sim/model/alignment.h"
 #include "sim/model/folder.h"
 #include "sim/model/tessellation.h"
-#include "tests/support/stepped_scene.h"
+#include "sim/study/stepped_scene.h"
 
 namespace kirireel {
 namespace {
@@ -29,7 +29,8 @@ void expectStable(Scene scene, int steps) {
       scene.brick.thickness = kThicknesses[(s + 2 * d + s / 2) % 4];
       SCOPED_TRACE(fmt::format("k_f {}, mu_v {}, step 1/{}, thickness {}", kStiffnesses[s],
                                kDampings[d], rate, scene.brick.thickness));
-      const test::Stability result = test::watchStability(scene, steps);
+      SteppedScene run(scene);
+      const Stability result = watchStability(run, steps);
       EXPECT_TRUE(result.finite);
       EXPECT_LT(result.growth, 1e-12);  // measured 4e-16
       EXPECT_LT(result.gap, 1e-10);     // measured 2e-12

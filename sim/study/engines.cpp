@@ -1,0 +1,84 @@
+#include "sim/study/engines.h"
+
+#include <fmt/format.h>
+
+#include "sim/deploy/direct_dynamics.h"
+#include "sim/deploy/world_dynamics.h"
+#include "sim/world/bullet_world.h"
+#include "sim/world/chipmunk_world.h"
+#include "sim/world/multi_body_world.h"
+
+namespace kirireel {
+namespace {
+
+BulletMethod bulletMethod(Engine engine) {
+  if (engine == Engine::Nncg) return BulletMethod::Nncg;
+  if (engine == Engine::Dantzig) return BulletMethod::Dantzig;
+  return BulletMethod::SequentialImpulse;
+}
+
+std::unique_ptr<BrickWorld> makeWorld(const Method& method, const Scene& scene,
+                                      const std::vector<Brick>& bricks, const Poses& start) {
+  const std::vector<Pivot> pivots = makePivots(scene.model.joints, bricks);
+  const Environment& environment = scene.environment;
+  if (method.engine == Engine::MultiBody) {
+    return std::make_unique<MultiBodyWorld>(bricks, start, pivots, environment, method.iterations);
+  }
+  if (method.engine == Engine::Chipmunk) {
+    return makeChipmunkWorld(bricks, start, pivots, environment, method.iterations);
+  }
+  return std::make_unique<BulletWorld>(
+      bricks, start, pivots, environment,
+      BulletSettings{bulletMethod(method.engine), method.iterations, method.jointCorrection});
+}
+
+}  // namespace
+
+std::string toString(Engine engine) {
+  switch (engine) {
+    case Engine::Direct:
+      return "direct";
+    case Engine::SequentialImpulse:
+      return "sequential impulse";
+    case Engine::Nncg:
+      return "nncg";
+    case Engine::Dantzig:
+      return "dantzig";
+    case Engine::MultiBody:
+      return "multibody";
+    case Engine::Chipmunk:
+      return "chipmunk";
+  }
+  return "unknown";
+}
+
+bool isAvailable(Engine engine) {
+  return engine != Engine::Chipmunk || !chipmunkVersion().empty();
+}
+
+Method bulletBaseline() {
+  return {Engine::SequentialImpulse, 240, 20, 50};
+}
+
+std::string toString(const Method& method) {
+  if (method.engine == Engine::Direct) return fmt::format("direct 1/{} s", method.rate);
+  std::string text =
+      fmt::format("{} {} x {}", toString(method.engine), method.substeps, method.iterations);
+  if (method.jointCorrection != Method{}.jointCorrection) {
+    text += fmt::format(" erp {}", method.jointCorrection);
+  }
+  return text;
+}
+
+DynamicsMaker dynamicsMaker(const Method& method) {
+  return [method](const Scene& scene, const std::vector<Brick>& bricks,
+                  const Poses& start) -> std::unique_ptr<Dynamics> {
+    if (method.engine == Engine::Direct) {
+      return std::make_unique<DirectDynamics>(scene, sceneNeeds(scene), bricks, start);
+    }
+    return std::make_unique<WorldDynamics>(makeWorld(method, scene, bricks, start), method.substeps,
+                                           bricks.size());
+  };
+}
+
+}  // namespace kirireel

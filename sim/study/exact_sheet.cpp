@@ -1,0 +1,62 @@
+#include "sim/study/exact_sheet.h"
+
+#include <algorithm>
+
+#include "sim/model/alignment.h"
+#include "sim/model/tessellation.h"
+
+namespace kirireel {
+namespace {
+
+std::vector<Vector3> verticesOf(const std::vector<Tile>& tiles) {
+  std::vector<Vector3> vertices;
+  for (const Tile& tile : tiles) {
+    vertices.insert(vertices.end(), tile.vertices.begin(), tile.vertices.end());
+  }
+  return vertices;
+}
+
+}  // namespace
+
+Scene sheetScene(int side, bool planar, JointFace face) {
+  TessellationShape shape;
+  shape.columns = shape.rows = side;
+  shape.face = face;
+  Scene scene;
+  scene.model = makeTessellation(shape);
+  scene.environment.contacts = ContactFilter::None;
+  scene.solver.planar = planar;
+  return scene;
+}
+
+double openingAngle(const Poses& poses) {
+  const Quaternion relative = poses[0].rotation.conjugate() * poses[1].rotation;
+  return 2 * std::atan2(relative.vec().norm(), std::abs(relative.w()));
+}
+
+VertexError vertexError(const std::vector<Tile>& found, const std::vector<Tile>& wanted) {
+  VertexError error;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    for (std::size_t k = 0; k < found[i].vertices.size(); ++k, ++count) {
+      const double distance = (found[i].vertices[k] - wanted[i].vertices[k]).norm();
+      error.max = std::max(error.max, distance);
+      error.mean += distance;
+    }
+  }
+  if (count > 0) error.mean /= static_cast<double>(count);
+  return error;
+}
+
+VertexError sheetError(int side, double angle, const std::vector<Tile>& found) {
+  TessellationShape shape;
+  shape.columns = shape.rows = side;
+  std::vector<Tile> exact = tessellationTiles(shape, angle);
+  const RigidMotion fit = bestRigidMotion(verticesOf(exact), verticesOf(found));
+  for (Tile& tile : exact) {
+    for (Vector3& vertex : tile.vertices) vertex = fit.apply(vertex);
+  }
+  return vertexError(found, exact);
+}
+
+}  // namespace kirireel

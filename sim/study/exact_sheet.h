@@ -1,0 +1,29 @@
+/// The sheet whose motion is known in closed form: squares that open from 0 to 90 degrees.
+#pragma once
+
+#include <vector>
+
+#include "sim/scene/scene.h"
+
+namespace kirireel {
+
+/// A square sheet of side x side tiles, without contacts, closed at the start. Joints on both faces
+/// are hinges, two point joints each to engines; on the bottom alone they are one.
+Scene sheetScene(int side, bool planar, JointFace face = JointFace::Both);
+
+/// The angle between the first two tiles of a sheet, radians from 0.
+double openingAngle(const Poses& poses);
+
+/// How far vertices are from where they should be, metres.
+struct VertexError {
+  double max = 0;
+  double mean = 0;
+};
+
+/// How far corresponding vertices are apart.
+VertexError vertexError(const std::vector<Tile>& found, const std::vector<Tile>& wanted);
+
+/// How far a sheet is from the exact one at the same opening angle, wherever that one is placed.
+VertexError sheetError(int side, double angle, const std::vector<Tile>& found);
+
+}  // namespace kirireel

@@ -1,0 +1,131 @@
+#include "sim/study/run_study.h"
+
+#include <cmath>
+#include <fstream>
+#include <set>
+#include <thread>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <sys/utsname.h>
+
+#include "sim/base/error.h"
+#include "sim/base/pending_file.h"
+#include "sim/world/bullet_world.h"
+#include "sim/world/chipmunk_world.h"
+
+namespace kirireel {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string processorName() {
+  std::ifstream file("/proc/cpuinfo");
+  std::string line;
+  while (std::getline(file, line)) {
+    if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
+  }
+  return "unknown processor";
+}
+
+std::string engineVersions() {
+  const std::string chipmunk = chipmunkVersion();
+  return fmt::format("bullet {}, chipmunk {}", bulletVersion(),
+                     chipmunk.empty() ? "absent" : chipmunk);
+}
+
+Caption makeCaption(const Study& study, const StudySettings& settings) {
+  Caption caption;
+  caption.study = study.name;
+  caption.extent = settings.extent == Extent::Quick ? "quick" : "full";
+  caption.command = settings.command;
+  caption.machine = machineText();
+  caption.versions = fmt::format("{}, {}", settings.versions, engineVersions());
+  return caption;
+}
+
+std::filesystem::path csvPath(const Study& study, const StudySettings& settings) {
+  return settings.folder / (study.name + ".csv");
+}
+
+/// The rows of an earlier run, which must be one of the same kind.
+std::vector<Row> finishedRows(const Table& table, const StudySettings& settings,
+                              const Study& study) {
+  const std::filesystem::path file = csvPath(study, settings);
+  if (!settings.resume || !exists(file)) return {};
+  const Table earlier = readCsv(file);
+  if (earlier.caption.extent != table.caption.extent) {
+    throw InputError(fmt::format(
+        "{}: error: this is a {} study, which a {} one cannot resume; use the same options or "
+        "another --out",
+        file.string(), earlier.caption.extent, table.caption.extent));
+  }
+  if (earlier.columns.size() == table.columns.size()) return earlier.rows;
+  throw InputError(
+      fmt::format("{}: error: {} columns, but this version's study has {}; leave --resume out",
+                  file.string(), earlier.columns.size(), table.columns.size()));
+}
+
+std::vector<Row> rowsOf(const StudyCase& studyCase) {
+  std::vector<Row> rows = studyCase.run();
+  for (Row& row : rows) row.insert(row.begin(), studyCase.name);
+  return rows;
+}
+
+}  // namespace
+
+std::string machineText() {
+  utsname system{};
+  uname(&system);
+  return fmt::format("{}, {} cores, {} {}", processorName(), std::thread::hardware_concurrency(),
+                     system.sysname, system.machine);
+}
+
+Table runStudy(const Study& study, const StudySettings& settings, const StudyObserver& observer) {
+  makeFolder(settings.folder);
+  Table table;
+  table.caption = makeCaption(study, settings);
+  table.columns.push_back({"case", "what the row is a result of"});
+  table.columns.insert(table.columns.end(), study.columns.begin(), study.columns.end());
+  const std::vector<Row> earlier = finishedRows(table, settings, study);
+  const std::vector<StudyCase> cases = study.cases(settings.extent);
+  for (std::size_t k = 0; k < cases.size(); ++k) {
+    const std::size_t before = table.rows.size();
+    for (const Row& row : earlier) {
+      if (row.front() == cases[k].name) table.rows.push_back(row);
+    }
+    if (table.rows.size() > before) continue;
+    if (!observer(cases[k].name, k, cases.size())) return table;
+    const std::vector<Row> rows = rowsOf(cases[k]);
+    table.rows.insert(table.rows.end(), rows.begin(), rows.end());
+    writeTextFile(csvPath(study, settings), csvText(table));
+  }
+  writeTextFile(csvPath(study, settings), csvText(table));
+  writeTextFile(settings.folder / (study.name + ".json"), studyJson(study, table));
+  return table;
+}
+
+std::string studyJson(const Study& study, const Table& table) {
+  const Caption& caption = table.caption;
+  Json json;
+  json["study"] = study.name;
+  json["about"] = study.help;
+  json["caption"] = {{"extent", caption.extent},
+                     {"command", caption.command},
+                     {"machine", caption.machine},
+                     {"versions", caption.versions}};
+  json["columns"] = Json::array();
+  for (const Column& column : table.columns) {
+    json["columns"].push_back({{"name", column.name}, {"meaning", column.meaning}});
+  }
+  json["rows"] = table.rows;
+  json["findings"] = Json::array();
+  for (const Finding& finding : study.findings(table)) {
+    Json entry{{"name", finding.name}, {"value", nullptr}, {"meaning", finding.meaning}};
+    if (std::isfinite(finding.value)) entry["value"] = finding.value;
+    json["findings"].push_back(std::move(entry));
+  }
+  return json.dump(1) + "\n";
+}
+
+}  // namespace kirireel

@@ -1,0 +1,116 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <malloc.h>
+
+#include "sim/study/exact_sheet.h"
+#include "sim/study/power_law.h"
+#include "sim/study/stepped_scene.h"
+#include "sim/study/study.h"
+
+namespace kirireel {
+namespace {
+
+// The first steps leave the closed state and take longer; both kinds are counted, as in a run.
+constexpr int kSteps = 240;
+constexpr int kLeastSteps = 3;
+// From here on costs follow a power law.
+constexpr double kLeastTiles = 100;
+
+struct ScalingRun {
+  Method method;
+  bool planar;
+  int side;
+  double budget;  // CPU seconds
+};
+
+/// Bytes that the program holds at present.
+double heldBytes() {
+  const struct mallinfo2 info = mallinfo2();
+  return static_cast<double>(info.uordblks) + static_cast<double>(info.hblkhd);
+}
+
+std::vector<Row> growSheet(const ScalingRun& settings) {
+  const Scene scene = sheetScene(settings.side, settings.planar);
+  const double before = heldBytes();
+  SteppedScene run(scene, settings.method);
+  int steps = 0;
+  double gap = 0;
+  while (steps < kSteps && (steps < kLeastSteps || run.seconds() < settings.budget)) {
+    run.advance();
+    gap = std::max(gap, run.gap());
+    ++steps;
+  }
+  return {{toString(settings.method.engine), settings.planar ? "plane" : "space",
+           cell(settings.side * settings.side), cell(steps), cell(1e3 * run.seconds() / steps),
+           cell(1e3 * run.setupSeconds()), cell((heldBytes() - before) / 1e6), cell(gap)}};
+}
+
+std::vector<StudyCase> cases(Extent extent) {
+  const bool quick = extent == Extent::Quick;
+  std::vector<StudyCase> made;
+  const auto add = [&](const Method& method, bool planar, const std::vector<int>& sides) {
+    if (!isAvailable(method.engine)) return;
+    for (const int side : sides) {
+      made.push_back(
+          {fmt::format("{} {} {}", toString(method), planar ? "plane" : "space", side * side), [=] {
+             return growSheet({method, planar, side, quick ? 1.0 : 5.0});
+           }});
+    }
+  };
+  add({Engine::Direct}, true, {5, 10, 20, 40, 100});
+  add({Engine::Direct}, false,
+      quick ? std::vector{5, 10, 20, 40} : std::vector{5, 10, 20, 40, 100});
+  add(bulletBaseline(), false, quick ? std::vector{5, 10, 20} : std::vector{5, 10, 20, 40, 100});
+  add({Engine::Chipmunk, 240, 20, 50}, true,
+      quick ? std::vector{5, 10, 20} : std::vector{5, 10, 20, 40, 100});
+  return made;
+}
+
+double exponent(const Table& table, const std::string& engine, const std::string& motion,
+                const std::string& column) {
+  std::vector<PowerPoint> points;
+  for (const Row& row : table.rows) {
+    const double tiles = table.number(row, "tiles");
+    const bool belongs = table.text(row, "engine") == engine && table.text(row, "motion") == motion;
+    if (belongs && tiles >= kLeastTiles) points.push_back({tiles, table.number(row, column)});
+  }
+  return fittedExponent(points);
+}
+
+std::vector<Finding> findings(const Table& table) {
+  const std::string time = "ms_per_step";
+  const std::string memory = "memory_mb";
+  return {{"direct_exponent_plane", exponent(table, "direct", "plane", time),
+           "b of CPU time = a tiles^b from 100 tiles on, ours in the plane"},
+          {"direct_exponent_space", exponent(table, "direct", "space", time),
+           "the same of ours in space"},
+          {"bullet_exponent_space", exponent(table, "sequential impulse", "space", time),
+           "the same of Bullet"},
+          {"chipmunk_exponent_plane", exponent(table, "chipmunk", "plane", time),
+           "the same of Chipmunk"},
+          {"direct_memory_exponent_plane", exponent(table, "direct", "plane", memory),
+           "b of memory = a tiles^b, ours in the plane"},
+          {"direct_memory_exponent_space", exponent(table, "direct", "space", memory),
+           "the same of ours in space"}};
+}
+
+}  // namespace
+
+Study scalingStudy() {
+  return {"scaling",
+          "cost and memory of a step on sheets of 25 to 10,000 tiles",
+          {{"engine", "what held the joints"},
+           {"motion", "plane or space"},
+           {"tiles", "of the sheet"},
+           {"steps", "taken, of 1/240 s"},
+           {"ms_per_step", "CPU milliseconds"},
+           {"setup_ms", "CPU milliseconds before the first step"},
+           {"memory_mb", "that bricks, joints and solver hold, millions of bytes"},
+           {"gap_m", "largest joint gap of all steps, metres"}},
+          cases,
+          findings};
+}
+
+}  // namespace kirireel

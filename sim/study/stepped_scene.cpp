@@ -1,0 +1,98 @@
+#include "sim/study/stepped_scene.h"
+
+#include <algorithm>
+#include <random>
+
+#include "sim/base/cpu_time.h"
+
+namespace kirireel {
+namespace {
+
+constexpr double kNudge = 1e-6;  // model sizes a second, as in a deployment
+constexpr double kLost = 1e3;    // model sizes
+
+Scene withRate(Scene scene, const Method& method) {
+  scene.solver.timestep = 1.0 / method.rate;
+  return scene;
+}
+
+}  // namespace
+
+SteppedScene::SteppedScene(const Scene& scene)
+    : SteppedScene(scene, makeBricks(scene.model.tiles, scene.brick),
+                   [](const Scene& asked, const std::vector<Brick>& bricks, const Poses& start) {
+                     return makeDynamics(asked, sceneNeeds(asked), bricks, start);
+                   }) {}
+
+SteppedScene::SteppedScene(const Scene& scene, const Method& method)
+    : SteppedScene(withRate(scene, method), makeBricks(scene.model.tiles, scene.brick),
+                   dynamicsMaker(method)) {}
+
+SteppedScene::SteppedScene(const Scene& scene, std::vector<Brick> bricks,
+                           const DynamicsMaker& makeSolver)
+    : scene_(scene),
+      bricks_(std::move(bricks)),
+      pivots_(makePivots(scene_.model.joints, bricks_)),
+      motion_{startPoses(scene_.model.tiles, bricks_), std::vector<Velocity>(bricks_.size())},
+      size_(modelSize(scene_.model)) {
+  if (scene_.model.target) {
+    springs_.emplace(bricks_, *scene_.model.target, scene_.model.pulledTiles, scene_.springs);
+  }
+  loads_ = [this](const Poses& poses, std::vector<Load>& out) {
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      out[i] = springs_ ? springs_->load(static_cast<int>(i), poses[i], 1) : Load{};
+    }
+  };
+  const double before = threadCpuSeconds();
+  dynamics_ = makeSolver(scene_, bricks_, motion_.poses);
+  dynamics_->assemble(motion_.poses);
+  setupSeconds_ = threadCpuSeconds() - before;
+  nudge(kNudge * size_);
+}
+
+void SteppedScene::advance() {
+  const double before = threadCpuSeconds();
+  report_ += dynamics_->advance(motion_, scene_.solver.timestep, loads_);
+  seconds_ += threadCpuSeconds() - before;
+}
+
+bool SteppedScene::isFinite() const {
+  const double bound = kLost * size_;
+  return std::all_of(motion_.poses.begin(), motion_.poses.end(),
+                     [&](const Pose& pose) { return pose.position.norm() < bound; });
+}
+
+double SteppedScene::energy() const {
+  double energy = kineticEnergy(bricks_, motion_);
+  if (springs_) energy += springs_->energy(motion_.poses, 1);
+  for (std::size_t i = 0; i < bricks_.size(); ++i) {
+    energy -= bricks_[i].mass * scene_.environment.gravity.dot(motion_.poses[i].position);
+  }
+  return energy;
+}
+
+void SteppedScene::nudge(double speed) {
+  std::mt19937 generator(scene_.solver.seed);
+  for (Velocity& velocity : motion_.velocities) {
+    for (int k = 0; k < 3; ++k) velocity.linear[k] = speed * (generator() / 2147483648.0 - 1);
+  }
+}
+
+Stability watchStability(SteppedScene& run, int steps, double cpuSeconds) {
+  const double start = run.energy();
+  double before = start;
+  Stability result;
+  while (result.steps < steps && result.finite && run.seconds() < cpuSeconds) {
+    run.advance();
+    ++result.steps;
+    const double after = run.energy();
+    result.growth = std::max(result.growth, (after - before) / start);
+    result.gap = std::max(result.gap, run.gap() / run.size());
+    result.finite = std::isfinite(after) && run.isFinite();
+    before = after;
+  }
+  result.unconverged = run.report().unconverged;
+  return result;
+}
+
+}  // namespace kirireel

@@ -1,0 +1,80 @@
+/// A scene stepped by hand, so that every step's energy, gap and cost are seen.
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "sim/actuation/target_springs.h"
+#include "sim/measure/measures.h"
+#include "sim/study/engines.h"
+
+namespace kirireel {
+
+/// The scene's bricks under springs of constant stiffness, from an assembled start with a nudge.
+class SteppedScene {
+ public:
+  /// With the solver that the scene asks for.
+  explicit SteppedScene(const Scene& scene);
+  /// With another solver; its rate sets the timestep.
+  SteppedScene(const Scene& scene, const Method& method);
+  /// With another solver and bricks that are not as the scene's rule makes them.
+  SteppedScene(const Scene& scene, std::vector<Brick> bricks, const DynamicsMaker& makeSolver);
+  SteppedScene(const SteppedScene&) = delete;
+  SteppedScene& operator=(const SteppedScene&) = delete;
+
+  /// One step of the scene's timestep; its cost alone is counted in seconds().
+  void advance();
+
+  const std::vector<Brick>& bricks() const { return bricks_; }
+  const std::vector<Pivot>& pivots() const { return pivots_; }
+  const Motion& motion() const { return motion_; }
+  /// What the direct solver's steps did so far.
+  const StepReport& report() const { return report_; }
+  /// CPU seconds spent in advance().
+  double seconds() const { return seconds_; }
+  /// CPU seconds that making the solver and closing the joints took.
+  double setupSeconds() const { return setupSeconds_; }
+  /// The largest joint gap, metres.
+  double gap() const { return jointGap(pivots_, motion_.poses).max; }
+  /// The diagonal of the start, metres.
+  double size() const { return size_; }
+  /// The bottoms of the bricks.
+  std::vector<Tile> tiles() const { return bottomTiles(bricks_, motion_.poses); }
+  /// Whether every brick is within a thousand model sizes of the origin.
+  bool isFinite() const;
+  /// Kinetic energy and that of springs and gravity, joules.
+  double energy() const;
+
+ private:
+  void nudge(double speed);
+
+  Scene scene_;
+  std::vector<Brick> bricks_;
+  std::vector<Pivot> pivots_;
+  Motion motion_;
+  std::optional<TargetSprings> springs_;
+  std::unique_ptr<Dynamics> dynamics_;
+  LoadSource loads_;
+  StepReport report_;
+  double size_;
+  double seconds_ = 0;
+  double setupSeconds_ = 0;
+};
+
+/// What hard settings do to a run.
+struct Stability {
+  bool finite = true;   ///< every brick stayed within a thousand model sizes
+  double growth = -1;   ///< of the energy, the largest in any step, relative to that at the start
+  double gap = 0;       ///< largest, relative to the model's size
+  int unconverged = 0;  ///< steps
+  int steps = 0;        ///< taken
+};
+
+/// Steps the scene until `steps` are done, it leaves all bounds or `cpuSeconds` are used, and
+/// watches.
+Stability watchStability(SteppedScene& run, int steps,
+                         double cpuSeconds = std::numeric_limits<double>::infinity());
+
+}  // namespace kirireel

@@ -1,0 +1,28 @@
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "sim/base/error.h"
+#include "sim/base/spelling.h"
+#include "sim/study/study.h"
+
+namespace kirireel {
+
+const std::vector<Study>& studies() {
+  static const std::vector<Study> all{scalingStudy(), tessellationStudy()};
+  return all;
+}
+
+const Study& studyNamed(const std::string& name) {
+  std::vector<std::string> names;
+  for (const Study& study : studies()) {
+    if (study.name == name) return study;
+    names.push_back(study.name);
+  }
+  names.emplace_back("all");
+  throw InputError(fmt::format("error: no study {}{}; there are {}", name, suggestion(name, names),
+                               fmt::join(names, ", ")));
+}
+
+}  // namespace kirireel

@@ -1,0 +1,119 @@
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "sim/study/exact_sheet.h"
+#include "sim/study/stepped_scene.h"
+#include "sim/study/study.h"
+
+namespace kirireel {
+namespace {
+
+constexpr int kSide = 4;
+constexpr double kDegrees = 180 / std::numbers::pi;
+// Up to here a sheet counts as closed: its motion is singular there.
+constexpr double kStartDegrees = 2.3;  // 0.04 radians
+// Weak springs, so that many steps fall on every degree.
+constexpr double kStiffness = 10;
+
+struct TessellationRun {
+  Method method;
+  bool planar;
+  double seconds;
+};
+
+std::vector<Row> openSheet(const TessellationRun& settings) {
+  Scene scene = sheetScene(kSide, settings.planar);
+  scene.springs.springStiffness = scene.springs.torqueStiffness = kStiffness;
+  SteppedScene run(scene, settings.method);
+  std::vector<Row> rows;
+  double nextDegrees = 0;
+  const int steps = static_cast<int>(settings.seconds * settings.method.rate);
+  VertexError worst;  // since the row before, so that no step is passed over
+  double gap = 0;
+  for (int step = 1; step <= steps; ++step) {
+    run.advance();
+    const double angle = openingAngle(run.motion().poses);
+    const VertexError error = sheetError(kSide, angle, run.tiles());
+    worst = {std::max(worst.max, error.max), std::max(worst.mean, error.mean)};
+    gap = std::max(gap, run.gap());
+    if (angle * kDegrees < nextDegrees && step < steps) continue;
+    rows.push_back({toString(settings.method.engine), settings.planar ? "plane" : "space",
+                    cell(step / double(settings.method.rate)), cell(angle * kDegrees),
+                    cell(worst.max), cell(worst.mean), cell(gap)});
+    nextDegrees = std::floor(angle * kDegrees + 1);
+    worst = {};
+    gap = 0;
+  }
+  return rows;
+}
+
+std::vector<StudyCase> cases(Extent extent) {
+  const double seconds = extent == Extent::Quick ? 5 : 10;
+  std::vector<StudyCase> made;
+  const auto add = [&](const Method& method, bool planar) {
+    made.push_back({fmt::format("{} {}", toString(method), planar ? "plane" : "space"), [=] {
+                      return openSheet({method, planar, seconds});
+                    }});
+  };
+  add({Engine::Direct}, true);
+  add({Engine::Direct}, false);
+  add(bulletBaseline(), false);
+  if (isAvailable(Engine::Chipmunk)) add({Engine::Chipmunk, 240, 20, 50}, true);
+  return made;
+}
+
+/// The largest error of an engine's rows, up to kStartDegrees or beyond.
+double largestError(const Table& table, const std::string& engine, bool atStart) {
+  double largest = std::nan("");
+  for (const Row& row : table.rows) {
+    const bool starts = table.number(row, "angle_deg") < kStartDegrees;
+    if (table.text(row, "engine") != engine || starts != atStart) continue;
+    largest = std::fmax(largest, table.number(row, "max_error_m"));
+  }
+  return largest;
+}
+
+double largestAngle(const Table& table) {
+  double largest = std::nan("");
+  for (const Row& row : table.rows) {
+    if (table.text(row, "engine") != "direct") continue;
+    largest = std::fmax(largest, table.number(row, "angle_deg"));
+  }
+  return largest;
+}
+
+std::vector<Finding> findings(const Table& table) {
+  return {{"direct_error_start", largestError(table, "direct", true),
+           "largest vertex error of ours up to 2.3 degrees, metres"},
+          {"direct_error_open", largestError(table, "direct", false),
+           "largest vertex error of ours beyond, metres"},
+          {"direct_angle", largestAngle(table), "that ours reached, degrees"},
+          {"bullet_error_start", largestError(table, "sequential impulse", true),
+           "the same of Bullet up to 2.3 degrees, metres"},
+          {"bullet_error_open", largestError(table, "sequential impulse", false),
+           "the same of Bullet beyond, metres"},
+          {"chipmunk_error_open", largestError(table, "chipmunk", false),
+           "the same of Chipmunk beyond, metres"}};
+}
+
+}  // namespace
+
+Study tessellationStudy() {
+  return {"tessellation",
+          "4 x 4 squares from 0 to 90 degrees against the exact motion",
+          {{"engine", "what held the joints"},
+           {"motion", "plane or space"},
+           {"time_s", "simulated seconds"},
+           {"angle_deg", "between neighbouring tiles, degrees"},
+           {"max_error_m",
+            "largest distance of a vertex from the exact sheet at that angle, of all "
+            "steps since the row before, metres"},
+           {"mean_error_m", "mean distance of all vertices, of the worst of these steps, metres"},
+           {"gap_m", "largest joint gap of these steps, metres"}},
+          cases,
+          findings};
+}
+
+}  // namespace kirireel

@@ -1,0 +1,90 @@
+#include "sim/study/table.h"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/base/error.h"
+#include "tests/support/files.h"
+
+namespace kirireel {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+Table sampleTable() {
+  Table table;
+  table.caption = {"scaling", "quick", "kirireel study scaling --quick", "a machine, 2 cores",
+                   "1.0"};
+  table.columns = {{"case", ""}, {"tiles", "of the sheet"}, {"note", ""}};
+  table.rows = {{"a", cell(25), ""}, {"b", cell(1.0 / 3), cell(std::string("x, y\nz"))}};
+  return table;
+}
+
+Table readBack(const std::string& text) {
+  const test::TemporaryFolder folder;
+  std::ofstream(folder.path() / "table.csv") << text;
+  return readCsv(folder.path() / "table.csv");
+}
+
+TEST(StudyTable, ReadsBackWhatItWrote) {
+  const Table written = sampleTable();
+  const Table read = readBack(csvText(written));
+  EXPECT_EQ(read.caption, written.caption);
+  EXPECT_EQ(read.rows, written.rows);
+  EXPECT_EQ(read.columns[1].name, "tiles");
+  EXPECT_EQ(csvText(read), csvText(written));
+}
+
+TEST(StudyTable, CellsHoldNoSeparators) {
+  EXPECT_EQ(sampleTable().rows[1][2], "x; y z");
+  EXPECT_EQ(cell(1.0 / 3), "0.33333");
+  EXPECT_EQ(cell(std::nan("")), "");
+  EXPECT_EQ(cell(true), "yes");
+}
+
+TEST(StudyTable, NumbersAreFoundByColumn) {
+  const Table table = sampleTable();
+  EXPECT_EQ(table.number(table.rows[0], "tiles"), 25);
+  EXPECT_TRUE(std::isnan(table.number(table.rows[0], "note")));
+  EXPECT_TRUE(std::isnan(table.number(table.rows[1], "note")));
+  EXPECT_EQ(table.text(table.rows[1], "case"), "b");
+}
+
+TEST(StudyTable, SaysWhichColumnIsMissing) {
+  const Table table = sampleTable();
+  try {
+    table.number(table.rows[0], "gap_m");
+    FAIL() << "no error";
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "error: the table of scaling has no column gap_m; make it again with kirireel "
+                 "study scaling");
+  }
+}
+
+TEST(StudyTable, SaysWhichRowIsRagged) {
+  try {
+    readBack("# study: scaling\ncase,tiles\na,1\nb\n");
+    FAIL() << "no error";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(),
+                HasSubstr("table.csv:4: error: 1 cells, but the table has 2 columns; remove this "
+                          "line"));
+  }
+}
+
+TEST(StudyTable, SaysWhichFileIsMissing) {
+  try {
+    readCsv("/nowhere/scaling.csv");
+    FAIL() << "no error";
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "/nowhere/scaling.csv: error: cannot be read; kirireel study makes it");
+  }
+}
+
+}  // namespace
+}  // namespace kirireel
