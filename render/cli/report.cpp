@@ -18,6 +18,19 @@ std::string describeNeed(const char* name, const Need& need) {
   return fmt::format("{} {} ({})", name, need.on ? "on" : "off", need.reason);
 }
 
+/// Of the bricks that are in each other's way at the target, so many pairs are named.
+constexpr std::size_t kPairsNamed = 3;
+
+std::string describeBlocking(const std::vector<BlockingPair>& blocking) {
+  if (blocking.empty()) return "";
+  std::vector<std::string> pairs;
+  for (const BlockingPair& pair : blocking) {
+    if (pairs.size() < kPairsNamed) pairs.push_back(describe(pair));
+  }
+  return fmt::format("{} pairs of bricks would overlap at the target: {}{}\n", blocking.size(),
+                     fmt::join(pairs, "; "), blocking.size() > pairs.size() ? "; ..." : "");
+}
+
 std::string describeCost(const RunSummary& summary) {
   const DeployCost& deploy = summary.deployCost;
   const RecordCost& record = summary.recordCost;
@@ -86,6 +99,7 @@ std::string describeRun(const Scene& scene, const RecordSettings& settings,
   if (scene.model.target) {
     text += describeTarget(accuracy);
     text += fmt::format("path: {}\n", summary.pathReason);
+    text += describeBlocking(summary.blocking);
   }
   text += fmt::format("joint gap {:.3g} m at most, penetration {:.3g} m at most\n",
                       accuracy.jointGapMax, accuracy.penetrationMax);

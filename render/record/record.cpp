@@ -112,6 +112,7 @@ void summarize(const RunEnd& end, RunSummary& summary) {
   summary.path = end.result.path;
   summary.pathReason = end.result.pathReason;
   summary.assembledFloor = end.result.assembledFloor;
+  summary.blocking = end.result.blocking;
   summary.deployCost = end.result.cost;
   summary.events = end.result.trajectory.events;
 }

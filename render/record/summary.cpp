@@ -54,6 +54,20 @@ Json pathJson(const PathSettings& path, const std::string& reason) {
           {"joint_stiffness", onlyIf(jointsGive, path.jointStiffness)}};
 }
 
+Json blockingJson(const std::vector<BlockingPair>& blocking) {
+  Json pairs = Json::array();
+  for (const BlockingPair& pair : blocking) {
+    Json face;
+    if (pair.freeingFace) face = *pair.freeingFace == JointFace::Top ? "top" : "bottom";
+    pairs.push_back(
+        {{"tiles", {pair.tileA, pair.tileB}},
+         {"overlap_at_target", pair.overlap},
+         {"free_with_joints_on", face},
+         {"free_with_thickness", onlyIf(pair.freeingThickness > 0, pair.freeingThickness)}});
+  }
+  return pairs;
+}
+
 Json costJson(const RunSummary& summary) {
   return {{"steps", summary.deployCost.steps},
           {"halved_steps", summary.deployCost.halvedSteps},
@@ -218,6 +232,7 @@ std::string summaryJson(const Scene& scene, const RecordSettings& settings,
       {"model", modelJson(scene.model)},
       {"accuracy", accuracyJson(summary, scene.model.target.has_value())},
       {"path", pathJson(summary.path, summary.pathReason)},
+      {"blocking", blockingJson(summary.blocking)},
       {"needs",
        {{"planar", needJson(summary.needs.planar)},
         {"contacts", needJson(summary.needs.contacts)},

@@ -6,7 +6,7 @@
 
 #include "sim/base/cpu_time.h"
 #include "sim/base/error.h"
-#include "sim/deploy/assembled_floor.h"
+#include "sim/deploy/assembled_state.h"
 #include "sim/deploy/run.h"
 
 namespace kirireel {
@@ -65,19 +65,23 @@ DeploymentResult deployUnkept(const Scene& scene, double sampleInterval,
   if (scene.model.tiles.empty())
     throw InputError("the model has no tiles; add one to vertices.txt");
   const double startSeconds = threadCpuSeconds();
-  const double floor = assembledFloor(scene);
+  const AssembledState nearest = assembleAtTarget(scene);
+  std::vector<BlockingPair> blocking = blockingPairs(scene, nearest.poses);
   bool goOn = true;
-  PathChoice choice = choosePath(scene, floor, [&](const std::string& what) {
+  const TrialObserver watchSearch = [&](const std::string& what) {
     goOn = !searching || searching(what);
     return goOn;
-  });
+  };
+  PathChoice choice =
+      choosePath(scene, sampleInterval, {nearest.error, !blocking.empty()}, watchSearch);
   Scene chosen = scene;
   chosen.path = choice.path;
   const double searchSeconds = threadCpuSeconds() - startSeconds;
   // A search that was ended early ends the run with its start.
   const SampleObserver watch = [&](const Sample& sample) { return observer(sample) && goOn; };
-  DeploymentResult result = Run(chosen, sampleInterval, floor, watch).finish();
+  DeploymentResult result = Run(chosen, sampleInterval, nearest.error, watch).finish();
   result.pathReason = std::move(choice.reason);
+  result.blocking = std::move(blocking);
   result.cost.cpuSecondsSearch = searchSeconds;
   return result;
 }

@@ -4,7 +4,9 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
+#include "sim/deploy/blockage.h"
 #include "sim/deploy/path_choice.h"
 #include "sim/measure/measures.h"
 #include "sim/scene/scene.h"
@@ -44,6 +46,7 @@ struct DeployCost {
   long steps = 0;               ///< solver steps taken, halved ones included
   long halvedSteps = 0;         ///< steps that were redone as two halves
   long unconvergedSteps = 0;    ///< steps whose contacts did not reach their tolerance
+  long factorizations = 0;      ///< of the system matrix
   double cpuSeconds = 0;        ///< of the deploying thread, the search for a path apart
   double cpuSecondsSearch = 0;  ///< of finding the assembled floor and a path
 };
@@ -56,9 +59,10 @@ struct DeploymentResult {
   Accuracy accuracy;
   DeployCost cost;
   Needs needs;
-  PathSettings path;           ///< that was taken, never Auto
-  std::string pathReason;      ///< one short phrase: why
-  double assembledFloor = -1;  ///< metres; negative without a target
+  PathSettings path;                   ///< that was taken, never Auto
+  std::string pathReason;              ///< one short phrase: why
+  double assembledFloor = -1;          ///< metres; negative without a target
+  std::vector<BlockingPair> blocking;  ///< bricks in each other's way at the target
 };
 
 /// Called with each sample, the last included; return false to end the run early.

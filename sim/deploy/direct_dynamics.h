@@ -15,6 +15,7 @@ class DirectDynamics : public Dynamics {
   void assemble(Poses& poses) override { solver_->assemble(poses); }
   void setPinned(const std::vector<bool>& pinned) override { solver_->setPinned(pinned); }
   void setJointStiffness(double stiffness) override { solver_->setJointStiffness(stiffness); }
+  std::vector<ContactLoad> contactLoads() const override { return solver_->contactLoads(); }
   StepReport advance(Motion& motion, double step, const LoadSource& actuation) override;
 
  private:

@@ -22,6 +22,10 @@ class Dynamics {
   /// Makes joints springs, or exact again; see JointSolver::setJointStiffness.
   virtual void setJointStiffness(double stiffness) = 0;
 
+  /// The contacts that carried load in the last step, the strongest first; none where the solver
+  /// does not tell.
+  virtual std::vector<ContactLoad> contactLoads() const = 0;
+
   /// Advances the motion by `step` seconds; `actuation` gives the loads beyond gravity and damping.
   virtual StepReport advance(Motion& motion, double step, const LoadSource& actuation) = 0;
 };

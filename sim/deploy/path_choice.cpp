@@ -13,14 +13,18 @@ namespace {
 // A trial arrives when it ends within this factor of the floor, or this part of a tile.
 constexpr double kArrivedFactor = 1.05;
 constexpr double kArrivedShare = 1e-6;
-// Trials look at the state this often, seconds.
-constexpr double kTrialInterval = 0.25;
 // The first look at the straight path takes longer steps: models that need no search are most.
 constexpr double kCoarseSteps = 4;
 
 // A trial that has not come nearer to the target by this factor in so many seconds is given up.
 constexpr double kImprovement = 0.995;
 constexpr double kPatience = 2;
+
+// Overlap that a path with contacts may reach, in tiles.
+constexpr double kOverlapShare = 1e-4;
+// A trial with contacts is given up after so many factorizations times tiles: where bricks wedge,
+// steps are halved again and again.
+constexpr long kContactEffort = 1'300'000;
 
 constexpr double kExact = std::numeric_limits<double>::infinity();
 
@@ -32,6 +36,17 @@ const std::vector<PathSettings>& candidates() {
       {PathKind::Led, 4, 10, 1e8},    {PathKind::Led, 4, 10, 1e7},
       {PathKind::Led, 4, 10, 1e6},    {PathKind::Led, 4, 10, 1e5},
       {PathKind::Led, 4, 10, 1e4},
+  };
+  return paths;
+}
+
+/// The paths to try with contacts, in this order.
+const std::vector<PathSettings>& candidatesAmongBricks() {
+  static const std::vector<PathSettings> paths = {
+      {PathKind::Straight},
+      {PathKind::Led, 2, 50, kExact},
+      {PathKind::Led, 4, 200, kExact},
+      {PathKind::Led, 1, 200, kExact},
   };
   return paths;
 }
@@ -65,17 +80,103 @@ class StallWatch {
   double bestTime_ = 0;
 };
 
-bool arrives(const Scene& scene, double assembledFloor) {
-  const SampleObserver watch = StallWatch(scene);
-  const DeploymentResult result = Run(scene, kTrialInterval, assembledFloor, watch).finish();
-  const double near =
-      std::max(kArrivedFactor * assembledFloor, kArrivedShare * tileSize(scene.model));
-  return result.outcome != Outcome::Diverged && result.accuracy.targetErrorEnd <= near;
+/// How a trial ended.
+struct TrialEnd {
+  bool arrives = false;
+  bool keepsClear = false;  ///< no bricks overlap on the way, outside shared pivots
+};
+
+/// Runs a scene as the deployment itself would, so that what arrives here arrives there.
+TrialEnd tryPath(const Scene& scene, double sampleInterval, double assembledFloor) {
+  StallWatch stalls(scene);
+  const Run* running = nullptr;
+  const long mostEffort = kContactEffort / static_cast<long>(scene.model.tiles.size());
+  const bool isLimited = scene.environment.contacts != ContactFilter::None;
+  const SampleObserver watch = [&](const Sample& sample) {
+    return stalls(sample) && !(isLimited && running->cost().factorizations > mostEffort);
+  };
+  Run run(scene, sampleInterval, assembledFloor, watch);
+  running = &run;
+  const DeploymentResult result = run.finish();
+  const double tile = tileSize(scene.model);
+  const double near = std::max(kArrivedFactor * assembledFloor, kArrivedShare * tile);
+  const Accuracy& accuracy = result.accuracy;
+  return {result.outcome != Outcome::Diverged && accuracy.targetErrorEnd <= near,
+          accuracy.penetrationOutsidePivotsMax <= kOverlapShare * tile};
 }
+
+/// Looks for a path of one scene.
+class PathSearch {
+ public:
+  PathSearch(const Scene& scene, double sampleInterval, double assembledFloor,
+             const TrialObserver& observer)
+      : scene_(scene), interval_(sampleInterval), floor_(assembledFloor), observer_(observer) {}
+
+  PathChoice find(bool roomAtTarget) {
+    PathChoice choice = findWithoutContacts();
+    const bool contacts = scene_.environment.contacts != ContactFilter::None;
+    if (!contacts || !roomAtTarget || !arrived_ || keptClear_) return choice;
+    return findAmongBricks(choice);
+  }
+
+ private:
+  /// Whether a path arrives; the search is over where the observer says so.
+  bool arrives(const PathSettings& path, const Environment& environment, double stepFactor = 1) {
+    Scene trial = scene_;
+    trial.environment = environment;
+    trial.stop = StopRules{};  // the run's own time may be too short for any path
+    trial.path = path;
+    trial.solver.timestep = stepFactor * scene_.solver.timestep;
+    const TrialEnd end = tryPath(trial, std::max(interval_, trial.solver.timestep), floor_);
+    arrived_ = end.arrives;
+    keptClear_ = end.keepsClear;
+    return arrived_;
+  }
+
+  bool mayTry(const std::string& what) { return !observer_ || observer_(what); }
+
+  PathChoice findWithoutContacts() {
+    PathSettings straight = scene_.path;
+    straight.kind = PathKind::Straight;
+    const Environment empty;
+    if (arrives(straight, empty, kCoarseSteps)) return {straight, "a straight pull arrives"};
+    for (const PathSettings& path : candidates()) {
+      const std::string what = describe(path);
+      if (!mayTry(what)) break;
+      if (arrives(path, empty)) return {path, what + " arrives"};
+    }
+    return {straight, "no path that was tried arrives"};
+  }
+
+  /// Where bricks meet on the way, other ways are tried with contacts.
+  PathChoice findAmongBricks(const PathChoice& first) {
+    Environment bricks = scene_.environment;
+    bricks.ground.reset();
+    bricks.gravity.setZero();
+    for (const PathSettings& path : candidatesAmongBricks()) {
+      const std::string what = describe(path) + " among touching bricks";
+      if (!mayTry(what)) break;
+      if (arrives(path, bricks) && keptClear_) return {path, what + " arrives"};
+    }
+    // Joints that give are of no use against bricks.
+    const bool isExact = !std::isfinite(first.path.jointStiffness);
+    return {isExact ? first.path : PathSettings{PathKind::Straight},
+            first.reason + " where bricks pass through each other; no path that was tried arrives "
+                           "among bricks that touch"};
+  }
+
+  const Scene& scene_;
+  double interval_;  // seconds between samples
+  double floor_;
+  const TrialObserver& observer_;
+  bool arrived_ = false;    // the last trial
+  bool keptClear_ = false;  // likewise
+};
 
 }  // namespace
 
-PathChoice choosePath(const Scene& scene, double assembledFloor, const TrialObserver& observer) {
+PathChoice choosePath(const Scene& scene, double sampleInterval, const TargetRoom& room,
+                      const TrialObserver& observer) {
   if (scene.path.kind != PathKind::Auto) return {scene.path, "asked for"};
   PathSettings straight = scene.path;
   straight.kind = PathKind::Straight;
@@ -83,21 +184,7 @@ PathChoice choosePath(const Scene& scene, double assembledFloor, const TrialObse
   if (scene.actuation.drive != Drive::Target) return {straight, "nothing pulls to the target"};
   if (!scene.timeline.empty()) return {straight, "the timeline leads"};
   if (scene.solver.kind == SolverKind::Bullet) return {straight, "the baseline tries no others"};
-
-  Scene trial = scene;
-  trial.environment = Environment{};
-  trial.stop = StopRules{};  // the run's own time may be too short for any path
-  trial.path = straight;
-  trial.solver.timestep = kCoarseSteps * scene.solver.timestep;
-  if (arrives(trial, assembledFloor)) return {straight, "a straight pull arrives"};
-  trial.solver.timestep = scene.solver.timestep;
-  for (const PathSettings& path : candidates()) {
-    const std::string what = describe(path);
-    if (observer && !observer(what)) break;
-    trial.path = path;
-    if (arrives(trial, assembledFloor)) return {path, what + " arrives"};
-  }
-  return {straight, "no path that was tried arrives"};
+  return PathSearch(scene, sampleInterval, room.assembledFloor, observer).find(!room.isBlocked);
 }
 
 }  // namespace kirireel

@@ -17,11 +17,20 @@ struct PathChoice {
 /// Called before each trial with what is tried; return false to stop looking.
 using TrialObserver = std::function<bool(const std::string& what)>;
 
-/// Chooses the scene's path where that is left to the program: tries paths without contacts, ground
-/// and gravity (a path that joints forbid is no path with them either), from the simplest on, exact
-/// joints before joints that give, stiff ones before soft ones, and takes the first that arrives
-/// at `assembledFloor`. Where none does, the straight path is taken. A path that the scene names
-/// is kept. `observer` may be empty.
-PathChoice choosePath(const Scene& scene, double assembledFloor, const TrialObserver& observer);
+/// What is known of the target before the search.
+struct TargetRoom {
+  double assembledFloor = -1;  ///< metres; see assembleAtTarget()
+  bool isBlocked = false;      ///< bricks would overlap there; see blockingPairs()
+};
+
+/// Chooses the scene's path where that is left to the program. Tries paths without contacts, ground
+/// and gravity first (a path that joints forbid is no path with them either), from the simplest on,
+/// exact joints before joints that give, stiff ones before soft ones, and takes the first that
+/// arrives at the assembled floor. Where bricks run into each other on it, although they have room
+/// at the target, paths are tried with contacts. Where none arrives, the first found stays, or else
+/// the straight one. A path that the scene names is kept. Trials are as the run itself, sampled
+/// every `sampleInterval` seconds. `observer` may be empty.
+PathChoice choosePath(const Scene& scene, double sampleInterval, const TargetRoom& room,
+                      const TrialObserver& observer);
 
 }  // namespace kirireel

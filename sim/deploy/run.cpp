@@ -18,6 +18,8 @@ constexpr double kLostDistance = 1e3;
 constexpr double kLockedShare = 0.02;
 // So much of the model's size from the target is arrived: a stiffer pull is not tried.
 constexpr double kArrivedShare = 1e-9;
+// Of the contacts that hold a run up, so many are named.
+constexpr std::size_t kPairsNamed = 3;
 // Initial speeds, in model sizes a second, that let a run leave an unstable equilibrium.
 constexpr double kNudge = 1e-6;
 
@@ -191,6 +193,7 @@ void Run::advanceStep() {
   result_.cost.steps += report.steps;
   result_.cost.halvedSteps += report.halved;
   result_.cost.unconvergedSteps += report.unconverged;
+  result_.cost.factorizations += report.factorizations;
   ++stepCount_;
 }
 
@@ -240,8 +243,26 @@ void Run::endAtRest() {
   } else if (error <= reachableError()) {
     end(Outcome::Settled, fmt::format("came to rest {:.3g} from the target", error));
   } else {
-    end(Outcome::Locked, fmt::format("came to rest {:.3g} short of the target", error));
+    end(Outcome::Locked,
+        fmt::format("came to rest {:.3g} short of the target: {}", error, holdup()));
   }
+}
+
+/// What keeps a run from its target that has come to rest.
+std::string Run::holdup() const {
+  if (scene_.solver.kind == SolverKind::Bullet) return "the baseline does not tell why";
+  const std::vector<ContactLoad> loads = dynamics_->contactLoads();
+  if (loads.empty()) return "a local minimum of the pull, no small move brings the tiles nearer";
+  std::vector<std::string> pairs;
+  for (const ContactLoad& load : loads) {
+    if (pairs.size() == kPairsNamed) break;
+    pairs.push_back(load.brickB == kFixed
+                        ? fmt::format("tile {} and the ground", load.brickA)
+                        : fmt::format("tiles {} and {}", load.brickA, load.brickB));
+  }
+  std::string text = fmt::format("contact stops {}", fmt::join(pairs, ", "));
+  if (loads.size() > pairs.size()) text += fmt::format(" and {} more", loads.size() - pairs.size());
+  return text;
 }
 
 /// Steps to the next sample, unless the run diverges on the way.

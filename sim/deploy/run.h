@@ -18,13 +18,16 @@ namespace kirireel {
 /// Steps a scene from its start until it rests, locks, diverges, or its time is up.
 class Run : private TimelineStage {
  public:
-  /// `assembledFloor`: see assembledFloor(); negative where there is no target. The scene's path
+  /// `assembledFloor`: see assembleAtTarget(); negative where there is no target. The scene's path
   /// must be chosen (not Auto). Scene and observer must outlive the run.
   Run(const Scene& scene, double sampleInterval, double assembledFloor,
       const SampleObserver& observer);
 
   /// Runs to the end. The trajectory holds no samples: they go to the observer.
   DeploymentResult finish();
+
+  /// What it has cost so far.
+  const DeployCost& cost() const { return result_.cost; }
 
  private:
   void start();
@@ -44,6 +47,7 @@ class Run : private TimelineStage {
   void takeSample();
   void end(Outcome outcome, std::string reason);
   void endAtRest();
+  std::string holdup() const;
   double time() const { return static_cast<double>(stepCount_) * step_; }
   bool pullsToTarget() const { return scene_.actuation.drive == Drive::Target && target_; }
   double finalTargetError() const;

@@ -15,6 +15,7 @@ class WorldDynamics : public Dynamics {
   void assemble(Poses& /*poses*/) override {}  // engines pull open joints together as they go
   void setPinned(const std::vector<bool>& pinned) override;
   void setJointStiffness(double /*stiffness*/) override {}  // they give as it is
+  std::vector<ContactLoad> contactLoads() const override { return {}; }
   StepReport advance(Motion& motion, double step, const LoadSource& actuation) override;
 
  private:

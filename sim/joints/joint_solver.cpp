@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <map>
+#include <utility>
 
 #include "sim/joints/step_program.h"
 
@@ -22,7 +25,7 @@ constexpr double kJumpFloor = 1e-9;
 constexpr double kRecovery = 2e-6;         // overlap taken back in a step
 constexpr double kOverlapAccepted = 4e-5;  // at the end of a step
 constexpr int kHalvings = 8;
-constexpr int kContactHalvings = 3;
+constexpr int kContactHalvings = 5;
 constexpr int kMultiplierRounds = 6;
 constexpr int kClosingRounds = 12;
 constexpr int kOverlapRounds = 3;
@@ -58,6 +61,7 @@ class Stepper : public JointSolver {
                      ContactSource* contacts) override;
   void setPinned(const std::vector<bool>& pinned) override;
   void setJointStiffness(double stiffness) override;
+  std::vector<ContactLoad> contactLoads() const override;
   double assemble(Poses& poses) override;
 
  private:
@@ -437,6 +441,21 @@ template <int D>
 void Stepper<D>::setPinned(const std::vector<bool>& pinned) {
   pinned_ = pinned;
   system_.setPinned(pinned);
+}
+
+template <int D>
+std::vector<ContactLoad> Stepper<D>::contactLoads() const {
+  std::map<std::pair<int, int>, double> forces;
+  for (const Row& row : kept_) {
+    const auto [low, high] = std::minmax(row.contact.brickA, row.contact.brickB);
+    const std::pair<int, int> pair =
+        low == kFixed ? std::pair(high, kFixed) : std::pair<int, int>(low, high);
+    if (row.multiplier > 0) forces[pair] += row.multiplier / keptStep_;
+  }
+  std::vector<ContactLoad> loads;
+  for (const auto& [pair, force] : forces) loads.push_back({pair.first, pair.second, force});
+  std::ranges::stable_sort(loads, std::greater{}, &ContactLoad::force);
+  return loads;
 }
 
 template <int D>

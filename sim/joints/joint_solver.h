@@ -42,6 +42,13 @@ struct StepReport {
   StepReport& operator+=(const StepReport& other);
 };
 
+/// What two touching bricks push each other with.
+struct ContactLoad {
+  int brickA = 0;
+  int brickB = kFixed;  ///< above brickA, or kFixed
+  double force = 0;     ///< newtons, the sum over the pair's points
+};
+
 /// The direct solver: an implicit Euler step whose velocities satisfy all joints exactly,
 ///   min 1/2 (u - u*)^T A (u - u*)   with   J u = 0,   C u >= -g / h,
 /// solved with the primal system A + kappa J^T J + rho C^T C and proximal refinement (augmented
@@ -64,6 +71,9 @@ class JointSolver {
   /// implicit in the step; infinity holds them exactly again, which is how a solver starts out.
   /// Gaps that springs have left are to be closed by assemble() first.
   virtual void setJointStiffness(double stiffness) = 0;
+
+  /// The contacts that carried load in the last step, the strongest first; supports excluded.
+  virtual std::vector<ContactLoad> contactLoads() const = 0;
 
   /// Closes the joints of an open state, moving the bricks as little as their masses allow. Returns
   /// the largest gap left, metres.

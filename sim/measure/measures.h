@@ -44,6 +44,12 @@ Penetration deepestPenetrationOutsidePivots(const std::vector<Brick>& bricks,
                                             std::span<const Pivot> pivots, double zone,
                                             const Poses& poses);
 
+/// All pairs that overlap by more than `least` metres in this sense, the deepest first; the smaller
+/// brick number is brickA.
+std::vector<Penetration> penetrationsOutsidePivots(const std::vector<Brick>& bricks,
+                                                   std::span<const Pivot> pivots, double zone,
+                                                   const Poses& poses, double least);
+
 /// Kinetic energy of all bricks, joules.
 double kineticEnergy(const std::vector<Brick>& bricks, const Motion& motion);
 

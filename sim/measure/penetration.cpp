@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <limits>
+#include <map>
 #include <numeric>
+#include <tuple>
 
 #include "sim/brick/shared_corners.h"
 #include "sim/measure/measures.h"
@@ -146,13 +148,12 @@ struct PlacedPair {
   const PlacedBrick& b;
 };
 
-/// The deepest of all pairs whose boxes overlap; `depthOf(pair, deepest)` gives the depth of a
-/// pair, or something not above `deepest`.
-template <typename DepthOf>
-Penetration deepestOverlap(const std::vector<Brick>& bricks, const Poses& poses,
-                           const DepthOf& depthOf) {
-  Penetration deepest;
-  if (bricks.empty()) return deepest;
+/// Visits all pairs whose boxes overlap by more than `least()`, in an order that is the same
+/// everywhere.
+template <typename Least, typename Visit>
+void visitNearPairs(const std::vector<Brick>& bricks, const Poses& poses, const Least& least,
+                    const Visit& visit) {
+  if (bricks.empty()) return;
   std::vector<PlacedBrick> placed;
   placed.reserve(bricks.size());
   for (size_t i = 0; i < bricks.size(); ++i) placed.push_back(placeBrick(bricks[i], poses[i]));
@@ -171,11 +172,45 @@ Penetration deepestOverlap(const std::vector<Brick>& bricks, const Poses& poses,
     for (size_t j = i + 1; j < order.size(); ++j) {
       const PlacedBrick& second = placed[order[j]];
       if (second.box.min()[axis] >= first.box.max()[axis]) break;
-      if (overlapOfBoxes(first.box, second.box) <= deepest.depth) continue;
-      const double depth = depthOf({order[i], order[j], first, second}, deepest.depth);
-      if (depth > deepest.depth) deepest = {depth, order[i], order[j]};
+      if (overlapOfBoxes(first.box, second.box) <= least()) continue;
+      visit(PlacedPair{order[i], order[j], first, second});
     }
   }
+}
+
+/// The depth of pairs that share corners is that without them.
+class DepthOutsidePivots {
+ public:
+  DepthOutsidePivots(const std::vector<Brick>& bricks, std::span<const Pivot> pivots, double zone,
+                     const Poses& poses)
+      : bricks_(bricks), joined_(sharedCorners(pivots)), zone_(zone), poses_(poses) {}
+
+  /// The depth, or something not above `deepest`.
+  double operator()(const PlacedPair& pair, double deepest) const {
+    const auto [a, b] = std::minmax(pair.brickA, pair.brickB);
+    const auto corners = joined_.find({a, b});
+    if (corners == joined_.end()) return PairDepth(pair.a, pair.b, deepest).find();
+    const auto [cutA, cutB] = withoutSharedCorners(bricks_[a], bricks_[b], corners->second, zone_);
+    return PairDepth(placeBrick(cutA, poses_[a]), placeBrick(cutB, poses_[b]), deepest).find();
+  }
+
+ private:
+  const std::vector<Brick>& bricks_;
+  std::map<std::pair<int, int>, SharedCorners> joined_;
+  double zone_;
+  const Poses& poses_;
+};
+
+/// `depthOf(pair, deepest)` gives the depth of a pair, or something not above `deepest`.
+template <typename DepthOf>
+Penetration deepestOverlap(const std::vector<Brick>& bricks, const Poses& poses,
+                           const DepthOf& depthOf) {
+  Penetration deepest;
+  const auto least = [&] { return deepest.depth; };
+  visitNearPairs(bricks, poses, least, [&](const PlacedPair& pair) {
+    const double depth = depthOf(pair, deepest.depth);
+    if (depth > deepest.depth) deepest = {depth, pair.brickA, pair.brickB};
+  });
   return deepest;
 }
 
@@ -190,14 +225,26 @@ Penetration deepestPenetration(const std::vector<Brick>& bricks, const Poses& po
 Penetration deepestPenetrationOutsidePivots(const std::vector<Brick>& bricks,
                                             std::span<const Pivot> pivots, double zone,
                                             const Poses& poses) {
-  const auto joined = sharedCorners(pivots);
-  return deepestOverlap(bricks, poses, [&](const PlacedPair& pair, double deepest) {
-    const auto [a, b] = std::minmax(pair.brickA, pair.brickB);
-    const auto corners = joined.find({a, b});
-    if (corners == joined.end()) return PairDepth(pair.a, pair.b, deepest).find();
-    const auto [cutA, cutB] = withoutSharedCorners(bricks[a], bricks[b], corners->second, zone);
-    return PairDepth(placeBrick(cutA, poses[a]), placeBrick(cutB, poses[b]), deepest).find();
+  return deepestOverlap(bricks, poses, DepthOutsidePivots(bricks, pivots, zone, poses));
+}
+
+std::vector<Penetration> penetrationsOutsidePivots(const std::vector<Brick>& bricks,
+                                                   std::span<const Pivot> pivots, double zone,
+                                                   const Poses& poses, double least) {
+  const DepthOutsidePivots depthOf(bricks, pivots, zone, poses);
+  std::vector<Penetration> all;
+  visitNearPairs(
+      bricks, poses, [least] { return least; },
+      [&](const PlacedPair& pair) {
+        const double depth = depthOf(pair, least);
+        const auto [a, b] = std::minmax(pair.brickA, pair.brickB);
+        if (depth > least) all.push_back({depth, a, b});
+      });
+  std::ranges::sort(all, [](const Penetration& one, const Penetration& other) {
+    return std::tuple(-one.depth, one.brickA, one.brickB) <
+           std::tuple(-other.depth, other.brickA, other.brickB);
   });
+  return all;
 }
 
 }  // namespace kirireel

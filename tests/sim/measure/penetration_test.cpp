@@ -205,5 +205,24 @@ TEST(Penetration, OutsidePivotsLeavesOutTheSharedCorners) {
   EXPECT_EQ(deepestPenetrationOutsidePivots(bricks, pivots, 0.05, poses).depth, 0);
 }
 
+TEST(Penetration, AllPairsAreListedTheDeepestFirst) {
+  const Tile square{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}};
+  std::vector<Tile> tiles(4, square);
+  const double shifts[] = {0, 0.9, 1.7, 2.8};  // overlaps 0.1, 0.2 and none
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    for (Vector3& vertex : tiles[i].vertices) vertex.x() += shifts[i];
+  }
+  const std::vector<Brick> bricks = makeBricks(tiles, {.thickness = 1});
+  const Poses poses = startPoses(tiles, bricks);
+  const std::vector<Penetration> all = penetrationsOutsidePivots(bricks, {}, 0.05, poses, 0.05);
+  ASSERT_EQ(all.size(), 2u);
+  EXPECT_NEAR(all[0].depth, 0.2, 1e-12);
+  EXPECT_EQ(all[0].brickA, 1);
+  EXPECT_EQ(all[0].brickB, 2);
+  EXPECT_NEAR(all[1].depth, 0.1, 1e-12);
+  EXPECT_EQ(deepestPenetration(bricks, poses).depth, all[0].depth);
+  EXPECT_EQ(penetrationsOutsidePivots(bricks, {}, 0.05, poses, 0.15).size(), 1u);
+}
+
 }  // namespace
 }  // namespace kirireel

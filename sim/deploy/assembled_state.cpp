@@ -1,4 +1,4 @@
-#include "sim/deploy/assembled_floor.h"
+#include "sim/deploy/assembled_state.h"
 
 #include <cmath>
 
@@ -19,8 +19,8 @@ constexpr double kNegligible = 1e-12;  // error in tile edges
 
 }  // namespace
 
-double assembledFloor(const Scene& scene) {
-  if (!scene.model.target) return -1;
+AssembledState assembleAtTarget(const Scene& scene) {
+  if (!scene.model.target) return {};
   Scene alone = scene;
   alone.environment = Environment{};
   alone.solver.kind = SolverKind::Direct;
@@ -46,7 +46,7 @@ double assembledFloor(const Scene& scene) {
     error = targetError(target, bricks, motion.poses);
     if (std::abs(error - before) <= kConverged * error) break;
   }
-  return error;
+  return {error, std::move(motion.poses)};
 }
 
 }  // namespace kirireel

@@ -1,0 +1,156 @@
+#include "sim/deploy/blockage.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/brick/shared_corners.h"
+#include "sim/deploy/assembled_state.h"
+#include "sim/measure/measures.h"
+#include "sim/model/face_choice.h"
+
+namespace kirireel {
+namespace {
+
+using TilePair = std::pair<int, int>;
+
+// Overlaps below this part of a tile do not stop anything.
+constexpr double kNegligible = 1e-4;
+// Thicknesses are tried in steps of this factor, down to this part of the scene's own.
+constexpr double kThinner = 0.9;
+constexpr double kThinnest = 1e-3;
+
+std::vector<Penetration> overlapsAt(const Scene& scene, const Poses& poses) {
+  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<Pivot> pivots = makePivots(scene.model.joints, bricks);
+  std::vector<Penetration> overlaps = penetrationsOutsidePivots(
+      bricks, pivots, scene.environment.pivotZone, poses, kNegligible * tileSize(scene.model));
+  if (scene.environment.contacts == ContactFilter::Unjoined) {
+    const auto joined = sharedCorners(pivots);
+    std::erase_if(overlaps, [&](const Penetration& overlap) {
+      return joined.contains({overlap.brickA, overlap.brickB});
+    });
+  }
+  return overlaps;
+}
+
+/// The model with the joints between pairs that overlap where a fold to its target leaves room.
+Model withFreeingFaces(const Model& model, const std::vector<Penetration>& overlaps) {
+  std::set<TilePair> blocked;
+  for (const Penetration& overlap : overlaps) blocked.insert({overlap.brickA, overlap.brickB});
+  Model folded = model;
+  chooseJointFaces(folded, FaceRule::Fold);
+  Model freed = model;
+  for (std::size_t i = 0; i < freed.joints.size(); ++i) {
+    Joint& joint = freed.joints[i];
+    const TilePair pair = std::minmax(joint.a.tile, joint.b.tile);
+    if (joint.kind == JointKind::Pivot && blocked.contains(pair)) joint = folded.joints[i];
+  }
+  return freed;
+}
+
+/// The faces that joints of pairs would have to lie on, for the pairs that this frees.
+std::map<TilePair, JointFace> freeingFaces(const Scene& scene,
+                                           const std::vector<Penetration>& overlaps) {
+  Scene freed = scene;
+  freed.model = withFreeingFaces(scene.model, overlaps);
+  std::map<TilePair, JointFace> faces;
+  for (std::size_t i = 0; i < freed.model.joints.size(); ++i) {
+    const Joint& joint = freed.model.joints[i];
+    if (joint.face == scene.model.joints[i].face) continue;
+    faces[std::minmax(joint.a.tile, joint.b.tile)] = joint.face;
+  }
+  if (faces.empty()) return faces;
+  for (const Penetration& overlap : overlapsAt(freed, assembleAtTarget(freed).poses)) {
+    faces.erase({overlap.brickA, overlap.brickB});
+  }
+  return faces;
+}
+
+/// A tile's brick of some thickness, and its pose with the bottom where it was.
+struct ThinBrick {
+  Brick brick;
+  Pose pose;
+};
+
+ThinBrick thinned(const Scene& scene, int tile, const Brick& brick, const Pose& pose,
+                  double thickness) {
+  BrickRule rule = scene.brick;
+  rule.thickness = thickness;
+  ThinBrick thin{makeBrick(scene.model.tiles[tile], rule), pose};
+  thin.pose.position += pose.rotation * (brick.bottom[0] - thin.brick.bottom[0]);
+  return thin;
+}
+
+/// The joints between two tiles, as if these were the only ones.
+std::vector<Joint> jointsBetween(const Model& model, int tileA, int tileB) {
+  std::vector<Joint> between;
+  for (Joint joint : model.joints) {
+    if (std::minmax(joint.a.tile, joint.b.tile) != std::minmax(tileA, tileB)) continue;
+    joint.a.tile = joint.a.tile == tileA ? 0 : 1;
+    joint.b.tile = 1 - joint.a.tile;
+    between.push_back(joint);
+  }
+  return between;
+}
+
+/// Whether two bricks would keep clear of each other if they were that thin.
+bool isFree(const Scene& scene, const Penetration& overlap, const Poses& poses, double thickness) {
+  std::vector<Brick> bricks;
+  Poses placed;
+  for (const int tile : {overlap.brickA, overlap.brickB}) {
+    const Brick brick = makeBrick(scene.model.tiles[tile], scene.brick);
+    ThinBrick thin = thinned(scene, tile, brick, poses[tile], thickness);
+    bricks.push_back(std::move(thin.brick));
+    placed.push_back(thin.pose);
+  }
+  const std::vector<Joint> between = jointsBetween(scene.model, overlap.brickA, overlap.brickB);
+  const Penetration left = deepestPenetrationOutsidePivots(bricks, makePivots(between, bricks),
+                                                           scene.environment.pivotZone, placed);
+  return left.depth <= kNegligible * tileSize(scene.model);
+}
+
+double freeingThickness(const Scene& scene, const Penetration& overlap, const Poses& poses) {
+  for (double share = kThinner; share > kThinnest; share *= kThinner) {
+    const double thickness = share * scene.brick.thickness;
+    if (isFree(scene, overlap, poses, thickness)) return thickness;
+  }
+  return 0;
+}
+
+}  // namespace
+
+std::vector<BlockingPair> blockingPairs(const Scene& scene, const Poses& atTarget) {
+  std::vector<BlockingPair> pairs;
+  if (atTarget.empty() || !sceneNeeds(scene).contacts.on) return pairs;
+  const std::vector<Penetration> overlaps = overlapsAt(scene, atTarget);
+  if (overlaps.empty()) return pairs;
+  const std::map<TilePair, JointFace> faces = freeingFaces(scene, overlaps);
+  for (const Penetration& overlap : overlaps) {
+    BlockingPair pair{overlap.brickA, overlap.brickB, overlap.depth, {}, 0};
+    const auto face = faces.find({pair.tileA, pair.tileB});
+    if (face != faces.end()) pair.freeingFace = face->second;
+    pair.freeingThickness = freeingThickness(scene, overlap, atTarget);
+    pairs.push_back(pair);
+  }
+  return pairs;
+}
+
+std::string describe(const BlockingPair& pair) {
+  std::vector<std::string> ways;
+  if (pair.freeingFace) {
+    ways.push_back(
+        fmt::format("joints on the {}", *pair.freeingFace == JointFace::Top ? "top" : "bottom"));
+  }
+  if (pair.freeingThickness > 0) {
+    ways.push_back(fmt::format("a thickness of {:.2g}", pair.freeingThickness));
+  }
+  return fmt::format("tiles {} and {} by {:.2g} ({})", pair.tileA, pair.tileB, pair.overlap,
+                     ways.empty() ? "the tiles themselves overlap"
+                                  : fmt::format("free with {}", fmt::join(ways, " or ")));
+}
+
+}  // namespace kirireel

@@ -1,0 +1,95 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/deploy/assembled_state.h"
+#include "sim/deploy/deployment.h"
+
+namespace kirireel {
+namespace {
+
+using ::testing::HasSubstr;
+
+Tile squareAt(double x, double z) {
+  return {{{x, 0, z}, {x + 1, 0, z}, {x + 1, 1, z}, {x, 1, z}}};
+}
+
+/// Two unit squares hinged at the bottom along x = 1; the target folds the second by `angle`, above
+/// zero towards the tops.
+Scene foldedPair(double angle) {
+  Scene scene;
+  scene.model.tiles = {squareAt(0, 0), squareAt(1, 0)};
+  scene.model.joints = {{{0, 1}, {1, 0}}, {{0, 2}, {1, 3}}};
+  scene.model.target = scene.model.tiles;
+  for (Vector3& vertex : (*scene.model.target)[1].vertices) {
+    const double reach = vertex.x() - 1;
+    vertex = {1 + reach * std::cos(angle), vertex.y(), reach * std::sin(angle)};
+  }
+  scene.environment.contacts = ContactFilter::All;
+  return scene;
+}
+
+std::vector<BlockingPair> blockingOf(const Scene& scene) {
+  return blockingPairs(scene, assembleAtTarget(scene).poses);
+}
+
+TEST(Blockage, AFoldAwayFromTheJointsLeavesRoom) {
+  EXPECT_TRUE(blockingOf(foldedPair(-1)).empty());
+}
+
+TEST(Blockage, AFoldTowardsTheTopsIsFreedByJointsThere) {
+  const std::vector<BlockingPair> pairs = blockingOf(foldedPair(1));
+  ASSERT_EQ(pairs.size(), 1u);
+  EXPECT_EQ(pairs[0].tileA, 0);
+  EXPECT_EQ(pairs[0].tileB, 1);
+  EXPECT_EQ(pairs[0].freeingFace, JointFace::Top);
+  EXPECT_GT(pairs[0].overlap, 1e-3);
+  EXPECT_LT(pairs[0].overlap, 0.02);  // not more than the bricks are thick
+  EXPECT_THAT(describe(pairs[0]), HasSubstr("tiles 0 and 1 by "));
+  EXPECT_THAT(describe(pairs[0]), HasSubstr("joints on the top"));
+}
+
+TEST(Blockage, ThinnerBricksFreeTilesThatLieOnEachOther) {
+  Scene scene = foldedPair(0);
+  scene.model.joints.clear();
+  scene.model.target = {squareAt(0, 0), squareAt(0.3, 0.011)};
+  const std::vector<BlockingPair> pairs = blockingOf(scene);
+  ASSERT_EQ(pairs.size(), 1u);
+  EXPECT_NEAR(pairs[0].overlap, 0.009, 1e-9);
+  EXPECT_FALSE(pairs[0].freeingFace);
+  EXPECT_LE(pairs[0].freeingThickness, 0.011 + 1e-4);
+  EXPECT_GT(pairs[0].freeingThickness, 0.9 * 0.011);
+}
+
+TEST(Blockage, TilesThatCrossAreFreedByNoThickness) {
+  Scene scene = foldedPair(0);
+  scene.model.joints.clear();
+  Tile upright;
+  for (const Vector3& point : squareAt(0, 0).vertices) {
+    upright.vertices.push_back({0.5, point.y(), point.x() - 0.5});
+  }
+  scene.model.target = {squareAt(0, 0), upright};
+  scene.model.tiles = {squareAt(0, 0), squareAt(2, 0)};
+  const std::vector<BlockingPair> pairs = blockingOf(scene);
+  ASSERT_EQ(pairs.size(), 1u);
+  EXPECT_EQ(pairs[0].freeingThickness, 0);
+  EXPECT_THAT(describe(pairs[0]), HasSubstr("the tiles themselves overlap"));
+}
+
+TEST(Blockage, NothingBlocksWithoutContacts) {
+  Scene scene = foldedPair(1);
+  scene.environment.contacts = ContactFilter::None;
+  EXPECT_TRUE(blockingOf(scene).empty());
+  scene.environment.contacts = ContactFilter::Unjoined;
+  EXPECT_TRUE(blockingOf(scene).empty());
+}
+
+TEST(Blockage, ARunThatIsStoppedByContactSaysWhere) {
+  const DeploymentResult result = deploy(foldedPair(1), 1.0 / 60, nullptr);
+  EXPECT_EQ(result.outcome, Outcome::Locked) << result.reason;
+  EXPECT_THAT(result.reason, HasSubstr("contact stops tiles 0 and 1"));
+  EXPECT_EQ(result.blocking.size(), 1u);
+  EXPECT_LT(result.accuracy.penetrationOutsidePivotsMax, 1e-4);  // of a tile of 1 m
+}
+
+}  // namespace
+}  // namespace kirireel
