@@ -108,7 +108,7 @@ TEST(ProgramInspect, TellsWhatAModelIs) {
   EXPECT_TRUE(json["needs"]["planar"]["on"]);
   const std::string text = runKirireel({"inspect", model}).out;
   EXPECT_NE(text.find("tiles: 16 with 4 vertices\njoints: 24 both\n"), std::string::npos) << text;
-  EXPECT_NE(text.find("in the plane: 1 degrees of freedom"), std::string::npos) << text;
+  EXPECT_NE(text.find("in the plane: 1 degree of freedom"), std::string::npos) << text;
 }
 
 TEST(ProgramInspect, PaintsNumbers) {
