@@ -79,9 +79,9 @@ void addEnvironmentOptions(CLI::App& command, Environment& environment) {
                 environment.ground->friction = parseNumber(typed, {0, 1e3});
               });
   group.choice<ContactFilter>("--contacts", environment.contacts,
-                              {{"all", ContactFilter::All},
+                              {{"none", ContactFilter::None},
                                {"unjoined", ContactFilter::Unjoined},
-                               {"none", ContactFilter::None}},
+                               {"all", ContactFilter::All}},
                               "pairs of bricks that may touch; others pass through each other");
   group.number("--brick-friction", environment.brickFriction, {0, 1e3}, "RATIO",
                "Coulomb friction between bricks");
