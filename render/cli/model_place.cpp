@@ -2,9 +2,31 @@
 
 #include <optional>
 
+#include "sim/measure/sheet.h"
 #include "sim/model/read_model.h"
 
 namespace kirireel {
+namespace {
+
+void print(const std::string& warning) {
+  fmt::print(stderr, "kirireel: {}\n", warning);
+}
+
+/// Tiles that lie in each other are a mistake, or meant, as where a sheet is folded flat.
+void warnOfOverlaps(const Model& model) {
+  constexpr double kShareOfTile = 1e-3;  // less cannot be seen
+  const std::vector<TileOverlap> overlaps =
+      tileOverlaps(model.tiles, kShareOfTile * tileSize(model));
+  if (overlaps.empty()) return;
+  const TileOverlap& deepest = overlaps.front();
+  print(fmt::format(
+      "{}: warning: tiles {} and {} overlap by {:.3g} m at the start{}; move them "
+      "apart, or let them pass through each other (--contacts none)",
+      model.name, deepest.tileA, deepest.tileB, deepest.depth,
+      overlaps.size() == 1 ? "" : fmt::format(", the deepest of {} pairs", overlaps.size())));
+}
+
+}  // namespace
 
 std::filesystem::path findModel(const std::filesystem::path& named) {
   const std::filesystem::path inData = "data" / named;
@@ -22,7 +44,8 @@ Model readModelAt(const std::filesystem::path& place, const std::filesystem::pat
   if (!target.empty()) named = findModel(target);
   std::vector<std::string> warnings;
   Model model = readModel(findModel(place), named, warnings);
-  for (const std::string& warning : warnings) fmt::print(stderr, "kirireel: {}\n", warning);
+  for (const std::string& warning : warnings) print(warning);
+  warnOfOverlaps(model);
   return model;
 }
 

@@ -19,7 +19,7 @@ void addTargetOption(OptionGroup& group, std::filesystem::path& target);
 std::filesystem::path findModel(const std::filesystem::path& named);
 
 /// Reads the model, in data/ too when it stands only there, as PyKirigami's users name theirs.
-/// Warnings go to standard error. Throws InputError.
+/// Warnings, also of tiles that overlap at the start, go to standard error. Throws InputError.
 Model readModelAt(const std::filesystem::path& place, const std::filesystem::path& target);
 
 }  // namespace kirireel

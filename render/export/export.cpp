@@ -32,6 +32,16 @@ void requireDifferent(const std::vector<ExportFormat>& formats) {
   }
 }
 
+bool wants(const ExportSettings& settings, ExportFormat format) {
+  return std::ranges::find(settings.formats, format) != settings.formats.end();
+}
+
+std::vector<PatternLine> patternOf(const Model& model, const ExportSettings& settings) {
+  constexpr double kHingeOfTile = 0.05;
+  const double width = settings.hingeWidth;
+  return cutPattern(model, width != 0 ? width : kHingeOfTile * tileSize(model));
+}
+
 /// Writes one format after the other into a set of files.
 class Exporter {
  public:
@@ -48,9 +58,7 @@ class Exporter {
   }
 
  private:
-  bool wants(ExportFormat format) const {
-    return std::ranges::find(settings_.formats, format) != settings_.formats.end();
-  }
+  bool wants(ExportFormat format) const { return kirireel::wants(settings_, format); }
 
   static std::string stateName(std::size_t number) { return fmt::format("state_{:04}", number); }
 
@@ -89,10 +97,13 @@ class Exporter {
     if (format == ExportFormat::Fold) {
       writeTextFile(files_.add("deployment.fold"), foldText(subject_.model, sheets()));
     }
-    if (format == ExportFormat::Svg)
+    const auto pattern = [this] { return patternOf(subject_.model, settings_); };
+    if (format == ExportFormat::Svg) {
       writeTextFile(files_.add("cut_pattern.svg"), patternSvg(pattern()));
-    if (format == ExportFormat::Dxf)
+    }
+    if (format == ExportFormat::Dxf) {
       writeTextFile(files_.add("cut_pattern.dxf"), patternDxf(pattern()));
+    }
   }
 
   std::vector<std::pair<double, std::string>> series() const {
@@ -119,12 +130,6 @@ class Exporter {
     return states;
   }
 
-  std::vector<PatternLine> pattern() const {
-    constexpr double kHingeOfTile = 0.05;
-    const double width = settings_.hingeWidth;
-    return cutPattern(subject_.model, width != 0 ? width : kHingeOfTile * tileSize(subject_.model));
-  }
-
   const TrajectoryReader& trajectory_;
   const Subject& subject_;
   const ExportSettings& settings_;
@@ -145,6 +150,12 @@ const std::vector<std::pair<std::string, ExportFormat>>& exportFormatNames() {
       {"svg", ExportFormat::Svg},           {"dxf", ExportFormat::Dxf},
   };
   return names;
+}
+
+void requireExportable(const Model& model, const ExportSettings& settings) {
+  requireDifferent(settings.formats);
+  const bool isPattern = wants(settings, ExportFormat::Svg) || wants(settings, ExportFormat::Dxf);
+  if (isPattern) patternOf(model, settings);
 }
 
 std::vector<std::string> exportStates(const TrajectoryReader& trajectory,

@@ -38,6 +38,10 @@ struct ExportSettings {
   double hingeWidth = 0;  ///< of cut patterns, metres; 0 for a twentieth of the tile size
 };
 
+/// Throws what exportStates would of this model whatever its run is like: InputError for formats
+/// given twice and cut patterns that the model cannot have.
+void requireExportable(const Model& model, const ExportSettings& settings);
+
 /// Writes the files into the folder, which is made if need be. Returns their names in order. Either
 /// all of them appear or none. Throws InputError for states that are not there, formats given
 /// twice, and formats that the model cannot have; OutputError when a file cannot be written.

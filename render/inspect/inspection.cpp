@@ -40,10 +40,10 @@ StateInspection inspectState(const Scene& scene, const std::vector<Tile>& tiles)
 
 std::string mobilityText(const char* where, const Mobility& mobility) {
   return fmt::format(
-      "  {}: {} degrees of freedom beyond rigid motion; {} of {} joint equations are redundant "
+      "  {}: {} degree{} of freedom beyond rigid motion; {} of {} joint equations are redundant "
       "(singular values: least kept {:.2g}, largest dropped {:.2g})\n",
-      where, mobility.freedoms, mobility.redundant, mobility.equations, mobility.leastKept,
-      mobility.largestDropped);
+      where, mobility.freedoms, mobility.freedoms == 1 ? "" : "s", mobility.redundant,
+      mobility.equations, mobility.leastKept, mobility.largestDropped);
 }
 
 std::string stateText(const char* name, const StateInspection& state) {

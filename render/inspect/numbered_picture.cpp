@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include <fmt/format.h>
 
 #include "render/grid/grid.h"
 #include "render/grid/label.h"
+#include "render/inspect/line_of_sight.h"
 #include "render/picture/painter.h"
 
 namespace kirireel {
@@ -39,30 +41,34 @@ class StatePicture {
   }
 
   Frame numbered() {
-    const double tilePixels = size_.height / heightAtCentre(camera_) * meanEdge();
-    const LabelWriter large(std::clamp(static_cast<int>(0.26 * tilePixels), 7, 40));
-    const LabelWriter small(std::clamp(static_cast<int>(0.14 * tilePixels), 6, 20));
+    const Vector3 towardsEye = (camera_.eye - camera_.centre).normalized();
+    const LineOfSight sight(tiles_, towardsEye);
     for (std::size_t i = 0; i < tiles_.size(); ++i) {
       const Vector3 middle = tileCentroid(tiles_[i]);
-      write(large, fmt::format("{}", i), middle, kTileNumber);
-      if (tilePixels < 40) continue;  // vertices' numbers could not be read
+      const double pixels = apparentSize(tiles_[i], towardsEye);
+      if (sight.isClear(middle, i)) {
+        write(fmt::format("{}", i), middle, std::clamp(0.28 * pixels, 7.0, 40.0), kTileNumber);
+      }
+      if (pixels < 40) continue;  // vertices' numbers could not be read
       for (std::size_t k = 0; k < tiles_[i].vertices.size(); ++k) {
         const Vector3 inside = tiles_[i].vertices[k] + 0.22 * (middle - tiles_[i].vertices[k]);
-        write(small, fmt::format("{}", k), inside, kVertexNumber);
+        if (!sight.isClear(inside, i)) continue;
+        write(fmt::format("{}", k), inside, std::clamp(0.14 * pixels, 6.0, 20.0), kVertexNumber);
       }
     }
     return std::move(frame_);
   }
 
  private:
-  double meanEdge() const {
-    Model model;
-    model.tiles = tiles_;
-    return tileSize(model);
+  /// The side of a square that fills as many pixels as the tile.
+  double apparentSize(const Tile& tile, const Vector3& towardsEye) const {
+    const double area = tileArea(tile) * std::abs(tileNormal(tile).dot(towardsEye));
+    return size_.height / heightAtCentre(camera_) * std::sqrt(area);
   }
 
-  void write(const LabelWriter& writer, const std::string& text, const Vector3& place,
-             Colour colour) {
+  void write(const std::string& text, const Vector3& place, double pixels, Colour colour) {
+    const int em = static_cast<int>(pixels);
+    const LabelWriter& writer = writers_.try_emplace(em, em).first->second;
     const Eigen::Vector4d clip = clipFromWorld(camera_, size_.aspect()) * place.homogeneous();
     const double x = 0.5 * (1 + clip.x() / clip.w()) * size_.width;
     const double y = 0.5 * (1 - clip.y() / clip.w()) * size_.height;
@@ -77,6 +83,7 @@ class StatePicture {
   FrameSize size_;
   Camera camera_;
   Frame frame_;
+  std::map<int, LabelWriter> writers_;  ///< by their size, pixels
 };
 
 }  // namespace

@@ -213,6 +213,7 @@ RunSummary record(const Scene& scene, const RecordSettings& settings,
   const Stopwatch stopwatch;
   requireValidSettings(settings);
   requirePaintable(motifOf(subjectOf(scene)), settings);
+  requireExportable(scene.model, settings.exports);
   prepareOutputFolder(settings.folder);
 
   RunSummary summary;

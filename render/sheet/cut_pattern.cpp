@@ -24,6 +24,7 @@ using FlatTile = std::vector<Vector2>;
 
 void requireFlat(const Model& model, const Vector3& normal) {
   const Vector3& origin = model.tiles[0].vertices[0];
+  const double allowed = kFlatness * modelSize(model);
   for (std::size_t t = 0; t < model.tiles.size(); ++t) {
     if (tileNormal(model.tiles[t]).dot(normal) < 0) {
       throw InputError(
@@ -33,7 +34,7 @@ void requireFlat(const Model& model, const Vector3& normal) {
     }
     for (const Vector3& vertex : model.tiles[t].vertices) {
       const double height = std::abs((vertex - origin).dot(normal));
-      if (height <= kFlatness * modelSize(model)) continue;
+      if (height <= allowed) continue;
       throw InputError(
           fmt::format("error: the start is not flat: tile {} reaches {:.3g} m out of "
                       "the plane of tile 0; only planar models have a cut pattern",
@@ -216,7 +217,7 @@ struct LayerLook {
 constexpr LayerLook kLooks[] = {
     {PatternLayer::Cuts, "cuts", "stroke=\"#d00000\"", 1},
     {PatternLayer::Slits, "slits", "stroke=\"#0000d0\"", 5},
-    {PatternLayer::Hinges, "hinges", "stroke=\"#008000\" stroke-dasharray=\"1 1\"", 3},
+    {PatternLayer::Hinges, "hinges", "stroke=\"#008000\"", 3},
 };
 
 }  // namespace
@@ -234,9 +235,12 @@ std::vector<PatternLine> cutPattern(const Model& model, double hingeWidth) {
 std::string patternSvg(const std::vector<PatternLine>& lines) {
   constexpr double kMillimetres = 1000;
   constexpr double kMargin = 5;
+  constexpr double kStrokesAcross = 2000;
   Eigen::AlignedBox2d box;
   for (const PatternLine& line : lines) box.extend(line.from).extend(line.to);
   const Vector2 size = kMillimetres * box.sizes() + Vector2::Constant(2 * kMargin);
+  // Hairlines once the sheet is scaled to fit a cutter, and still to be seen before.
+  const double stroke = size.maxCoeff() / kStrokesAcross;
   std::string text = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}mm\" height=\"{1}mm\" "
       "viewBox=\"0 0 {0} {1}\">\n",
@@ -245,7 +249,7 @@ std::string patternSvg(const std::vector<PatternLine>& lines) {
   const auto x = [&](const Vector2& p) { return kMargin + kMillimetres * (p.x() - box.min().x()); };
   const auto y = [&](const Vector2& p) { return kMargin + kMillimetres * (box.max().y() - p.y()); };
   for (const LayerLook& look : kLooks) {
-    text += fmt::format("<g id=\"{}\" fill=\"none\" stroke-width=\"0.1\" {}>\n", look.name,
+    text += fmt::format("<g id=\"{}\" fill=\"none\" stroke-width=\"{}\" {}>\n", look.name, stroke,
                         look.svgStyle);
     for (const PatternLine& line : lines) {
       if (line.layer != look.layer) continue;

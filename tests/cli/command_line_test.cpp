@@ -287,9 +287,9 @@ TEST(CommandLine, MissingAndSurplusArgumentsAreErrors) {
 
 TEST(CommandLine, HelpTeaches) {
   const std::string help = page({"record", "--help"});
-  for (const char* part :
-       {"Usage: kirireel record", "--thickness METRES", "(default 0.02)",
-        "Examples:", "kirireel record data/tessellation_4x4", "PyKirigami", "--headless"}) {
+  for (const char* part : {"Usage: kirireel record", "--thickness METRES", "(default 0.02)",
+                           "none, unjoined or all (default none)", "Examples:",
+                           "kirireel record data/tessellation_4x4", "PyKirigami", "--headless"}) {
     EXPECT_THAT(help, HasSubstr(part));
   }
   EXPECT_THAT(page({"--help"}), HasSubstr("simulate"));

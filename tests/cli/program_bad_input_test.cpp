@@ -37,6 +37,20 @@ void expectRefused(const std::string& vertices, const std::string& joints,
   EXPECT_FALSE(std::filesystem::exists(out));
 }
 
+TEST(BadModel, OverlappingTiles) {
+  const ScratchFolder scratch;
+  writeText(scratch / "vertices.txt",
+            "0 0 0 1 0 0 1 1 0 0 1 0\n0.5 0 0 1.5 0 0 1.5 1 0 0.5 1 0\n"
+            "1.2 0 0 2.2 0 0 2.2 1 0 1.2 1 0\n");
+  writeText(scratch / "constraints.txt", "# no joints\n");
+  const ProgramEnd end = runKirireel({"inspect", scratch.path().string()});
+  EXPECT_EQ(end.exitCode, 0);
+  EXPECT_THAT(end.err, testing::EndsWith(
+                           ": warning: tiles 0 and 1 overlap by 0.5 m at the start, the deepest of "
+                           "2 pairs; move them apart, or let them pass through each other "
+                           "(--contacts none)\n"));
+}
+
 TEST(BadModel, MissingFile) {
   expectRefused("absent", kJoint, "vertices.txt: error: ");
   expectRefused(kSquares, "absent", "constraints.txt: error: ");

@@ -14,7 +14,8 @@ using ::testing::Not;
 void expectDecksToRun(const std::filesystem::path& model) {
   const ScratchFolder scratch;
   const std::string out = scratch.path().string();
-  runKirireel({"simulate", model.string(), "--out", out, "--fps", "10", "--duration", "5"});
+  runKirireel({"simulate", model.string(), "--out", out, "--fps", "10", "--duration", "5", "--path",
+               "straight"});
   for (const char* perEdge : {"1", "3"}) {
     const ProgramEnd end = runKirireel(
         {"export", out, "--format", "inp", "--states", "final", "--elements-per-edge", perEdge});
@@ -29,9 +30,29 @@ void expectDecksToRun(const std::filesystem::path& model) {
   }
 }
 
-TEST(ProgramCalculix, RunsTheEndOfAShippedModel) {
+class ShippedEndStates : public testing::TestWithParam<const char*> {};
+
+TEST_P(ShippedEndStates, RunInCalculix) {
   if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to judge decks by it";
-  expectDecksToRun(shippedModel("tessellation_4x4"));
+  expectDecksToRun(shippedModel(GetParam()));
+}
+
+INSTANTIATE_TEST_SUITE_P(Command, ShippedEndStates,
+                         testing::Values("tessellation_4x4", "cap", "cylinder", "moebius",
+                                         "hexagons", "penrose_expanded"));
+
+TEST(ProgramDeck, KeepsTheLimitsOfItsReaders) {
+  const ScratchFolder scratch;
+  const std::string out = scratch.path().string();
+  runKirireel({"simulate", shippedModel("hexagons").string(), "--out", out, "--fps", "10",
+               "--export", "inp", "--joints", "equation", "--quadratic"});
+  // CalculiX and Abaqus read 20 characters of a number and 256 of a line, without a word.
+  const std::string limits =
+      "!/^\\*/ { n = split($0, words, \",\"); for (k = 1; k <= n; k++) { gsub(/ /, \"\", "
+      "words[k]); "
+      "if (length(words[k]) > 20) bad++; numbers++ } } "
+      "length($0) > 256 { bad++ } END { print bad + 0, (numbers > 1000) }";
+  EXPECT_EQ(test::outputOf("awk '" + limits + "' '" + out + "'/*.inp"), "0 1\n");
 }
 
 class PublishedEndStates : public testing::TestWithParam<const char*> {};

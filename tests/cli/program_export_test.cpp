@@ -69,6 +69,19 @@ TEST_F(ProgramExport, IsPartOfARun) {
   EXPECT_THAT(readText(out() / "summary.json"), HasSubstr("\"state_0005.stl\""));
 }
 
+TEST(ProgramRun, RefusesExportsThatTheModelCannotHaveBeforeItStarts) {
+  const ScratchFolder scratch;
+  for (const char* command : {"simulate", "record"}) {
+    const ProgramEnd end = runKirireel({command, shippedModel("cylinder").string(), "--out",
+                                        scratch.path().string(), "--export", "obj,dxf"});
+    EXPECT_EQ(end.exitCode, 2);
+    EXPECT_EQ(end.err,
+              "kirireel: error: the start is not flat: tile 6 reaches 1.73 m out of the plane of "
+              "tile 0; only planar models have a cut pattern\n");
+    EXPECT_THAT(filesIn(scratch.path()), ElementsAre());
+  }
+}
+
 TEST_F(ProgramExport, NamesAMissingTrajectory) {
   const ProgramEnd end =
       runKirireel({"export", (scratch_ / "none.h5").string(), "--format", "obj"});

@@ -151,7 +151,7 @@ TEST(CutPattern, DrawsLayersInSvgAndDxf) {
                                           {PatternLayer::Hinges, {0, 0.2}, {0, 0.25}}};
   const std::string svg = patternSvg(lines);
   EXPECT_THAT(svg, HasSubstr("width=\"110mm\" height=\"260mm\" viewBox=\"0 0 110 260\""));
-  EXPECT_THAT(svg, HasSubstr("<g id=\"cuts\" fill=\"none\" stroke-width=\"0.1\" "
+  EXPECT_THAT(svg, HasSubstr("<g id=\"cuts\" fill=\"none\" stroke-width=\"0.13\" "
                              "stroke=\"#d00000\">\n<path d=\"M 5 255 L 105 255\"/>\n</g>"));
   EXPECT_THAT(svg, HasSubstr("<g id=\"slits\""));
   const std::string dxf = patternDxf(lines);

@@ -1,0 +1,33 @@
+/// Which points of a model the eye sees, so that numbers stand on nothing that hides them.
+#pragma once
+
+#include <vector>
+
+#include "sim/model/model.h"
+
+namespace kirireel {
+
+/// Tiles seen from far away in one direction. Tiles are convex and have no thickness here.
+class LineOfSight {
+ public:
+  /// towardsEye: unit vector, world axes. The tiles are copied.
+  LineOfSight(const std::vector<Tile>& tiles, const Vector3& towardsEye);
+
+  /// Whether no other tile stands between the eye and this point of a tile; metres, world axes.
+  bool isClear(const Vector3& point, std::size_t tile) const;
+
+ private:
+  struct Screen {
+    std::vector<Vector3> vertices;
+    Vector3 normal;
+    Vector3 middle;
+    double radius = 0;  ///< of a ball round the middle that holds the tile, metres
+  };
+
+  bool hides(const Screen& screen, const Vector3& point) const;
+
+  std::vector<Screen> screens_;
+  Vector3 towardsEye_;
+};
+
+}  // namespace kirireel
