@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "render/cli/contradictions.h"
 #include "render/cli/exit_codes.h"
 #include "render/cli/export_command.h"
 #include "render/cli/interrupt.h"
@@ -119,6 +120,7 @@ CLI::App* addSimulateCommand(CLI::App& program, RecordOrder& order) {
 void completeOrder(CLI::App& command, RecordOrder& order) {
   requireGiven(order.model, "MODEL", command);
   readSceneFileOf(command, findModel(order.model), order.request, order.scene);
+  requireConsistent(command, order.scene);
 }
 
 int carryOut(const RecordOrder& order) {

@@ -71,7 +71,9 @@ void readSceneFileOf(CLI::App& command, const std::filesystem::path& modelFolder
     std::error_code ignored;
     if (!std::filesystem::exists(file, ignored)) return;
   }
-  scene.timeline = applySceneFile(command, file);
+  SceneFile read = applySceneFile(command, file);
+  scene.timeline = std::move(read.timeline);
+  scene.environment.obstacles = std::move(read.obstacles);
 }
 
 }  // namespace kirireel

@@ -21,8 +21,8 @@ struct SceneRequest {
 void addSceneRequestOptions(CLI::App& command, SceneRequest& request);
 
 /// Reads the scene file that was named, else scene.toml in the model's folder where there is one,
-/// into what the command's options point at and into the scene's timeline. To be called after
-/// parsing. Throws InputError.
+/// into what the command's options point at, the scene's timeline and its obstacles. To be called
+/// after parsing. Throws InputError.
 void readSceneFileOf(CLI::App& command, const std::filesystem::path& modelFolder,
                      const SceneRequest& request, Scene& scene);
 

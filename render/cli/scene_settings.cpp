@@ -8,7 +8,6 @@
 
 #include "sim/base/error.h"
 #include "sim/base/spelling.h"
-#include "sim/scene/scene_file.h"
 
 namespace kirireel {
 namespace {
@@ -16,13 +15,20 @@ namespace {
 /// The table of each group of options that a scene file may set.
 const std::map<std::string, std::string>& tables() {
   static const std::map<std::string, std::string> names = {
-      {"Model", "model"},        {"Bricks", "model"},
-      {"Joints", "model"},       {"Actuation", "actuation"},
-      {"Path", "actuation"},     {"Springs to the target", "actuation"},
-      {"Solver", "solver"},      {"Environment", "environment"},
-      {"Camera", "camera"},      {"End of the run", "stop"},
-      {"Style", "style"},        {"Look", "style"},
-      {"Pictures", "recording"}, {"Output", "recording"},
+      {"Model", "model"},
+      {"Bricks", "model"},
+      {"Joints", "model"},
+      {"Actuation", "actuation"},
+      {"Path to the target", "actuation"},
+      {"Springs to the target", "actuation"},
+      {"Solver", "solver"},
+      {"Environment", "environment"},
+      {"Camera", "camera"},
+      {"End of the run", "stop"},
+      {"Style", "style"},
+      {"Look", "style"},
+      {"Pictures", "recording"},
+      {"Output", "recording"},
   };
   return names;
 }
@@ -93,10 +99,10 @@ void apply(CLI::App& command, const SceneSetting& setting) {
 
 }  // namespace
 
-Timeline applySceneFile(CLI::App& command, const std::filesystem::path& file) {
-  const SceneFile scene = readSceneFile(file);
+SceneFile applySceneFile(CLI::App& command, const std::filesystem::path& file) {
+  SceneFile scene = readSceneFile(file);
   for (const SceneSetting& setting : scene.settings) apply(command, setting);
-  return scene.timeline;
+  return scene;
 }
 
 }  // namespace kirireel

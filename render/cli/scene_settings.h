@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "sim/scene/timeline.h"
+#include "sim/scene/scene_file.h"
 
 namespace CLI {
 class App;
@@ -13,9 +13,9 @@ namespace kirireel {
 
 /// Reads a scene file into what a command's options point at: `brick_friction = 0.3` in
 /// [environment] is `--brick-friction 0.3`. Options that the command line gave stay as they are.
-/// Returns the file's timeline. To be called after parsing.
+/// Returns the whole file. To be called after parsing.
 /// Throws InputError with file:line:column for unknown keys (suggesting the nearest), keys in the
 /// wrong table, and values that the option refuses.
-Timeline applySceneFile(CLI::App& command, const std::filesystem::path& file);
+SceneFile applySceneFile(CLI::App& command, const std::filesystem::path& file);
 
 }  // namespace kirireel

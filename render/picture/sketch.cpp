@@ -67,6 +67,19 @@ void drawMarks(const std::vector<Vector3>& marks, double radius, Colour colour,
   }
 }
 
+/// Polygons in one colour, lit on the side that looks at the camera.
+void drawScenery(const std::vector<Tile>& polygons, const Style& style, const Camera& camera,
+                 Sketch& sketch) {
+  for (const auto& [corners] : polygons) {
+    const Vector3 normal = polygonNormal(corners);
+    const bool isFront = normal.dot(towardsEye(camera, corners[0])) > 0;
+    std::vector<Vector3> seen = corners;
+    if (!isFront) std::reverse(seen.begin(), seen.end());
+    const Vector3 towards = isFront ? normal : Vector3(-normal);
+    sketch.solid.push_back(appendFacet(sketch, seen, faceColour(towards, style.scenery, style)));
+  }
+}
+
 /// A straight line as a ribbon that faces the camera; nothing when it points at the camera.
 void drawLine(const Vector3& from, const Vector3& to, double width, Colour colour,
               const Camera& camera, Sketch& sketch) {
@@ -194,6 +207,7 @@ void Sketcher::draw(const Shot& shot, const Camera& camera, Sketch& sketch) cons
     drawBrick(brick, shot.poses[brick], isPinned[brick] ? style_.pinned : own, camera,
               0.5 * style_.edgeWidth * height, sketch);
   }
+  drawScenery(shot.scenery, style_, camera, sketch);
   drawMarks(shot.marks, 0.5 * style_.markSize * height, style_.mark, camera, sketch);
   drawOverlay(shot.overlay, style_.overlayWidth * height, style_.overlay, camera, sketch);
 }

@@ -19,6 +19,7 @@ struct Shot {
   std::vector<Vector3> marks;         ///< points with a dot, for example joints, world axes
   /// Closed polygons whose sides are laid over everything as lines, world axes.
   std::vector<Tile> overlay;
+  std::vector<Tile> scenery;  ///< polygons that are no bricks, seen from both sides, world axes
 };
 
 /// A convex polygon of one colour that looks at the camera, with an outline within it if it has

@@ -31,6 +31,7 @@ Style darkStyle() {
   style.background = {22, 24, 28};
   style.edge = {14, 18, 26};
   style.ground = {44, 47, 53};
+  style.scenery = {92, 94, 98};
   style.shadow = {29, 31, 36};
   style.mark = {255, 120, 96};
   style.overlay = {255, 110, 150};

@@ -46,6 +46,7 @@ struct Style {
   BrickColours pinned = shadesOf({135, 206, 235});  ///< of pinned bricks: sky blue
   Colour edge = {38, 50, 66};                       ///< outlines
   Colour ground = {238, 238, 236};                  ///< of the plate, drawn as it is, not lit
+  Colour scenery = {176, 176, 174};                 ///< of obstacles
   /// Drawn where the key light does not reach, as it is. With alpha below 255 it takes the place of
   /// what is under it, so that overlapping shadows are as dark as one.
   Colour shadow = {206, 207, 208};

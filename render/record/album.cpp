@@ -70,7 +70,9 @@ bool paintsAlong(const Model& model, const PictureSettings& settings) {
 }
 
 Motif motifOf(const Subject& subject) {
-  return makeMotif(subject.model, subject.brickRule, subject.ground);
+  Motif motif = makeMotif(subject.model, subject.brickRule, subject.ground);
+  motif.obstacles = subject.obstacles;
+  return motif;
 }
 
 Motif motifOf(const TrajectoryReader& run, const PictureSettings& settings, bool whole) {

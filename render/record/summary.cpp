@@ -97,10 +97,36 @@ Json groundJson(const std::optional<Ground>& ground) {
   return {{"height", ground->height}, {"friction", ground->friction}};
 }
 
+Json vectorJson(const Vector3& vector) {
+  return {vector.x(), vector.y(), vector.z()};
+}
+
+Json obstaclesJson(const std::vector<Obstacle>& obstacles) {
+  Json json = Json::array();
+  for (const Obstacle& obstacle : obstacles) {
+    const Quaternion& turn = obstacle.pose.rotation;
+    Json& entry = json.emplace_back();
+    switch (obstacle.shape) {
+      case Obstacle::Shape::Box:
+        entry = {{"shape", "box"}, {"size", vectorJson(obstacle.size)}};
+        break;
+      case Obstacle::Shape::Sphere:
+        entry = {{"shape", "sphere"}, {"radius", obstacle.radius}};
+        break;
+      case Obstacle::Shape::Mesh:
+        entry = {{"shape", "mesh"}, {"faces", obstacle.mesh.size()}};
+    }
+    entry["position"] = vectorJson(obstacle.pose.position);
+    entry["rotation"] = {turn.w(), turn.x(), turn.y(), turn.z()};
+    entry["friction"] = obstacle.friction;
+  }
+  return json;
+}
+
 Json environmentJson(const Environment& environment) {
-  const Vector3& gravity = environment.gravity;
-  return {{"gravity", {gravity.x(), gravity.y(), gravity.z()}},
+  return {{"gravity", vectorJson(environment.gravity)},
           {"ground", groundJson(environment.ground)},
+          {"obstacles", obstaclesJson(environment.obstacles)},
           {"contacts", contactsWord(environment.contacts)},
           {"brick_friction", environment.brickFriction},
           {"linear_damping", environment.linearDamping},
@@ -236,7 +262,8 @@ std::string summaryJson(const Scene& scene, const RecordSettings& settings,
       {"needs",
        {{"planar", needJson(summary.needs.planar)},
         {"contacts", needJson(summary.needs.contacts)},
-        {"ground", needJson(summary.needs.ground)}}},
+        {"ground", needJson(summary.needs.ground)},
+        {"obstacles", needJson(summary.needs.obstacles)}}},
       {"events", eventsJson(summary.events)},
       {"settings", settingsJson(scene, settings)},
       {"files", summary.files},

@@ -19,6 +19,7 @@ struct Motif {
   std::vector<Pivot> pivots;                ///< of all joints
   std::optional<std::vector<Tile>> target;  ///< one tile a brick, world axes
   std::optional<double> groundHeight;       ///< z of the scene's ground, if it has one, metres
+  std::vector<Tile> obstacles;              ///< faces of what stays where it is, world axes
   std::vector<Vector3> points;              ///< what cameras must hold in sight, world axes
   double endTime = 0;                       ///< simulated seconds at the end of the run
 };

@@ -107,13 +107,14 @@ Stage::Stage(const Look& look, Motif motif, FrameSize size)
 }
 
 Shot Stage::shot(const Moment& moment) const {
-  Shot shot{moment.poses, colourist_.colours(moment.poses), moment.pinned, {}, {}};
+  Shot shot{moment.poses, colourist_.colours(moment.poses), moment.pinned, {}, {}, {}};
   if (jointMarks_) {
     for (const Pivot& pivot : motif_.pivots) {
       shot.marks.push_back(moment.poses[pivot.brickA].apply(pivot.pointA));
     }
   }
   if (targetLines_) shot.overlay = *motif_.target;
+  shot.scenery = motif_.obstacles;
   return shot;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "sim/actuation/environment_load.h"
+#include "sim/base/error.h"
 
 namespace kirireel {
 
@@ -30,33 +31,83 @@ std::vector<Support> groundSupports(const Scene& scene, const Needs& needs,
   return supports;
 }
 
+/// The bricks and the bodies of obstacles. The latter weigh as much as a brick, so that the
+/// solver's mean weight stays what it is without them.
+std::vector<Brick> bodiesOf(const std::vector<Brick>& bricks,
+                            const std::vector<ObstaclePart>& obstacles) {
+  std::vector<Brick> bodies = bricks;
+  for (const ObstaclePart& part : obstacles) {
+    bodies.push_back(part.body);
+    bodies.back().mass = bricks.front().mass;
+    bodies.back().inertia = bricks.front().inertia;
+  }
+  return bodies;
+}
+
+void requireSpace(const Scene& scene, const Needs& needs) {
+  if (!needs.planar.on || scene.environment.obstacles.empty()) return;
+  throw InputError(
+      "error: obstacles need bricks that move in space; leave --planar on away, or the obstacles");
+}
+
 }  // namespace
 
 DirectDynamics::DirectDynamics(const Scene& scene, const Needs& needs,
                                const std::vector<Brick>& bricks, const Poses& start)
-    : bricks_(bricks),
+    : brickCount_(bricks.size()),
       environment_(scene.environment),
+      obstacles_(obstacleParts(scene.environment.obstacles)),
+      bodies_(bodiesOf(bricks, obstacles_)),
       solver_(makeJointSolver(
-          bricks, makePivots(scene.model.joints, bricks),
+          bodies_, makePivots(scene.model.joints, bricks),
           {needs.planar.on, tileSize(scene.model), groundSupports(scene, needs, bricks)})),
       substeps_(scene.solver.substeps.value_or(1)) {
-  if (!needs.contacts.on && !needs.ground.on) return;
+  requireSpace(scene, needs);
+  if (hasObstacles()) setPinned(std::vector<bool>(brickCount_, false));
+  if (!needs.contacts.on && !needs.ground.on && !needs.obstacles.on) return;
+  Poses poses = start;
+  appendObstacles(poses);
   contacts_ = std::make_unique<ContactFinder>(
-      bricks, start, makePivots(scene.model.joints, bricks), scene.environment, needs.planar.on,
-      std::min(kTilePart * tileSize(scene.model), kThicknessPart * scene.brick.thickness));
+      bodies_, poses, makePivots(scene.model.joints, bricks), scene.environment, needs.planar.on,
+      std::min(kTilePart * tileSize(scene.model), kThicknessPart * scene.brick.thickness),
+      obstacles_);
+}
+
+void DirectDynamics::appendObstacles(Poses& poses) const {
+  for (const ObstaclePart& part : obstacles_) poses.push_back(part.pose);
+}
+
+void DirectDynamics::assemble(Poses& poses) {
+  appendObstacles(poses);
+  solver_->assemble(poses);
+  poses.resize(brickCount_);
+}
+
+void DirectDynamics::setPinned(const std::vector<bool>& pinned) {
+  std::vector<bool> held = pinned;
+  held.resize(bodies_.size(), true);
+  solver_->setPinned(held);
 }
 
 StepReport DirectDynamics::advance(Motion& motion, double step, const LoadSource& actuation) {
+  Poses brickPoses;
   const LoadSource all = [&](const Poses& poses, std::vector<Load>& loads) {
-    actuation(poses, loads);
-    for (std::size_t i = 0; i < loads.size(); ++i) {
-      addEnvironmentLoad(environment_, bricks_[i], poses[i], loads[i]);
+    brickPoses.assign(poses.begin(), poses.begin() + static_cast<std::ptrdiff_t>(brickCount_));
+    loads.resize(brickCount_);
+    actuation(brickPoses, loads);
+    for (std::size_t i = 0; i < brickCount_; ++i) {
+      addEnvironmentLoad(environment_, bodies_[i], poses[i], loads[i]);
     }
+    loads.resize(bodies_.size());
   };
+  appendObstacles(motion.poses);
+  motion.velocities.resize(bodies_.size());
   StepReport report;
   for (int substep = 0; substep < substeps_; ++substep) {
     report += solver_->advance(motion, step / substeps_, all, contacts_.get());
   }
+  motion.poses.resize(brickCount_);
+  motion.velocities.resize(brickCount_);
   return report;
 }
 

@@ -12,15 +12,20 @@ class DirectDynamics : public Dynamics {
   DirectDynamics(const Scene& scene, const Needs& needs, const std::vector<Brick>& bricks,
                  const Poses& start);
 
-  void assemble(Poses& poses) override { solver_->assemble(poses); }
-  void setPinned(const std::vector<bool>& pinned) override { solver_->setPinned(pinned); }
+  void assemble(Poses& poses) override;
+  void setPinned(const std::vector<bool>& pinned) override;
   void setJointStiffness(double stiffness) override { solver_->setJointStiffness(stiffness); }
   std::vector<ContactLoad> contactLoads() const override { return solver_->contactLoads(); }
   StepReport advance(Motion& motion, double step, const LoadSource& actuation) override;
 
  private:
-  const std::vector<Brick>& bricks_;
+  bool hasObstacles() const { return !obstacles_.empty(); }
+  void appendObstacles(Poses& poses) const;
+
+  std::size_t brickCount_;
   Environment environment_;
+  std::vector<ObstaclePart> obstacles_;
+  std::vector<Brick> bodies_;  // the bricks, then pinned ones that stand for obstacles
   std::unique_ptr<JointSolver> solver_;
   std::unique_ptr<ContactFinder> contacts_;  // null where nothing can be touched
   int substeps_;

@@ -24,11 +24,27 @@ std::vector<Pivot> sharedPivots(const Scene& scene, const std::vector<Brick>& br
   return pivots;
 }
 
+void requireNoObstacles(const Environment& environment) {
+  if (environment.obstacles.empty()) return;
+  throw InputError("error: --solver bullet knows no obstacles; use --solver direct");
+}
+
 }  // namespace
 
+<<<<<<< HEAD:sim/deploy/world_dynamics.cpp
 WorldDynamics::WorldDynamics(std::unique_ptr<BrickWorld> world, int substeps,
                              std::size_t brickCount)
     : world_(std::move(world)), substeps_(substeps), loads_(brickCount) {}
+=======
+BulletDynamics::BulletDynamics(const Scene& scene, const std::vector<Brick>& bricks,
+                               const Poses& start)
+    : world_(bricks, start, sharedPivots(scene, bricks), scene.environment,
+             scene.solver.iterations),
+      substeps_(scene.solver.substeps.value_or(kSubsteps)),
+      loads_(bricks.size()) {
+  requireNoObstacles(scene.environment);
+}
+>>>>>>> 08ac4fa (scene, world: obstacles that bricks run into):sim/deploy/bullet_dynamics.cpp
 
 void WorldDynamics::setPinned(const std::vector<bool>& pinned) {
   if (std::find(pinned.begin(), pinned.end(), true) == pinned.end()) return;

@@ -52,6 +52,7 @@ Need planarNeed(const Scene& scene) {
     }
   }
   if (dragsOutOfPlane(scene, tolerance)) return {false, "a tile is dragged out of the plane"};
+  if (!scene.environment.obstacles.empty()) return {false, "obstacles push out of the plane"};
   const Vector3& gravity = scene.environment.gravity;
   if (!isVertical(gravity)) return {false, "gravity is not vertical"};
   const std::optional<Ground>& ground = scene.environment.ground;
@@ -83,6 +84,11 @@ Need groundNeed(const Scene& scene, bool planar) {
   return {true, "bricks may touch the ground"};
 }
 
+Need obstacleNeed(const Scene& scene) {
+  if (scene.environment.obstacles.empty()) return {false, "none"};
+  return {true, "bricks may touch them"};
+}
+
 double lowestPoint(const std::vector<Tile>& tiles, const BrickRule& rule) {
   const std::vector<Brick> bricks = makeBricks(tiles, rule);
   const Poses poses = startPoses(tiles, bricks);
@@ -102,6 +108,7 @@ Needs sceneNeeds(const Scene& scene) {
   needs.planar = planarNeed(scene);
   needs.contacts = contactNeed(scene);
   needs.ground = groundNeed(scene, needs.planar.on);
+  needs.obstacles = obstacleNeed(scene);
   if (scene.model.tiles.size() < 2) needs.contacts = {false, "a single brick"};
   return needs;
 }

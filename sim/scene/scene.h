@@ -4,10 +4,12 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "sim/base/geometry.h"
 #include "sim/brick/brick.h"
 #include "sim/model/model.h"
+#include "sim/scene/obstacle.h"
 #include "sim/scene/timeline.h"
 
 namespace kirireel {
@@ -29,6 +31,7 @@ enum class ContactFilter {
 struct Environment {
   Vector3 gravity = Vector3::Zero();  ///< m/s^2
   std::optional<Ground> ground;
+  std::vector<Obstacle> obstacles;  ///< that all bricks run into
   ContactFilter contacts = ContactFilter::None;
   /// Joined bricks meet without the corners that they share: so much of the mean edge is left out
   /// of each edge there. From 0 (bricks meet up to the pivot) to 0.4.
@@ -130,9 +133,10 @@ struct Need {
 
 /// What a scene needs and what it can do without.
 struct Needs {
-  Need planar;    ///< three degrees of freedom a tile instead of six
-  Need contacts;  ///< collision detection between bricks
-  Need ground;    ///< the ground plane as a contact
+  Need planar;     ///< three degrees of freedom a tile instead of six
+  Need contacts;   ///< collision detection between bricks
+  Need ground;     ///< the ground plane as a contact
+  Need obstacles;  ///< things that bricks run into
 };
 
 /// Decides what the scene needs. A scene is planar when start and target lie in horizontal planes,

@@ -10,12 +10,14 @@
 #include <toml++/toml.h>
 
 #include "sim/base/spelling.h"
+#include "sim/model/obj_pair.h"
 
 namespace kirireel {
 namespace {
 
-const std::vector<std::string> kTables = {"model",  "environment", "actuation", "solver",  "stop",
-                                          "camera", "style",       "recording", "timeline"};
+const std::vector<std::string> kTables = {"model",    "environment", "actuation", "solver",
+                                          "stop",     "camera",      "style",     "recording",
+                                          "timeline", "obstacle"};
 
 /// Reads nodes of one file; every message knows its place.
 class Reader {
@@ -281,6 +283,97 @@ Timeline readTimeline(const Reader& reader, const toml::node& node) {
   return timeline;
 }
 
+// ---- obstacles
+
+constexpr double kFarthest = 1e6;  // metres
+
+const std::vector<std::string> kObstacleKeys = {"shape",    "size",     "radius",  "file",
+                                                "position", "rotation", "friction"};
+
+/// What an obstacle of each shape must give.
+const std::map<std::string, std::pair<Obstacle::Shape, std::string>>& obstacleShapes() {
+  static const std::map<std::string, std::pair<Obstacle::Shape, std::string>> shapes = {
+      {"box", {Obstacle::Shape::Box, "size"}},
+      {"sphere", {Obstacle::Shape::Sphere, "radius"}},
+      {"mesh", {Obstacle::Shape::Mesh, "file"}},
+  };
+  return shapes;
+}
+
+Vector3 boxSize(const Reader& reader, const toml::node& node) {
+  const Vector3 size = reader.point(node);
+  if (!(size.minCoeff() > 0)) reader.refuse(node, "three positive lengths in metres");
+  return size;
+}
+
+/// Turns about the axes of the world, x first, as they are typed in degrees.
+Quaternion turn(const Reader& reader, const toml::node& node) {
+  const Vector3 angles = M_PI / 180 * reader.point(node);
+  return rotationFromVector({0, 0, angles.z()}) * rotationFromVector({0, angles.y(), 0}) *
+         rotationFromVector({angles.x(), 0, 0});
+}
+
+std::vector<Tile> meshFaces(const Reader& reader, const toml::node& node) {
+  const auto* text = node.as_string();
+  if (!text || text->get().empty()) reader.refuse(node, "the name of an OBJ file");
+  std::vector<std::string> ignored;  // what a sheet should rather not be
+  return readObjPair(reader.at(node).file.parent_path() / text->get(), {}, ignored).tiles;
+}
+
+void readObstacleKey(const Reader& reader, const toml::key& key, const toml::node& node,
+                     Obstacle& obstacle) {
+  if (key == "size") {
+    obstacle.size = boxSize(reader, node);
+  } else if (key == "radius") {
+    obstacle.radius = reader.number(node, 1e-9, kFarthest, "a positive length in metres");
+  } else if (key == "file") {
+    obstacle.mesh = meshFaces(reader, node);
+  } else if (key == "position") {
+    obstacle.pose.position = reader.point(node);
+  } else if (key == "rotation") {
+    obstacle.pose.rotation = turn(reader, node);
+  } else if (key == "friction") {
+    obstacle.friction = reader.number(node, 0, 1e3, "a number from 0 to 1000");
+  } else if (key != "shape") {
+    reader.refuseKey(key, "key of an obstacle", kObstacleKeys);
+  }
+}
+
+/// The shape must bring its own measure and no other's.
+void requireMeasure(const Reader& reader, const toml::table& table, const std::string& shape) {
+  for (const auto& [name, kind] : obstacleShapes()) {
+    if (table.contains(kind.second) == (name == shape)) continue;
+    throw inputErrorAt(reader.at(table),
+                       fmt::format("a {} {} {}; box has size, sphere has radius, mesh has file",
+                                   shape, name == shape ? "needs" : "has no", kind.second));
+  }
+}
+
+Obstacle readObstacle(const Reader& reader, const toml::node& node) {
+  const toml::table* table = node.as_table();
+  if (!table) reader.refuse(node, "tables, each under [[obstacle]]");
+  const toml::node* shape = table->get("shape");
+  const auto* name = shape ? shape->as_string() : nullptr;
+  const auto found = obstacleShapes().find(name ? name->get() : "");
+  if (found == obstacleShapes().end()) {
+    throw inputErrorAt(reader.at(shape ? *shape : node),
+                       "an obstacle needs shape = \"box\", \"sphere\" or \"mesh\"");
+  }
+  Obstacle obstacle;
+  obstacle.shape = found->second.first;
+  for (const auto& [key, value] : *table) readObstacleKey(reader, key, value, obstacle);
+  requireMeasure(reader, *table, found->first);
+  return obstacle;
+}
+
+std::vector<Obstacle> readObstacles(const Reader& reader, const toml::node& node) {
+  const toml::array* array = node.as_array();
+  if (!array) reader.refuse(node, "tables, each under [[obstacle]]");
+  std::vector<Obstacle> obstacles;
+  for (const toml::node& entry : *array) obstacles.push_back(readObstacle(reader, entry));
+  return obstacles;
+}
+
 // ---- the file
 
 toml::table parse(const std::filesystem::path& path) {
@@ -309,6 +402,10 @@ SceneFile readSceneFile(const std::filesystem::path& path) {
     }
     if (name == "timeline") {
       file.timeline = readTimeline(reader, node);
+      continue;
+    }
+    if (name == "obstacle") {
+      file.obstacles = readObstacles(reader, node);
       continue;
     }
     const toml::table* table = node.as_table();

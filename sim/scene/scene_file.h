@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sim/base/error.h"
+#include "sim/scene/obstacle.h"
 #include "sim/scene/timeline.h"
 
 namespace kirireel {
@@ -26,10 +27,15 @@ struct SceneFile {
   std::vector<SceneSetting> settings;  ///< by table and key
   Timeline timeline;                   ///< targets are named, not read yet; files are relative to
                                        ///< the folder of the scene file
+  std::vector<Obstacle> obstacles;
 };
 
 /// Reads a scene file: the tables [model] [environment] [actuation] [solver] [stop] [camera]
-/// [style] [recording], and [[timeline]].
+/// [style] [recording], and [[timeline]], [[obstacle]].
+///
+/// An obstacle is shape = "box" with size = [X, Y, Z], "sphere" with radius, or "mesh" with file =
+/// "FILE.obj" (flat convex faces), at position = [X, Y, Z], turned by rotation = [X, Y, Z] (degrees
+/// about the axes, x first), with friction.
 ///
 /// A timeline entry says when, by one of
 ///   at = SECONDS, at = "rest", at = "target", after = SECONDS (0), error_below = METRES,
@@ -40,7 +46,7 @@ struct SceneFile {
 ///   snapshot = true, export = true, reset = true, quit = true.
 ///
 /// Throws InputError with file:line:column for what is no TOML, for unknown tables and timeline
-/// keys (suggesting the nearest), and for values that a timeline does not allow.
+/// keys (suggesting the nearest), and for values that a timeline or an obstacle does not allow.
 SceneFile readSceneFile(const std::filesystem::path& path);
 
 }  // namespace kirireel

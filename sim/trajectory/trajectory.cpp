@@ -7,6 +7,7 @@ Subject subjectOf(const Scene& scene) {
           .brickRule = scene.brick,
           .bricks = makeBricks(scene.model.tiles, scene.brick),
           .ground = scene.environment.ground,
+          .obstacles = obstacleFaces(scene.environment.obstacles),
           .settings = {}};
 }
 

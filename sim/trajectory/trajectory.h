@@ -37,6 +37,7 @@ struct Subject {
   BrickRule brickRule;           ///< how tiles became bricks
   std::vector<Brick> bricks;     ///< one a tile
   std::optional<Ground> ground;  ///< absent when the scene had none
+  std::vector<Tile> obstacles;   ///< the faces of what stays where it is, world axes
   std::string settings;          ///< of the run, as JSON; may be empty
 };
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -23,13 +24,16 @@ class SubjectReader {
   Subject read() {
     requireFormat();
     Subject subject;
-    readSizes();
+    sizes_ = readSizes("model/tile_sizes");
     subject.settings = oneText("settings");
     subject.model = readModel();
     readBricks(subject);
     if (file_.has("ground")) {
       subject.ground = Ground{file_.numberAttribute("ground", "height"),
                               file_.numberAttribute("ground", "friction")};
+    }
+    if (file_.has("obstacles")) {
+      subject.obstacles = tiles("obstacles/vertices", readSizes("obstacles/face_sizes"));
     }
     return subject;
   }
@@ -47,13 +51,14 @@ class SubjectReader {
     }
   }
 
-  void readSizes() {
-    for (const int size : file_.integers("model/tile_sizes")) {
-      if (size < 3) file_.refuse(fmt::format("a tile in model/tile_sizes has {} vertices", size));
-      sizes_.push_back(static_cast<std::size_t>(size));
-      vertexCount_ += sizes_.back();
+  std::vector<std::size_t> readSizes(const std::string& name) const {
+    std::vector<std::size_t> sizes;
+    for (const int size : file_.integers(name)) {
+      if (size < 3) file_.refuse(fmt::format("a tile in {} has {} vertices", name, size));
+      sizes.push_back(static_cast<std::size_t>(size));
     }
-    if (sizes_.empty()) file_.refuse("model/tile_sizes holds no tile");
+    if (sizes.empty()) file_.refuse(fmt::format("{} holds no tile", name));
+    return sizes;
   }
 
   std::string oneText(const std::string& name) const {
@@ -76,20 +81,23 @@ class SubjectReader {
   }
 
   /// An array of points, dealt out tile by tile.
-  std::vector<std::vector<Vector3>> pointsOfTiles(const std::string& name) const {
-    const std::vector<double> entries = numbers(name, {vertexCount_, 3});
+  std::vector<std::vector<Vector3>> pointsOfTiles(const std::string& name,
+                                                  const std::vector<std::size_t>& sizes) const {
+    const std::size_t count = std::accumulate(sizes.begin(), sizes.end(), std::size_t{0});
+    const std::vector<double> entries = numbers(name, {count, 3});
     std::vector<std::vector<Vector3>> tiles;
     const double* next = entries.data();
-    for (const std::size_t size : sizes_) {
+    for (const std::size_t size : sizes) {
       std::vector<Vector3>& points = tiles.emplace_back();
       for (std::size_t k = 0; k < size; ++k, next += 3) points.emplace_back(next);
     }
     return tiles;
   }
 
-  std::vector<Tile> tiles(const std::string& name) const {
+  std::vector<Tile> tiles(const std::string& name, const std::vector<std::size_t>& sizes) const {
     std::vector<Tile> tiles;
-    for (std::vector<Vector3>& points : pointsOfTiles(name)) tiles.push_back({std::move(points)});
+    for (std::vector<Vector3>& points : pointsOfTiles(name, sizes))
+      tiles.push_back({std::move(points)});
     return tiles;
   }
 
@@ -140,8 +148,8 @@ class SubjectReader {
   Model readModel() const {
     Model model;
     model.name = file_.textAttribute("model", "name");
-    model.tiles = tiles("model/vertices");
-    if (file_.has("model/target")) model.target = tiles("model/target");
+    model.tiles = tiles("model/vertices", sizes_);
+    if (file_.has("model/target")) model.target = tiles("model/target", sizes_);
     model.joints = readJoints();
     if (file_.has("model/pulled_tiles")) model.pulledTiles = readPulledTiles();
     return model;
@@ -162,8 +170,8 @@ class SubjectReader {
   void readBricks(Subject& subject) const {
     const std::size_t count = sizes_.size();
     subject.brickRule = readBrickRule();
-    const std::vector<std::vector<Vector3>> bottoms = pointsOfTiles("bricks/bottom");
-    const std::vector<std::vector<Vector3>> tops = pointsOfTiles("bricks/top");
+    const std::vector<std::vector<Vector3>> bottoms = pointsOfTiles("bricks/bottom", sizes_);
+    const std::vector<std::vector<Vector3>> tops = pointsOfTiles("bricks/top", sizes_);
     const std::vector<double> normals = numbers("bricks/normal", {count, 3});
     const std::vector<double> thicknesses = numbers("bricks/thickness", {count});
     const std::vector<double> volumes = numbers("bricks/volume", {count});
@@ -182,7 +190,6 @@ class SubjectReader {
 
   const ArrayReader& file_;
   std::vector<std::size_t> sizes_;  ///< vertices of each tile
-  std::size_t vertexCount_ = 0;
 };
 
 }  // namespace

@@ -68,12 +68,16 @@ void writeJoints(ArrayWriter& file, const std::vector<Joint>& joints) {
   writePoints(file, "model/joint_apart", apart);
 }
 
+std::vector<int> sizesOf(const std::vector<Tile>& tiles) {
+  std::vector<int> sizes;
+  for (const Tile& tile : tiles) sizes.push_back(static_cast<int>(tile.vertices.size()));
+  return sizes;
+}
+
 void writeModel(ArrayWriter& file, const Model& model) {
   file.addGroup("model");
   file.setAttribute("model", "name", model.name);
-  std::vector<int> sizes;
-  for (const Tile& tile : model.tiles) sizes.push_back(static_cast<int>(tile.vertices.size()));
-  file.write("model/tile_sizes", std::span<const int>(sizes), {sizes.size()});
+  file.write("model/tile_sizes", std::span<const int>(sizesOf(model.tiles)), {model.tiles.size()});
   writePoints(file, "model/vertices", flatten(model.tiles));
   if (model.target) writePoints(file, "model/target", flatten(*model.target));
   writeJoints(file, model.joints);
@@ -99,6 +103,13 @@ void writeBricks(ArrayWriter& file, const std::vector<Brick>& bricks, const Bric
   writeArray(file, "bricks/volume", flatten(bricks, &Brick::volume), {count}, "m^3");
   writeArray(file, "bricks/mass", flatten(bricks, &Brick::mass), {count}, "kg");
   writeArray(file, "bricks/inertia", inertias(bricks), {count, 3, 3}, "kg m^2");
+}
+
+void writeObstacles(ArrayWriter& file, const std::vector<Tile>& faces) {
+  if (faces.empty()) return;
+  file.addGroup("obstacles");
+  file.write("obstacles/face_sizes", std::span<const int>(sizesOf(faces)), {faces.size()});
+  writePoints(file, "obstacles/vertices", flatten(faces));
 }
 
 void addSeries(ArrayWriter& file, const std::string& name, const Shape& rowShape,
@@ -131,6 +142,7 @@ TrajectoryWriter::TrajectoryWriter(const std::filesystem::path& path, const Subj
     file.setAttribute("ground", "height", subject.ground->height);
     file.setAttribute("ground", "friction", subject.ground->friction);
   }
+  writeObstacles(file, subject.obstacles);
   addSeries(file, "time", {}, "s");
   addSeries(file, "position", {subject.bricks.size(), 3}, "m");
   addSeries(file, "rotation", {subject.bricks.size(), 4}, "1");

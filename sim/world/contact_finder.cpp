@@ -6,9 +6,13 @@
 #include <map>
 #include <unordered_map>
 
+#include <fmt/format.h>
+
+#include "sim/base/error.h"
 #include "sim/brick/shared_corners.h"
 #include "sim/world/brick_pair.h"
 #include "sim/world/near_pairs.h"
+#include "sim/world/sphere_pair.h"
 
 namespace kirireel {
 namespace {
@@ -22,13 +26,24 @@ Key pairKey(int brickA, int brickB) {
 }  // namespace
 
 struct ContactFinder::Internals {
-  explicit Internals(const std::vector<Brick>& all) : bricks(all), near(bricks) {}
+  Internals(const std::vector<Brick>& all, const std::vector<ObstaclePart>& obstacles)
+      : bricks(all), parts(obstacles), near(bricks) {}
 
+  int movingCount() const { return static_cast<int>(bricks.size() - parts.size()); }
+  /// The obstacle's part that a body is; null for a brick.
+  const ObstaclePart* partOf(int body) const {
+    return body < movingCount() ? nullptr : &parts[body - movingCount()];
+  }
   BrickPair& pairOf(int a, int b);
+  SpherePair& sphereOf(int brick, int sphere);
+  bool mayTouch(int a, int b) const;
   void updatePairs(const Poses& from, const Poses& to);
   double appendGround(int brick, const Pose& end, std::vector<Contact>& contacts);
+  double frictionWith(int a, int b) const;
+  void requireFree(int brick, int body, double overlap) const;
 
-  std::vector<Brick> bricks;
+  std::vector<Brick> bricks;  // then the bodies of obstacles
+  std::vector<ObstaclePart> parts;
   std::map<std::pair<int, int>, SharedCorners> joined;
   Environment environment;
   bool planar = false;
@@ -38,8 +53,10 @@ struct ContactFinder::Internals {
   NearPairs near;
   std::unordered_map<Key, BrickPair> pairs;  // that ever were near
   std::vector<BrickPair*> nearPairs;         // that are near now, in order of bricks
-  std::vector<BrickPair*> overlapping;       // that overlapped where the run began
-  std::vector<long> groundGiven;  // the step in which each brick's ground contacts were given
+  std::unordered_map<Key, SpherePair> spheres;
+  std::vector<SpherePair*> nearSpheres;
+  std::vector<BrickPair*> overlapping;  // that overlapped where the run began
+  std::vector<long> groundGiven;        // the step in which each brick's ground contacts were given
 };
 
 BrickPair& ContactFinder::Internals::pairOf(int a, int b) {
@@ -58,13 +75,47 @@ BrickPair& ContactFinder::Internals::pairOf(int a, int b) {
   return add(cutA, cutB);
 }
 
+SpherePair& ContactFinder::Internals::sphereOf(int brick, int sphere) {
+  return spheres
+      .try_emplace(pairKey(brick, sphere), brick, sphere, bricks[brick], *partOf(sphere)->radius,
+                   tolerance)
+      .first->second;
+}
+
+/// Two bodies, the smaller number first.
+bool ContactFinder::Internals::mayTouch(int a, int b) const {
+  if (partOf(b)) return !partOf(a);
+  return environment.contacts == ContactFilter::All ||
+         (environment.contacts == ContactFilter::Unjoined && !joined.contains({a, b}));
+}
+
 void ContactFinder::Internals::updatePairs(const Poses& from, const Poses& to) {
-  if (environment.contacts == ContactFilter::None || !near.update(from, to)) return;
+  if (environment.contacts == ContactFilter::None && parts.empty()) return;
+  if (!near.update(from, to)) return;
   nearPairs.clear();
+  nearSpheres.clear();
   for (const auto& [a, b] : near.pairs()) {
-    const bool passes = environment.contacts == ContactFilter::Unjoined && joined.contains({a, b});
-    if (!passes) nearPairs.push_back(&pairOf(a, b));
+    if (!mayTouch(a, b)) continue;
+    const ObstaclePart* part = partOf(b);
+    if (part && part->radius) {
+      nearSpheres.push_back(&sphereOf(a, b));
+    } else {
+      nearPairs.push_back(&pairOf(a, b));
+    }
   }
+}
+
+double ContactFinder::Internals::frictionWith(int a, int b) const {
+  const ObstaclePart* part = partOf(std::max(a, b));
+  return part ? part->friction : environment.brickFriction;
+}
+
+void ContactFinder::Internals::requireFree(int brick, int body, double overlap) const {
+  const ObstaclePart* part = partOf(body);
+  if (!part || overlap <= tolerance) return;
+  throw InputError(fmt::format(
+      "error: tile {} reaches {:.3g} m into obstacle {} at the start; move the obstacle away",
+      brick, overlap, part->obstacle));
 }
 
 double ContactFinder::Internals::appendGround(int brick, const Pose& end,
@@ -90,8 +141,9 @@ double ContactFinder::Internals::appendGround(int brick, const Pose& end,
 
 ContactFinder::ContactFinder(const std::vector<Brick>& bricks, const Poses& start,
                              std::span<const Pivot> pivots, const Environment& environment,
-                             bool planar, double tolerance)
-    : internals_(std::make_unique<Internals>(bricks)) {
+                             bool planar, double tolerance,
+                             const std::vector<ObstaclePart>& obstacles)
+    : internals_(std::make_unique<Internals>(bricks, obstacles)) {
   Internals& in = *internals_;
   in.groundGiven.assign(bricks.size(), -1);
   in.joined = sharedCorners(pivots);
@@ -101,7 +153,12 @@ ContactFinder::ContactFinder(const std::vector<Brick>& bricks, const Poses& star
   in.updatePairs(start, start);
   for (BrickPair* pair : in.nearPairs) {
     pair->keepOverlap(seenFrom(start[pair->a()], start[pair->b()]));
+    in.requireFree(pair->a(), pair->b(), pair->slack());
     if (pair->slack() > 0) in.overlapping.push_back(pair);
+  }
+  for (const SpherePair* pair : in.nearSpheres) {
+    const Vector3& centre = start[pair->sphere()].position;
+    in.requireFree(pair->brick(), pair->sphere(), pair->overlap(start[pair->brick()], centre));
   }
 }
 
@@ -126,11 +183,17 @@ double ContactFinder::appendViolated(const Poses& end, std::vector<Contact>& con
                         seenFrom(end[pair->a()], end[pair->b()])};
     overlap = std::max(overlap, pair->appendViolated(move, in.step, contacts));
   }
+  for (SpherePair* pair : in.nearSpheres) {
+    const int brick = pair->brick();
+    overlap = std::max(overlap,
+                       pair->appendViolated(in.start[brick], end[brick],
+                                            in.start[pair->sphere()].position, in.step, contacts));
+  }
   for (std::size_t c = first; c < contacts.size(); ++c) {
-    contacts[c].friction = in.environment.brickFriction;
+    contacts[c].friction = in.frictionWith(contacts[c].brickA, contacts[c].brickB);
   }
   if (in.environment.ground && !in.planar) {
-    for (int i = 0; i < static_cast<int>(in.bricks.size()); ++i) {
+    for (int i = 0; i < in.movingCount(); ++i) {
       overlap = std::max(overlap, in.appendGround(i, end[i], contacts));
     }
   }
@@ -141,6 +204,8 @@ bool ContactFinder::isCurrent(const Contact& contact) const {
   if (contact.brickB == kFixed) return true;
   Internals& in = *internals_;
   const auto [a, b] = std::minmax(contact.brickA, contact.brickB);
+  const ObstaclePart* part = in.partOf(b);
+  if (part && part->radius) return false;
   return in.pairOf(a, b).isCurrent(contact, seenFrom(in.start[a], in.start[b]));
 }
 

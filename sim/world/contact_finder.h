@@ -9,6 +9,7 @@
 #include "sim/brick/brick.h"
 #include "sim/brick/contact.h"
 #include "sim/scene/scene.h"
+#include "sim/world/obstacle_parts.h"
 
 namespace kirireel {
 
@@ -24,8 +25,11 @@ namespace kirireel {
 class ContactFinder : public ContactSource {
  public:
   /// `tolerance`: overlap in metres that counts as none. `planar`: only outlines meet.
+  /// `obstacles`: the parts whose bodies are the last of the bricks, which stay where they are.
+  /// Throws InputError when a brick overlaps an obstacle.
   ContactFinder(const std::vector<Brick>& bricks, const Poses& start, std::span<const Pivot> pivots,
-                const Environment& environment, bool planar, double tolerance);
+                const Environment& environment, bool planar, double tolerance,
+                const std::vector<ObstaclePart>& obstacles = {});
   ~ContactFinder() override;
 
   void startStep(const Poses& start) override;

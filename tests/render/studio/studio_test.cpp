@@ -63,6 +63,21 @@ TEST(Stage, MarksJointsAndDrawsTheTargetOnRequest) {
   EXPECT_EQ(shot.overlay.size(), 16U);
 }
 
+TEST(Stage, DrawsObstaclesInGreyFromBothSides) {
+  Motif motif = tessellationMotif();
+  const std::size_t without =
+      Stage({}, motif, {300, 300}).sketch({0, motif.start, {}}).solid.size();
+  motif.obstacles = {{{{0, 0, -1}, {1, 0, -1}, {0, 1, -1}}},
+                     {{{0, 0, -1}, {0, 1, -1}, {1, 0, -1}}}};
+  const Sketch sketch = Stage({}, motif, {300, 300}).sketch({0, motif.start, {}});
+  ASSERT_EQ(sketch.solid.size(), without + 2);
+  const Colour colour = sketch.solid.back().colour;
+  EXPECT_EQ(colour, sketch.solid[without].colour);  // whichever way round its corners are
+  EXPECT_LE(std::max({colour.red, colour.green, colour.blue}) -
+                std::min({colour.red, colour.green, colour.blue}),
+            3);
+}
+
 TEST(Stage, RefusesACameraWithinABrick) {
   Look look;
   look.camera.orthographic = false;

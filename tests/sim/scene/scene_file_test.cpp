@@ -113,9 +113,10 @@ quit = true
 }
 
 TEST_F(SceneFileTest, UnknownTablesSuggestTheNearest) {
-  EXPECT_EQ(refusal("[enviroment]\nground = true\n"),
-            "scene.toml:1:2: error: unknown table enviroment, did you mean environment?; there are "
-            "model, environment, actuation, solver, stop, camera, style, recording, timeline");
+  EXPECT_EQ(
+      refusal("[enviroment]\nground = true\n"),
+      "scene.toml:1:2: error: unknown table enviroment, did you mean environment?; there are "
+      "model, environment, actuation, solver, stop, camera, style, recording, timeline, obstacle");
 }
 
 TEST_F(SceneFileTest, UnknownTimelineKeysSuggestTheNearest) {
@@ -156,6 +157,52 @@ TEST_F(SceneFileTest, RefusesWhatIsNoToml) {
   EXPECT_THAT(refusal("[model]\nthickness = 1979-05-27\n"),
               HasSubstr("give a number, a text, true, false or an array"));
   EXPECT_THROW(readSceneFile(folder_ / "other.toml"), InputError);
+}
+
+TEST_F(SceneFileTest, ReadsObstacles) {
+  std::ofstream(folder_ / "wall.obj") << "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
+  const std::vector<Obstacle> obstacles = read(R"(
+[[obstacle]]
+shape = "box"
+size = [1, 2, 3]
+position = [0, 0, -1]
+rotation = [90, 0, 90]
+friction = 0.25
+[[obstacle]]
+shape = "sphere"
+radius = 0.5
+[[obstacle]]
+shape = "mesh"
+file = "wall.obj"
+position = [0, 0, 4]
+)")
+                                              .obstacles;
+  ASSERT_EQ(obstacles.size(), 3u);
+  EXPECT_EQ(obstacles[0].size, Vector3(1, 2, 3));
+  EXPECT_EQ(obstacles[0].friction, 0.25);
+  // x first, then z: the box's y axis points up, its z axis along the world's x.
+  EXPECT_TRUE((obstacles[0].pose.rotation * Vector3::UnitY()).isApprox(Vector3::UnitZ()));
+  EXPECT_TRUE((obstacles[0].pose.rotation * Vector3::UnitZ()).isApprox(Vector3::UnitX()));
+  EXPECT_EQ(obstacles[1].shape, Obstacle::Shape::Sphere);
+  EXPECT_EQ(obstacles[1].radius, 0.5);
+  EXPECT_EQ(obstacles[1].friction, 0.5);
+  EXPECT_EQ(obstacleFaces(obstacles[2]).front().vertices[2], Vector3(1, 1, 4));
+}
+
+TEST_F(SceneFileTest, RefusesObstaclesThatMakeNoSense) {
+  EXPECT_EQ(refusal("[[obstacle]]\nshape = \"cone\"\n"),
+            "scene.toml:2:9: error: an obstacle needs shape = \"box\", \"sphere\" or \"mesh\"");
+  EXPECT_EQ(refusal("[[obstacle]]\nshape = \"box\"\n"),
+            "scene.toml:1:1: error: a box needs size; box has size, sphere has radius, mesh has "
+            "file");
+  EXPECT_THAT(refusal("[[obstacle]]\nshape = \"sphere\"\nradius = 1\nsize = [1, 1, 1]\n"),
+              HasSubstr("error: a sphere has no size; "));
+  EXPECT_THAT(refusal("[[obstacle]]\nshape = \"box\"\nsize = [1, 0, 1]\n"),
+              HasSubstr("scene.toml:3:8: error: this value is not allowed; give three positive "
+                        "lengths in metres"));
+  EXPECT_THROW(read("[[obstacle]]\nshape = \"mesh\"\nfile = \"no.obj\"\n"), InputError);
+  EXPECT_THAT(refusal("[obstacle]\nshape = \"box\"\n"),
+              HasSubstr("give tables, each under [[obstacle]]"));
 }
 
 }  // namespace

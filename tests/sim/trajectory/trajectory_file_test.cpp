@@ -28,6 +28,9 @@ Trajectory randomTrajectory(int samples) {
   scene.model = makeTessellation({});
   scene.environment.ground = Ground{-0.25, 0.125};
   scene.brick.thickness = 0.1;
+  Obstacle sphere;
+  sphere.shape = Obstacle::Shape::Sphere;
+  scene.environment.obstacles = {Obstacle{}, sphere};
   Trajectory trajectory{subjectOf(scene)};
   trajectory.settings = "{\"seed\": 1, \"name\": \"Ångström\"}";
   std::mt19937_64 generator(1);
@@ -65,6 +68,7 @@ void expectSameSubject(const Subject& a, const Subject& b) {
   ASSERT_EQ(a.model.target.has_value(), b.model.target.has_value());
   if (a.model.target) expectSameTiles(*a.model.target, *b.model.target);
   EXPECT_EQ(a.model.pulledTiles, b.model.pulledTiles);
+  expectSameTiles(a.obstacles, b.obstacles);
   ASSERT_EQ(a.model.joints.size(), b.model.joints.size());
   for (std::size_t k = 0; k < a.model.joints.size(); ++k) {
     EXPECT_EQ(a.model.joints[k].a, b.model.joints[k].a);

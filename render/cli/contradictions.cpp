@@ -1,0 +1,81 @@
+#include "render/cli/contradictions.h"
+
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "sim/base/error.h"
+#include "sim/scene/scene.h"
+
+namespace kirireel {
+namespace {
+
+/// An option, and what must hold for it to mean anything.
+struct Rule {
+  const char* option;
+  bool (*holds)(const Scene&);
+  const char* needed;
+};
+
+bool isLed(const Scene& scene) {
+  return scene.path.kind == PathKind::Led;
+}
+bool isDirect(const Scene& scene) {
+  return scene.solver.kind == SolverKind::Direct;
+}
+bool isBullet(const Scene& scene) {
+  return scene.solver.kind == SolverKind::Bullet;
+}
+bool pullsToTarget(const Scene& scene) {
+  return scene.actuation.drive == Drive::Target;
+}
+bool pullsToCurve(const Scene& scene) {
+  return scene.actuation.drive == Drive::Boundary;
+}
+bool weighsByVolume(const Scene& scene) {
+  return scene.brick.mass == MassRule::Prism;
+}
+
+/// The first that does not hold is reported.
+const std::vector<Rule>& rules() {
+  static const std::vector<Rule> all = {
+      {"--joint-stiffness", isDirect, "--solver direct"},
+      {"--pin", isDirect, "--solver direct"},
+      {"--link", isDirect, "--solver direct"},
+      {"--iterations", isBullet, "--solver bullet"},
+      {"--led-time", isLed, "--path led"},
+      {"--led-stiffness", isLed, "--path led"},
+      {"--joint-stiffness", isLed, "--path led"},
+      {"--boundary-size", pullsToCurve, "--actuation boundary"},
+      {"--boundary-aspect", pullsToCurve, "--actuation boundary"},
+      {"--density", weighsByVolume, "--mass prism"},
+  };
+  return all;
+}
+
+bool isGiven(const CLI::App& command, const char* option) {
+  const CLI::Option* found = command.get_option_no_throw(option);
+  return found && found->count() > 0;
+}
+
+[[noreturn]] void refuse(const char* option, const char* needed) {
+  throw InputError(fmt::format("error: {} works with {} alone; give that too, or leave {} away",
+                               option, needed, option));
+}
+
+}  // namespace
+
+void requireConsistent(const CLI::App& command, const Scene& scene) {
+  for (const Rule& rule : rules()) {
+    if (isGiven(command, rule.option) && !rule.holds(scene)) refuse(rule.option, rule.needed);
+  }
+  if (isLed(scene) && !isDirect(scene)) refuse("--path led", "--solver direct");
+  if (isLed(scene) && !pullsToTarget(scene)) refuse("--path led", "--actuation target");
+  if (isGiven(command, "--faces") && isGiven(command, "--auto-detect-connections")) {
+    throw InputError(
+        "error: --auto-detect-connections is --faces pykirigami; leave one of them away");
+  }
+}
+
+}  // namespace kirireel

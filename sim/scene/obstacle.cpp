@@ -1,0 +1,84 @@
+#include "sim/scene/obstacle.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/brick/brick.h"
+
+namespace kirireel {
+namespace {
+
+// Of the polyhedron that stands for a sphere in pictures: bands from pole to pole, and twice as
+// many round it.
+constexpr int kBands = 16;
+
+Tile placed(const Pose& pose, Tile tile) {
+  for (Vector3& vertex : tile.vertices) vertex = pose.apply(vertex);
+  return tile;
+}
+
+Vector3 onSphere(const Obstacle& sphere, int band, int sector) {
+  const double polar = M_PI * band / kBands;
+  const double around = M_PI * sector / kBands;
+  return sphere.pose.position + sphere.radius * Vector3(std::sin(polar) * std::cos(around),
+                                                        std::sin(polar) * std::sin(around),
+                                                        std::cos(polar));
+}
+
+std::vector<Tile> sphereFaces(const Obstacle& sphere) {
+  std::vector<Tile> faces;
+  for (int band = 0; band < kBands; ++band) {
+    for (int sector = 0; sector < 2 * kBands; ++sector) {
+      Tile& face = faces.emplace_back();
+      face.vertices = {onSphere(sphere, band, sector), onSphere(sphere, band + 1, sector)};
+      // Triangles at the poles.
+      if (band + 1 < kBands) face.vertices.push_back(onSphere(sphere, band + 1, sector + 1));
+      if (band > 0) face.vertices.push_back(onSphere(sphere, band, sector + 1));
+    }
+  }
+  return faces;
+}
+
+std::vector<Tile> boxFaces(const Obstacle& box) {
+  const Tile floor = boxFloor(box, box.size);
+  const Brick brick = makeBrick(floor, {.thickness = box.size.z()});
+  std::vector<Tile> faces;
+  for (std::vector<Vector3>& corners : brickFaces(brick)) {
+    faces.push_back(placed({box.pose.position, Quaternion::Identity()}, {std::move(corners)}));
+  }
+  return faces;
+}
+
+}  // namespace
+
+Tile boxFloor(const Obstacle& obstacle, const Vector3& size) {
+  const Vector3 half = 0.5 * size;
+  return placed(obstacle.pose, {{{-half.x(), -half.y(), -half.z()},
+                                 {half.x(), -half.y(), -half.z()},
+                                 {half.x(), half.y(), -half.z()},
+                                 {-half.x(), half.y(), -half.z()}}});
+}
+
+std::vector<Tile> obstacleFaces(const Obstacle& obstacle) {
+  switch (obstacle.shape) {
+    case Obstacle::Shape::Box:
+      return boxFaces(obstacle);
+    case Obstacle::Shape::Sphere:
+      return sphereFaces(obstacle);
+    case Obstacle::Shape::Mesh:
+      break;
+  }
+  std::vector<Tile> faces;
+  for (const Tile& face : obstacle.mesh) faces.push_back(placed(obstacle.pose, face));
+  return faces;
+}
+
+std::vector<Tile> obstacleFaces(const std::vector<Obstacle>& obstacles) {
+  std::vector<Tile> all;
+  for (const Obstacle& obstacle : obstacles) {
+    for (Tile& face : obstacleFaces(obstacle)) all.push_back(std::move(face));
+  }
+  return all;
+}
+
+}  // namespace kirireel

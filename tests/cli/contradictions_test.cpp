@@ -1,0 +1,67 @@
+// Options that make no sense together, from the command line and from scene files.
+#include <gtest/gtest.h>
+
+#include "render/cli/command_line.h"
+#include "sim/base/error.h"
+#include "tests/support/files.h"
+
+namespace kirireel {
+namespace {
+
+std::string refusal(std::vector<std::string> options) {
+  options.insert(options.begin(), {"simulate", "fan"});
+  try {
+    parseCommandLine(options);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(Contradictions, NameWhatAnOptionNeeds) {
+  EXPECT_EQ(refusal({"--solver", "bullet", "--joint-stiffness", "1e6"}),
+            "error: --joint-stiffness works with --solver direct alone; give that too, or leave "
+            "--joint-stiffness away");
+  EXPECT_EQ(refusal({"--path", "straight", "--led-time", "2"}),
+            "error: --led-time works with --path led alone; give that too, or leave --led-time "
+            "away");
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
+      {{"--led-stiffness", "10"}, "--led-stiffness works with --path led "},
+      {{"--path", "straight", "--joint-stiffness", "1e6"},
+       "--joint-stiffness works with --path led "},
+      {{"--path", "led", "--solver", "bullet"}, "--path led works with --solver direct "},
+      {{"--path", "led", "--cm_expansion"}, "--path led works with --actuation target "},
+      {{"--solver", "bullet", "--pin", "0"}, "--pin works with --solver direct "},
+      {{"--solver", "bullet", "--link", "0,0,2,1"}, "--link works with --solver direct "},
+      {{"--iterations", "90"}, "--iterations works with --solver bullet "},
+      {{"--boundary-size", "3"}, "--boundary-size works with --actuation boundary "},
+      {{"--cm_expansion", "--boundary-aspect", "3"},
+       "--boundary-aspect works with --actuation boundary "},
+      {{"--density", "900"}, "--density works with --mass prism "},
+      {{"--faces", "fold", "--auto_detect_connections"},
+       "--auto-detect-connections is --faces pykirigami; leave one of them away"},
+  };
+  for (const auto& [options, start] : cases) {
+    EXPECT_TRUE(refusal(options).starts_with("error: " + start)) << refusal(options);
+  }
+}
+
+TEST(Contradictions, LeaveConsistentOptionsAlone) {
+  EXPECT_EQ(refusal({"--path", "led", "--led-time", "2", "--joint-stiffness", "1e6"}), "accepted");
+  EXPECT_EQ(refusal({"--solver", "bullet", "--iterations", "90"}), "accepted");
+  EXPECT_EQ(refusal({"--actuation", "boundary", "--boundary-size", "3"}), "accepted");
+  EXPECT_EQ(refusal({"--mass", "prism", "--density", "900"}), "accepted");
+}
+
+TEST(Contradictions, AreFoundInSceneFilesToo) {
+  const test::TemporaryFolder folder;
+  std::ofstream(folder / "run.toml") << "[actuation]\nled_time = 2\n";
+  EXPECT_EQ(refusal({"--scene", (folder / "run.toml").string()}),
+            "error: --led-time works with --path led alone; give that too, or leave --led-time "
+            "away");
+  std::ofstream(folder / "run.toml") << "[actuation]\nled_time = 2\npath = \"led\"\n";
+  EXPECT_EQ(refusal({"--scene", (folder / "run.toml").string()}), "accepted");
+}
+
+}  // namespace
+}  // namespace kirireel

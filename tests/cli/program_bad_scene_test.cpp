@@ -1,0 +1,99 @@
+// Scenes that do not fit their model, through the real program: one line, exit code 2, no files;
+// runs that fail: a summary that says so, exit code 1.
+#include <algorithm>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/run_program.h"
+
+namespace kirireel {
+namespace {
+
+using ::testing::HasSubstr;
+
+class BadScene : public testing::Test {
+ protected:
+  /// Simulates the shipped 4 x 4 sheet; the scene file is passed over when empty.
+  ProgramEnd simulate(const std::string& scene, const std::vector<std::string>& options = {}) {
+    std::vector<std::string> arguments = {"simulate", shippedModel("tessellation_4x4").string(),
+                                          "--out", (scratch_ / "out").string()};
+    if (!scene.empty()) {
+      writeText(scratch_ / "run.toml", scene);
+      arguments.insert(arguments.end(), {"--scene", (scratch_ / "run.toml").string()});
+    }
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    return runKirireel(arguments);
+  }
+
+  void expectRefused(const ProgramEnd& end, const std::string& part) {
+    EXPECT_EQ(end.exitCode, 2) << end.err;
+    EXPECT_EQ(std::count(end.err.begin(), end.err.end(), '\n'), 1) << end.err;
+    EXPECT_THAT(end.err, HasSubstr(part));
+    EXPECT_FALSE(std::filesystem::exists(scratch_ / "out"));
+  }
+
+  nlohmann::json summary() const {
+    return nlohmann::json::parse(readText(scratch_ / "out/summary.json"));
+  }
+
+  ScratchFolder scratch_;
+};
+
+TEST_F(BadScene, TilesThatDoNotExist) {
+  expectRefused(simulate("", {"--pin", "16"}),
+                "--pin: error: the model has tiles 0-15, not 16; correct this number");
+  expectRefused(simulate("", {"--fix", "1,99"}),
+                "--fix: error: the model has tiles 0-15, not 99; correct this number");
+  expectRefused(simulate("", {"--link", "0,9,1,0"}),
+                "--link: error: tile 0 has vertices 0-3, not 9; correct this number");
+  expectRefused(simulate("[[timeline]]\npin = [16]\n"),
+                "run.toml:1:1: error: the model has tiles 0-15, not 16; correct this number");
+  expectRefused(simulate("[[timeline]]\ndrag = {tile = 0, vertex = 4, path = [[0, 0, 1]]}\n"),
+                "run.toml:1:1: error: tile 0 has vertices 0-3, not 4; correct this number");
+}
+
+TEST_F(BadScene, TargetsOfAnotherShape) {
+  expectRefused(simulate("", {"--target", shippedModel("fan").string()}),
+                "fan: error: the target has 36 tiles of other vertex counts than the model's 16; "
+                "give the same tiles in the same order");
+  expectRefused(simulate("", {"--target", "nowhere.txt"}), "nowhere.txt: error: there is no such");
+}
+
+TEST_F(BadScene, PathsThroughNaN) {
+  expectRefused(simulate("[[timeline]]\ndrag = {tile = 0, path = [[0, 0, 1], [nan, 0, 0]]}\n"),
+                "run.toml:2:39: error: this value is not allowed; give a coordinate in metres, at "
+                "most 1e6 in size");
+  expectRefused(simulate("[[timeline]]\nat = nan\nquit = true\n"), "run.toml:2:6: error: ");
+}
+
+TEST_F(BadScene, UnknownKeysSuggestTheNearest) {
+  expectRefused(simulate("[enviroment]\nground = true\n"),
+                "unknown table enviroment, did you mean environment?; there are ");
+  expectRefused(simulate("[[timeline]]\nunpinn = \"all\"\n"), ", did you mean unpin?; there are ");
+  expectRefused(simulate("[[obstacle]]\nshape = \"box\"\nsize = [1, 1, 1]\nposition = [0, 0, -2]\n"
+                         "fricton = 1\n"),
+                "run.toml:5:1: error: unknown key of an obstacle fricton, did you mean friction?");
+  expectRefused(simulate("", {"--spring_stifness", "3"}), ", did you mean --spring-stiffness?");
+}
+
+TEST_F(BadScene, ALockedRunSaysSoAndFails) {
+  // All tiles are held.
+  const ProgramEnd end = simulate("", {"--pin", "0,1,2,3,4,5,6,7,8,9,10,11,12,13,14,15"});
+  EXPECT_EQ(end.exitCode, 1) << end.out;
+  EXPECT_EQ(summary()["outcome"], "locked");
+  EXPECT_THAT(summary()["reason"].get<std::string>(), HasSubstr("short of the target"));
+}
+
+TEST_F(BadScene, ADivergedRunSaysSoAndFails) {
+  // Nothing holds the sheet that falls out of all bounds.
+  const ProgramEnd end = simulate("", {"--gravity", "-1e6", "--no-adaptive", "--spring-stiffness",
+                                       "0", "--force-damping", "0"});
+  EXPECT_EQ(end.exitCode, 1) << end.out;
+  EXPECT_EQ(summary()["outcome"], "diverged");
+  EXPECT_THAT(summary()["reason"].get<std::string>(), HasSubstr("a brick left all bounds at "));
+}
+
+}  // namespace
+}  // namespace kirireel

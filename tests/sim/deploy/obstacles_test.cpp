@@ -1,0 +1,227 @@
+/// Bricks on things that do not move, against closed forms.
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "sim/base/error.h"
+#include "sim/deploy/deployment.h"
+#include "sim/deploy/dynamics.h"
+#include "sim/model/tessellation.h"
+#include "sim/world/sphere_pair.h"
+
+namespace kirireel {
+namespace {
+
+constexpr double kGravity = 9.81;
+constexpr double kStep = 1.0 / 240;
+constexpr double kThickness = 0.1;
+
+/// An upright rectangle about a point of its bottom.
+Tile rectangle(const Vector3& middle, double length, double width) {
+  const Vector3 half(0.5 * length, 0.5 * width, 0);
+  const Vector3 across(0.5 * length, -0.5 * width, 0);
+  return {{middle - half, middle + across, middle + half, middle - across}};
+}
+
+Obstacle box(const Vector3& middle, const Vector3& size) {
+  Obstacle obstacle;
+  obstacle.size = size;
+  obstacle.pose.position = middle;
+  return obstacle;
+}
+
+Obstacle sphere(const Vector3& centre, double radius) {
+  Obstacle obstacle;
+  obstacle.shape = Obstacle::Shape::Sphere;
+  obstacle.radius = radius;
+  obstacle.pose.position = centre;
+  return obstacle;
+}
+
+/// The faces of a unit cube with its middle at a point.
+Obstacle cubeMesh(const Vector3& middle) {
+  Obstacle obstacle;
+  obstacle.shape = Obstacle::Shape::Mesh;
+  obstacle.mesh = obstacleFaces(box(middle, Vector3::Ones()));
+  return obstacle;
+}
+
+Scene sceneOf(const std::vector<Tile>& tiles, const Obstacle& obstacle) {
+  Scene scene;
+  scene.model.tiles = tiles;
+  scene.brick.thickness = kThickness;
+  scene.environment.linearDamping = scene.environment.angularDamping = 0;
+  scene.environment.gravity = Vector3(0, 0, -kGravity);
+  scene.environment.obstacles = {obstacle};
+  return scene;
+}
+
+/// A scene of loose bricks in motion.
+struct Moving {
+  explicit Moving(const Scene& start)
+      : scene(start),
+        bricks(makeBricks(scene.model.tiles, scene.brick)),
+        motion{startPoses(scene.model.tiles, bricks), std::vector<Velocity>(bricks.size())},
+        dynamics(makeDynamics(scene, sceneNeeds(scene), bricks, motion.poses)) {}
+  Moving(const Moving&) = delete;
+  Moving& operator=(const Moving&) = delete;
+
+  void advance(int steps) {
+    const LoadSource none = [](const Poses&, std::vector<Load>& loads) {
+      std::fill(loads.begin(), loads.end(), Load{});
+    };
+    for (int step = 0; step < steps; ++step) {
+      unconverged += dynamics->advance(motion, kStep, none).unconverged;
+    }
+  }
+
+  const Vector3& place() const { return motion.poses.front().position; }
+
+  Scene scene;
+  std::vector<Brick> bricks;
+  Motion motion;
+  std::unique_ptr<Dynamics> dynamics;
+  int unconverged = 0;
+};
+
+TEST(Obstacles, ABrickFallsOntoABoxAndRests) {
+  for (const bool isMesh : {false, true}) {
+    const Vector3 middle(0.2, 0.1, -0.5);
+    const Obstacle under = isMesh ? cubeMesh(middle) : box(middle, Vector3::Ones());
+    Moving run(sceneOf({rectangle({0, 0, 0.3}, 0.8, 0.6)}, under));
+    run.advance(240);
+    EXPECT_NEAR(run.place().z(), 0.5 * kThickness, 1e-9);  // measured 1.4e-17
+    EXPECT_LT(run.motion.velocities.front().linear.norm(), 1e-9);
+    EXPECT_EQ(run.unconverged, 0);
+  }
+}
+
+TEST(Obstacles, ABrickTipsOverAnEdgeOnceItsMiddleIsBeyond) {
+  for (const double middle : {0.48, 0.52}) {
+    // The box ends at x = 0.5.
+    Moving run(sceneOf({rectangle({middle, 0, 0}, 0.8, 0.6)}, box({0, 0, -0.5}, Vector3::Ones())));
+    run.advance(240);
+    const double drop = 0.5 * kThickness - run.place().z();
+    if (middle < 0.5) {
+      EXPECT_NEAR(drop, 0, 1e-9);
+    } else {
+      EXPECT_GT(drop, 0.2);
+    }
+    EXPECT_EQ(run.unconverged, 0);
+  }
+}
+
+TEST(Obstacles, FrictionHoldsABrickOnASlopeUpToItsAngle) {
+  const double angle = std::numbers::pi / 6;
+  for (const double friction : {0.2, 0.7}) {
+    Obstacle slope = box(Vector3::Zero(), {4, 4, 1});
+    slope.pose.rotation = rotationFromVector({0, angle, 0});
+    slope.friction = friction;
+    slope.pose.position = slope.pose.rotation * Vector3(0, 0, -0.5);
+    Tile tile = rectangle(Vector3::Zero(), 0.4, 0.4);
+    for (Vector3& vertex : tile.vertices) vertex = slope.pose.rotation * vertex;
+    Moving run(sceneOf({tile}, slope));
+    const Vector3 from = run.place();
+    run.advance(96);
+    const double time = 96 * kStep;
+    const double pull = kGravity * (std::sin(angle) - friction * std::cos(angle));
+    const double way = pull > 0 ? 0.5 * pull * time * (time + kStep) : 0;
+    EXPECT_NEAR((run.place() - from).norm(), way, 1e-9) << friction;  // measured 1e-16
+    EXPECT_EQ(run.unconverged, 0);
+  }
+}
+
+TEST(Obstacles, ABrickRocksOnASphereWithTheClosedFormsPeriod) {
+  // Rolling without slip: omega^2 = g (R - t / 2) / (t^2 / 4 + (L^2 + t^2) / 12).
+  const double radius = 0.5;
+  const double length = 0.8;
+  Obstacle round = sphere({0, 0, -radius}, radius);
+  round.friction = 10;
+  Moving run(sceneOf({rectangle(Vector3::Zero(), length, 0.3)}, round));
+  const double tilt = 0.02;
+  // Rolled by the tilt: the brick's middle moves along by R times it.
+  const Quaternion turn = rotationFromVector({0, tilt, 0});
+  const Vector3 touch = radius * Vector3(std::sin(tilt), 0, std::cos(tilt) - 1);
+  run.motion.poses[0] = {touch + turn * Vector3(-radius * tilt, 0, 0.5 * kThickness), turn};
+  const double arm =
+      0.25 * kThickness * kThickness + (length * length + kThickness * kThickness) / 12;
+  const double frequency = std::sqrt(kGravity * (radius - 0.5 * kThickness) / arm);
+  const int halfPeriod = static_cast<int>(std::lround(std::numbers::pi / frequency / kStep));
+  run.advance(halfPeriod);
+  EXPECT_NEAR(run.motion.poses[0].rotation.y(), -0.5 * tilt, 1e-5);  // measured 1.2e-6
+  run.advance(halfPeriod);
+  EXPECT_NEAR(run.motion.poses[0].rotation.y(), 0.5 * tilt, 1e-5);  // measured 2.5e-7
+  EXPECT_EQ(run.unconverged, 0);
+}
+
+TEST(Obstacles, NothingPassesThroughAThinFaceHoweverFast) {
+  Obstacle wall;
+  wall.shape = Obstacle::Shape::Mesh;
+  wall.mesh = {rectangle({0, 0, -1}, 4, 4)};
+  Scene scene = sceneOf({rectangle(Vector3::Zero(), 0.5, 0.5)}, wall);
+  Moving run(scene);
+  run.motion.velocities[0].linear.z() = -500;  // 20 thicknesses a step
+  run.advance(20);
+  EXPECT_NEAR(run.place().z(), -1 + 0.5 * kThickness, 1e-9);  // measured 0
+}
+
+TEST(Obstacles, ASheetDrapesOverASphereWithoutEnteringIt) {
+  Scene scene;
+  TessellationShape shape;
+  shape.columns = shape.rows = 4;
+  shape.face = JointFace::Bottom;
+  scene.model = makeTessellation(shape);
+  scene.model.target.reset();
+  scene.environment.gravity = Vector3(0, 0, -kGravity);
+  scene.environment.linearDamping = scene.environment.angularDamping = 0.9;
+  const Vector3 middle =
+      0.5 * (scene.model.tiles.front().vertices[0] + scene.model.tiles.back().vertices[2]);
+  scene.environment.obstacles = {sphere(middle - Vector3(0, 0, 1.6), 1.5)};
+  scene.stop.duration = 0.6;
+  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_FALSE(result.needs.planar.on);
+  EXPECT_EQ(result.needs.planar.reason, "obstacles push out of the plane");
+  const Vector3 centre = scene.environment.obstacles[0].pose.position;
+  const auto& bricks = result.trajectory.bricks;
+  double deepest = 0;
+  for (const Sample& sample : result.trajectory.samples) {
+    for (std::size_t i = 0; i < bricks.size(); ++i) {
+      const Pose& pose = sample.poses[i];
+      const Vector3 seen = pose.rotation.conjugate() * (centre - pose.position);
+      deepest = std::max(deepest, 1.5 - nearestPoint(brickFaces(bricks[i]), seen).distance);
+    }
+  }
+  EXPECT_GT(deepest, -1e-6);  // they touch
+  EXPECT_LT(deepest, 2e-5);   // measured 9.6e-6: overlaps up to 1e-5 of a tile count as none
+  EXPECT_LT(result.accuracy.jointGapMax, 1e-10);
+}
+
+std::string refusal(const Scene& scene) {
+  try {
+    deploy(scene, 0.1, nullptr);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(Obstacles, MayNotReachIntoABrickAtTheStart) {
+  EXPECT_EQ(refusal(sceneOf({rectangle({0, 0, 0}, 1, 1)}, box({0, 0, -0.45}, Vector3::Ones()))),
+            "error: tile 0 reaches 0.05 m into obstacle 0 at the start; move the obstacle away");
+  EXPECT_EQ(refusal(sceneOf({rectangle({0, 0, 0}, 1, 1)}, sphere({0, 0, -0.45}, 0.5))),
+            "error: tile 0 reaches 0.05 m into obstacle 0 at the start; move the obstacle away");
+}
+
+TEST(Obstacles, AreRefusedWhereTheyCannotBeMet) {
+  Scene scene = sceneOf({rectangle({0, 0, 0}, 1, 1)}, box({0, 0, -2}, Vector3::Ones()));
+  scene.solver.planar = true;
+  EXPECT_EQ(refusal(scene),
+            "error: obstacles need bricks that move in space; leave --planar on away, or the "
+            "obstacles");
+  scene.solver.planar.reset();
+  scene.solver.kind = SolverKind::Bullet;
+  EXPECT_EQ(refusal(scene), "error: --solver bullet knows no obstacles; use --solver direct");
+}
+
+}  // namespace
+}  // namespace kirireel
