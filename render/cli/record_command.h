@@ -36,6 +36,17 @@ CLI::App* addSimulateCommand(CLI::App& program, RecordOrder& order);
 /// Checks that a model was named, and reads its scene file. To be called after parsing.
 void completeOrder(CLI::App& command, RecordOrder& order);
 
+/// A run that was made.
+struct RecordResult {
+  Scene scene;
+  RecordSettings settings;  ///< with their folder
+  RunSummary summary;
+};
+
+/// Reads the model, runs it, leaves its files. The order must be complete. Throws as readModel()
+/// and record().
+RecordResult runOrder(const RecordOrder& order, const ProgressObserver& observer);
+
 /// Reads the model, runs it, leaves its files, prints the summary. Returns the exit code.
 int carryOut(const RecordOrder& order);
 

@@ -205,6 +205,11 @@ void writeExports(const RecordSettings& settings, RunSummary& summary) {
   }
 }
 
+void dropTrajectory(const RecordSettings& settings, RunSummary& summary) {
+  std::filesystem::remove(settings.folder / output::kTrajectory);
+  std::erase(summary.files, output::kTrajectory);
+}
+
 }  // namespace
 
 RunSummary record(const Scene& scene, const RecordSettings& settings,
@@ -235,6 +240,7 @@ RunSummary record(const Scene& scene, const RecordSettings& settings,
         fmt::format("stopped while painting; the video ends at {:.4g} s", *summary.stoppedAt);
   }
 
+  if (!settings.trajectory && settings.exports.formats.empty()) dropTrajectory(settings, summary);
   const auto writeSummary = [&] {
     summary.recordCost.wallSeconds = stopwatch.seconds();
     summary.recordCost.peakMemoryBytes = peakMemoryBytes();
