@@ -53,17 +53,17 @@ void requireFamily(const CLI::App& generate) {
       "--help");
 }
 
-Model makeModelFolder(const GenerateOrder& order) {
+Model makeModel(const GenerateOrder& order) {
   Model model = generateModel(familyNamed(order.family), order.values);
   if (order.face) {
     for (Joint& joint : model.joints) joint.face = *order.face;
   }
-  writeModelFolder(model, order.folder);
   return model;
 }
 
 int carryOut(const GenerateOrder& order) {
-  const Model model = makeModelFolder(order);
+  const Model model = makeModel(order);
+  writeModelFolder(model, order.folder);
   fmt::print("{}: {} tiles, {} joints\n", order.folder.string(), model.tiles.size(),
              model.joints.size());
   return kExitDone;

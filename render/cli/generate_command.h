@@ -35,10 +35,10 @@ CLI::App* addFamily(CLI::App& generate, const Family& family, GenerateOrder& ord
 /// Throws InputError when no family was given.
 void requireFamily(const CLI::App& generate);
 
-/// Makes the model and writes its folder. Throws as generateModel() and writeModelFolder().
-Model makeModelFolder(const GenerateOrder& order);
+/// Makes the model; the order needs no folder. Throws as generateModel().
+Model makeModel(const GenerateOrder& order);
 
-/// The same, and says so. Returns the exit code.
+/// Makes the model and writes its folder. Returns the exit code.
 int carryOut(const GenerateOrder& order);
 
 }  // namespace kirireel

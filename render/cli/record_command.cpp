@@ -67,7 +67,7 @@ void requireTilesKeepNumbers(const Scene& scene) {
 Scene readScene(const RecordOrder& order) {
   std::vector<std::string> warnings;
   Scene scene = order.scene;
-  scene.model = readModelAt(order.model, {});
+  scene.model = order.madeModel ? *order.madeModel : readModelAt(order.model, {});
   completeScene(order.request.parts, scene, warnings);
   if (order.faces) chooseJointFaces(scene.model, *order.faces);
   if (order.splitTiles) {
@@ -117,7 +117,7 @@ CLI::App* addSimulateCommand(CLI::App& program, RecordOrder& order) {
 }
 
 void completeOrder(CLI::App& command, RecordOrder& order) {
-  requireGiven(order.model, "MODEL", command);
+  if (!order.madeModel) requireGiven(order.model, "MODEL", command);
   readSceneFileOf(command, findModel(order.model), order.request, order.scene);
 }
 

@@ -19,7 +19,8 @@ namespace kirireel {
 /// What is to be deployed, and what it leaves.
 struct RecordOrder {
   std::filesystem::path model;
-  std::optional<FaceRule> faces;  ///< how joints' faces are chosen; absent: as the model has them
+  std::optional<Model> madeModel;  ///< takes the place of reading `model`
+  std::optional<FaceRule> faces;   ///< how joints' faces are chosen; absent: as the model has them
   std::optional<std::vector<int>> splitTiles;  ///< tiles that bend, all when empty; absent: none
   Scene scene;              ///< everything but the model; the ground's height is not known yet
   SceneRequest request;     ///< what is added to the model

@@ -75,11 +75,9 @@ void requireMeant(const SweepRuns& runs, bool confirmed) {
                   static_cast<double>(count) * 0.1 / 86400));
 }
 
-void requireNoEmptyShard(const SweepShard& shard, std::uint64_t runs) {
-  if (shard.number <= runs) return;
-  throw InputError(
-      fmt::format("error: --shard {}/{} is empty, there are {} runs; give --shard I/{}",
-                  shard.number, shard.count, runs, runs));
+/// The runs of a shard; there may be more shards than runs.
+std::uint64_t runsOf(const SweepShard& shard, std::uint64_t runs) {
+  return runs < shard.number ? 0 : (runs - shard.number) / shard.count + 1;
 }
 
 /// What a run prints goes into its folder.
@@ -196,7 +194,7 @@ int makeRuns(const SweepRuns& runs, const fs::path& folder, const SweepOrder& or
   noteSignals();
   const SweepFolder runFolder(runs, folder, order);
   const std::uint64_t total = runs.sweep().plan.size();
-  Tally tally((total - order.shard.number) / order.shard.count + 1);
+  Tally tally(runsOf(order.shard, total));
   std::uint64_t next = order.shard.number - 1;
   const WorkerJobs jobs = {
       [&]() -> std::optional<std::uint64_t> {
@@ -244,7 +242,6 @@ CLI::App* addSweepCommand(CLI::App& program, SweepOrder& order) {
 int carryOut(const SweepOrder& order) {
   const SweepRuns runs(readSweepFile(order.sweep));
   requireMeant(runs, order.confirmed);
-  requireNoEmptyShard(order.shard, runs.sweep().plan.size());
   const fs::path folder =
       order.folder.empty() ? fs::path("out") / order.sweep.stem() : order.folder;
   return makeRuns(runs, folder, order);

@@ -85,15 +85,12 @@ class RunOrders {
   }
 
   /// Makes the run in a folder.
-  void carryOut(const fs::path& folder, bool keepsModel) {
-    if (!family_.empty()) {
-      record_.model = generate_.folder = folder / family_;
-      makeModelFolder(generate_);
-    }
+  void carryOut(const fs::path& folder) {
     record_.settings.folder = folder;
-    completeOrder(*run_, record_);
+    if (!family_.empty()) record_.madeModel = makeModel(generate_);
+    // A generated model has no folder where a scene file may stand.
+    if (family_.empty() || !record_.request.file.empty()) completeOrder(*run_, record_);
     runOrder(record_, [](const Progress&) { return true; });
-    if (!family_.empty() && !keepsModel) fs::remove_all(generate_.folder);
   }
 
  private:
@@ -213,7 +210,7 @@ std::string SweepRuns::name(std::uint64_t index) const {
 void SweepRuns::make(std::uint64_t index, const fs::path& folder) const {
   RunOrders orders(sweep_);
   for (const SweepSetting& setting : settings(index)) orders.apply(setting);
-  orders.carryOut(folder, sweep_.keep != SweepKeep::State);
+  orders.carryOut(folder);
 }
 
 }  // namespace kirireel
