@@ -13,6 +13,10 @@
 #include "render/cli/option_group.h"
 #include "render/cli/report.h"
 #include "render/cli/sweep_runs.h"
+#include "render/png/png.h"
+#include "render/record/output_folder.h"
+#include "render/sweep/collect.h"
+#include "render/sweep/contact_sheet.h"
 #include "render/sweep/run_folder.h"
 #include "sim/base/pending_file.h"
 
@@ -189,8 +193,14 @@ class Tally {
   ProgressLine line_;
 };
 
-/// Makes what is missing of a shard. Returns the exit code.
-int makeRuns(const SweepRuns& runs, const fs::path& folder, const SweepOrder& order) {
+/// What came of making runs.
+struct MadeRuns {
+  bool isWhole = false;  ///< false when a signal ended it
+  std::uint64_t failed = 0;
+};
+
+/// Makes what is missing of a shard.
+MadeRuns makeRuns(const SweepRuns& runs, const fs::path& folder, const SweepOrder& order) {
   noteSignals();
   const SweepFolder runFolder(runs, folder, order);
   const std::uint64_t total = runs.sweep().plan.size();
@@ -210,7 +220,40 @@ int makeRuns(const SweepRuns& runs, const fs::path& folder, const SweepOrder& or
   const bool isWhole = runInWorkers(jobs, order.limits);
   fmt::print("{}{}\n",
              isWhole ? "" : "interrupted; the same command goes on from here: ", tally.text());
-  return isWhole && tally.failed() == 0 ? kExitDone : kExitRunFailed;
+  return {isWhole, tally.failed()};
+}
+
+void writeContactSheet(const Gathered& gathered, const fs::path& folder, const fs::path& file) {
+  if (gathered.done.empty()) return;
+  std::vector<ContactPicture> pictures;
+  for (std::size_t i = 0; i < gathered.done.size(); ++i) {
+    const fs::path run = folder / "runs" / gathered.done[i];
+    pictures.push_back({run / output::kFinalVertices, gathered.captions[i]});
+  }
+  writePng(composeContactSheet(pictures), file);
+}
+
+/// Puts the table, the costs and the contact sheet beside the runs.
+Gathered collect(const SweepRuns& runs, const fs::path& folder) {
+  const auto values = [&runs](std::uint64_t index) {
+    std::vector<std::string> texts;
+    for (const SweepValue& value : runs.sweep().plan.run(index)) texts.push_back(value.text);
+    return texts;
+  };
+  makeFolder(folder);
+  // Two sweeps that end together gather one after the other.
+  const auto lock = FileLock::take(folder / "collect.lock", FileLock::IfHeld::Wait);
+  const Gathered gathered =
+      gather({folder / "runs", runs.sweep().plan.size(), runs.sweep().plan.keys(),
+              [&runs](std::uint64_t index) { return runs.name(index); }, values});
+  const std::string stem = (folder / runs.sweep().file.stem()).string();
+  writeTextFile(stem + ".csv", csvText(gathered.results));
+  writeTableArrays(gathered.results, stem + ".h5");
+  writeTextFile(stem + "_costs.csv", csvText(gathered.costs));
+  writeContactSheet(gathered, folder, stem + ".png");
+  fmt::print("{0}.csv, {0}.h5, {0}.png: {1} runs done, {2} failed, {3} missing\n", stem,
+             gathered.done.size(), gathered.failed, gathered.missing);
+  return gathered;
 }
 
 }  // namespace
@@ -244,7 +287,15 @@ int carryOut(const SweepOrder& order) {
   requireMeant(runs, order.confirmed);
   const fs::path folder =
       order.folder.empty() ? fs::path("out") / order.sweep.stem() : order.folder;
-  return makeRuns(runs, folder, order);
+  if (order.collectOnly) {
+    const Gathered gathered = collect(runs, folder);
+    return gathered.failed + gathered.missing == 0 ? kExitDone : kExitRunFailed;
+  }
+  const MadeRuns made = makeRuns(runs, folder, order);
+  if (!made.isWhole) return kExitRunFailed;
+  // The other shards may not be through yet. What is missing otherwise is in work elsewhere.
+  const std::uint64_t failed = order.shard.count > 1 ? made.failed : collect(runs, folder).failed;
+  return failed == 0 ? kExitDone : kExitRunFailed;
 }
 
 }  // namespace kirireel

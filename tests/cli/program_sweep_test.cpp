@@ -126,6 +126,59 @@ TEST_F(SweepProgram, TwoAtOnceShareTheWork) {
   EXPECT_THAT(records(), SizeIs(6));
 }
 
+TEST_F(SweepProgram, KilledAndResumedGivesTheSameTable) {
+  const std::string text =
+      "generate = \"tessellation\"\n[grid]\ncolumns = [4, 5]\n"
+      "spring_stiffness = {from = 10, to = 1000, count = 12, scale = \"log\"}\npin = [0, 99]\n";
+  EXPECT_EQ(sweep(text).exitCode, 1);
+  const std::vector<std::string> names = {"sweep.csv", "sweep.h5", "sweep.png"};
+  std::vector<std::string> undisturbed;
+  for (const std::string& name : names) undisturbed.push_back(readText(out() / name));
+  std::filesystem::remove_all(out());
+
+  const std::vector<std::string> arguments = {
+      "sweep", (folder_ / "sweep.toml").string(), "--out", out().string(), "--jobs", "2"};
+  for (const std::size_t runsFirst : {1U, 10U, 20U}) {
+    RunningProgram program(arguments, {});
+    for (int i = 0; i < 6000 && records().size() < runsFirst; ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    program.sendSignal(SIGKILL);
+    EXPECT_EQ(program.wait().exitCode, -SIGKILL);
+  }
+  EXPECT_LT(records().size(), 48U);
+  EXPECT_EQ(sweep(text, {"--jobs", "1"}).exitCode, 1);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    EXPECT_EQ(readText(out() / names[i]), undisturbed[i]) << names[i];
+  }
+}
+
+TEST_F(SweepProgram, InterruptEndsItAndSaysHowToGoOn) {
+  writeText(
+      folder_ / "sweep.toml",
+      "generate = \"tessellation\"\n[base]\nsolver = \"bullet\"\n[grid]\nsubsteps = [10000]\n");
+  RunningProgram program({"sweep", (folder_ / "sweep.toml").string(), "--out", out().string()}, {});
+  for (int i = 0; i < 6000 && filesIn(out() / "runs").empty(); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  program.sendSignal(SIGINT);
+  const ProgramEnd end = program.wait();
+  EXPECT_EQ(end.exitCode, 1);
+  EXPECT_THAT(end.out, HasSubstr("interrupted; the same command goes on from here: 0 runs made"));
+  EXPECT_THAT(records(), SizeIs(0));
+}
+
+TEST_F(SweepProgram, CollectGathersWhatIsThere) {
+  sweep(kSix, {"--shard", "1/2"});
+  EXPECT_FALSE(std::filesystem::exists(out() / "sweep.csv"));
+  const ProgramEnd end = sweep(kSix, {"--collect"});
+  EXPECT_EQ(end.exitCode, 1);
+  EXPECT_THAT(end.out, HasSubstr("3 runs done, 0 failed, 3 missing"));
+  const std::string csv = readText(out() / "sweep.csv");
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 4);
+  EXPECT_THAT(csv, testing::StartsWith("run,columns,spring_stiffness,status,reason,outcome,"));
+}
+
 TEST_F(SweepProgram, UnknownParameterIsNamedWithTheNearest) {
   expectRefused(sweep("generate = \"fan\"\n[grid]\nspring_stifness = [1, 2]\n"),
                 "sweep.toml:3:20: error: there is no parameter spring_stifness, did you mean "
