@@ -21,10 +21,12 @@ void addParameter(OptionGroup& group, const FamilyParameter& parameter, Generate
               parameter.help, read);
 }
 
-void addFamily(CLI::App& generate, const Family& family, GenerateOrder& order) {
+}  // namespace
+
+CLI::App* addFamily(CLI::App& generate, const Family& family, GenerateOrder& order) {
   CLI::App* command = generate.add_subcommand(family.name, family.help);
   addPlace(*command, "FOLDER", order.folder, "where the model goes");
-  OptionGroup shape(*command, "Shape");
+  OptionGroup shape(*command, kShapeGroup);
   for (const FamilyParameter& parameter : family.parameters) addParameter(shape, parameter, order);
   shape.choice<std::optional<JointFace>>("--face", order.face,
                                          {{"auto", std::nullopt},
@@ -34,9 +36,8 @@ void addFamily(CLI::App& generate, const Family& family, GenerateOrder& order) {
                                          "faces that joints lie on");
   command->parse_complete_callback([&order, name = family.name] { order.family = name; });
   command->footer(fmt::format("Example:\n  kirireel generate {} my_model", family.name));
+  return command;
 }
-
-}  // namespace
 
 CLI::App* addGenerateCommand(CLI::App& program, GenerateOrder& order) {
   CLI::App* generate = program.add_subcommand("generate", "make a model folder from parameters");
@@ -52,11 +53,16 @@ void requireFamily(const CLI::App& generate) {
       "--help");
 }
 
-int carryOut(const GenerateOrder& order) {
+Model makeModel(const GenerateOrder& order) {
   Model model = generateModel(familyNamed(order.family), order.values);
   if (order.face) {
     for (Joint& joint : model.joints) joint.face = *order.face;
   }
+  return model;
+}
+
+int carryOut(const GenerateOrder& order) {
+  const Model model = makeModel(order);
   writeModelFolder(model, order.folder);
   fmt::print("{}: {} tiles, {} joints\n", order.folder.string(), model.tiles.size(),
              model.joints.size());

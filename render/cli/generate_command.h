@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "sim/generate/families.h"
 #include "sim/model/model.h"
 
 namespace CLI {
@@ -25,8 +26,17 @@ struct GenerateOrder {
 /// Adds `generate` with its families. The order must outlive the parsing.
 CLI::App* addGenerateCommand(CLI::App& program, GenerateOrder& order);
 
+/// The group of a family's parameters in its help.
+inline constexpr const char* kShapeGroup = "Shape";
+
+/// Adds one family with its parameters. The order must outlive the parsing.
+CLI::App* addFamily(CLI::App& generate, const Family& family, GenerateOrder& order);
+
 /// Throws InputError when no family was given.
 void requireFamily(const CLI::App& generate);
+
+/// Makes the model; the order needs no folder. Throws as generateModel().
+Model makeModel(const GenerateOrder& order);
 
 /// Makes the model and writes its folder. Returns the exit code.
 int carryOut(const GenerateOrder& order);

@@ -68,7 +68,7 @@ void requireTilesKeepNumbers(const Scene& scene) {
 Scene readScene(const RecordOrder& order) {
   std::vector<std::string> warnings;
   Scene scene = order.scene;
-  scene.model = readModelAt(order.model, {});
+  scene.model = order.madeModel ? *order.madeModel : readModelAt(order.model, {});
   completeScene(order.request.parts, scene, warnings);
   if (order.faces) chooseJointFaces(scene.model, *order.faces);
   if (order.splitTiles) {
@@ -118,25 +118,30 @@ CLI::App* addSimulateCommand(CLI::App& program, RecordOrder& order) {
 }
 
 void completeOrder(CLI::App& command, RecordOrder& order) {
-  requireGiven(order.model, "MODEL", command);
+  if (!order.madeModel) requireGiven(order.model, "MODEL", command);
   readSceneFileOf(command, findModel(order.model), order.request, order.scene);
   requireConsistent(command, order.scene);
 }
 
+RecordResult runOrder(const RecordOrder& order, const ProgressObserver& observer) {
+  RecordResult result{readScene(order), order.settings, {}};
+  if (result.settings.folder.empty()) {
+    result.settings.folder = std::filesystem::path("out") / result.scene.model.name;
+  }
+  result.summary = record(result.scene, result.settings, observer);
+  return result;
+}
+
 int carryOut(const RecordOrder& order) {
   noteSignals();
-  const Scene scene = readScene(order);
-  RecordSettings settings = order.settings;
-  if (settings.folder.empty()) settings.folder = std::filesystem::path("out") / scene.model.name;
-
-  RunSummary summary;
-  {
+  const RecordResult result = [&order] {
     ProgressLine line;
-    summary = record(scene, settings, [&line](const Progress& progress) {
+    return runOrder(order, [&line](const Progress& progress) {
       line.show(progress);
       return !takeInterrupt();
     });
-  }
+  }();
+  const auto& [scene, settings, summary] = result;
   fmt::print("{}", order.printJson ? summaryJson(scene, settings, summary)
                                    : describeRun(scene, settings, summary));
   return exitCode(summary.outcome);

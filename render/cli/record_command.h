@@ -19,7 +19,8 @@ namespace kirireel {
 /// What is to be deployed, and what it leaves.
 struct RecordOrder {
   std::filesystem::path model;
-  std::optional<FaceRule> faces;  ///< how joints' faces are chosen; absent: as the model has them
+  std::optional<Model> madeModel;  ///< takes the place of reading `model`
+  std::optional<FaceRule> faces;   ///< how joints' faces are chosen; absent: as the model has them
   std::optional<std::vector<int>> splitTiles;  ///< tiles that bend, all when empty; absent: none
   Scene scene;              ///< everything but the model; the ground's height is not known yet
   SceneRequest request;     ///< what is added to the model
@@ -35,6 +36,17 @@ CLI::App* addSimulateCommand(CLI::App& program, RecordOrder& order);
 
 /// Checks that a model was named, and reads its scene file. To be called after parsing.
 void completeOrder(CLI::App& command, RecordOrder& order);
+
+/// A run that was made.
+struct RecordResult {
+  Scene scene;
+  RecordSettings settings;  ///< with their folder
+  RunSummary summary;
+};
+
+/// Reads the model, runs it, leaves its files. The order must be complete. Throws as readModel()
+/// and record().
+RecordResult runOrder(const RecordOrder& order, const ProgressObserver& observer);
 
 /// Reads the model, runs it, leaves its files, prints the summary. Returns the exit code.
 int carryOut(const RecordOrder& order);

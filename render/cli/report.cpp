@@ -79,9 +79,11 @@ ProgressLine::~ProgressLine() {
 }
 
 void ProgressLine::show(const Progress& progress) {
-  if (!isTerminal_) return;
-  const std::string line = fmt::format("{} {:3.0f}%", progress.stage, 100 * progress.share);
-  if (line == shown_) return;
+  show(fmt::format("{} {:3.0f}%", progress.stage, 100 * progress.share));
+}
+
+void ProgressLine::show(const std::string& line) {
+  if (!isTerminal_ || line == shown_) return;
   // Back to the start of the line and clear it.
   fmt::print(stderr, "\r\033[K{}", line);
   std::fflush(stderr);

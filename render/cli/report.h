@@ -18,6 +18,7 @@ class ProgressLine {
 
   /// Redraws the line when what it says has changed.
   void show(const Progress& progress);
+  void show(const std::string& line);
 
  private:
   bool isTerminal_;

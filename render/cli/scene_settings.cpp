@@ -33,32 +33,18 @@ const std::map<std::string, std::string>& tables() {
   return names;
 }
 
-/// "--brick-friction" is "brick_friction".
-std::string keyOf(const CLI::Option& option) {
-  if (option.get_lnames().empty()) return "";
-  std::string key = option.get_lnames().front();
-  std::replace(key.begin(), key.end(), '-', '_');
-  return key;
-}
-
-/// The table that an option belongs to; empty when a scene file cannot set it.
-std::string tableOf(const CLI::Option& option) {
-  const auto found = tables().find(option.get_group());
-  return found == tables().end() ? "" : found->second;
-}
-
 std::vector<std::string> keysOf(const CLI::App& command, const std::string& table) {
   std::vector<std::string> keys;
   for (const CLI::Option* option : command.get_options()) {
-    if (tableOf(*option) == table) keys.push_back(keyOf(*option));
+    if (settingTable(*option) == table) keys.push_back(settingKey(*option));
   }
   return keys;
 }
 
 CLI::Option& findOption(CLI::App& command, const SceneSetting& setting) {
   for (CLI::Option* option : command.get_options()) {
-    if (keyOf(*option) != setting.key) continue;
-    const std::string table = tableOf(*option);
+    if (settingKey(*option) != setting.key) continue;
+    const std::string table = settingTable(*option);
     if (table == setting.table) return *option;
     if (table.empty()) break;
     throw inputErrorAt(setting.where, fmt::format("{} belongs in [{}], not in [{}]", setting.key,
@@ -83,8 +69,21 @@ std::string withoutMark(const std::string& message) {
   return message.starts_with(kMark) ? message.substr(kMark.size()) : message;
 }
 
-void apply(CLI::App& command, const SceneSetting& setting) {
-  CLI::Option& option = findOption(command, setting);
+}  // namespace
+
+std::string settingKey(const CLI::Option& option) {
+  if (option.get_lnames().empty()) return "";
+  std::string key = option.get_lnames().front();
+  std::replace(key.begin(), key.end(), '-', '_');
+  return key;
+}
+
+std::string settingTable(const CLI::Option& option) {
+  const auto found = tables().find(option.get_group());
+  return found == tables().end() ? "" : found->second;
+}
+
+void applySetting(CLI::Option& option, const SceneSetting& setting) {
   const bool isSwitch = option.get_items_expected_max() == 0;
   requireKindOfValue(setting, isSwitch);
   const bool isGiven = option.count() > 0;
@@ -101,7 +100,8 @@ void apply(CLI::App& command, const SceneSetting& setting) {
 
 SceneFile applySceneFile(CLI::App& command, const std::filesystem::path& file) {
   SceneFile scene = readSceneFile(file);
-  for (const SceneSetting& setting : scene.settings) apply(command, setting);
+  for (const SceneSetting& setting : scene.settings)
+    applySetting(findOption(command, setting), setting);
   return scene;
 }
 

@@ -7,7 +7,8 @@
 
 namespace CLI {
 class App;
-}
+class Option;
+}  // namespace CLI
 
 namespace kirireel {
 
@@ -17,5 +18,15 @@ namespace kirireel {
 /// Throws InputError with file:line:column for unknown keys (suggesting the nearest), keys in the
 /// wrong table, and values that the option refuses.
 SceneFile applySceneFile(CLI::App& command, const std::filesystem::path& file);
+
+/// The key of an option in a file, "brick_friction" for --brick-friction; empty for a place.
+std::string settingKey(const CLI::Option& option);
+
+/// The table of a scene file that an option belongs to; empty when a scene file cannot set it.
+std::string settingTable(const CLI::Option& option);
+
+/// Gives an option the values of a setting, unless the option was given before. To be called after
+/// parsing. Throws InputError with file:line:column for values that the option refuses.
+void applySetting(CLI::Option& option, const SceneSetting& setting);
 
 }  // namespace kirireel

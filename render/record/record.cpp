@@ -54,6 +54,11 @@ bool isDrawable(const Sample& sample, const Sample& start, double reach) {
   return true;
 }
 
+bool leavesTrajectory(const RecordSettings& settings) {
+  return settings.trajectory || settings.meshes || settings.paints() ||
+         !settings.exports.formats.empty();
+}
+
 /// The end of a run that the files show.
 struct RunEnd {
   DeploymentResult result;
@@ -71,17 +76,20 @@ class LiveRun {
         reach_(kFarthestDrawn * modelSize(scene.model)) {}
 
   void feed(const SampleTaker& take) {
-    Subject subject = subjectOf(scene_);
-    subject.settings = settingsText(scene_, settings_);
-    Scribe scribe(settings_.folder / output::kTrajectory, subject);
+    std::optional<Scribe> scribe;
+    if (leavesTrajectory(settings_)) {
+      Subject subject = subjectOf(scene_);
+      subject.settings = settingsText(scene_, settings_);
+      scribe.emplace(settings_.folder / output::kTrajectory, subject);
+    }
     const SampleObserver watch = [&](const Sample& sample) {
-      const bool taken = !keep(sample) || (scribe.take(end_.last) && take(end_.last));
+      const bool taken = !keep(sample) || ((!scribe || scribe->take(end_.last)) && take(end_.last));
       return taken && observer_({"deploying", std::min(1.0, sample.time / scene_.stop.duration)});
     };
     end_.result = deployUnkept(scene_, settings_.frameInterval(), watch, [&](const std::string&) {
       return observer_({"looking for a path", 0});
     });
-    scribe.finish(end_.result.trajectory.events);
+    if (scribe) scribe->finish(end_.result.trajectory.events);
   }
 
   const RunEnd& end() const { return end_; }
@@ -226,7 +234,7 @@ RunSummary record(const Scene& scene, const RecordSettings& settings,
     feed([](const SharedSample&) { return true; });
   }
   summarize(run.end(), summary);
-  summary.files.emplace_back(output::kTrajectory);
+  if (leavesTrajectory(settings)) summary.files.emplace_back(output::kTrajectory);
   writeEndState(scene, run.end(), settings, summary);
   if (settings.meshes) writeStates(scene, settings, summary);
   if (settings.paints())

@@ -67,6 +67,7 @@ struct PictureSettings {
 /// What a run leaves: its pictures, one sample for each frame, and more.
 struct RecordSettings : PictureSettings {
   bool meshes = true;      ///< initial and final, OBJ and PLY
+  bool trajectory = true;  ///< trajectory.h5, which meshes, pictures and exports bring too
   ExportSettings exports;  ///< further files; none without formats
 };
 

@@ -31,20 +31,9 @@ void requireNoObstacles(const Environment& environment) {
 
 }  // namespace
 
-<<<<<<< HEAD:sim/deploy/world_dynamics.cpp
 WorldDynamics::WorldDynamics(std::unique_ptr<BrickWorld> world, int substeps,
                              std::size_t brickCount)
     : world_(std::move(world)), substeps_(substeps), loads_(brickCount) {}
-=======
-BulletDynamics::BulletDynamics(const Scene& scene, const std::vector<Brick>& bricks,
-                               const Poses& start)
-    : world_(bricks, start, sharedPivots(scene, bricks), scene.environment,
-             scene.solver.iterations),
-      substeps_(scene.solver.substeps.value_or(kSubsteps)),
-      loads_(bricks.size()) {
-  requireNoObstacles(scene.environment);
-}
->>>>>>> 08ac4fa (scene, world: obstacles that bricks run into):sim/deploy/bullet_dynamics.cpp
 
 void WorldDynamics::setPinned(const std::vector<bool>& pinned) {
   if (std::find(pinned.begin(), pinned.end(), true) == pinned.end()) return;
@@ -71,6 +60,7 @@ StepReport WorldDynamics::advance(Motion& motion, double step, const LoadSource&
 
 std::unique_ptr<Dynamics> makeBulletDynamics(const Scene& scene, const std::vector<Brick>& bricks,
                                              const Poses& start) {
+  requireNoObstacles(scene.environment);
   BulletSettings settings;
   settings.iterations = scene.solver.iterations;
   auto world = std::make_unique<BulletWorld>(bricks, start, sharedPivots(scene, bricks),

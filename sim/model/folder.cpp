@@ -238,6 +238,10 @@ std::vector<Tile> readTargetFile(const fs::path& file, const Model& model,
   return target.tiles;
 }
 
+std::vector<Tile> readTileFile(const fs::path& file) {
+  return readTiles(file).tiles;
+}
+
 void writeModelFolder(const Model& model, const fs::path& folder) {
   requirePivots(model, folder);
   makeFolder(folder);

@@ -28,6 +28,9 @@ Model readModelFolder(const std::filesystem::path& folder, std::vector<std::stri
 std::vector<Tile> readTargetFile(const std::filesystem::path& file, const Model& model,
                                  std::vector<std::string>& warnings);
 
+/// Reads tiles alone, as writeTiles() leaves them. Throws InputError with file:line:column.
+std::vector<Tile> readTileFile(const std::filesystem::path& file);
+
 /// Writes the model as such a folder, numbers so that reading gives the same doubles. The folder is
 /// made if need be; a target.txt, pull.txt or hull.txt in it that the model lacks is removed.
 /// Throws InputError for a model with links or fixed joints, OutputError when writing fails.

@@ -1,0 +1,301 @@
+#include "render/cli/sweep_command.h"
+
+#include <chrono>
+#include <new>
+#include <thread>
+
+#include <CLI/CLI.hpp>
+#include <fcntl.h>
+#include <unistd.h>
+
+#include "render/cli/exit_codes.h"
+#include "render/cli/interrupt.h"
+#include "render/cli/option_group.h"
+#include "render/cli/report.h"
+#include "render/cli/sweep_runs.h"
+#include "render/png/png.h"
+#include "render/record/output_folder.h"
+#include "render/sweep/collect.h"
+#include "render/sweep/contact_sheet.h"
+#include "render/sweep/run_folder.h"
+#include "sim/base/pending_file.h"
+
+namespace kirireel {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// More runs than this are hardly meant.
+constexpr std::uint64_t kMostUnconfirmed = 1'000'000;
+constexpr double kBytesInMegabyte = 1e6;
+constexpr const char* kMessages = "messages.txt";
+
+int coreCount() {
+  return static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+}
+
+/// "3/8".
+SweepShard parseShard(const OptionValue& value) {
+  const std::string wanted = "I/N, as in 3/8: part I of N, counted from 1";
+  const std::size_t slash = value.text.find('/');
+  if (slash == std::string::npos) throw valueError(value, wanted);
+  const auto number = [&](const std::string& text) {
+    try {
+      return parseInteger({value.name, text}, {1, 1e9});
+    } catch (const InputError&) {
+      throw valueError(value, wanted);
+    }
+  };
+  const long part = number(value.text.substr(0, slash));
+  const long count = number(value.text.substr(slash + 1));
+  if (part > count) throw valueError(value, fmt::format("a part from 1/{0} to {0}/{0}", count));
+  return {static_cast<std::uint64_t>(part), static_cast<std::uint64_t>(count)};
+}
+
+void addWorkerOptions(CLI::App& command, WorkerLimits& limits) {
+  OptionGroup group(command, "Workers");
+  limits.count = coreCount();
+  group.value("--jobs", "COUNT", "one for each core", "processes at a time",
+              [&limits](const OptionValue& typed) {
+                limits.count = static_cast<int>(parseInteger(typed, {1, 4096}));
+              });
+  group.number("--run-limit", limits.seconds, {1e-3, 1e9}, "SECONDS",
+               "a run that takes longer has failed");
+  group.value("--memory-limit", "MEGABYTES", "none",
+              "of each process; a run that needs more has failed",
+              [&limits](const OptionValue& typed) {
+                limits.memoryBytes =
+                    static_cast<std::int64_t>(kBytesInMegabyte * parseNumber(typed, {16, 1e9}));
+              });
+}
+
+void requireMeant(const SweepRuns& runs, bool confirmed) {
+  const std::uint64_t count = runs.sweep().plan.size();
+  if (count <= kMostUnconfirmed || confirmed) return;
+  throw InputError(
+      fmt::format("{}: error: these are {:.3g} runs, about {:.0f} days of one core at 0.1 s each; "
+                  "give fewer values, or --yes if that is what you want",
+                  runs.sweep().file.string(), static_cast<double>(count),
+                  static_cast<double>(count) * 0.1 / 86400));
+}
+
+/// The runs of a shard; there may be more shards than runs.
+std::uint64_t runsOf(const SweepShard& shard, std::uint64_t runs) {
+  return runs < shard.number ? 0 : (runs - shard.number) / shard.count + 1;
+}
+
+/// What a run prints goes into its folder.
+void redirectPrints(const fs::path& file) {
+  std::fflush(nullptr);
+  const int opened = ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (opened < 0) return;
+  ::dup2(opened, STDOUT_FILENO);
+  ::dup2(opened, STDERR_FILENO);
+  ::close(opened);
+}
+
+void dropEmptyMessages(const fs::path& folder) {
+  std::fflush(nullptr);
+  std::error_code ignored;
+  if (fs::file_size(folder / kMessages, ignored) == 0) fs::remove(folder / kMessages, ignored);
+}
+
+/// Reasons do not depend on where the sweep's folder is.
+std::string withoutFolder(std::string text, const fs::path& folder) {
+  const std::string part = folder.string() + "/";
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part)) {
+    text.erase(at, part.size());
+  }
+  return text;
+}
+
+/// The runs of a sweep in their folder.
+class SweepFolder {
+ public:
+  SweepFolder(const SweepRuns& runs, const fs::path& folder, const SweepOrder& order)
+      : runs_(runs), folder_(folder / "runs"), order_(order) {
+    makeFolder(folder_);
+    // Made and dropped: checks that files can be written.
+    const PendingFile probe(folder_ / "probe");
+  }
+
+  /// Makes a run that nobody has made or is making. In a worker.
+  Verdict make(std::uint64_t index) const {
+    std::optional<RunClaim> claim = take(index);
+    if (!claim) return Verdict::Skipped;
+    redirectPrints(claim->folder() / kMessages);
+    RunRecord record{false, "", runs_.inputs(index)};
+    try {
+      runs_.make(index, claim->folder());
+    } catch (const std::bad_alloc&) {
+      record.reason = "ran out of memory";
+    } catch (const std::exception& error) {
+      record.reason = withoutFolder(error.what(), claim->folder());
+    }
+    record.failed = !record.reason.empty();
+    dropEmptyMessages(claim->folder());
+    claim->finish(record);
+    return record.failed ? Verdict::Failed : Verdict::Done;
+  }
+
+  /// Keeps the reason why a run did not end.
+  Verdict lose(std::uint64_t index, const std::string& reason) const {
+    std::optional<RunClaim> claim = take(index);
+    if (!claim) return Verdict::Skipped;
+    claim->finish({true, reason, runs_.inputs(index)});
+    return Verdict::Failed;
+  }
+
+ private:
+  std::optional<RunClaim> take(std::uint64_t index) const {
+    return RunClaim::take(folder_, runs_.name(index), order_.retryFailed);
+  }
+
+  const SweepRuns& runs_;
+  fs::path folder_;
+  const SweepOrder& order_;
+};
+
+std::string timeText(double seconds) {
+  if (seconds < 120) return fmt::format("{:.0f} s", seconds);
+  if (seconds < 7200) return fmt::format("{:.0f} min", seconds / 60);
+  return fmt::format("{:.1f} h", seconds / 3600);
+}
+
+/// Counts verdicts and says how far the sweep is.
+class Tally {
+ public:
+  explicit Tally(std::uint64_t total) : total_(total), start_(Clock::now()) {}
+
+  void add(Verdict verdict) {
+    ++(verdict == Verdict::Done ? done_ : verdict == Verdict::Failed ? failed_ : skipped_);
+    const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
+    const std::uint64_t seen = done_ + failed_ + skipped_;
+    const double left = seconds * static_cast<double>(total_ - seen) /
+                        static_cast<double>(std::max<std::uint64_t>(1, done_ + failed_));
+    line_.show(
+        fmt::format("run {} of {}, {} failed, {} left", seen, total_, failed_, timeText(left)));
+  }
+
+  std::uint64_t failed() const { return failed_; }
+  std::string text() const {
+    return fmt::format("{} runs made, {} of them failed; {} made before, or in work elsewhere",
+                       done_ + failed_, failed_, skipped_);
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  std::uint64_t total_;
+  Clock::time_point start_;
+  std::uint64_t done_ = 0;
+  std::uint64_t failed_ = 0;
+  std::uint64_t skipped_ = 0;
+  ProgressLine line_;
+};
+
+/// What came of making runs.
+struct MadeRuns {
+  bool isWhole = false;  ///< false when a signal ended it
+  std::uint64_t failed = 0;
+};
+
+/// Makes what is missing of a shard.
+MadeRuns makeRuns(const SweepRuns& runs, const fs::path& folder, const SweepOrder& order) {
+  noteSignals();
+  const SweepFolder runFolder(runs, folder, order);
+  const std::uint64_t total = runs.sweep().plan.size();
+  Tally tally(runsOf(order.shard, total));
+  std::uint64_t next = order.shard.number - 1;
+  const WorkerJobs jobs = {
+      [&]() -> std::optional<std::uint64_t> {
+        if (next >= total) return std::nullopt;
+        return std::exchange(next, next + order.shard.count);
+      },
+      [&](std::uint64_t index) { return runFolder.make(index); },
+      [&](std::uint64_t index, const std::string& why) { return runFolder.lose(index, why); },
+      [&](std::optional<Verdict> verdict) {
+        if (verdict) tally.add(*verdict);
+        return !takeInterrupt();
+      }};
+  const bool isWhole = runInWorkers(jobs, order.limits);
+  fmt::print("{}{}\n",
+             isWhole ? "" : "interrupted; the same command goes on from here: ", tally.text());
+  return {isWhole, tally.failed()};
+}
+
+void writeContactSheet(const Gathered& gathered, const fs::path& folder, const fs::path& file) {
+  if (gathered.done.empty()) return;
+  std::vector<ContactPicture> pictures;
+  for (std::size_t i = 0; i < gathered.done.size(); ++i) {
+    const fs::path run = folder / "runs" / gathered.done[i];
+    pictures.push_back({run / output::kFinalVertices, gathered.captions[i]});
+  }
+  writePng(composeContactSheet(pictures), file);
+}
+
+/// Puts the table, the costs and the contact sheet beside the runs.
+Gathered collect(const SweepRuns& runs, const fs::path& folder) {
+  const auto values = [&runs](std::uint64_t index) {
+    std::vector<std::string> texts;
+    for (const SweepValue& value : runs.sweep().plan.run(index)) texts.push_back(value.text);
+    return texts;
+  };
+  makeFolder(folder);
+  // Two sweeps that end together gather one after the other.
+  const auto lock = FileLock::take(folder / "collect.lock", FileLock::IfHeld::Wait);
+  const Gathered gathered =
+      gather({folder / "runs", runs.sweep().plan.size(), runs.sweep().plan.keys(),
+              [&runs](std::uint64_t index) { return runs.name(index); }, values});
+  const std::string stem = (folder / runs.sweep().file.stem()).string();
+  writeTextFile(stem + ".csv", csvText(gathered.results));
+  writeTableArrays(gathered.results, stem + ".h5");
+  writeTextFile(stem + "_costs.csv", csvText(gathered.costs));
+  writeContactSheet(gathered, folder, stem + ".png");
+  fmt::print("{0}.csv, {0}.h5, {0}.png: {1} runs done, {2} failed, {3} missing\n", stem,
+             gathered.done.size(), gathered.failed, gathered.missing);
+  return gathered;
+}
+
+}  // namespace
+
+CLI::App* addSweepCommand(CLI::App& program, SweepOrder& order) {
+  CLI::App* command =
+      program.add_subcommand("sweep", "make many runs over parameters, and one table of them");
+  addPlace(*command, "SWEEP", order.sweep, "a file like sweep.toml, see docs/sweeps.md");
+  OptionGroup group(*command, "Output");
+  group.value("--out", "FOLDER", "out/NAME of the sweep file", "where the runs and the table go",
+              [&order](const OptionValue& typed) { order.folder = typed.text; });
+  group.flag("--collect", "make no runs, gather those that are there",
+             [&order] { order.collectOnly = true; });
+  OptionGroup which(*command, "Runs");
+  which.value("--shard", "I/N", "1/1", "part I of N alone, without gathering",
+              [&order](const OptionValue& typed) { order.shard = parseShard(typed); });
+  which.flag("--retry-failed", "make failed runs again", [&order] { order.retryFailed = true; });
+  which.flag("--yes", "also when there are more than a million",
+             [&order] { order.confirmed = true; });
+  addWorkerOptions(*command, order.limits);
+  command->footer(
+      "Examples:\n"
+      "  kirireel sweep sweep.toml\n"
+      "  kirireel sweep sweep.toml --shard 3/8 && kirireel sweep sweep.toml --collect\n\n"
+      "Runs that are done are never made again. Ctrl-C, or worse, loses the runs in work alone.");
+  return command;
+}
+
+int carryOut(const SweepOrder& order) {
+  const SweepRuns runs(readSweepFile(order.sweep));
+  requireMeant(runs, order.confirmed);
+  const fs::path folder =
+      order.folder.empty() ? fs::path("out") / order.sweep.stem() : order.folder;
+  if (order.collectOnly) {
+    const Gathered gathered = collect(runs, folder);
+    return gathered.failed + gathered.missing == 0 ? kExitDone : kExitRunFailed;
+  }
+  const MadeRuns made = makeRuns(runs, folder, order);
+  if (!made.isWhole) return kExitRunFailed;
+  // The other shards may not be through yet. What is missing otherwise is in work elsewhere.
+  const std::uint64_t failed = order.shard.count > 1 ? made.failed : collect(runs, folder).failed;
+  return failed == 0 ? kExitDone : kExitRunFailed;
+}
+
+}  // namespace kirireel

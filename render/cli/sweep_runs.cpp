@@ -1,0 +1,216 @@
+#include "render/cli/sweep_runs.h"
+
+#include <algorithm>
+#include <set>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "render/cli/generate_command.h"
+#include "render/cli/record_command.h"
+#include "render/cli/scene_settings.h"
+#include "render/record/versions.h"
+#include "render/sweep/digest.h"
+#include "sim/base/spelling.h"
+
+namespace kirireel {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kNameDigits = 20;
+
+/// Options that say where a run goes and how it reports, which is the sweep's to say.
+const std::set<std::string> kNotForSweeps = {"out", "json"};
+
+/// The keys of a run's options. "model" and "scene" are the sweep's own words.
+std::vector<std::string> runKeys(const CLI::App& command) {
+  std::vector<std::string> keys = {"model", "scene"};
+  for (const CLI::Option* option : command.get_options()) {
+    const std::string key = settingKey(*option);
+    if (!settingTable(*option).empty() && !kNotForSweeps.contains(key)) keys.push_back(key);
+  }
+  return keys;
+}
+
+std::vector<std::string> familyKeys(const CLI::App& command) {
+  std::vector<std::string> keys;
+  for (const CLI::Option* option : command.get_options()) {
+    if (option->get_group() == kShapeGroup) keys.push_back(settingKey(*option));
+  }
+  return keys;
+}
+
+CLI::Option& optionOf(CLI::App& command, const std::string& key) {
+  for (CLI::Option* option : command.get_options()) {
+    if (settingKey(*option) == key) return *option;
+  }
+  throw std::logic_error("a key without an option: " + key);
+}
+
+bool has(const std::vector<std::string>& keys, const std::string& key) {
+  return std::find(keys.begin(), keys.end(), key) != keys.end();
+}
+
+/// One run as the commands `generate` and `simulate` would be told it.
+class RunOrders {
+ public:
+  explicit RunOrders(const Sweep& sweep) : family_(sweep.family) {
+    const bool paints = sweep.keep == SweepKeep::Pictures || sweep.keep == SweepKeep::All;
+    run_ = paints ? addRecordCommand(program_, record_) : addSimulateCommand(program_, record_);
+    record_.settings.trajectory = sweep.keep != SweepKeep::State;
+    if (sweep.keep == SweepKeep::Pictures) record_.settings.video = record_.settings.meshes = false;
+    if (family_.empty()) return;
+    generate_.family = family_;
+    shape_ = addFamily(program_, familyNamed(family_), generate_);
+  }
+  RunOrders(const RunOrders&) = delete;
+  RunOrders& operator=(const RunOrders&) = delete;
+
+  void apply(const SweepSetting& setting) {
+    const auto& [key, value] = setting;
+    if (shape_ && has(familyKeys(*shape_), key)) {
+      applyTo(*shape_, setting);
+    } else if (key == "model") {
+      requireNoFamily(value);
+      record_.model = value.text;
+    } else if (key == "scene") {
+      record_.request.file = value.text;
+    } else if (has(runKeys(*run_), key)) {
+      applyTo(*run_, setting);
+    } else {
+      throw inputErrorAt(value.where, fmt::format("there is no parameter {}{}; {}", key,
+                                                  suggestion(key, allKeys()), whereToLook()));
+    }
+  }
+
+  /// Makes the run in a folder.
+  void carryOut(const fs::path& folder) {
+    record_.settings.folder = folder;
+    if (!family_.empty()) record_.madeModel = makeModel(generate_);
+    // A generated model has no folder where a scene file may stand.
+    if (family_.empty() || !record_.request.file.empty()) completeOrder(*run_, record_);
+    runOrder(record_, [](const Progress&) { return true; });
+  }
+
+ private:
+  void requireNoFamily(const SweepValue& value) const {
+    if (family_.empty()) return;
+    throw inputErrorAt(value.where, "either model or generate will do; remove the other");
+  }
+
+  std::vector<std::string> allKeys() const {
+    std::vector<std::string> keys = runKeys(*run_);
+    if (!shape_) return keys;
+    for (const std::string& key : familyKeys(*shape_)) keys.push_back(key);
+    return keys;
+  }
+
+  std::string whereToLook() const {
+    const std::string run = fmt::format("see kirireel {} --help", run_->get_name());
+    return family_.empty() ? run : fmt::format("{} and kirireel generate {} --help", run, family_);
+  }
+
+  static void applyTo(CLI::App& command, const SweepSetting& setting) {
+    const auto& [key, value] = setting;
+    applySetting(optionOf(command, key), {"", key, {value.text}, value.isSwitch, value.where});
+  }
+
+  std::string family_;
+  RecordOrder record_;
+  GenerateOrder generate_;
+  CLI::App program_;
+  CLI::App* run_ = nullptr;
+  CLI::App* shape_ = nullptr;
+};
+
+/// Each value is tried alone: what a run of them all would refuse is for that run to say.
+void requireValid(const Sweep& sweep) {
+  for (const SweepSetting& setting : sweep.settings) RunOrders(sweep).apply(setting);
+  bool namesModel = !sweep.family.empty();
+  for (const SweepAxis& axis : sweep.axes) {
+    for (const SweepValue& value : axis.values) RunOrders(sweep).apply({axis.key, value});
+    namesModel = namesModel || axis.key == "model";
+  }
+  for (const SweepSetting& setting : sweep.settings) {
+    namesModel = namesModel || setting.key == "model";
+  }
+  if (namesModel) return;
+  throw inputErrorAt({sweep.file},
+                     "there is nothing to run; add model = \"FOLDER\" or generate = \"FAMILY\"");
+}
+
+/// The files that a scene file's timeline and tables name.
+std::vector<fs::path> filesNamedIn(const fs::path& sceneFile) {
+  std::vector<fs::path> files;
+  const SceneFile scene = readSceneFile(sceneFile);
+  for (const TimelineEntry& entry : scene.timeline) {
+    const auto* change = std::get_if<timeline::GoTo>(&entry.action);
+    if (change && !change->file.empty()) files.push_back(change->file);
+  }
+  for (const SceneSetting& setting : scene.settings) {
+    if (setting.key == "target")
+      files.insert(files.end(), setting.values.begin(), setting.values.end());
+  }
+  return files;
+}
+
+std::string digestOfInput(const std::string& key, const fs::path& path) {
+  std::string digest = digestOfFiles(path);
+  const fs::path sceneFile = key == "scene" ? path : path / "scene.toml";
+  if (key == "target" || !fs::exists(sceneFile)) return digest;
+  for (const fs::path& file : filesNamedIn(sceneFile)) digest += digestOfFiles(file);
+  return digest;
+}
+
+}  // namespace
+
+SweepRuns::SweepRuns(Sweep sweep) : sweep_(std::move(sweep)) {
+  requireValid(sweep_);
+  constants_ =
+      fmt::format("{}\n{}\n{}", versionText(), sweep_.family, static_cast<int>(sweep_.keep));
+}
+
+std::vector<SweepSetting> SweepRuns::settings(std::uint64_t index) const {
+  std::vector<SweepSetting> settings = sweep_.settings;
+  const std::vector<SweepValue> values = sweep_.plan.run(index);
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    settings.push_back({sweep_.plan.keys()[k], values[k]});
+  }
+  std::sort(settings.begin(), settings.end(),
+            [](const SweepSetting& a, const SweepSetting& b) { return a.key < b.key; });
+  return settings;
+}
+
+RunInputs SweepRuns::inputs(std::uint64_t index) const {
+  RunInputs inputs;
+  if (!sweep_.family.empty()) inputs.emplace_back("generate", sweep_.family);
+  for (const SweepSetting& setting : settings(index)) {
+    inputs.emplace_back(setting.key, setting.value.text);
+  }
+  return inputs;
+}
+
+std::string SweepRuns::name(std::uint64_t index) const {
+  Digest digest;
+  digest.add(constants_);
+  for (const auto& [key, value] : settings(index)) {
+    digest.add(key);
+    if (key != "model" && key != "target" && key != "scene") {
+      digest.add(value.text);
+      continue;
+    }
+    std::string& ofFile = digests_[value.text];
+    if (ofFile.empty()) ofFile = digestOfInput(key, value.text);
+    digest.add(ofFile);
+  }
+  return digest.take().substr(0, kNameDigits);
+}
+
+void SweepRuns::make(std::uint64_t index, const fs::path& folder) const {
+  RunOrders orders(sweep_);
+  for (const SweepSetting& setting : settings(index)) orders.apply(setting);
+  orders.carryOut(folder);
+}
+
+}  // namespace kirireel

@@ -1,0 +1,45 @@
+/// The runs of a sweep: what goes into each, what it is called, how it is made.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "render/sweep/sweep_file.h"
+
+namespace kirireel {
+
+/// Keys and values as typed, by key.
+using RunInputs = std::vector<std::pair<std::string, std::string>>;
+
+class SweepRuns {
+ public:
+  /// Checks every key and value of the sweep against the options of `kirireel simulate` (or
+  /// `record`, as the sweep keeps more) and the family's parameters, which come first where both
+  /// have a key. Throws InputError with file:line:column, suggesting the nearest key.
+  explicit SweepRuns(Sweep sweep);
+
+  const Sweep& sweep() const { return sweep_; }
+
+  /// All that a run was told: the family, the settings of all runs, and its own parameters.
+  RunInputs inputs(std::uint64_t index) const;
+
+  /// Twenty hexadecimal digits of the SHA-256 of everything that shapes the run: its inputs, the
+  /// content of the files that they name, the versions of the program and its libraries, and what
+  /// it leaves. Throws InputError when a file cannot be read.
+  std::string name(std::uint64_t index) const;
+
+  /// Makes the run in a folder. Throws what a run throws.
+  void make(std::uint64_t index, const std::filesystem::path& folder) const;
+
+ private:
+  std::vector<SweepSetting> settings(std::uint64_t index) const;
+
+  Sweep sweep_;
+  std::string constants_;  ///< of the name: versions, family, what is kept
+  mutable std::map<std::string, std::string> digests_;  ///< of files, by name
+};
+
+}  // namespace kirireel

@@ -1,0 +1,51 @@
+/// All finished runs of a sweep as one table.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace kirireel {
+
+/// One column: its name, and a text for each row; a figure that does not exist is "".
+struct TableColumn {
+  std::string name;
+  std::vector<std::string> cells;
+};
+
+using Table = std::vector<TableColumn>;
+
+/// The runs of a sweep, in the order of the table.
+struct SweepListing {
+  std::filesystem::path runs;     ///< the folder of all runs
+  std::uint64_t count = 0;        ///< of runs
+  std::vector<std::string> keys;  ///< parameters that vary
+  std::function<std::string(std::uint64_t)> name;
+  std::function<std::vector<std::string>(std::uint64_t)> values;  ///< one for each key
+};
+
+/// What there is of a sweep.
+struct Gathered {
+  /// A row for each finished run: its name, its parameters, its outcome and its measures. Nothing
+  /// in it depends on when, where or in which order the runs were made.
+  Table results;
+  Table costs;  ///< a row for each run that is done: seconds and bytes, which differ every time
+  std::vector<std::string> done;      ///< names of the runs with an end state
+  std::vector<std::string> captions;  ///< what varies, for each of these
+  std::uint64_t failed = 0;
+  std::uint64_t missing = 0;  ///< not made yet, or in work
+};
+
+/// Reads all finished runs. Throws InputError for damaged records.
+Gathered gather(const SweepListing& listing);
+
+/// A table as text with commas (RFC 4180), its first line the names.
+std::string csvText(const Table& table);
+
+/// Writes a table as HDF5, each column an array of doubles or, where a cell is no number, of texts;
+/// a missing number is NaN. The attribute "columns" has their order. Throws OutputError.
+void writeTableArrays(const Table& table, const std::filesystem::path& file);
+
+}  // namespace kirireel

@@ -1,0 +1,90 @@
+#include "render/sweep/digest.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <fstream>
+#include <iterator>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nettle/sha2.h>
+
+#include "sim/base/error.h"
+
+namespace kirireel {
+namespace {
+
+namespace fs = std::filesystem;
+
+void update(sha256_ctx& context, std::string_view text) {
+  sha256_update(&context, text.size(), reinterpret_cast<const std::uint8_t*>(text.data()));
+}
+
+std::string contentOf(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::string content{std::istreambuf_iterator<char>(stream), {}};
+  if (!stream) throw inputErrorAt({file}, "cannot be read; check its permissions");
+  return content;
+}
+
+/// "square_contracted.obj" starts with "square"; a name without '_' stands alone.
+std::string commonStart(const fs::path& file) {
+  const std::string stem = file.stem().string();
+  const std::size_t end = stem.rfind('_');
+  return end == std::string::npos ? "" : stem.substr(0, end + 1);
+}
+
+std::vector<fs::path> filesOf(const fs::path& path) {
+  if (!fs::is_directory(path) && commonStart(path).empty()) return {path};
+  const fs::path folder = fs::is_directory(path) ? path : fs::absolute(path).parent_path();
+  const std::string start = fs::is_directory(path) ? "" : commonStart(path);
+  std::vector<fs::path> files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const bool isMeant = entry.path().filename().string().starts_with(start);
+    if (entry.is_regular_file() && isMeant) files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+}  // namespace
+
+struct Digest::Internals {
+  sha256_ctx context;
+};
+
+Digest::Digest() : internals_(std::make_unique<Internals>()) {
+  sha256_init(&internals_->context);
+}
+
+Digest::~Digest() = default;
+
+void Digest::add(std::string_view text) {
+  // The length tells "ab", "c" from "a", "bc".
+  update(internals_->context, fmt::format("{}:", text.size()));
+  update(internals_->context, text);
+}
+
+std::string Digest::take() {
+  std::array<std::uint8_t, SHA256_DIGEST_SIZE> bytes;
+  sha256_digest(&internals_->context, bytes.size(), bytes.data());
+  std::string text;
+  for (const std::uint8_t byte : bytes) text += fmt::format("{:02x}", byte);
+  return text;
+}
+
+std::string digestOfFiles(const fs::path& path) {
+  if (!fs::exists(path)) {
+    throw inputErrorAt({path}, "there is no such file or folder; correct the name");
+  }
+  Digest digest;
+  digest.add(path.filename().string());
+  for (const fs::path& file : filesOf(path)) {
+    digest.add(file.filename().string());
+    digest.add(contentOf(file));
+  }
+  return digest.take();
+}
+
+}  // namespace kirireel

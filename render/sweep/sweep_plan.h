@@ -1,0 +1,81 @@
+/// Which runs a sweep consists of.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "sim/base/error.h"
+
+namespace kirireel {
+
+/// One value of a parameter, as it would be typed on a command line.
+struct SweepValue {
+  std::string text;       ///< "25", "0,0,-9.81", "true"
+  bool isSwitch = false;  ///< true or false, not a text
+  FileLocation where;     ///< in the sweep file
+
+  bool operator==(const SweepValue& other) const { return text == other.text; }
+};
+
+/// Values that come before others in tables: numbers by size, before texts by letters.
+bool comesBefore(const SweepValue& a, const SweepValue& b);
+
+/// A parameter and values of it.
+struct SweepAxis {
+  std::string key;     ///< an option or a parameter of a family, as in a scene file
+  FileLocation where;  ///< of the key
+  std::vector<SweepValue> values;
+};
+
+/// Numbers between two ends.
+struct SweepRange {
+  double from = 0;
+  double to = 0;
+  bool logarithmic = false;  ///< equal ratios instead of equal differences; ends are positive
+  bool whole = false;        ///< rounded to whole numbers
+
+  /// The number at a share of the way, 0 to 1, as text of at most 9 digits.
+  std::string at(double share) const;
+};
+
+/// A range of a parameter.
+struct SweepRangeAxis {
+  std::string key;
+  FileLocation where;
+  SweepRange range;
+};
+
+/// The runs of a sweep, sorted by their parameters, one after the other. Each run of a grid is made
+/// when it is asked for, so that the largest grid takes no memory.
+class SweepPlan {
+ public:
+  SweepPlan() = default;
+
+  /// All combinations of the axes' values; the last axis changes fastest. Repeated values count
+  /// once.
+  static SweepPlan grid(std::vector<SweepAxis> axes);
+
+  /// One run for each place in the axes' values, which are equally many. Repeated runs count once.
+  static SweepPlan list(const std::vector<SweepAxis>& axes);
+
+  /// `count` runs that have one value in each of `count` equal parts of every range, at random
+  /// (McKay, Beckman, Conover 1979). The same seed gives the same runs on every machine.
+  static SweepPlan latinHypercube(const std::vector<SweepRangeAxis>& axes, std::size_t count,
+                                  std::uint64_t seed);
+
+  /// How many runs there are; the largest number when there are more.
+  std::uint64_t size() const;
+
+  const std::vector<std::string>& keys() const { return keys_; }
+
+  /// The values of a run, one for each key; index below size().
+  std::vector<SweepValue> run(std::uint64_t index) const;
+
+ private:
+  std::vector<std::string> keys_;
+  std::vector<std::vector<SweepValue>> axes_;  ///< of a grid
+  std::vector<std::vector<SweepValue>> rows_;  ///< of anything else
+};
+
+}  // namespace kirireel

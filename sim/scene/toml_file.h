@@ -1,0 +1,69 @@
+/// TOML files as plain values that know their places. No TOML header is needed to use them.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "sim/base/error.h"
+
+namespace kirireel {
+
+struct TomlEntry;
+struct TomlValue;
+
+/// The entries of a table, by key.
+using TomlTable = std::vector<TomlEntry>;
+
+/// One value with its place in its file.
+struct TomlValue {
+  /// A date or a time, which nothing here asks for.
+  struct Other {};
+
+  std::variant<Other, bool, std::int64_t, double, std::string, std::vector<TomlValue>, TomlTable>
+      content;
+  FileLocation where;
+
+  const bool* truth() const { return std::get_if<bool>(&content); }
+  const std::int64_t* whole() const { return std::get_if<std::int64_t>(&content); }
+  /// A number of either kind.
+  std::optional<double> number() const;
+  const std::string* text() const { return std::get_if<std::string>(&content); }
+  const std::vector<TomlValue>* array() const {
+    return std::get_if<std::vector<TomlValue>>(&content);
+  }
+  const TomlTable* table() const { return std::get_if<TomlTable>(&content); }
+};
+
+/// One key of a table and its value.
+struct TomlEntry {
+  std::string key;
+  FileLocation where;  ///< of the key
+  TomlValue value;
+};
+
+/// Reads a file. `hint` says what could be named when there is none. Throws InputError with
+/// file:line:column for what is no TOML.
+TomlTable readTomlFile(const std::filesystem::path& path, const std::string& hint);
+
+/// A number, text or truth as it would be typed on a command line; an array of numbers as
+/// "0,0,-9.81". Throws InputError for anything else.
+std::string typedText(const TomlValue& value);
+
+/// The value of a key; null when the table does not have it.
+const TomlValue* find(const TomlTable& table, const std::string& key);
+
+/// A number from `least` to `most`. Throws InputError that says what is wanted.
+double requireNumber(const TomlValue& value, double least, double most, const std::string& wanted);
+
+/// Throws "FILE:LINE:COLUMN: error: this value is not allowed; give WANTED".
+[[noreturn]] void refuseValue(const TomlValue& value, const std::string& wanted);
+
+/// Throws an InputError for a key that does not exist, suggesting the nearest of those that do.
+[[noreturn]] void refuseKey(const TomlEntry& entry, const std::string& what,
+                            const std::vector<std::string>& known);
+
+}  // namespace kirireel

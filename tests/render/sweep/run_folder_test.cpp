@@ -1,0 +1,74 @@
+#include "render/sweep/run_folder.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/base/error.h"
+#include "tests/support/files.h"
+
+namespace kirireel {
+namespace {
+
+class RunFolderTest : public testing::Test {
+ protected:
+  std::optional<RunClaim> take(bool retryFailed = false) const {
+    return RunClaim::take(folder_.path(), "abc", retryFailed);
+  }
+  std::filesystem::path finished() const { return folder_ / "abc"; }
+
+  const test::TemporaryFolder folder_;
+};
+
+TEST_F(RunFolderTest, IsFinishedWhenItIsWhole) {
+  std::optional<RunClaim> claim = take();
+  ASSERT_TRUE(claim);
+  std::ofstream(claim->folder() / "summary.json") << "{}";
+  EXPECT_FALSE(std::filesystem::exists(finished()));
+  claim->finish({false, "", {{"columns", "4"}}});
+  const auto record = readRunRecord(finished());
+  ASSERT_TRUE(record);
+  EXPECT_FALSE(record->failed);
+  EXPECT_EQ(record->inputs.at(0).second, "4");
+  EXPECT_TRUE(std::filesystem::exists(finished() / "summary.json"));
+  EXPECT_FALSE(std::filesystem::exists(finished() / "lock"));
+  EXPECT_FALSE(take());
+}
+
+TEST_F(RunFolderTest, BelongsToOneAtATime) {
+  const std::optional<RunClaim> claim = take();
+  ASSERT_TRUE(claim);
+  EXPECT_FALSE(take());
+}
+
+TEST_F(RunFolderTest, LeftoversOfAKilledRunAreCleared) {
+  {
+    const std::optional<RunClaim> killed = take();
+    std::ofstream(killed->folder() / "half.txt") << "half";
+  }
+  const std::optional<RunClaim> claim = take();
+  ASSERT_TRUE(claim);
+  EXPECT_FALSE(std::filesystem::exists(claim->folder() / "half.txt"));
+}
+
+TEST_F(RunFolderTest, FailedRunsAreMadeAgainOnRequest) {
+  take()->finish({true, "no such sheet", {}});
+  EXPECT_FALSE(take());
+  std::optional<RunClaim> again = take(true);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(readRunRecord(finished())->reason, "no such sheet");
+  again->finish({false, "", {}});
+  EXPECT_FALSE(readRunRecord(finished())->failed);
+  EXPECT_FALSE(take(true));
+}
+
+TEST_F(RunFolderTest, SaysWhenARecordIsDamaged) {
+  std::filesystem::create_directory(finished());
+  std::ofstream(finished() / "run.json") << "{";
+  EXPECT_THAT(
+      [&] { take(); },
+      testing::ThrowsMessage<InputError>(testing::EndsWith(
+          "abc/run.json: error: this is no run's record; remove its folder to run it again")));
+}
+
+}  // namespace
+}  // namespace kirireel

@@ -1,0 +1,114 @@
+#include "render/sweep/worker_pool.h"
+
+#include <csignal>
+#include <map>
+#include <new>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "tests/support/files.h"
+
+namespace kirireel {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::Pair;
+
+/// Runs jobs 0 to count - 1 and keeps what was heard of them.
+struct PoolRun {
+  std::map<std::uint64_t, std::string> lost;
+  std::map<Verdict, int> verdicts;
+  std::uint64_t nextJob = 0;
+
+  bool run(std::uint64_t count, const std::function<Verdict(std::uint64_t)>& work,
+           const WorkerLimits& limits = {2}) {
+    return runInWorkers({[&]() -> std::optional<std::uint64_t> {
+                           if (nextJob == count) return std::nullopt;
+                           return nextJob++;
+                         },
+                         work,
+                         [&](std::uint64_t job, const std::string& reason) {
+                           lost[job] = reason;
+                           return Verdict::Failed;
+                         },
+                         [&](std::optional<Verdict> verdict) {
+                           if (verdict) ++verdicts[*verdict];
+                           return true;
+                         }},
+                        limits);
+  }
+};
+
+TEST(WorkerPool, DoesEveryJobOnce) {
+  const test::TemporaryFolder folder;
+  PoolRun pool;
+  EXPECT_TRUE(pool.run(100, [&](std::uint64_t job) {
+    const bool isNew = std::filesystem::create_directory(folder / std::to_string(job));
+    return isNew ? Verdict::Done : Verdict::Failed;
+  }));
+  EXPECT_THAT(pool.verdicts, ElementsAre(Pair(Verdict::Done, 100)));
+}
+
+TEST(WorkerPool, CrashLosesItsOwnJobAlone) {
+  PoolRun pool;
+  EXPECT_TRUE(pool.run(20, [](std::uint64_t job) {
+    if (job == 3) ::_exit(7);
+    if (job == 4) ::raise(SIGTRAP);
+    return Verdict::Done;
+  }));
+  EXPECT_THAT(pool.lost, ElementsAre(Pair(3, "ended with exit code 7"),
+                                     Pair(4, "ended by signal 5 (Trace/breakpoint trap)")));
+  EXPECT_EQ(pool.verdicts[Verdict::Done], 18);
+}
+
+TEST(WorkerPool, HungJobIsEnded) {
+  PoolRun pool;
+  const auto work = [](std::uint64_t job) {
+    while (job == 1) ::pause();
+    return Verdict::Done;
+  };
+  EXPECT_TRUE(pool.run(3, work, {1, 0.05}));
+  EXPECT_THAT(pool.lost, ElementsAre(Pair(1, "took longer than 0.05 s")));
+}
+
+TEST(WorkerPool, MemoryIsBounded) {
+  PoolRun pool;
+  const auto work = [](std::uint64_t) {
+    try {
+      const std::vector<char> large(1 << 30);
+      return Verdict::Done;
+    } catch (const std::bad_alloc&) {
+      return Verdict::Failed;
+    }
+  };
+  EXPECT_TRUE(pool.run(1, work, {1, 3600, 512 << 20}));
+  EXPECT_THAT(pool.verdicts, ElementsAre(Pair(Verdict::Failed, 1)));
+}
+
+TEST(WorkerPool, KilledJobIsTriedOnceMore) {
+  const test::TemporaryFolder folder;
+  PoolRun pool;
+  EXPECT_TRUE(pool.run(5, [&](std::uint64_t job) {
+    const bool isFirst = std::filesystem::create_directory(folder / std::to_string(job));
+    if (job == 4 || (job == 2 && isFirst)) ::raise(SIGKILL);
+    return Verdict::Done;
+  }));
+  EXPECT_THAT(pool.lost, ElementsAre(Pair(4, "ended by signal 9 (Killed)")));
+  EXPECT_EQ(pool.verdicts[Verdict::Done], 4);
+}
+
+TEST(WorkerPool, EndsAllWhenTheWatcherSaysSo) {
+  const auto begin = [next = 0]() mutable { return std::optional<std::uint64_t>(next++); };
+  const auto hang = [](std::uint64_t) {
+    while (true) ::pause();
+    return Verdict::Done;
+  };
+  const auto lose = [](std::uint64_t, const std::string&) { return Verdict::Failed; };
+  EXPECT_FALSE(runInWorkers({begin, hang, lose, [](auto) { return false; }}, {2}));
+}
+
+}  // namespace
+}  // namespace kirireel
