@@ -100,6 +100,7 @@ Order parseCommandLine(const std::vector<std::string>& arguments) {
   InspectOrder inspect;
   ConvertOrder convert;
   StudyOrder study;
+  VerifyOrder verify;
   CLI::App program("Records kirigami deployments off screen.", "kirireel");
   program.allow_extras();
   program.set_version_flag("--version", versionText());
@@ -111,6 +112,7 @@ Order parseCommandLine(const std::vector<std::string>& arguments) {
   const CLI::App* inspectCommand = addInspectCommand(program, inspect);
   const CLI::App* convertCommand = addConvertCommand(program, convert);
   const CLI::App* studyCommand = addStudyCommand(program, study);
+  const CLI::App* verifyCommand = addVerifyCommand(program, verify);
   program.footer("kirireel COMMAND --help explains a command.");
 
   if (const std::optional<PrintOrder> page = parseInto(program, arguments)) return *page;
@@ -143,6 +145,10 @@ Order parseCommandLine(const std::vector<std::string>& arguments) {
   if (studyCommand->parsed()) {
     if (!study.list) requireGiven(study.name, "NAME", *studyCommand);
     return study;
+  }
+  if (verifyCommand->parsed()) {
+    requireGiven(verify.folder, "FOLDER", *verifyCommand);
+    return verify;
   }
   if (generateCommand->parsed()) {
     requireFamily(*generateCommand);

@@ -12,6 +12,7 @@
 #include "render/cli/record_command.h"
 #include "render/cli/render_command.h"
 #include "render/cli/study_command.h"
+#include "render/cli/verify_command.h"
 
 namespace kirireel {
 
@@ -25,7 +26,7 @@ int carryOut(const PrintOrder& order);
 
 /// One of the things that kirireel does.
 using Order = std::variant<RecordOrder, RenderOrder, ExportOrder, GenerateOrder, InspectOrder,
-                           ConvertOrder, StudyOrder, PrintOrder>;
+                           ConvertOrder, StudyOrder, VerifyOrder, PrintOrder>;
 
 /// Reads the arguments that follow the program's name. Throws InputError for an unknown option
 /// (suggesting the nearest), a value out of range, a missing or surplus argument.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <optional>
+#include <set>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -198,6 +200,15 @@ class PictureJob {
   bool framesMade_ = false;
 };
 
+/// Files in place change no more: each is read once.
+void noteDigests(const std::filesystem::path& folder, RunSummary& summary) {
+  std::set<std::string> known = {output::kSummary};
+  for (const FileDigest& digest : summary.digests) known.insert(digest.name);
+  for (const std::string& file : summary.files) {
+    if (known.insert(file).second) summary.digests.push_back(digestOf(folder, file));
+  }
+}
+
 void writeExports(const RecordSettings& settings, RunSummary& summary) {
   const TrajectoryReader trajectory(settings.folder / output::kTrajectory);
   for (const std::string& file : exportStates(trajectory, settings.exports, settings.folder)) {
@@ -236,6 +247,7 @@ RunSummary record(const Scene& scene, const RecordSettings& settings,
   }
 
   const auto writeSummary = [&] {
+    noteDigests(settings.folder, summary);
     summary.recordCost.wallSeconds = stopwatch.seconds();
     summary.recordCost.peakMemoryBytes = peakMemoryBytes();
     writeTextFile(settings.folder / output::kSummary, summaryJson(scene, settings, summary));

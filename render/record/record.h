@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "render/digest/digest.h"
 #include "render/export/export.h"
 #include "render/gl/context.h"
 #include "render/grid/grid.h"
@@ -99,6 +100,7 @@ struct RunSummary : PictureReport {
   double assembledFloor = -1;  ///< metres; negative when not computed
   std::vector<Event> events;   ///< what the timeline did, and how the run ended
   DeployCost deployCost;
+  std::vector<FileDigest> digests;  ///< of all files but summary.json
 };
 
 /// How far a run is, for a progress line.
