@@ -223,6 +223,8 @@ RunSummary record(const Scene& scene, const RecordSettings& settings,
   const Stopwatch stopwatch;
   requireValidSettings(settings);
   requirePaintable(motifOf(subjectOf(scene)), settings);
+  makeFolder(settings.folder);
+  const FolderLock lock(settings.folder);
   prepareOutputFolder(settings.folder);
 
   RunSummary summary;
@@ -268,6 +270,7 @@ PictureReport render(const std::filesystem::path& trajectory, const PictureSetti
   requireValidSettings(settings);
   const TrajectoryReader run(trajectory);
   makeFolder(settings.folder);
+  const FolderLock lock(settings.folder);
   PictureReport report;
   if (settings.paints()) PictureJob(settings, observer, report).makeTheRest(run);
   report.recordCost.wallSeconds = stopwatch.seconds();
