@@ -117,6 +117,7 @@ Order parseCommandLine(const std::vector<std::string>& arguments) {
 
   if (const std::optional<PrintOrder> page = parseInto(program, arguments)) return *page;
   requireNothingLeft(program);
+  record.arguments = simulate.arguments = arguments;
   if (recordCommand->parsed()) {
     completeOrder(*recordCommand, record);
     return record;

@@ -7,11 +7,13 @@
 #include "render/cli/interrupt.h"
 #include "render/cli/model_place.h"
 #include "render/cli/option_group.h"
+#include "render/cli/order_fingerprint.h"
 #include "render/cli/picture_options.h"
 #include "render/cli/report.h"
 #include "render/cli/run_options.h"
 #include "render/cli/video_options.h"
 #include "render/record/summary.h"
+#include "render/verify/verify.h"
 #include "sim/base/error.h"
 #include "sim/model/split_tiles.h"
 
@@ -22,6 +24,11 @@ void addFolderOptions(CLI::App& command, RecordOrder& order) {
   OptionGroup group(command, "Output");
   group.value("--out", "FOLDER", "out/NAME of the model", "where the files go",
               [&order](const OptionValue& typed) { order.settings.folder = typed.text; });
+  group.flag(
+      "--resume",
+      "leave a finished run of the same order as it is; make an interrupted one again, to the same "
+      "bytes",
+      [&order] { order.resume = true; });
   group.flag("--json", "print the summary as JSON", [&order] { order.printJson = true; });
 }
 
@@ -79,8 +86,10 @@ Scene readScene(const RecordOrder& order) {
   return scene;
 }
 
-int exitCode(Outcome outcome) {
-  return outcome == Outcome::Settled || outcome == Outcome::OutOfTime ? kExitDone : kExitRunFailed;
+int exitCode(const std::string& outcome) {
+  const bool done =
+      outcome == toString(Outcome::Settled) || outcome == toString(Outcome::OutOfTime);
+  return done ? kExitDone : kExitRunFailed;
 }
 
 }  // namespace
@@ -127,6 +136,17 @@ int carryOut(const RecordOrder& order) {
   RecordSettings settings = order.settings;
   if (settings.folder.empty()) settings.folder = std::filesystem::path("out") / scene.model.name;
 
+  settings.order =
+      orderFingerprint(order.arguments, sceneFileOf(findModel(order.model), order.request), scene);
+  if (order.resume) {
+    if (const auto finished = findFinishedRun(settings.folder, settings.order)) {
+      fmt::print("{}", order.printJson ? finished->summary
+                                       : fmt::format("{}: finished already, {}\n",
+                                                     settings.folder.string(), finished->outcome));
+      return exitCode(finished->outcome);
+    }
+  }
+
   RunSummary summary;
   {
     ProgressLine line;
@@ -137,7 +157,7 @@ int carryOut(const RecordOrder& order) {
   }
   fmt::print("{}", order.printJson ? summaryJson(scene, settings, summary)
                                    : describeRun(scene, settings, summary));
-  return exitCode(summary.outcome);
+  return exitCode(toString(summary.outcome));
 }
 
 }  // namespace kirireel

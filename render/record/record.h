@@ -67,6 +67,7 @@ struct PictureSettings {
 
 /// What a run leaves: its pictures, one sample for each frame, and more.
 struct RecordSettings : PictureSettings {
+  std::string order;       ///< fingerprint of all that decides the run, for summary.json
   bool meshes = true;      ///< initial and final, OBJ and PLY
   ExportSettings exports;  ///< further files; none without formats
 };

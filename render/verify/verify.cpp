@@ -33,6 +33,18 @@ std::string readSummary(const fs::path& folder) {
       folder.string(), kSummary));
 }
 
+/// What is wrong with a file; empty when it is as noted.
+std::string difference(const fs::path& folder, const std::string& name, const Json& noted) {
+  if (!fs::is_regular_file(folder / name)) return "the file is missing";
+  const FileDigest digest = digestOf(folder, name);
+  const auto bytes = noted.at("bytes").get<std::uintmax_t>();
+  if (digest.bytes != bytes) {
+    return fmt::format("{} bytes where the run left {}", digest.bytes, bytes);
+  }
+  return digest.sha256 == noted.at("sha256").get<std::string>() ? ""
+                                                                : "other bytes than the run left";
+}
+
 /// The figures of a run that its samples alone decide.
 struct Figures {
   double jointGapMax = 0;
@@ -71,17 +83,8 @@ class Verifier {
   void compareFiles(const Json& contents) {
     for (const auto& [name, noted] : contents.items()) {
       ++report_.files;
-      if (!fs::is_regular_file(folder_ / name)) {
-        complain(name, "the file is missing");
-        continue;
-      }
-      const FileDigest digest = digestOf(folder_, name);
-      const auto bytes = noted.at("bytes").get<std::uintmax_t>();
-      if (digest.bytes != bytes) {
-        complain(name, fmt::format("{} bytes where the run left {}", digest.bytes, bytes));
-      } else if (digest.sha256 != noted.at("sha256").get<std::string>()) {
-        complain(name, "other bytes than the run left");
-      }
+      const std::string found = difference(folder_, name, noted);
+      if (!found.empty()) complain(name, found);
     }
   }
 
@@ -158,6 +161,18 @@ class Verifier {
 };
 
 }  // namespace
+
+std::optional<FinishedRun> findFinishedRun(const fs::path& folder, const std::string& order) {
+  if (!fs::is_regular_file(folder / kSummary)) return std::nullopt;
+  const std::string text = readSummary(folder);
+  const Json summary = Json::parse(text, nullptr, false);
+  if (!isSealed(text) || summary.is_discarded() || summary.value("order", "") != order) return {};
+  if (summary.at("outcome") == "interrupted") return std::nullopt;
+  for (const auto& [name, noted] : summary.at("contents").items()) {
+    if (!difference(folder, name, noted).empty()) return std::nullopt;
+  }
+  return FinishedRun{summary.at("outcome"), text};
+}
 
 VerifyReport verifyRun(const fs::path& folder) {
   return Verifier(folder).run();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,17 @@ struct VerifyReport {
   int samples = 0;                      ///< whose figures were computed again
   std::vector<std::string> complaints;  ///< one line each; none when all agrees
 };
+
+/// A run that is over, its files whole.
+struct FinishedRun {
+  std::string outcome;  ///< as summary.json has it, never "interrupted"
+  std::string summary;  ///< the text of summary.json
+};
+
+/// The run in a folder, when it was not interrupted, came from this order (see RecordSettings), and
+/// left files that still are what they were. Anything else there, and nothing at all, gives none.
+std::optional<FinishedRun> findFinishedRun(const std::filesystem::path& folder,
+                                           const std::string& order);
 
 /// Compares every file that the summary.json in the folder names with the size and the hash noted
 /// there, and the summary with its own; computes the figures of trajectory.h5 again from its poses,
