@@ -101,6 +101,7 @@ Order parseCommandLine(const std::vector<std::string>& arguments) {
   ConvertOrder convert;
   StudyOrder study;
   SweepOrder sweep;
+  VerifyOrder verify;
   CLI::App program("Records kirigami deployments off screen.", "kirireel");
   program.allow_extras();
   program.set_version_flag("--version", versionText());
@@ -113,10 +114,12 @@ Order parseCommandLine(const std::vector<std::string>& arguments) {
   const CLI::App* convertCommand = addConvertCommand(program, convert);
   const CLI::App* studyCommand = addStudyCommand(program, study);
   const CLI::App* sweepCommand = addSweepCommand(program, sweep);
+  const CLI::App* verifyCommand = addVerifyCommand(program, verify);
   program.footer("kirireel COMMAND --help explains a command.");
 
   if (const std::optional<PrintOrder> page = parseInto(program, arguments)) return *page;
   requireNothingLeft(program);
+  record.arguments = simulate.arguments = arguments;
   if (recordCommand->parsed()) {
     completeOrder(*recordCommand, record);
     return record;
@@ -149,6 +152,10 @@ Order parseCommandLine(const std::vector<std::string>& arguments) {
   if (sweepCommand->parsed()) {
     requireGiven(sweep.sweep, "SWEEP", *sweepCommand);
     return sweep;
+  }
+  if (verifyCommand->parsed()) {
+    requireGiven(verify.folder, "FOLDER", *verifyCommand);
+    return verify;
   }
   if (generateCommand->parsed()) {
     requireFamily(*generateCommand);

@@ -13,6 +13,7 @@
 #include "render/cli/render_command.h"
 #include "render/cli/study_command.h"
 #include "render/cli/sweep_command.h"
+#include "render/cli/verify_command.h"
 
 namespace kirireel {
 
@@ -26,7 +27,7 @@ int carryOut(const PrintOrder& order);
 
 /// One of the things that kirireel does.
 using Order = std::variant<RecordOrder, RenderOrder, ExportOrder, GenerateOrder, InspectOrder,
-                           ConvertOrder, StudyOrder, SweepOrder, PrintOrder>;
+                           ConvertOrder, StudyOrder, SweepOrder, VerifyOrder, PrintOrder>;
 
 /// Reads the arguments that follow the program's name. Throws InputError for an unknown option
 /// (suggesting the nearest), a value out of range, a missing or surplus argument.

@@ -8,11 +8,13 @@
 #include "render/cli/interrupt.h"
 #include "render/cli/model_place.h"
 #include "render/cli/option_group.h"
+#include "render/cli/order_fingerprint.h"
 #include "render/cli/picture_options.h"
 #include "render/cli/report.h"
 #include "render/cli/run_options.h"
 #include "render/cli/video_options.h"
 #include "render/record/summary.h"
+#include "render/verify/verify.h"
 #include "sim/base/error.h"
 #include "sim/model/split_tiles.h"
 
@@ -23,6 +25,11 @@ void addFolderOptions(CLI::App& command, RecordOrder& order) {
   OptionGroup group(command, "Output");
   group.value("--out", "FOLDER", "out/NAME of the model", "where the files go",
               [&order](const OptionValue& typed) { order.settings.folder = typed.text; });
+  group.flag(
+      "--resume",
+      "leave a finished run of the same order as it is; make an interrupted one again, to the same "
+      "bytes",
+      [&order] { order.resume = true; });
   group.flag("--json", "print the summary as JSON", [&order] { order.printJson = true; });
 }
 
@@ -80,8 +87,19 @@ Scene readScene(const RecordOrder& order) {
   return scene;
 }
 
-int exitCode(Outcome outcome) {
-  return outcome == Outcome::Settled || outcome == Outcome::OutOfTime ? kExitDone : kExitRunFailed;
+int exitCode(const std::string& outcome) {
+  const bool done =
+      outcome == toString(Outcome::Settled) || outcome == toString(Outcome::OutOfTime);
+  return done ? kExitDone : kExitRunFailed;
+}
+
+/// The scene and the settings with their folder; nothing has run yet.
+RecordResult prepareOrder(const RecordOrder& order) {
+  RecordResult result{readScene(order), order.settings, {}};
+  if (result.settings.folder.empty()) {
+    result.settings.folder = std::filesystem::path("out") / result.scene.model.name;
+  }
+  return result;
 }
 
 }  // namespace
@@ -124,27 +142,37 @@ void completeOrder(CLI::App& command, RecordOrder& order) {
 }
 
 RecordResult runOrder(const RecordOrder& order, const ProgressObserver& observer) {
-  RecordResult result{readScene(order), order.settings, {}};
-  if (result.settings.folder.empty()) {
-    result.settings.folder = std::filesystem::path("out") / result.scene.model.name;
-  }
+  RecordResult result = prepareOrder(order);
   result.summary = record(result.scene, result.settings, observer);
   return result;
 }
 
 int carryOut(const RecordOrder& order) {
   noteSignals();
-  const RecordResult result = [&order] {
+  RecordResult result = prepareOrder(order);
+  result.settings.order = orderFingerprint(
+      order.arguments, sceneFileOf(findModel(order.model), order.request), result.scene);
+  if (order.resume) {
+    const auto finished = findFinishedRun(result.settings.folder, result.settings.order);
+    if (finished) {
+      fmt::print("{}", order.printJson
+                           ? finished->summary
+                           : fmt::format("{}: finished already, {}\n",
+                                         result.settings.folder.string(), finished->outcome));
+      return exitCode(finished->outcome);
+    }
+  }
+  {
     ProgressLine line;
-    return runOrder(order, [&line](const Progress& progress) {
+    result.summary = record(result.scene, result.settings, [&line](const Progress& progress) {
       line.show(progress);
       return !takeInterrupt();
     });
-  }();
+  }
   const auto& [scene, settings, summary] = result;
   fmt::print("{}", order.printJson ? summaryJson(scene, settings, summary)
                                    : describeRun(scene, settings, summary));
-  return exitCode(summary.outcome);
+  return exitCode(toString(summary.outcome));
 }
 
 }  // namespace kirireel

@@ -63,14 +63,16 @@ void addSceneRequestOptions(CLI::App& command, SceneRequest& request) {
                });
 }
 
+std::filesystem::path sceneFileOf(const std::filesystem::path& modelFolder,
+                                  const SceneRequest& request) {
+  return request.file.empty() ? modelFolder / "scene.toml" : request.file;
+}
+
 void readSceneFileOf(CLI::App& command, const std::filesystem::path& modelFolder,
                      const SceneRequest& request, Scene& scene) {
-  std::filesystem::path file = request.file;
-  if (file.empty()) {
-    file = modelFolder / "scene.toml";
-    std::error_code ignored;
-    if (!std::filesystem::exists(file, ignored)) return;
-  }
+  const std::filesystem::path file = sceneFileOf(modelFolder, request);
+  std::error_code ignored;
+  if (request.file.empty() && !std::filesystem::exists(file, ignored)) return;
   SceneFile read = applySceneFile(command, file);
   scene.timeline = std::move(read.timeline);
   scene.environment.obstacles = std::move(read.obstacles);

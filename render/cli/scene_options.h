@@ -20,6 +20,10 @@ struct SceneRequest {
 /// Adds --scene, --target, --pin, --fix and --link. The request must outlive the parsing.
 void addSceneRequestOptions(CLI::App& command, SceneRequest& request);
 
+/// The scene file that was named, else scene.toml in the model's folder; it need not be there.
+std::filesystem::path sceneFileOf(const std::filesystem::path& modelFolder,
+                                  const SceneRequest& request);
+
 /// Reads the scene file that was named, else scene.toml in the model's folder where there is one,
 /// into what the command's options point at, the scene's timeline and its obstacles. To be called
 /// after parsing. Throws InputError.

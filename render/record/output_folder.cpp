@@ -1,9 +1,13 @@
 #include "render/record/output_folder.h"
 
+#include <cerrno>
 #include <regex>
 #include <system_error>
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include "sim/base/error.h"
 #include "sim/base/pending_file.h"
@@ -13,6 +17,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// The name that a file would have got; a killed run leaves "deployment.part.mp4".
+std::string finalName(const fs::path& file) {
+  static const std::regex pending("(\\.whole)?\\.part(?=\\.[a-z0-9]+$)");
+  return std::regex_replace(file.filename().string(), pending, "");
+}
+
 bool isRunFile(const fs::path& file) {
   static const std::regex names(
       "deployment\\.(mp4|webm|gif|apng|mkv|glb|pvd|fold)|cut_pattern\\.(svg|dxf)|"
@@ -20,12 +30,12 @@ bool isRunFile(const fs::path& file) {
       "final_vertices\\.txt|trajectory\\.h5|summary\\.json|"
       "state_[0-9]{4,}\\.(obj|ply|stl|msh|vtu)|"
       "state_[0-9]{4,}_(mesh\\.inp|job\\.inp|planar\\.obj|vertices\\.txt)");
-  return std::regex_match(file.filename().string(), names);
+  return std::regex_match(finalName(file), names);
 }
 
 bool isFrameFile(const fs::path& file) {
   static const std::regex names("frame_[0-9]{5,}\\.png");
-  return std::regex_match(file.filename().string(), names);
+  return std::regex_match(finalName(file), names);
 }
 
 void removeFiles(const fs::path& folder, bool (*isOurs)(const fs::path&)) {
@@ -51,6 +61,20 @@ fs::path snapshotDrawing(int number) {
 
 std::string momentFile(const char* name, int number, const char* ending) {
   return fmt::format("{}_{:04}{}", name, number, ending);
+}
+
+FolderLock::FolderLock(const fs::path& folder)
+    : file_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+  if (file_ < 0 || ::flock(file_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
+  ::close(file_);
+  throw OutputError(
+      fmt::format("{}: error: another run is writing into this folder; wait for its end, or choose "
+                  "another with --out",
+                  folder.string()));
+}
+
+FolderLock::~FolderLock() {
+  if (file_ >= 0) ::close(file_);
 }
 
 void prepareOutputFolder(const fs::path& folder) {

@@ -29,6 +29,20 @@ std::filesystem::path snapshotDrawing(int number);
 /// "export_0001.obj": a file of the moments that a timeline asks for; `ending` with its dot.
 std::string momentFile(const char* name, int number, const char* ending);
 
+/// Holds a folder for one run at a time, across processes, until it goes away. Leaves no file.
+/// Where the file system has no locks, it holds nothing.
+class FolderLock {
+ public:
+  /// Throws OutputError when another run holds the folder, which must exist.
+  explicit FolderLock(const std::filesystem::path& folder);
+  ~FolderLock();
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  int file_ = -1;  ///< of the system
+};
+
 /// Makes the folder, checks that it can be written, and removes what an earlier run left under the
 /// names above, so that files of two runs never stand side by side. Nothing else is touched.
 /// Throws OutputError.

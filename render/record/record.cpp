@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <optional>
+#include <set>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -207,6 +209,15 @@ class PictureJob {
   bool framesMade_ = false;
 };
 
+/// Files in place change no more: each is read once.
+void noteDigests(const std::filesystem::path& folder, RunSummary& summary) {
+  std::set<std::string> known = {output::kSummary};
+  for (const FileDigest& digest : summary.digests) known.insert(digest.name);
+  for (const std::string& file : summary.files) {
+    if (known.insert(file).second) summary.digests.push_back(digestOf(folder, file));
+  }
+}
+
 void writeExports(const RecordSettings& settings, RunSummary& summary) {
   const TrajectoryReader trajectory(settings.folder / output::kTrajectory);
   for (const std::string& file : exportStates(trajectory, settings.exports, settings.folder)) {
@@ -222,6 +233,8 @@ RunSummary record(const Scene& scene, const RecordSettings& settings,
   requireValidSettings(settings);
   requirePaintable(motifOf(subjectOf(scene)), settings);
   requireExportable(scene.model, settings.exports);
+  makeFolder(settings.folder);
+  const FolderLock lock(settings.folder);
   prepareOutputFolder(settings.folder);
 
   RunSummary summary;
@@ -246,6 +259,7 @@ RunSummary record(const Scene& scene, const RecordSettings& settings,
   }
 
   const auto writeSummary = [&] {
+    noteDigests(settings.folder, summary);
     summary.recordCost.wallSeconds = stopwatch.seconds();
     summary.recordCost.peakMemoryBytes = peakMemoryBytes();
     writeTextFile(settings.folder / output::kSummary, summaryJson(scene, settings, summary));
@@ -266,6 +280,7 @@ PictureReport render(const std::filesystem::path& trajectory, const PictureSetti
   requireValidSettings(settings);
   const TrajectoryReader run(trajectory);
   makeFolder(settings.folder);
+  const FolderLock lock(settings.folder);
   PictureReport report;
   if (settings.paints()) PictureJob(settings, observer, report).makeTheRest(run);
   report.recordCost.wallSeconds = stopwatch.seconds();

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "render/digest/digest.h"
 #include "render/export/export.h"
 #include "render/gl/context.h"
 #include "render/grid/grid.h"
@@ -66,6 +67,7 @@ struct PictureSettings {
 
 /// What a run leaves: its pictures, one sample for each frame, and more.
 struct RecordSettings : PictureSettings {
+  std::string order;       ///< fingerprint of all that decides the run, for summary.json
   bool meshes = true;      ///< initial and final, OBJ and PLY
   bool trajectory = true;  ///< trajectory.h5, which meshes, pictures and exports bring too
   ExportSettings exports;  ///< further files; none without formats
@@ -101,6 +103,7 @@ struct RunSummary : PictureReport {
   std::vector<BlockingPair> blocking;  ///< bricks in each other's way at the target
   std::vector<Event> events;           ///< what the timeline did, and how the run ended
   DeployCost deployCost;
+  std::vector<FileDigest> digests;  ///< of all files but summary.json
 };
 
 /// How far a run is, for a progress line.

@@ -239,6 +239,14 @@ Json settingsJson(const Scene& scene, const RecordSettings& settings) {
           {"pictures", pictureJson(settings)}};
 }
 
+Json contentsJson(const std::vector<FileDigest>& digests) {
+  Json contents = Json::object();
+  for (const FileDigest& digest : digests) {
+    contents[digest.name] = {{"bytes", digest.bytes}, {"sha256", digest.sha256}};
+  }
+  return contents;
+}
+
 Json versionsJson(const std::string& graphics) {
   Json versions = Json::object();
   for (const auto& [name, version] : allVersions()) versions[name] = version;
@@ -266,11 +274,13 @@ std::string summaryJson(const Scene& scene, const RecordSettings& settings,
         {"obstacles", needJson(summary.needs.obstacles)}}},
       {"events", eventsJson(summary.events)},
       {"settings", settingsJson(scene, settings)},
+      {"order", settings.order.empty() ? Json(nullptr) : Json(settings.order)},
       {"files", summary.files},
+      {"contents", contentsJson(summary.digests)},
       {"cost", costJson(summary)},
       {"versions", versionsJson(summary.graphics)},
   };
-  return json.dump(2) + "\n";
+  return sealed(json.dump(2) + "\n");
 }
 
 std::string settingsText(const Scene& scene, const RecordSettings& settings) {

@@ -8,8 +8,8 @@
 namespace kirireel {
 
 /// The text of summary.json, keys in a fixed order, ending in a newline. The same run gives the
-/// same text but for "cost" and "versions". Figures that do not exist (an error without a target)
-/// are null.
+/// same text but for "cost", "versions" and "sha256", the seal of all that stands before it.
+/// Figures that do not exist (an error without a target) are null.
 std::string summaryJson(const Scene& scene, const RecordSettings& settings,
                         const RunSummary& summary);
 

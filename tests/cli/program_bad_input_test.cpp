@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/mount.h>
+#include <unistd.h>
 
 #include "tests/cli/run_program.h"
 
@@ -146,8 +147,8 @@ TEST(BadOutput, FileThatCannotGrowLeavesNothingHalfWritten) {
 /// A small memory disk, where the system lets us mount one.
 class SmallDisk {
  public:
-  explicit SmallDisk(const char* size)
-      : mounted_(::mount("tmpfs", folder_.path().c_str(), "tmpfs", 0,
+  explicit SmallDisk(const char* size, unsigned long flags = 0)
+      : mounted_(::mount("tmpfs", folder_.path().c_str(), "tmpfs", flags,
                          (std::string("size=") + size).c_str()) == 0) {}
   ~SmallDisk() {
     if (mounted_) ::umount(folder_.path().c_str());
@@ -163,12 +164,56 @@ class SmallDisk {
   bool mounted_;
 };
 
-TEST(BadOutput, FullDiskLeavesNothingHalfWritten) {
-  const SmallDisk disk("8k");
+// Finished files are those of an undisturbed run, and nothing else is left.
+TEST(BadOutput, FullDiskLeavesFinishedFilesIntact) {
+  const ScratchFolder whole;
+  ASSERT_EQ(runKirireel(recordArguments(whole.path())).exitCode, 0);
+  for (const char* size : {"4k", "24k", "48k", "72k"}) {
+    const SmallDisk disk(size);
+    if (!disk.isMounted()) GTEST_SKIP() << "mounting a small disk needs the superuser";
+    expectOneLine(runKirireel(recordArguments(disk.path())), 1, "No space left on device");
+    for (const std::string& name : filesIn(disk.path())) {
+      EXPECT_TRUE(readText(disk.path() / name) == readText(whole / name)) << size << ' ' << name;
+    }
+  }
+}
+
+TEST(BadOutput, FolderThatCannotBeWritten) {
+  const SmallDisk disk("64k", MS_RDONLY);
   if (!disk.isMounted()) GTEST_SKIP() << "mounting a small disk needs the superuser";
-  const ProgramEnd end = runKirireel(recordArguments(disk.path()));
-  expectOneLine(end, 1, "No space left on device");
-  EXPECT_THAT(filesIn(disk.path()), testing::Each(testing::Not(HasSubstr(".part"))));
+  expectOneLine(runKirireel(recordArguments(disk.path())), 1,
+                disk.path().string() +
+                    ": error: cannot write in this folder (Read-only file "
+                    "system); choose another with --out");
+}
+
+TEST(BadOutput, FolderOfARunThatIsUnderWay) {
+  const ScratchFolder scratch;
+  std::vector<std::string> slow = recordArguments(scratch.path());
+  slow.insert(slow.end(), {"--solver", "bullet", "--substeps", "10000"});
+  const RunningProgram first(slow, {});
+  while (!std::filesystem::exists(scratch / "trajectory.part.h5")) ::usleep(10000);
+  expectOneLine(runKirireel(recordArguments(scratch.path())), 1,
+                scratch.path().string() +
+                    ": error: another run is writing into this folder; wait "
+                    "for its end, or choose another with --out");
+}
+
+TEST(BadSystem, MissingEncoder) {
+  const ScratchFolder scratch;
+  std::vector<std::string> words = recordArguments(scratch.path());
+  words.insert(words.end(), {"--encoder", "libx999"});
+  expectOneLine(runKirireel(words), 1, "libavcodec has no encoder libx999 here");
+  EXPECT_THAT(filesIn(scratch.path()), IsEmpty());
+}
+
+TEST(BadSystem, NoOpenGl) {
+  const ScratchFolder scratch;
+  std::vector<std::string> words = recordArguments(scratch.path());
+  // The driver then offers less than the version that is asked for.
+  words.insert(words.begin(), {"MESA_GL_VERSION_OVERRIDE=2.1", KIRIREEL_PROGRAM});
+  expectOneLine(runTool("env", words), 1, "error: cannot make an OpenGL 3.3 context off screen");
+  EXPECT_THAT(filesIn(scratch.path()), IsEmpty());
 }
 
 }  // namespace

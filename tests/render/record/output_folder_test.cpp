@@ -44,11 +44,20 @@ TEST_F(OutputFolder, IsMadeWithThoseAbove) {
 }
 
 TEST_F(OutputFolder, LosesFilesOfAnEarlierRunAlone) {
-  const std::vector<fs::path> ours = {"trajectory.h5", "deployment.mp4", "snapshots.png",
-                                      "initial.obj",   "final.ply",      "final_vertices.txt",
-                                      "summary.json",  frameFile(7)};
+  const std::vector<fs::path> ours = {"trajectory.h5",
+                                      "deployment.mp4",
+                                      "snapshots.png",
+                                      "initial.obj",
+                                      "final.ply",
+                                      "final_vertices.txt",
+                                      "summary.json",
+                                      frameFile(7),
+                                      "deployment.part.mp4",
+                                      "deployment.whole.part.mp4",
+                                      "frames/frame_00008.part.png"};
   const std::vector<fs::path> theirs = {"notes.txt",      "vertices.txt", "target.txt",
-                                        "frames/own.png", "my.mp4",       "initial.blend"};
+                                        "frames/own.png", "my.mp4",       "initial.blend",
+                                        "my.part.mp4"};
   for (const fs::path& name : ours) write(name);
   for (const fs::path& name : theirs) write(name);
   prepareOutputFolder(folder_);
@@ -70,6 +79,15 @@ TEST_F(OutputFolder, SaysWhyItCannotBeMade) {
   EXPECT_EQ(messageOfPreparing(folder_ / "file" / "in"),
             (folder_ / "file" / "in").string() +
                 ": error: the folder cannot be made (Not a directory); choose another");
+}
+
+TEST_F(OutputFolder, IsHeldByOneRunAtATime) {
+  const auto hold = [this] { const FolderLock lock(folder_); };
+  {
+    const FolderLock lock(folder_);
+    EXPECT_THROW(hold(), OutputError);
+  }
+  EXPECT_NO_THROW(hold());
 }
 
 TEST(FrameFile, SortsByNumber) {

@@ -1,61 +1,16 @@
-/// Prints what a frame of the painter costs beside a bare loop that draws the same triangles from a
-/// buffer filled once, averages the same samples and reads them back. Run by hand:
-///   tests/bench/painting [BRICKS A SIDE] [FRAMES]
-#include <algorithm>
+#include "tests/bench/bare_loop.h"
+
 #include <array>
-#include <cstdio>
-#include <cstdlib>
-#include <ctime>
-#include <functional>
+#include <cstdint>
 
 #include "render/gl/context.h"
 #include "render/gl/opengl.h"
 #include "render/gl/program.h"
-#include "render/picture/painter.h"
+#include "render/picture/sketch.h"
 #include "sim/model/tessellation.h"
 
-namespace kirireel {
+namespace kirireel::bench {
 namespace {
-
-constexpr FrameSize kSize = {1280, 720};
-
-double threadMilliseconds() {
-  timespec time = {};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-  return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
-}
-
-/// CPU milliseconds of the quickest of several rounds: what disturbs a round only adds to it.
-double leastCost(int frames, const std::function<void()>& frame) {
-  constexpr int kRounds = 12;
-  double least = 1e9;
-  for (int round = 0; round < kRounds; ++round) {
-    const double start = threadMilliseconds();
-    for (int k = 0; k < frames; ++k) frame();
-    least = std::min(least, (threadMilliseconds() - start) / frames);
-  }
-  return least;
-}
-
-/// Half-open squares, seen from a corner.
-struct BenchScene {
-  std::vector<Brick> bricks;
-  Poses poses;
-  Camera camera;
-
-  explicit BenchScene(int side) {
-    TessellationShape shape;
-    shape.columns = shape.rows = side;
-    BrickRule rule;
-    rule.thickness = 0.1;
-    const std::vector<Tile> tiles = tessellationTiles(shape, 0.8);
-    bricks = makeBricks(tiles, rule);
-    poses = startPoses(tiles, bricks);
-    CameraFit fit;
-    fit.aspect = kSize.aspect();
-    camera = fitCamera(brickCorners(bricks, poses), fit);
-  }
-};
 
 struct BareVertex {
   std::array<float, 4> clip;
@@ -63,10 +18,10 @@ struct BareVertex {
 };
 
 /// The triangles of a sketch's faces and outlines.
-std::vector<BareVertex> bareTriangles(const BenchScene& scene) {
+std::vector<BareVertex> bareTriangles(const PaintedSheet& sheet) {
   Sketch sketch;
-  Sketcher(scene.bricks, {}).draw({scene.poses, {}, {}, {}, {}}, scene.camera, sketch);
-  const Eigen::Matrix4d clip = clipFromWorld(scene.camera, kSize.aspect());
+  Sketcher(sheet.bricks, {}).draw({sheet.poses, {}, {}, {}, {}}, sheet.camera, sketch);
+  const Eigen::Matrix4d clip = clipFromWorld(sheet.camera, kSize.aspect());
   std::vector<BareVertex> vertices;
   const auto add = [&](const Vector3& point, Colour colour) {
     const Eigen::Vector4f place = (clip * point.homogeneous()).cast<float>();
@@ -144,19 +99,20 @@ struct Target {
   }
 };
 
-class BareLoop {
- public:
-  explicit BareLoop(const std::vector<BareVertex>& vertices)
-      : samples_(kSize.width * 2, kSize.height * 3),
-        means_(kSize.width, kSize.height),
-        draw_(kDrawVertex, kDrawFragment),
-        mean_(kMeanVertex, kMeanFragment),
-        count_(static_cast<GLsizei>(vertices.size())),
-        pixels_(std::size_t{4} * kSize.width * kSize.height) {
-    glGenVertexArrays(1, &array_);
-    glGenBuffers(1, &buffer_);
-    glBindVertexArray(array_);
-    glBindBuffer(GL_ARRAY_BUFFER, buffer_);
+}  // namespace
+
+struct BareLoop::Parts {
+  explicit Parts(const std::vector<BareVertex>& vertices)
+      : samples(kSize.width * 2, kSize.height * 3),
+        means(kSize.width, kSize.height),
+        draw(kDrawVertex, kDrawFragment),
+        mean(kMeanVertex, kMeanFragment),
+        count(static_cast<GLsizei>(vertices.size())),
+        pixels(std::size_t{4} * kSize.width * kSize.height) {
+    glGenVertexArrays(1, &array);
+    glGenBuffers(1, &buffer);
+    glBindVertexArray(array);
+    glBindBuffer(GL_ARRAY_BUFFER, buffer);
     glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(BareVertex)),
                  vertices.data(), GL_STATIC_DRAW);
     glEnableVertexAttribArray(0);
@@ -169,48 +125,51 @@ class BareLoop {
   }
 
   void frame() {
-    samples_.drawInto(kSize.width * 2, kSize.height * 3);
+    samples.drawInto(kSize.width * 2, kSize.height * 3);
     glEnable(GL_DEPTH_TEST);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-    draw_.use();
-    glBindVertexArray(array_);
-    glDrawArrays(GL_TRIANGLES, 0, count_);
-    means_.drawInto(kSize.width, kSize.height);
+    draw.use();
+    glBindVertexArray(array);
+    glDrawArrays(GL_TRIANGLES, 0, count);
+    means.drawInto(kSize.width, kSize.height);
     glDisable(GL_DEPTH_TEST);
-    mean_.use();
-    glBindTexture(GL_TEXTURE_2D, samples_.texture);
+    mean.use();
+    glBindTexture(GL_TEXTURE_2D, samples.texture);
     glDrawArrays(GL_TRIANGLES, 0, 3);
-    glReadPixels(0, 0, kSize.width, kSize.height, GL_RGBA, GL_UNSIGNED_BYTE, pixels_.data());
+    glReadPixels(0, 0, kSize.width, kSize.height, GL_RGBA, GL_UNSIGNED_BYTE, pixels.data());
   }
 
- private:
-  Context context_;
-  Target samples_;
-  Target means_;
-  Program draw_;
-  Program mean_;
-  GLsizei count_;
-  std::vector<std::uint8_t> pixels_;
-  GLuint array_ = 0;
-  GLuint buffer_ = 0;
+  Context context;
+  Target samples;
+  Target means;
+  Program draw;
+  Program mean;
+  GLsizei count;
+  std::vector<std::uint8_t> pixels;
+  GLuint array = 0;
+  GLuint buffer = 0;
 };
 
-int run(int side, int frames) {
-  setRasterThreads(0);
-  const BenchScene scene(side);
-  Painter painter(kSize, scene.bricks, {});
-  const double painted = leastCost(frames, [&] { painter.paint(scene.poses, scene.camera); });
-  BareLoop loop(bareTriangles(scene));
-  const double bare = leastCost(frames, [&] { loop.frame(); });
-  std::printf("%d bricks, %d x %d, CPU ms a frame: painter %.2f, bare loop %.2f, ratio %.2f\n",
-              side * side, kSize.width, kSize.height, painted, bare, painted / bare);
-  return 0;
+PaintedSheet::PaintedSheet(int side) {
+  TessellationShape shape;
+  shape.columns = shape.rows = side;
+  BrickRule rule;
+  rule.thickness = 0.1;
+  const std::vector<Tile> tiles = tessellationTiles(shape, 0.8);
+  bricks = makeBricks(tiles, rule);
+  poses = startPoses(tiles, bricks);
+  CameraFit fit;
+  fit.aspect = kSize.aspect();
+  camera = fitCamera(brickCorners(bricks, poses), fit);
 }
 
-}  // namespace
-}  // namespace kirireel
+BareLoop::BareLoop(const PaintedSheet& sheet)
+    : parts_(std::make_unique<Parts>(bareTriangles(sheet))) {}
 
-int main(int count, char** arguments) {
-  return kirireel::run(count > 1 ? std::atoi(arguments[1]) : 10,
-                       count > 2 ? std::atoi(arguments[2]) : 10);
+BareLoop::~BareLoop() = default;
+
+void BareLoop::frame() {
+  parts_->frame();
 }
+
+}  // namespace kirireel::bench

@@ -1,0 +1,33 @@
+/// Fingerprints (SHA-256), by which a file is known to be the one that was written. No OpenSSL
+/// header is needed to use them.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+namespace kirireel {
+
+/// What a file holds, in short.
+struct FileDigest {
+  std::string name;          ///< relative to the run's folder
+  std::uintmax_t bytes = 0;  ///< its size
+  std::string sha256;        ///< 64 hexadecimal digits, of its bytes
+
+  bool operator==(const FileDigest&) const = default;
+};
+
+/// SHA-256 of a text, 64 hexadecimal digits (FIPS 180-4).
+std::string sha256(const std::string& text);
+
+/// The digest of a file in a folder. Throws InputError when it cannot be read.
+FileDigest digestOf(const std::filesystem::path& folder, const std::string& name);
+
+/// A JSON object's text (one key a line, ending in "\n}\n") with a last key "sha256" added, which
+/// is the fingerprint of the text before.
+std::string sealed(const std::string& json);
+
+/// Whether a text is as sealed() left it, to the last byte.
+bool isSealed(const std::string& text);
+
+}  // namespace kirireel

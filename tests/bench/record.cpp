@@ -1,0 +1,168 @@
+/// Prints what recording costs, stage by stage, beside the least it could and beside other
+/// programs. Run by hand on a quiet machine, its two cores free: tests/bench/record [FRAMES]
+#include "render/record/record.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <string>
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include "render/gl/context.h"
+#include "render/picture/painter.h"
+#include "render/record/stopwatch.h"
+#include "render/video/video.h"
+#include "sim/model/tessellation.h"
+#include "tests/bench/bare_loop.h"
+#include "tests/support/program.h"
+
+namespace kirireel::bench {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kSide = 10;  // 100 bricks
+constexpr int kRate = 60;  // frames a second
+
+double cpuSeconds(int who) {
+  rusage usage{};
+  ::getrusage(who, &usage);
+  const auto seconds = [](timeval time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+/// CPU milliseconds of the quickest of several rounds: what disturbs a round only adds to it.
+double leastCost(int frames, const std::function<void()>& frame) {
+  constexpr int kRounds = 12;
+  double least = 1e9;
+  for (int round = 0; round < kRounds; ++round) {
+    const double start = cpuSeconds(RUSAGE_SELF);
+    for (int k = 0; k < frames; ++k) frame();
+    least = std::min(least, 1e3 * (cpuSeconds(RUSAGE_SELF) - start) / frames);
+  }
+  return least;
+}
+
+/// Opens so slowly that it is still on its way after `frames` frames.
+Scene slowScene(int frames) {
+  Scene scene;
+  scene.model = makeTessellation({.columns = kSide, .rows = kSide});
+  scene.brick.thickness = 0.1;
+  scene.springs.forceDamping = 1e4;
+  scene.stop.settleTime = 1e6;
+  scene.stop.duration = (frames - 1.0) / kRate;
+  return scene;
+}
+
+/// A recording's time on the wall against that of its slowest stage alone and half of all its CPU.
+void printRecording(int frames, const fs::path& folder) {
+  RecordSettings settings;
+  settings.folder = folder;
+  settings.size = kSize;
+  settings.snapshots = settings.meshes = false;
+  settings.look.camera.view = kIsometricView;
+  double best = 1e9;
+  std::string line;
+  for (int round = 0; round < 2; ++round) {
+    const double start = cpuSeconds(RUSAGE_SELF);
+    const RunSummary run =
+        record(slowScene(frames), settings, [](const Progress&) { return true; });
+    const double total = cpuSeconds(RUSAGE_SELF) - start;
+    const RecordCost& cost = run.recordCost;
+    const double deploy = run.deployCost.cpuSeconds + run.deployCost.cpuSecondsSearch;
+    const double slowest = std::max({deploy, cost.cpuSecondsRender, cost.cpuSecondsEncode});
+    const double ratio = cost.wallSeconds / std::max(slowest, total / 2);
+    if (ratio > best) continue;
+    best = ratio;
+    line = fmt::format(
+        "recording, {} frames: {:.2f} s on the wall; CPU s: deploy {:.2f}, paint {:.2f}, encode "
+        "{:.2f}, all "
+        "{:.2f}; wall / max(slowest, all / 2) {:.2f}",
+        run.videoFrames, cost.wallSeconds, deploy, cost.cpuSecondsRender, cost.cpuSecondsEncode,
+        total, ratio);
+  }
+  fmt::print("{}\n", line);
+}
+
+/// Returns the painter's CPU milliseconds a frame.
+double printPainting(const PaintedSheet& sheet, Painter& painter) {
+  constexpr int kFrames = 10;
+  const double painted = leastCost(kFrames, [&] { painter.paint(sheet.poses, sheet.camera); });
+  BareLoop loop(sheet);
+  const double bare = leastCost(kFrames, [&] { loop.frame(); });
+  fmt::print("painting, CPU ms a frame: {:.2f}; bare loop {:.2f}; ratio {:.2f}\n", painted, bare,
+             painted / bare);
+  return painted;
+}
+
+/// The same pictures into our encoder and, raw, into FFmpeg's own program with the same settings.
+void printEncoding(int frames, const PaintedSheet& sheet, Painter& painter,
+                   const fs::path& folder) {
+  const std::string command = fmt::format(
+      "ffmpeg -v error -y -f rawvideo -pix_fmt rgba -s {}x{} -r {} -i - -vf '{}' -c:v libx264 "
+      "-preset "
+      "veryfast -crf 18 -threads 1 '{}'",
+      kSize.width, kSize.height, kRate, videoFormatOf("a.mp4").conversion,
+      (folder / "peer.mp4").string());
+  const double childrenBefore = cpuSeconds(RUSAGE_CHILDREN);
+  std::FILE* pipe = ::popen(command.c_str(), "w");
+  VideoWriter writer(folder / "ours.mp4", {.size = kSize, .framesPerSecond = kRate});
+  double ours = 0;
+  Poses poses = sheet.poses;
+  for (int k = 0; k < frames; ++k) {
+    for (Pose& pose : poses) pose.position *= 1.0005;
+    const Frame frame = painter.paint(poses, sheet.camera);
+    std::fwrite(frame.pixels.data(), 1, frame.pixels.size(), pipe);
+    const CpuTimer timer(ours);
+    writer.write(frame);
+  }
+  {
+    const CpuTimer timer(ours);
+    writer.finish();
+  }
+  ::pclose(pipe);
+  const double peer = cpuSeconds(RUSAGE_CHILDREN) - childrenBefore;
+  fmt::print("encoding, CPU ms a frame: {:.2f}; ffmpeg's program {:.2f}; ratio {:.2f}\n",
+             1e3 * ours / frames, 1e3 * peer / frames, ours / peer);
+}
+
+void printPeer(double painted) {
+  const std::string text = test::outputOf(
+      fmt::format("xvfb-run -a /usr/bin/python3 {}/tests/bench/vtk_frames.py {} 60 {} {}",
+                  KIRIREEL_SOURCE_DIR, kSide, kSize.width, kSize.height));
+  if (text.empty()) {
+    fmt::print("VTK: did not run; install python3-vtk9 and xvfb\n");
+    return;
+  }
+  const double peer = std::stod(text);
+  fmt::print("VTK's off-screen window, CPU ms a frame: {:.2f}; {:.1f} times the painter's\n", peer,
+             peer / painted);
+}
+
+void run(int frames) {
+  setRasterThreads(0);
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);
+  std::string pattern = (fs::temp_directory_path() / "kirireel_bench_XXXXXX").string();
+  const fs::path folder = ::mkdtemp(pattern.data());
+  fmt::print("{} bricks, {} x {}, 6 samples a pixel\n", kSide * kSide, kSize.width, kSize.height);
+  printRecording(frames, folder);
+  const PaintedSheet sheet(kSide);
+  Painter painter(kSize, sheet.bricks, {});
+  const double painted = printPainting(sheet, painter);
+  printEncoding(frames, sheet, painter, folder);
+  printPeer(painted);
+  fs::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace kirireel::bench
+
+int main(int count, char** arguments) {
+  kirireel::bench::run(count > 1 ? std::atoi(arguments[1]) : 600);
+  return 0;
+}

@@ -1,0 +1,112 @@
+// A finished run's files, checked by the program itself.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "render/digest/digest.h"
+#include "sim/trajectory/trajectory_file.h"
+#include "tests/cli/run_program.h"
+
+namespace kirireel {
+namespace {
+
+using ::testing::HasSubstr;
+
+class Verify : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    scratch_ = new ScratchFolder;
+    const ProgramEnd end = runKirireel(
+        {"record", shippedModel("nonrigid").string(), "--out", folder().string(), "--size", "96x64",
+         "--fps", "10", "--duration", "0.5", "--frames", "--svg", "--export", "msh,glb"});
+    ASSERT_EQ(end.exitCode, 0) << end.err;
+  }
+  static void TearDownTestSuite() { delete scratch_; }
+
+  static std::filesystem::path folder() { return scratch_->path(); }
+  static ProgramEnd verify() { return runKirireel({"verify", folder().string()}); }
+
+  static ScratchFolder* scratch_;
+};
+ScratchFolder* Verify::scratch_ = nullptr;
+
+TEST_F(Verify, FindsAFreshRunWhole) {
+  const ProgramEnd end = verify();
+  EXPECT_EQ(end.exitCode, 0) << end.err;
+  const std::size_t files = filesIn(folder()).size() - 1;
+  EXPECT_EQ(end.out, folder().string() + ": " + std::to_string(files) +
+                         " files and the figures of 6 samples agree with the summary\n");
+}
+
+TEST_F(Verify, CatchesAFlippedByteInEachFile) {
+  for (const std::string& name : filesIn(folder())) {
+    const std::string whole = readText(folder() / name);
+    std::string damaged = whole;
+    damaged[whole.size() / 2] ^= 4;
+    writeText(folder() / name, damaged);
+    const ProgramEnd end = verify();
+    EXPECT_EQ(end.exitCode, 1) << name;
+    EXPECT_THAT(end.out, HasSubstr((folder() / name).string() + ": "));
+    writeText(folder() / name, whole);
+  }
+  EXPECT_EQ(verify().exitCode, 0);
+}
+
+TEST_F(Verify, SaysWhatIsWrong) {
+  const std::string whole = readText(folder() / "final.obj");
+  writeText(folder() / "final.obj", whole + "#");
+  EXPECT_EQ(verify().out, (folder() / "final.obj").string() + ": " +
+                              std::to_string(whole.size() + 1) + " bytes where the run left " +
+                              std::to_string(whole.size()) + "\n");
+  std::filesystem::remove(folder() / "final.obj");
+  EXPECT_EQ(verify().out, (folder() / "final.obj").string() + ": the file is missing\n");
+  writeText(folder() / "final.obj", whole);
+}
+
+/// Puts another text in the place of one in the summary, and seals it anew.
+void falsify(const std::filesystem::path& file, const std::string& from, const std::string& to) {
+  std::string text = readText(file);
+  text.replace(text.find(from), from.size(), to);
+  writeText(file, sealed(text.substr(0, text.rfind(",\n  \"sha256\"")) + "\n}\n"));
+}
+
+TEST_F(Verify, ComputesTheFiguresAgain) {
+  const std::string summary = readText(folder() / "summary.json");
+  falsify(folder() / "summary.json", "\"target_error_end\": ", "\"target_error_end\": 1");
+  const ProgramEnd end = verify();
+  EXPECT_EQ(end.exitCode, 1);
+  EXPECT_THAT(end.out, HasSubstr("summary.json: target_error_end is 1"));
+  EXPECT_THAT(end.out, HasSubstr(", yet the poses give "));
+  writeText(folder() / "summary.json", summary);
+}
+
+TEST_F(Verify, ComputesTheSamplesMeasuresAgain) {
+  const std::filesystem::path file = folder() / "trajectory.h5";
+  const std::string whole = readText(file);
+  const std::string summary = readText(folder() / "summary.json");
+  const std::string hash = digestOf(folder(), "trajectory.h5").sha256;
+  Trajectory run = readTrajectory(file);
+  run.samples[2].penetration += 1;
+  writeTrajectory(run, file);
+  const std::string size = "\"trajectory.h5\": {\n      \"bytes\": ";
+  falsify(folder() / "summary.json", size + std::to_string(whole.size()),
+          size + std::to_string(readText(file).size()));
+  falsify(folder() / "summary.json", hash, digestOf(folder(), "trajectory.h5").sha256);
+  EXPECT_THAT(verify().out, HasSubstr("trajectory.h5: penetration at 0.2 s is 1"));
+  writeText(file, whole);
+  writeText(folder() / "summary.json", summary);
+}
+
+TEST_F(Verify, NeedsASummary) {
+  const ScratchFolder empty;
+  const ProgramEnd end = runKirireel({"verify", empty.path().string()});
+  EXPECT_EQ(end.exitCode, 2);
+  EXPECT_EQ(end.err, "kirireel: " + empty.path().string() +
+                         ": error: there is no summary.json here; give the folder that a run of "
+                         "kirireel record or simulate left\n");
+  writeText(empty / "summary.json", "{}\n");
+  EXPECT_THAT(runKirireel({"verify", empty.path().string()}).out,
+              HasSubstr("it names no files to compare with; record the run again"));
+}
+
+}  // namespace
+}  // namespace kirireel
