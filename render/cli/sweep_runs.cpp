@@ -10,7 +10,7 @@
 #include "render/cli/record_command.h"
 #include "render/cli/scene_settings.h"
 #include "render/record/versions.h"
-#include "render/sweep/digest.h"
+#include "render/sweep/input_digest.h"
 #include "sim/base/spelling.h"
 
 namespace kirireel {
@@ -192,7 +192,7 @@ RunInputs SweepRuns::inputs(std::uint64_t index) const {
 }
 
 std::string SweepRuns::name(std::uint64_t index) const {
-  Digest digest;
+  InputDigest digest;
   digest.add(constants_);
   for (const auto& [key, value] : settings(index)) {
     digest.add(key);

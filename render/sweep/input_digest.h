@@ -1,29 +1,22 @@
-/// Fingerprints of texts and files: SHA-256 (FIPS 180-4).
+/// Fingerprints of what a run depends on.
 #pragma once
 
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <string_view>
 
 namespace kirireel {
 
 /// Takes in texts one after the other; texts split elsewhere give another digest.
-class Digest {
+class InputDigest {
  public:
-  Digest();
-  ~Digest();
-  Digest(const Digest&) = delete;
-  Digest& operator=(const Digest&) = delete;
-
   void add(std::string_view text);
 
-  /// What was added since the last call, as 64 hexadecimal digits.
+  /// SHA-256 of what was added since the last call, 64 hexadecimal digits.
   std::string take();
 
  private:
-  struct Internals;
-  std::unique_ptr<Internals> internals_;
+  std::string texts_;
 };
 
 /// The digest of what a model, target or scene file consists of: of a folder its files by name and

@@ -1,4 +1,4 @@
-#include "render/sweep/digest.h"
+#include "render/sweep/input_digest.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,15 +9,15 @@
 namespace kirireel {
 namespace {
 
-TEST(Digest, IsSha256OfLengthAndText) {
-  Digest digest;
+TEST(InputDigest, IsSha256OfLengthAndText) {
+  InputDigest digest;
   digest.add("abc");
   // printf 3:abc | sha256sum
   EXPECT_EQ(digest.take(), "aab5f9ae99b2e38fb462025c8f72f570c9c811705d2a4277dc855d7fa293fe97");
 }
 
-TEST(Digest, TellsWhereTextsAreSplit) {
-  Digest digest;
+TEST(InputDigest, TellsWhereTextsAreSplit) {
+  InputDigest digest;
   digest.add("ab");
   digest.add("c");
   const std::string first = digest.take();

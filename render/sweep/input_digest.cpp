@@ -1,25 +1,20 @@
-#include "render/sweep/digest.h"
+#include "render/sweep/input_digest.h"
 
 #include <algorithm>
-#include <array>
-#include <cstdint>
 #include <fstream>
 #include <iterator>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
-#include <nettle/sha2.h>
 
+#include "render/digest/digest.h"
 #include "sim/base/error.h"
 
 namespace kirireel {
 namespace {
 
 namespace fs = std::filesystem;
-
-void update(sha256_ctx& context, std::string_view text) {
-  sha256_update(&context, text.size(), reinterpret_cast<const std::uint8_t*>(text.data()));
-}
 
 std::string contentOf(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
@@ -50,35 +45,20 @@ std::vector<fs::path> filesOf(const fs::path& path) {
 
 }  // namespace
 
-struct Digest::Internals {
-  sha256_ctx context;
-};
-
-Digest::Digest() : internals_(std::make_unique<Internals>()) {
-  sha256_init(&internals_->context);
-}
-
-Digest::~Digest() = default;
-
-void Digest::add(std::string_view text) {
+void InputDigest::add(std::string_view text) {
   // The length tells "ab", "c" from "a", "bc".
-  update(internals_->context, fmt::format("{}:", text.size()));
-  update(internals_->context, text);
+  texts_ += fmt::format("{}:{}", text.size(), text);
 }
 
-std::string Digest::take() {
-  std::array<std::uint8_t, SHA256_DIGEST_SIZE> bytes;
-  sha256_digest(&internals_->context, bytes.size(), bytes.data());
-  std::string text;
-  for (const std::uint8_t byte : bytes) text += fmt::format("{:02x}", byte);
-  return text;
+std::string InputDigest::take() {
+  return sha256(std::exchange(texts_, {}));
 }
 
 std::string digestOfFiles(const fs::path& path) {
   if (!fs::exists(path)) {
     throw inputErrorAt({path}, "there is no such file or folder; correct the name");
   }
-  Digest digest;
+  InputDigest digest;
   digest.add(path.filename().string());
   for (const fs::path& file : filesOf(path)) {
     digest.add(file.filename().string());
