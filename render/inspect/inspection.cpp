@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "sim/deploy/assembled_floor.h"
 #include "sim/measure/measures.h"
 
 namespace kirireel {
@@ -122,6 +123,7 @@ Inspection inspect(const Scene& scene) {
   inspection.target = inspectState(scene, *model.target);
   inspection.shapeChange = largestShapeChange(model.tiles, *model.target);
   inspection.rigidFloor = rigidFloor(model.tiles, *model.target);
+  inspection.assembledFloor = assembledFloor(scene);
   return inspection;
 }
 
@@ -134,8 +136,10 @@ std::string inspectionText(const Inspection& inspection) {
   text += stateText("start", inspection.start);
   if (inspection.target) {
     text += stateText("target", *inspection.target);
-    text += fmt::format("congruence: lengths change by {:.3g} m at most; rigid floor {:.3g} m\n",
-                        *inspection.shapeChange, *inspection.rigidFloor);
+    text += fmt::format(
+        "congruence: lengths change by {:.3g} m at most; rigid floor {:.3g} m, "
+        "assembled floor {:.3g} m\n",
+        *inspection.shapeChange, *inspection.rigidFloor, *inspection.assembledFloor);
   } else {
     text += "target: none\n";
   }
@@ -158,6 +162,7 @@ std::string inspectionJson(const Inspection& inspection) {
   json["target"] = inspection.target ? stateJson(*inspection.target) : Json();
   json["shape_change_max"] = inspection.shapeChange ? Json(*inspection.shapeChange) : Json();
   json["rigid_floor"] = inspection.rigidFloor ? Json(*inspection.rigidFloor) : Json();
+  json["assembled_floor"] = inspection.assembledFloor ? Json(*inspection.assembledFloor) : Json();
   json["needs"] = {{"planar", needJson(inspection.needs.planar)},
                    {"contacts", needJson(inspection.needs.contacts)},
                    {"ground", needJson(inspection.needs.ground)}};

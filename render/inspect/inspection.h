@@ -32,9 +32,10 @@ struct Inspection {
   double suggestedThickness = 0;            ///< of bricks, metres: a fiftieth of a tile
   StateInspection start;
   std::optional<StateInspection> target;
-  std::optional<double> shapeChange;  ///< largest change of a length in a tile, metres
-  std::optional<double> rigidFloor;   ///< least target error of rigid tiles, metres
-  Needs needs;                        ///< what a run would switch on
+  std::optional<double> shapeChange;     ///< largest change of a length in a tile, metres
+  std::optional<double> rigidFloor;      ///< least target error of rigid tiles, metres
+  std::optional<double> assembledFloor;  ///< the same with bricks whose joints are closed, metres
+  Needs needs;                           ///< what a run would switch on
 };
 
 /// Looks at the scene's model, with its bricks' thickness.

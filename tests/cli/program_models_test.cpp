@@ -46,5 +46,26 @@ INSTANTIATE_TEST_SUITE_P(
                     PublishedModel{"square2disk", {"--spring-stiffness", "25"}, 0.105},
                     PublishedModel{"tess_m10_n10", {"--ground"}, 0.19}));
 
+class PublishedPairs : public testing::TestWithParam<const char*> {};
+
+TEST_P(PublishedPairs, DeployToTheirFloorWithNoFlags) {
+  const auto folder =
+      std::filesystem::path(KIRIREEL_SOURCE_DIR).parent_path() / "shared/models/obj-pairs";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not there";
+  const ScratchFolder scratch;
+  const ProgramEnd end =
+      runKirireel({"simulate", (folder / GetParam()).string() + "_contracted.obj", "--out",
+                   scratch.path().string(), "--fps", "10"});
+  EXPECT_EQ(end.exitCode, 0) << end.out << end.err;
+  const auto accuracy = nlohmann::json::parse(readText(scratch / "summary.json"))["accuracy"];
+  const double floor = accuracy["assembled_floor"];
+  EXPECT_LE(accuracy["target_error_end"], 1.05 * floor);  // measured: 1.00 of 3.6e-6 to 0.012
+}
+
+INSTANTIATE_TEST_SUITE_P(Command, PublishedPairs,
+                         testing::Values("hexagon_shear_w4_h2_i4_f0", "quad_sphere_w4_h4_i3_f0_r0",
+                                         "triangle_circle_w3_h3_i3_f1_r1",
+                                         "triangle_sphere_w3_h4_i3_f0_r0"));
+
 }  // namespace
 }  // namespace kirireel
