@@ -10,7 +10,8 @@
 namespace kirireel {
 
 const std::vector<Study>& studies() {
-  static const std::vector<Study> all{scalingStudy(), tessellationStudy()};
+  static const std::vector<Study> all{workPrecisionStudy(), scalingStudy(),     tessellationStudy(),
+                                      squareToDiskStudy(),  sensitivityStudy(), hardCasesStudy()};
   return all;
 }
 

@@ -45,7 +45,11 @@ const std::vector<Study>& studies();
 const Study& studyNamed(const std::string& name);
 
 // The studies, one file each.
+Study workPrecisionStudy();
 Study scalingStudy();
 Study tessellationStudy();
+Study squareToDiskStudy();
+Study sensitivityStudy();
+Study hardCasesStudy();
 
 }  // namespace kirireel

@@ -53,10 +53,10 @@ TEST(Engines, ForcesAccelerateAsNewtonSays) {
     SCOPED_TRACE(toString(engine));
     FreeSquare square(0);
     square.run(engine, 240, load);
-    // Measured up to 2e-14, of the multibody 4e-15.
-    EXPECT_LT((square.motion.velocities[0].linear - Vector3(3, 1, 0)).norm(), 1e-10);
+    EXPECT_LT((square.motion.velocities[0].linear - Vector3(3, 1, 0)).norm(),
+              1e-10);  // measured 1e-13
     const double spin = 3 + 0.5 / square.bricks[0].inertia(2, 2);
-    EXPECT_NEAR(square.motion.velocities[0].angular.z(), spin, 1e-10);
+    EXPECT_NEAR(square.motion.velocities[0].angular.z(), spin, 1e-10);  // measured 4e-13
   }
 }
 
@@ -66,19 +66,21 @@ TEST(Engines, DampingLeavesItsShareOfTheVelocity) {
     SCOPED_TRACE(toString(engine));
     FreeSquare square(0.05);
     square.run(engine, 240, {});
-    EXPECT_NEAR(square.motion.velocities[0].linear.x(), 0.95, 1e-4);  // measured 6e-6 (implicit)
-    EXPECT_NEAR(square.motion.velocities[0].angular.z(), 2.85, 3e-4);
+    EXPECT_NEAR(square.motion.velocities[0].linear.x(), 0.95, 1e-4);   // measured 5e-6
+    EXPECT_NEAR(square.motion.velocities[0].angular.z(), 2.85, 3e-4);  // measured 2e-5
   }
 }
 
 TEST(Engines, OpenASheetAsTheDirectSolverDoes) {
-  Scene scene = sheetScene(2, true);
+  // One point a hinge: redundant rows are too much for Dantzig's pivoting.
+  const Scene scene = sheetScene(2, true, JointFace::Bottom);
   SteppedScene reference(scene, {Engine::Direct, 7680});
   for (int step = 0; step < 7680 / 2; ++step) reference.advance();
   for (const Engine engine : availableEngines()) {
     SCOPED_TRACE(toString(engine));
     SteppedScene run(scene, fineMethod(engine));
     for (int step = 0; step < 120; ++step) run.advance();
+    ASSERT_TRUE(run.isFinite());
     const double apart = vertexError(run.tiles(), reference.tiles()).max;
     EXPECT_LT(apart, 0.02) << "angle " << openingAngle(run.motion().poses);
     EXPECT_LT(run.gap(), 1e-3);

@@ -1,0 +1,199 @@
+#include "sim/study/hard_trials.h"
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include <fmt/format.h>
+
+#include "sim/deploy/deployment.h"
+#include "sim/generate/families.h"
+#include "sim/model/tessellation.h"
+#include "sim/study/exact_sheet.h"
+#include "sim/study/family_scene.h"
+
+namespace kirireel {
+namespace {
+
+/// A sheet, judged by the exact one at the same angle.
+HardTrial sheetTrial(std::string name, std::string tried, int side, bool planar) {
+  HardTrial trial{std::move(name), std::move(tried), sheetScene(side, planar)};
+  trial.errorMeaning = "from the exact sheet at that angle";
+  trial.error = [side](const SteppedScene& run, double) {
+    return sheetError(side, openingAngle(run.motion().poses), run.tiles()).max;
+  };
+  return trial;
+}
+
+/// A family's model with contacts, judged by its target.
+HardTrial contactTrial(std::string name, std::string tried, const std::string& family,
+                       double thickness) {
+  HardTrial trial{std::move(name), std::move(tried), familyScene(family)};
+  trial.scene.brick.thickness = thickness;
+  trial.scene.environment.contacts = ContactFilter::All;
+  trial.errorMeaning = "from the target at the end";
+  trial.error = [target = *trial.scene.model.target](const SteppedScene& run, double) {
+    return targetError(target, run.bricks(), run.motion().poses);
+  };
+  return trial;
+}
+
+/// The same numbers from every standard library, from -1 to 1.
+class Noise {
+ public:
+  double next() { return generator_() / 2147483648.0 - 1; }
+  Vector3 inPlane(double size) {
+    const double x = next();
+    return size * Vector3(x, next(), 0);
+  }
+
+ private:
+  std::mt19937 generator_{1};
+};
+
+HardTrial redundantHinges() {
+  HardTrial trial = sheetTrial("redundant hinges", "every hinge three times; 20 x 20", 20, false);
+  const std::vector<Joint> once = trial.scene.model.joints;
+  for (int copy = 0; copy < 2; ++copy) {
+    trial.scene.model.joints.insert(trial.scene.model.joints.end(), once.begin(), once.end());
+  }
+  return trial;
+}
+
+/// Tiles that are moved apart a little: joints are open at the start.
+HardTrial inconsistentData() {
+  HardTrial trial = sheetTrial("inconsistent data",
+                               "tiles 1e-3 out of place; joints open at the start", 6, false);
+  Noise noise;
+  for (Tile& tile : trial.scene.model.tiles) {
+    const Vector3 move = noise.inPlane(1e-3);
+    for (Vector3& vertex : tile.vertices) vertex += move;
+  }
+  return trial;
+}
+
+/// Shapes that fit each other no longer in any open state: the sheet locks, its joints must not.
+HardTrial noisyShapes(double size) {
+  HardTrial trial{fmt::format("noise {:g}", size),
+                  fmt::format("every vertex {:g} off; shapes that lock", size),
+                  sheetScene(6, true)};
+  Noise noise;
+  for (Tile& tile : trial.scene.model.tiles) {
+    for (Vector3& vertex : tile.vertices) vertex += noise.inPlane(size);
+  }
+  trial.errorMeaning = "joint gap";
+  trial.error = [](const SteppedScene& run, double) { return run.gap(); };
+  return trial;
+}
+
+HardTrial massRatio() {
+  HardTrial trial =
+      sheetTrial("mass ratio 1e6", "every other tile a million times as heavy", 6, false);
+  trial.bricks = makeBricks(trial.scene.model.tiles, trial.scene.brick);
+  for (std::size_t i = 0; i < trial.bricks.size(); i += 2) {
+    trial.bricks[i].mass *= 1e6;
+    trial.bricks[i].inertia *= 1e6;
+  }
+  return trial;
+}
+
+HardTrial thickness(double metres) {
+  HardTrial trial = sheetTrial(fmt::format("thickness {:g}", metres),
+                               fmt::format("bricks {:g} thick; tiles 1 wide", metres), 6, false);
+  trial.scene.brick.thickness = metres;
+  return trial;
+}
+
+HardTrial stiffness() {
+  HardTrial trial = sheetTrial("stiffness 1e5", "k_f and k_tau 1e5; hardly any damping", 6, false);
+  trial.scene.springs.springStiffness = trial.scene.springs.torqueStiffness = 1e5;
+  trial.scene.springs.forceDamping = trial.scene.springs.torqueDamping = 0.1;
+  return trial;
+}
+
+HardTrial longStep(int rate) {
+  HardTrial trial =
+      sheetTrial(fmt::format("step 1/{} s", rate), fmt::format("a step of 1/{} s", rate), 6, false);
+  trial.rate = rate;
+  trial.seconds = 2;
+  return trial;
+}
+
+HardTrial hugeSheet() {
+  HardTrial trial = sheetTrial("10000 tiles", "a sheet of 100 x 100", 100, true);
+  trial.seconds = 0.1;
+  return trial;
+}
+
+/// A brick on a slope: it starts to slide, and gains what friction leaves.
+HardTrial sliding() {
+  constexpr double kDown = 9.81;
+  constexpr double kAlong = 5;
+  constexpr double kFriction = 0.3;
+  HardTrial trial{"sliding", "a brick slides down a slope with friction 0.3", sheetScene(1, false)};
+  trial.scene.model.target.reset();
+  Environment& environment = trial.scene.environment;
+  environment.gravity = {kAlong, 0, -kDown};
+  environment.ground = Ground{0, kFriction};
+  environment.linearDamping = environment.angularDamping = 0;
+  trial.errorMeaning = "from a t^2 / 2";
+  trial.error = [start = trial.scene.model.tiles](const SteppedScene& run, double time) {
+    const double way = (run.tiles()[0].vertices[0] - start[0].vertices[0]).x();
+    return std::abs(way - 0.5 * (kAlong - kFriction * kDown) * time * time);
+  };
+  return trial;
+}
+
+}  // namespace
+
+std::vector<HardTrial> hardTrials(bool quick) {
+  std::vector<HardTrial> trials;
+  trials.push_back(sheetTrial("compact start", "closed; singular; 10 x 10 in space", 10, false));
+  trials.push_back(redundantHinges());
+  trials.push_back(inconsistentData());
+  for (const double size : {1e-9, 1e-6, 1e-3}) trials.push_back(noisyShapes(size));
+  for (const double metres : {1e-4, 2.0}) trials.push_back(thickness(metres));
+  trials.push_back(massRatio());
+  trials.push_back(stiffness());
+  for (const int rate : {60, 30, 15}) trials.push_back(longStep(rate));
+  trials.push_back(sliding());
+  trials.push_back(contactTrial("wedging", "bricks of a cap that meet on their way", "cap", 0.05));
+  trials.push_back(
+      contactTrial("moebius turn", "a thin band that twists past itself", "moebius", 0.005));
+  if (!quick) trials.push_back(hugeSheet());
+  return trials;
+}
+
+std::vector<Refusal> refusals() {
+  const auto deployed = [](const std::function<void(Scene&)>& spoil) {
+    return [spoil] {
+      Scene scene = sheetScene(2, true);
+      spoil(scene);
+      deploy(scene, 0.1, {});
+    };
+  };
+  return {
+      {"no step", "a timestep of 0", deployed([](Scene& s) { s.solver.timestep = 0; })},
+      {"no number", "a duration that is not a number",
+       deployed([](Scene& s) { s.stop.duration = std::numeric_limits<double>::quiet_NaN(); })},
+      {"no velocity left", "damping of 1 a second",
+       deployed([](Scene& s) { s.environment.linearDamping = 1; })},
+      {"no tiles", "a model without tiles", deployed([](Scene& s) { s.model = {}; })},
+      {"pins in Bullet", "a link in --solver bullet", deployed([](Scene& s) {
+         s.solver.kind = SolverKind::Bullet;
+         s.model.joints.push_back(makeLink(s.model.tiles, {0, 0}, {3, 2}));
+       })},
+      {"a million tiles", "a sheet of 1000 x 1000",
+       [] {
+         TessellationShape shape;
+         shape.columns = shape.rows = 1000;
+         makeTessellation(shape);
+       }},
+      {"no such parameter", "a fan with a radius; it has two",
+       [] {
+         generateModel(familyNamed("fan"), {{"radius", 3}});
+       }},
+  };
+}
+
+}  // namespace kirireel

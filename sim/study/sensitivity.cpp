@@ -1,0 +1,124 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "sim/study/family_scene.h"
+#include "sim/study/stepped_scene.h"
+#include "sim/study/study.h"
+
+namespace kirireel {
+namespace {
+
+constexpr int kRowsASecond = 12;
+// As in the square2disk study: what arrives there.
+constexpr double kSpringStiffness = 25;
+
+/// One curve of a panel.
+struct Curve {
+  std::string family;
+  std::string parameter;
+  double value = 0;
+  Method method;
+  double seconds = 0;
+  double budget = 0;  // CPU seconds
+};
+
+Scene sceneOf(const Curve& curve) {
+  Scene scene = familyScene(curve.family);
+  if (curve.family == "square-to-disk") scene.springs.springStiffness = kSpringStiffness;
+  if (curve.parameter == "k_f") scene.springs.springStiffness = curve.value;
+  if (curve.parameter == "mu_v") scene.springs.forceDamping = curve.value;
+  if (curve.parameter == "thickness") {
+    scene.brick.thickness = curve.value;
+    // Without contacts a thickness would hardly matter.
+    scene.environment.contacts = ContactFilter::All;
+  }
+  return scene;
+}
+
+std::vector<Row> follow(const Curve& curve) {
+  const Scene scene = sceneOf(curve);
+  SteppedScene run(scene, curve.method);
+  const int steps = static_cast<int>(curve.seconds * curve.method.rate);
+  const int perRow = curve.method.rate / kRowsASecond;
+  std::vector<Row> rows;
+  double gap = 0;
+  for (int step = 1; step <= steps && run.isFinite(); ++step) {
+    run.advance();
+    gap = std::max(gap, run.gap());
+    const bool last = step == steps || run.seconds() > curve.budget || !run.isFinite();
+    if (step % perRow != 0 && !last) continue;
+    const double error = targetError(*scene.model.target, run.bricks(), run.motion().poses);
+    rows.push_back({curve.family, curve.parameter, cell(curve.value), toString(curve.method.engine),
+                    cell(step / double(curve.method.rate)), cell(error), cell(gap),
+                    cell(1e3 * run.seconds() * curve.method.rate / step)});
+    if (last) break;
+  }
+  return rows;
+}
+
+std::vector<double> valuesOf(const std::string& parameter, bool quick) {
+  if (parameter == "k_f")
+    return quick ? std::vector{25.0, 200.0} : std::vector{10.0, 25.0, 50.0, 100.0, 200.0};
+  if (parameter == "mu_v")
+    return quick ? std::vector{10.0, 100.0} : std::vector{2.0, 10.0, 50.0, 100.0};
+  return quick ? std::vector{0.005, 0.05} : std::vector{0.001, 0.005, 0.02, 0.05, 0.1};
+}
+
+std::vector<StudyCase> cases(Extent extent) {
+  const bool quick = extent == Extent::Quick;
+  std::vector<StudyCase> made;
+  for (const std::string family : {"square-to-disk", "cap"}) {
+    for (const std::string parameter : {"k_f", "mu_v", "thickness"}) {
+      for (const double value : valuesOf(parameter, quick)) {
+        for (const Method& method : {Method{Engine::Direct}, bulletBaseline()}) {
+          const Curve curve{family, parameter,         value,
+                            method, quick ? 1.0 : 4.0, quick ? 3.0 : 15.0};
+          made.push_back({fmt::format("{} {} {} {}", family, parameter, value, toString(method)),
+                          [curve] { return follow(curve); }});
+        }
+      }
+    }
+  }
+  return made;
+}
+
+double largestGap(const Table& table, const std::string& engine, bool contacts) {
+  double largest = std::nan("");
+  for (const Row& row : table.rows) {
+    if (table.text(row, "engine") != engine) continue;
+    if ((table.text(row, "parameter") == "thickness") != contacts) continue;
+    largest = std::fmax(largest, table.number(row, "gap_m"));
+  }
+  return largest;
+}
+
+std::vector<Finding> findings(const Table& table) {
+  const std::string bullet = "sequential impulse";
+  return {{"direct_gap", largestGap(table, "direct", false),
+           "largest joint gap of ours in the panels without contacts, metres"},
+          {"bullet_gap", largestGap(table, bullet, false), "the same of Bullet, metres"},
+          {"direct_gap_contacts", largestGap(table, "direct", true),
+           "largest joint gap of ours in the panels of thickness, metres"},
+          {"bullet_gap_contacts", largestGap(table, bullet, true), "the same of Bullet, metres"}};
+}
+
+}  // namespace
+
+Study sensitivityStudy() {
+  return {"sensitivity",
+          "k_f, mu_v and thickness on a square to a disk and on a cap: error by time",
+          {{"model", "family of the model"},
+           {"parameter", "k_f in N/m, mu_v in N s/m, or thickness in metres, with contacts"},
+           {"value", "of the parameter"},
+           {"engine", "what held the joints"},
+           {"time_s", "simulated seconds"},
+           {"error_m", "largest distance of a vertex from its target, metres"},
+           {"gap_m", "largest joint gap up to then, metres"},
+           {"cpu_ms_per_s", "CPU milliseconds a simulated second, up to then"}},
+          cases,
+          findings};
+}
+
+}  // namespace kirireel

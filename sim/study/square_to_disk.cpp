@@ -1,0 +1,169 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "sim/model/alignment.h"
+#include "sim/study/closure_path.h"
+#include "sim/study/exact_sheet.h"
+#include "sim/study/family_scene.h"
+#include "sim/study/stepped_scene.h"
+#include "sim/study/study.h"
+
+namespace kirireel {
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+// A stiffer pull along straight lines locks this mechanism on its way.
+constexpr double kSpringStiffness = 25;
+constexpr double kRowEvery = 2 / kDegrees;
+constexpr double kPathStep = 1 / kDegrees;
+// Near both closed states the path is singular: tiles may also move in other ways there.
+constexpr double kSingular = 5;  // degrees
+
+/// A state of the run, at an angle.
+struct State {
+  double time = 0;
+  double angle = 0;  // of tile 1 against tile 0, radians from 0
+  double gap = 0;
+  std::vector<Tile> tiles;
+};
+
+double turnBetween(const std::vector<Tile>& start, const std::vector<Tile>& tiles) {
+  const double turn = planarTurn(start[1], tiles[1]) - planarTurn(start[0], tiles[0]);
+  return std::abs(std::remainder(turn, 2 * std::numbers::pi));
+}
+
+std::vector<State> deployed(const Scene& scene, const Method& method, double seconds) {
+  SteppedScene run(scene, method);
+  std::vector<State> states;
+  const int steps = static_cast<int>(seconds * method.rate);
+  for (int step = 1; step <= steps; ++step) {
+    run.advance();
+    State state{step / double(method.rate), 0, run.gap(), run.tiles()};
+    state.angle = turnBetween(scene.model.tiles, state.tiles);
+    const double next = states.empty() ? 0 : states.back().angle + kRowEvery;
+    if (state.angle >= next || step == steps) states.push_back(std::move(state));
+  }
+  return states;
+}
+
+/// The largest distance of a vertex from the mean of all.
+double radiusOf(const std::vector<Tile>& tiles) {
+  Vector3 mean = Vector3::Zero();
+  double count = 0;
+  for (const Tile& tile : tiles) {
+    for (const Vector3& vertex : tile.vertices) mean += vertex;
+    count += static_cast<double>(tile.vertices.size());
+  }
+  mean /= count;
+  double radius = 0;
+  for (const Tile& tile : tiles) {
+    for (const Vector3& vertex : tile.vertices) radius = std::max(radius, (vertex - mean).norm());
+  }
+  return radius;
+}
+
+/// The tiles moved as one onto others.
+std::vector<Tile> fitted(std::vector<Tile> tiles, const std::vector<Tile>& onto) {
+  Model pair;
+  pair.tiles = std::move(tiles);
+  pair.target = onto;
+  alignStartToTarget(pair);
+  return pair.tiles;
+}
+
+/// Follows the exact path from the middle of the run to both of its ends, and gives the tiles at
+/// each state's angle; none where the path could not be closed.
+std::map<const State*, std::vector<Tile>> exactTiles(const Scene& scene,
+                                                     const std::vector<State>& states) {
+  const ClosurePath path(scene.model.tiles, scene.model.joints);
+  const auto middle = std::min_element(states.begin(), states.end(), [](auto& a, auto& b) {
+    return std::abs(a.angle - std::numbers::pi / 2) < std::abs(b.angle - std::numbers::pi / 2);
+  });
+  const PlanarState open = path.stateOf(middle->tiles);
+  std::map<const State*, std::vector<Tile>> exact;
+  const auto followTo = [&](PlanarState& state, const State& wanted) {
+    const PlanarState there = path.stateOf(wanted.tiles);
+    state = path.follow(std::move(state), path.angle(there), kPathStep);
+    exact[&wanted] = path.tiles(state);
+  };
+  PlanarState state = open;
+  for (auto at = middle; at != states.end(); ++at) followTo(state, *at);
+  state = open;
+  for (auto at = std::reverse_iterator(middle); at != states.rend(); ++at) followTo(state, *at);
+  return exact;
+}
+
+std::vector<Row> deployAndCompare(const Method& method, double seconds) {
+  Scene scene = familyScene("square-to-disk");
+  scene.springs.springStiffness = kSpringStiffness;
+  const std::vector<State> states = deployed(scene, method, seconds);
+  const auto exact = exactTiles(scene, states);
+  std::vector<Row> rows;
+  for (const State& state : states) {
+    const std::vector<Tile>& wanted = exact.at(&state);
+    const double radius = radiusOf(state.tiles);
+    rows.push_back({toString(method.engine), cell(state.time), cell(state.angle * kDegrees),
+                    cell(radius), cell(std::abs(radius - radiusOf(wanted))),
+                    cell(vertexError(state.tiles, fitted(wanted, state.tiles)).max),
+                    cell(state.gap)});
+  }
+  return rows;
+}
+
+std::vector<StudyCase> cases(Extent extent) {
+  const double seconds = extent == Extent::Quick ? 3 : 6;
+  std::vector<StudyCase> made;
+  for (const Method& method : {Method{Engine::Direct}, bulletBaseline()}) {
+    made.push_back({toString(method), [=] { return deployAndCompare(method, seconds); }});
+  }
+  return made;
+}
+
+/// The largest value of a column in an engine's rows, near the closed states or away from them.
+double largest(const Table& table, const std::string& engine, const std::string& column,
+               bool singular) {
+  double found = std::nan("");
+  for (const Row& row : table.rows) {
+    const double angle = table.number(row, "angle_deg");
+    const bool near = angle < kSingular || angle > 180 - kSingular;
+    if (table.text(row, "engine") != engine || near != singular) continue;
+    found = std::fmax(found, table.number(row, column));
+  }
+  return found;
+}
+
+std::vector<Finding> findings(const Table& table) {
+  const std::string bullet = "sequential impulse";
+  return {{"direct_radius_error", largest(table, "direct", "radius_error_m", false),
+           "largest error of our radius from 5 to 175 degrees, metres"},
+          {"direct_radius_error_closed", largest(table, "direct", "radius_error_m", true),
+           "the same nearer to the closed states, which are singular, metres"},
+          {"direct_vertex_error", largest(table, "direct", "vertex_error_m", false),
+           "largest error of a vertex of ours from 5 to 175 degrees, metres"},
+          {"bullet_radius_error", largest(table, bullet, "radius_error_m", false),
+           "largest error of Bullet's radius from 5 to 175 degrees, metres"},
+          {"bullet_vertex_error", largest(table, bullet, "vertex_error_m", false),
+           "largest error of a vertex of Bullet's, metres"}};
+}
+
+}  // namespace
+
+Study squareToDiskStudy() {
+  return {"square2disk",
+          "a square that becomes a disk, against the exact path of its closure equations",
+          {{"engine", "what held the joints"},
+           {"time_s", "simulated seconds"},
+           {"angle_deg", "by which tile 1 has turned against tile 0, degrees"},
+           {"radius_m", "largest distance of a vertex from the mean of all, metres"},
+           {"radius_error_m", "from the exact path at the same angle, metres"},
+           {"vertex_error_m", "largest distance of a vertex from the exact path, metres"},
+           {"gap_m", "largest joint gap, metres"}},
+          cases,
+          findings};
+}
+
+}  // namespace kirireel

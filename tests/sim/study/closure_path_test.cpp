@@ -1,0 +1,64 @@
+// The path of a sheet of squares is known in closed form.
+#include "sim/study/closure_path.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "sim/base/error.h"
+#include "sim/model/tessellation.h"
+#include "sim/study/exact_sheet.h"
+
+namespace kirireel {
+namespace {
+
+constexpr int kSide = 4;
+
+std::vector<Tile> squaresAt(double angle) {
+  TessellationShape shape;
+  shape.columns = shape.rows = kSide;
+  return tessellationTiles(shape, angle);
+}
+
+ClosurePath pathOfSquares() {
+  return {squaresAt(0), sheetScene(kSide, true).model.joints};
+}
+
+TEST(ClosurePath, FollowsTheExactMotionBothWays) {
+  const ClosurePath path = pathOfSquares();
+  const PlanarState open = path.stateOf(squaresAt(1));
+  const double sign = path.angle(open) < 0 ? -1 : 1;
+  for (const double angle : {0.1, 0.6, 1.5}) {
+    const PlanarState there = path.follow(open, sign * angle, 0.02);
+    EXPECT_LT(path.gap(there), 1e-14);                                  // measured 3e-15
+    EXPECT_LT(sheetError(kSide, angle, path.tiles(there)).max, 1e-12);  // measured 2e-14
+  }
+}
+
+TEST(ClosurePath, ClosesAStateThatIsALittleOff) {
+  const ClosurePath path = pathOfSquares();
+  const PlanarState exact = path.stateOf(squaresAt(0.8));
+  PlanarState off = exact;
+  for (Eigen::Index k = 3; k < off.size(); ++k) off[k] += k % 2 == 0 ? 1e-3 : -1e-3;
+  EXPECT_GT(path.gap(off), 1e-4);
+  const PlanarState closed = path.close(off, path.angle(exact));
+  EXPECT_LT((closed - exact).lpNorm<Eigen::Infinity>(), 1e-12);  // measured 2e-15
+}
+
+TEST(ClosurePath, SaysWhereNothingCloses) {
+  // Two squares joined along an edge at both of its ends cannot turn against each other.
+  Tile left;
+  left.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  Tile right = left;
+  for (Vector3& vertex : right.vertices) vertex.x() += 1;
+  const ClosurePath path({left, right}, {{{0, 1}, {1, 0}}, {{0, 2}, {1, 3}}});
+  try {
+    path.close(path.stateOf({left, right}), 0.5);
+    FAIL() << "no error";
+  } catch (const RunError& error) {
+    EXPECT_STREQ(error.what(), "error: no closed state at 0.5 radians: a gap of 0.17 m is left");
+  }
+}
+
+}  // namespace
+}  // namespace kirireel
