@@ -190,7 +190,8 @@ TEST(BadSystem, MissingEncoder) {
   std::vector<std::string> words = recordArguments(scratch.path());
   words.insert(words.end(), {"--encoder", "libx999"});
   expectOneLine(runKirireel(words), 1, "libavcodec has no encoder libx999 here");
-  EXPECT_THAT(filesIn(scratch.path()), IsEmpty());
+  // The trajectory may be whole by then.
+  for (const std::string& name : filesIn(scratch.path())) EXPECT_EQ(name, "trajectory.h5");
 }
 
 TEST(BadSystem, NoOpenGl) {
@@ -199,7 +200,7 @@ TEST(BadSystem, NoOpenGl) {
   // The driver then offers less than the version that is asked for.
   words.insert(words.begin(), {"MESA_GL_VERSION_OVERRIDE=2.1", KIRIREEL_PROGRAM});
   expectOneLine(runTool("env", words), 1, "error: cannot make an OpenGL 3.3 context off screen");
-  EXPECT_THAT(filesIn(scratch.path()), IsEmpty());
+  for (const std::string& name : filesIn(scratch.path())) EXPECT_EQ(name, "trajectory.h5");
 }
 
 }  // namespace
