@@ -245,7 +245,7 @@ void VideoWriter::Internals::openContainer() {
   Options options;
   if (isMp4()) {
     options.set("movflags", "+delay_moov+default_base_moof");
-    options.set("frag_duration", "1000000");  // microseconds
+    options.set("frag_duration", "100000");  // microseconds
   }
   if (std::strcmp(format.muxer, "apng") == 0) options.set("plays", "0");  // again and again
   container->flush_packets = 1;
