@@ -43,6 +43,9 @@ const VideoFormat& videoFormatOf(const std::filesystem::path& file);
 /// Throws InputError that names the setting, what was given and what is allowed.
 void requireValidSettings(const std::filesystem::path& file, const VideoSettings& settings);
 
+/// Throws OutputError when this machine's libavcodec lacks the encoder of such a file.
+void requireEncoder(const std::filesystem::path& file, const VideoSettings& settings);
+
 /// The place of an x264 preset in its list, 0 ("ultrafast") to 9 ("placebo").
 int presetStep(const std::string& preset);
 
