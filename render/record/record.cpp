@@ -43,6 +43,7 @@ void requireValidSettings(const PictureSettings& settings) {
     throw InputError(fmt::format("error: {} frames a second are not possible; give --fps 1 to 240",
                                  settings.framesPerSecond));
   }
+  if (settings.video) requireEncoder(settings.folder / settings.videoFile, videoSettings(settings));
   requireWithin(settings.speed, 1e-3, 1e3, "--speed", "a factor");
   requireWithin(settings.hold, 0, 60, "--hold", "seconds");
 }
@@ -166,6 +167,8 @@ class PictureJob {
     if (settings.graphics) setGraphicsLibrary(*settings.graphics);
     // Other cores simulate and encode.
     if (settings.paintsFrames()) setRasterThreads(0);
+    // Made and dropped: says what is missing before the simulation, not after it.
+    if (settings.paints()) const Context probe;
   }
 
   /// Paints frames while the run goes on.

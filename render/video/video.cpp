@@ -50,6 +50,17 @@ std::string reasonOf(int code) {
   return text.data();
 }
 
+/// Throws OutputError when there is none of this name.
+const AVCodec* findEncoder(const std::filesystem::path& file, const std::string& name) {
+  const AVCodec* codec = avcodec_find_encoder_by_name(name.c_str());
+  if (codec != nullptr) return codec;
+  throw OutputError(
+      fmt::format("{}: error: libavcodec has no encoder {} here, so no video can be "
+                  "made; install Debian's libavcodec-extra, or choose another with --encoder or "
+                  "another ending with --video",
+                  file.string(), name));
+}
+
 /// Copies a frame, every pixel composed over white unless alpha is kept.
 void copyPixels(const Frame& frame, bool keepAlpha, AVFrame& image) {
   const std::size_t rowBytes = static_cast<std::size_t>(frame.size.width) * 4;
@@ -201,14 +212,7 @@ void VideoWriter::Internals::setQuality() const {
 }
 
 void VideoWriter::Internals::openEncoder() {
-  const AVCodec* codec = avcodec_find_encoder_by_name(settings.encoder.c_str());
-  if (codec == nullptr) {
-    throw OutputError(
-        fmt::format("{}: error: libavcodec has no encoder {} here, so no video can be "
-                    "made; install Debian's libavcodec-extra, or choose another with --encoder or "
-                    "another ending with --video",
-                    file.finalPath().string(), settings.encoder));
-  }
+  const AVCodec* codec = findEncoder(file.finalPath(), settings.encoder);
   encoder.reset(avcodec_alloc_context3(codec));
   encoder->width = settings.size.width;
   encoder->height = settings.size.height;
@@ -245,7 +249,7 @@ void VideoWriter::Internals::openContainer() {
   Options options;
   if (isMp4()) {
     options.set("movflags", "+delay_moov+default_base_moof");
-    options.set("frag_duration", "1000000");  // microseconds
+    options.set("frag_duration", "100000");  // microseconds
   }
   if (std::strcmp(format.muxer, "apng") == 0) options.set("plays", "0");  // again and again
   container->flush_packets = 1;
@@ -336,6 +340,10 @@ void VideoWriter::Internals::moveIndexToFront() {
   check(container->pb->error);
   check(avio_closep(&container->pb));
   std::filesystem::rename(whole.path(), file.path());
+}
+
+void requireEncoder(const std::filesystem::path& file, const VideoSettings& settings) {
+  findEncoder(file, settings.encoder.empty() ? videoFormatOf(file).encoder : settings.encoder);
 }
 
 VideoWriter::VideoWriter(std::filesystem::path path, const VideoSettings& settings) {

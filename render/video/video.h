@@ -43,13 +43,16 @@ const VideoFormat& videoFormatOf(const std::filesystem::path& file);
 /// Throws InputError that names the setting, what was given and what is allowed.
 void requireValidSettings(const std::filesystem::path& file, const VideoSettings& settings);
 
+/// Throws OutputError when this machine's libavcodec lacks the encoder of such a file.
+void requireEncoder(const std::filesystem::path& file, const VideoSettings& settings);
+
 /// The place of an x264 preset in its list, 0 ("ultrafast") to 9 ("placebo").
 int presetStep(const std::string& preset);
 
 /// Encodes frames as they come. The file appears under its final name in finish(); a writer that
 /// goes without it leaves nothing. The same frames and settings give the same bytes.
 ///
-/// Until finish() an MP4 is written in fragments of a second under the name of a pending file, so
+/// Until finish() an MP4 is written in fragments of 0.1 s under the name of a pending file, so
 /// that even what a killed process leaves there plays.
 ///
 /// Colours of MP4 and WebM are converted to BT.709, limited range, 4:2:0, and the stream says so:

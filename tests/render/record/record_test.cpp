@@ -266,11 +266,20 @@ TEST_F(RecordTest, PicturesWithoutVideoShowTheRunWholeToo) {
 }
 
 TEST_F(RecordTest, ErrorOfAStageEndsTheOthers) {
-  settings_.encoder = "libx999";
+  // Where the video is to be written.
+  fs::create_directory(settings_.folder / "deployment.part.mp4");
   const auto recording = [this] { record(tessellationScene(), settings_, proceed_); };
   EXPECT_THROW(recording(), OutputError);
   EXPECT_FALSE(fs::exists(settings_.folder / "deployment.mp4"));
   EXPECT_FALSE(fs::exists(settings_.folder / "summary.json"));
+}
+
+TEST_F(RecordTest, MissesTheEncoderBeforeTheRun) {
+  settings_.encoder = "libx999";
+  const auto recording = [this] {
+    record(tessellationScene(), settings_, [](const Progress&) -> bool { std::abort(); });
+  };
+  EXPECT_THROW(recording(), OutputError);
 }
 
 TEST_F(RecordTest, RefusesSettingsOutOfRangeBeforeTheRun) {

@@ -283,7 +283,7 @@ TEST(Video, PlaysAsFarAsItGotWhenItsProcessIsKilled) {
   const std::string frames =
       outputOf("ffprobe -v error -count_frames -show_entries stream=nb_read_frames -of csv=p=0 '" +
                (folder / "disk.part.mp4").string() + "'");
-  EXPECT_GE(std::atoi(frames.c_str()), 180);  // measured: 240 of 300; x264 looks ahead
+  EXPECT_GE(std::atoi(frames.c_str()), 280);  // measured: 294 of 300; x264 looks ahead
 }
 
 TEST(Video, HasTheSameBytesWhateverIsInMemory) {
