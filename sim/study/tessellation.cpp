@@ -60,7 +60,7 @@ std::vector<StudyCase> cases(Extent extent) {
   add({Engine::Direct}, true);
   add({Engine::Direct}, false);
   add(bulletBaseline(), false);
-  if (isAvailable(Engine::Chipmunk)) add({Engine::Chipmunk, 240, 20, 50}, true);
+  if (isAvailable(Engine::Chipmunk)) add({Engine::Chipmunk, 240, 4, 50}, true);
   return made;
 }
 
