@@ -63,7 +63,7 @@ std::vector<StudyCase> cases(Extent extent) {
   add({Engine::Direct}, false,
       quick ? std::vector{5, 10, 20, 40} : std::vector{5, 10, 20, 40, 100});
   add(bulletBaseline(), false, quick ? std::vector{5, 10, 20} : std::vector{5, 10, 20, 40, 100});
-  add({Engine::Chipmunk, 240, 20, 50}, true,
+  add({Engine::Chipmunk, 240, 4, 50}, true,
       quick ? std::vector{5, 10, 20} : std::vector{5, 10, 20, 40, 100});
   return made;
 }

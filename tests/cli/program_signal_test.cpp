@@ -60,5 +60,19 @@ TEST(Terminate, IsTreatedAsAnInterrupt) {
   expectInterruptedVideo(SIGTERM, "/deployment.part.mp4", kLongPainting);
 }
 
+TEST(Interrupt, OfAStudyKeepsTheFinishedRows) {
+  const ScratchFolder scratch;
+  RunningProgram program({"study", "tessellation", "--quick", "--out", scratch.path().string()},
+                         {});
+  ASSERT_TRUE(waitFor(scratch / "tessellation.csv"));
+  program.sendSignal(SIGINT);
+  const ProgramEnd end = program.wait();
+  EXPECT_EQ(end.exitCode, 1) << end.err;
+  EXPECT_THAT(end.err, testing::HasSubstr("interrupted; --resume goes on after the finished rows"));
+  EXPECT_THAT(readText(scratch / "tessellation.csv"),
+              testing::HasSubstr("\ndirect 1/240 s plane,"));
+  EXPECT_FALSE(std::filesystem::exists(scratch / "tessellation.json"));
+}
+
 }  // namespace
 }  // namespace kirireel

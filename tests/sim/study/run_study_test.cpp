@@ -109,6 +109,21 @@ TEST(RunStudy, DoesNotMixQuickAndFull) {
   }
 }
 
+TEST(RunStudy, DoesNotResumeWhatAnotherVersionMade) {
+  const test::TemporaryFolder folder;
+  CountingStudy counting;
+  const StudySettings settings = settingsIn(folder, true);
+  std::filesystem::create_directory(settings.folder);
+  std::ofstream(settings.folder / "counting.csv") << "# extent: full\ncase,count,more\na,1,2\n";
+  try {
+    runStudy(counting.study, settings, always);
+    FAIL() << "no error";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("counting.csv: error: 3 columns, but this version's study "
+                                        "has 2; leave --resume out"));
+  }
+}
+
 TEST(RunStudy, UnknownStudyGetsTheNearest) {
   try {
     studyNamed("scalling");

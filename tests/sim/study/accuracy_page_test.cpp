@@ -1,0 +1,51 @@
+// docs/accuracy.md says what its tables say, and these come down to what the studies make of them.
+#include <cstdlib>
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "sim/study/run_study.h"
+#include "tests/support/files.h"
+
+namespace kirireel {
+namespace {
+
+using ::testing::HasSubstr;
+
+const std::filesystem::path kRoot = KIRIREEL_SOURCE_DIR;
+
+TEST(AccuracyPage, IsFilledInFromItsTables) {
+  const std::string command = (kRoot / "scripts/accuracy").string() + " --check";
+  EXPECT_EQ(std::system(command.c_str()), 0);
+}
+
+TEST(AccuracyPage, FindingsFollowFromTheTables) {
+  for (const Study& study : studies()) {
+    SCOPED_TRACE(study.name);
+    const auto file = kRoot / "docs/accuracy" / (study.name + ".json");
+    Table table = readCsv(file.parent_path() / (study.name + ".csv"));
+    ASSERT_EQ(table.columns.size(), study.columns.size() + 1);
+    const auto kept = nlohmann::json::parse(std::ifstream(file));
+    table.columns.front().meaning = kept["columns"][0]["meaning"];
+    std::copy(study.columns.begin(), study.columns.end(), table.columns.begin() + 1);
+    EXPECT_EQ(nlohmann::json::parse(studyJson(study, table)), kept);
+  }
+}
+
+TEST(AccuracyPage, HoldsEveryRowOfTheHardCases) {
+  // Read without the script that fills in the page.
+  const std::string page = test::bytesOf(kRoot / "docs/accuracy.md");
+  const Table table = readCsv(kRoot / "docs/accuracy/hard-cases.csv");
+  ASSERT_GT(table.rows.size(), 30U);
+  for (const Row& row : table.rows) {
+    std::string line = "|";
+    for (std::size_t k = 1; k < row.size(); ++k) line += " " + row[k] + " |";
+    EXPECT_THAT(page, HasSubstr(line + "\n"));
+  }
+  EXPECT_THAT(page, HasSubstr(table.caption.machine));
+}
+
+}  // namespace
+}  // namespace kirireel
