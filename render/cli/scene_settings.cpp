@@ -96,8 +96,6 @@ void applySetting(CLI::Option& option, const SceneSetting& setting) {
   }
 }
 
-}  // namespace
-
 SceneFile applySceneFile(CLI::App& command, const std::filesystem::path& file) {
   SceneFile scene = readSceneFile(file);
   for (const SceneSetting& setting : scene.settings)

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "sim/deploy/assembled_floor.h"
+#include "sim/deploy/assembled_state.h"
 #include "sim/measure/measures.h"
 
 namespace kirireel {
@@ -123,7 +123,7 @@ Inspection inspect(const Scene& scene) {
   inspection.target = inspectState(scene, *model.target);
   inspection.shapeChange = largestShapeChange(model.tiles, *model.target);
   inspection.rigidFloor = rigidFloor(model.tiles, *model.target);
-  inspection.assembledFloor = assembledFloor(scene);
+  inspection.assembledFloor = assembleAtTarget(scene).error;
   return inspection;
 }
 

@@ -161,8 +161,9 @@ class PathSearch {
     // Joints that give are of no use against bricks.
     const bool isExact = !std::isfinite(first.path.jointStiffness);
     return {isExact ? first.path : PathSettings{PathKind::Straight},
-            first.reason + " where bricks pass through each other; no path that was tried arrives "
-                           "among bricks that touch"};
+            first.reason +
+                " where bricks pass through each other; no path that was tried arrives "
+                "among bricks that touch"};
   }
 
   const Scene& scene_;

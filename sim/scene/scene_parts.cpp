@@ -28,21 +28,23 @@ void addTargets(const std::vector<std::filesystem::path>& files, Scene& scene,
 void requireTile(const Model& model, int tile, const char* option) {
   const int count = static_cast<int>(model.tiles.size());
   if (tile >= 0 && tile < count) return;
-  throw InputError(fmt::format("{}: error: the model has tiles 0-{}, not {}; correct this number", option, count - 1, tile));
+  throw InputError(fmt::format("{}: error: the model has tiles 0-{}, not {}; correct this number",
+                               option, count - 1, tile));
 }
 
 void requireTwoTiles(const Model& model, int tileA, int tileB, const char* option) {
   requireTile(model, tileA, option);
   requireTile(model, tileB, option);
   if (tileA != tileB) return;
-  throw InputError(fmt::format("{}: error: tile {} cannot be joined to itself; name two tiles", option, tileA));
+  throw InputError(
+      fmt::format("{}: error: tile {} cannot be joined to itself; name two tiles", option, tileA));
 }
 
 void requireVertex(const Model& model, const Corner& corner, const char* option) {
   const int count = static_cast<int>(model.tiles[corner.tile].vertices.size());
   if (corner.vertex >= 0 && corner.vertex < count) return;
-  throw InputError(fmt::format("{}: error: tile {} has vertices 0-{}, not {}; correct this number", option, corner.tile,
-                               count - 1, corner.vertex));
+  throw InputError(fmt::format("{}: error: tile {} has vertices 0-{}, not {}; correct this number",
+                               option, corner.tile, count - 1, corner.vertex));
 }
 
 void addFixed(const std::vector<std::array<int, 2>>& pairs, Model& model) {

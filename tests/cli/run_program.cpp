@@ -93,9 +93,12 @@ ScratchFolder::~ScratchFolder() {
 
 std::vector<std::string> filesIn(const fs::path& folder) {
   std::vector<std::string> names;
-  if (!fs::exists(folder)) return names;
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
-    if (entry.is_regular_file()) names.push_back(fs::relative(entry.path(), folder).string());
+  // A program that is still running may take folders away meanwhile.
+  std::error_code ignored;
+  for (fs::recursive_directory_iterator entry(folder, ignored), end; entry != end;
+       entry.increment(ignored)) {
+    if (!entry->is_regular_file(ignored)) continue;
+    names.push_back(entry->path().lexically_relative(folder).string());
   }
   std::sort(names.begin(), names.end());
   return names;
