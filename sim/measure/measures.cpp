@@ -1,17 +1,25 @@
 #include "sim/measure/measures.h"
 
-#include <algorithm>
+#include <cmath>
 
 #include "sim/model/alignment.h"
 
 namespace kirireel {
+namespace {
+
+/// The larger of two figures. What is no number stays: std::max would drop it.
+double largerOf(double largest, double figure) {
+  return std::isnan(largest) || figure <= largest ? largest : figure;
+}
+
+}  // namespace
 
 JointGap jointGap(std::span<const Pivot> pivots, const Poses& poses) {
   JointGap gap;
   if (pivots.empty()) return gap;
   for (const Pivot& pivot : pivots) {
     const double distance = pivotGap(pivot, poses);
-    gap.max = std::max(gap.max, distance);
+    gap.max = largerOf(gap.max, distance);
     gap.mean += distance;
   }
   gap.mean /= static_cast<double>(pivots.size());
@@ -24,7 +32,7 @@ double targetError(const std::vector<Tile>& target, const std::vector<Brick>& br
   for (size_t i = 0; i < bricks.size(); ++i) {
     for (size_t k = 0; k < bricks[i].bottom.size(); ++k) {
       const Vector3 vertex = poses[i].apply(bricks[i].bottom[k]);
-      largest = std::max(largest, (vertex - target[i].vertices[k]).norm());
+      largest = largerOf(largest, (vertex - target[i].vertices[k]).norm());
     }
   }
   return largest;
@@ -36,7 +44,7 @@ double rigidFloor(const std::vector<Tile>& tiles, const std::vector<Tile>& targe
     const RigidMotion motion = bestRigidMotion(tiles[i].vertices, target[i].vertices);
     for (size_t k = 0; k < tiles[i].vertices.size(); ++k) {
       const Vector3 vertex = motion.apply(tiles[i].vertices[k]);
-      largest = std::max(largest, (vertex - target[i].vertices[k]).norm());
+      largest = largerOf(largest, (vertex - target[i].vertices[k]).norm());
     }
   }
   return largest;

@@ -1,5 +1,8 @@
 #include "sim/measure/measures.h"
 
+#include <cmath>
+#include <limits>
+
 #include <gtest/gtest.h>
 
 #include "sim/model/tessellation.h"
@@ -31,6 +34,13 @@ TEST(JointGap, OneMovedBrickOpensItsJoints) {
 TEST(JointGap, ZeroWithoutJoints) {
   EXPECT_EQ(jointGap({}, {}).max, 0);
   EXPECT_EQ(jointGap({}, {}).mean, 0);
+}
+
+TEST(JointGap, PosesThatAreNoNumbersAreNoSmallGap) {
+  Sheet sheet;
+  sheet.poses[0].position.x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(std::isnan(jointGap(sheet.pivots, sheet.poses).max));
+  EXPECT_TRUE(std::isnan(targetError(sheet.model.tiles, sheet.bricks, sheet.poses)));
 }
 
 TEST(TargetError, IsTheLargestVertexDistance) {
