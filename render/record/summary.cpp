@@ -46,7 +46,7 @@ Json accuracyJson(const RunSummary& summary, bool hasTarget) {
 
 Json pathJson(const PathSettings& path, const std::string& reason) {
   const bool isLed = path.kind == PathKind::Led;
-  const bool jointsGive = isLed && std::isfinite(path.jointStiffness);
+  const bool jointsGive = std::isfinite(path.jointStiffness);
   return {{"kind", isLed ? "led" : "straight"},
           {"reason", reason},
           {"led_time", onlyIf(isLed, path.ledTime)},

@@ -26,6 +26,11 @@ constexpr double kOverlapShare = 1e-4;
 // steps are halved again and again.
 constexpr long kContactEffort = 1'300'000;
 
+// Whether exact joints jam is looked at for so many seconds.
+constexpr double kJamTime = 0.5;
+// Of joints that would jam, N/m: a hundred thousand times the pull's usual stiffness.
+constexpr double kJammedStiffness = 1e7;
+
 constexpr double kExact = std::numeric_limits<double>::infinity();
 
 /// The paths to try, in this order.
@@ -35,7 +40,7 @@ const std::vector<PathSettings>& candidates() {
       {PathKind::Led, 2, 50, kExact}, {PathKind::Led, 8, 1000, kExact},
       {PathKind::Led, 4, 10, 1e8},    {PathKind::Led, 4, 10, 1e7},
       {PathKind::Led, 4, 10, 1e6},    {PathKind::Led, 4, 10, 1e5},
-      {PathKind::Led, 4, 10, 1e4},
+      {PathKind::Led, 4, 10, 1e4},    {PathKind::Led, 4, 200, 1e4},
   };
   return paths;
 }
@@ -79,6 +84,24 @@ class StallWatch {
   double best_ = -1;
   double bestTime_ = 0;
 };
+
+/// Whether joints cannot be held exactly on the way: with redundant joints the least misfit of the
+/// tiles forbids any motion, and most steps are halved in vain.
+bool exactJointsJam(const Scene& scene, double sampleInterval) {
+  Scene trial = scene;
+  trial.environment = Environment{};
+  trial.stop.duration = kJamTime;
+  trial.path = {PathKind::Straight};
+  const Run* running = nullptr;
+  const long mostEffort = kContactEffort / static_cast<long>(scene.model.tiles.size());
+  const SampleObserver watch = [&](const Sample&) {
+    return !running || running->cost().factorizations <= mostEffort;
+  };
+  Run run(trial, sampleInterval, -1, watch);
+  running = &run;
+  const DeployCost cost = run.finish().cost;
+  return 2 * cost.halvedSteps > cost.steps;
+}
 
 /// How a trial ended.
 struct TrialEnd {
@@ -181,10 +204,18 @@ PathChoice choosePath(const Scene& scene, double sampleInterval, const TargetRoo
   if (scene.path.kind != PathKind::Auto) return {scene.path, "asked for"};
   PathSettings straight = scene.path;
   straight.kind = PathKind::Straight;
-  if (!scene.model.target) return {straight, "there is no target"};
-  if (scene.actuation.drive != Drive::Target) return {straight, "nothing pulls to the target"};
-  if (!scene.timeline.empty()) return {straight, "the timeline leads"};
   if (scene.solver.kind == SolverKind::Bullet) return {straight, "the baseline tries no others"};
+  if (!scene.timeline.empty()) return {straight, "the timeline leads"};
+  const Drive drive = scene.actuation.drive;
+  if ((drive == Drive::Expansion || drive == Drive::Boundary) &&
+      exactJointsJam(scene, sampleInterval)) {
+    straight.jointStiffness = kJammedStiffness;
+    return {straight, fmt::format("exact joints jam, the tiles fit each other in no open state; "
+                                  "joints of {:g} N/m",
+                                  kJammedStiffness)};
+  }
+  if (!scene.model.target) return {straight, "there is no target"};
+  if (drive != Drive::Target) return {straight, "nothing pulls to the target"};
   return PathSearch(scene, sampleInterval, room.assembledFloor, observer).find(!room.isBlocked);
 }
 

@@ -70,6 +70,11 @@ Run::Run(const Scene& scene, double sampleInterval, double assembledFloor,
   };
 }
 
+/// Joints that give while the tiles are led close again; on a straight path they stay as they are.
+bool Run::jointsGiveThroughout() const {
+  return scene_.path.kind == PathKind::Straight && std::isfinite(scene_.path.jointStiffness);
+}
+
 /// What drives the bricks.
 void Run::pull(const Poses& poses, std::vector<Load>& loads) const {
   const Drive drive = scene_.actuation.drive;
@@ -120,6 +125,7 @@ void Run::reset() {
   motion_ = {startPoses_, nudge(bricks_.size(), kNudge * size_, scene_.solver.seed)};
   // A solver carries contacts and multipliers from step to step, which do not belong here.
   dynamics_ = makeDynamics(scene_, needs_, bricks_, startPoses(scene_.model.tiles, bricks_));
+  if (jointsGiveThroughout()) dynamics_->setJointStiffness(scene_.path.jointStiffness);
   goTo(nullptr);
 }
 
@@ -145,6 +151,7 @@ bool Run::followTimeline(bool atRest) {
 void Run::start() {
   const std::vector<Tile> before = bottomTiles(bricks_, motion_.poses);
   dynamics_->assemble(motion_.poses);
+  if (jointsGiveThroughout()) dynamics_->setJointStiffness(scene_.path.jointStiffness);
   goTo(nullptr);
   motion_.velocities = nudge(bricks_.size(), kNudge * size_, scene_.solver.seed);
   Accuracy& accuracy = result_.accuracy;
@@ -200,7 +207,7 @@ void Run::advanceStep() {
 void Run::observeStep() {
   Accuracy& accuracy = result_.accuracy;
   const JointGap gap = jointGap(pivots_, motion_.poses);
-  const bool jointsGive = follower_ && follower_->jointsGive();
+  const bool jointsGive = follower_ ? follower_->jointsGive() : jointsGiveThroughout();
   double& largest = jointsGive ? accuracy.jointOpeningMax : accuracy.jointGapMax;
   largest = std::max(largest, gap.max);
   gapSum_ += gap.mean;

@@ -44,6 +44,7 @@ class Run : private TimelineStage {
   void observeStep();
   void updateRest();
   bool isLost() const;
+  bool jointsGiveThroughout() const;
   void takeSample();
   void end(Outcome outcome, std::string reason);
   void endAtRest();

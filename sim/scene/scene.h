@@ -84,8 +84,8 @@ struct PathSettings {
   PathKind kind = PathKind::Auto;
   double ledTime = 4;         ///< seconds in which the tiles are led to the target, above 0
   double ledStiffness = 200;  ///< k_f while led, N/m; k_tau is 40 times that
-  /// Of each pivot while led, N/m: joints give on the way and are closed at its end. Infinity:
-  /// exact throughout.
+  /// Of each pivot, N/m: while led joints give and are closed at the end, on a straight path they
+  /// give throughout. Infinity: exact.
   double jointStiffness = std::numeric_limits<double>::infinity();
 };
 

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <random>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -130,6 +131,27 @@ TEST(Path, PathsAreTriedAmongBricksThatMeet) {
   EXPECT_LT(result.accuracy.targetErrorEnd, 1e-6);  // measured 2e-10
   // In metres; a tile is 0.6. Measured 1.5e-5.
   EXPECT_LT(result.accuracy.penetrationOutsidePivotsMax, 1e-4 * tileSize(scene.model));
+}
+
+TEST(Path, JointsGiveWhereTilesFitInNoOpenState) {
+  Scene scene;
+  scene.model = makeTessellation({});
+  scene.model.target.reset();
+  scene.actuation.drive = Drive::Expansion;
+  EXPECT_EQ(deploy(scene, 1.0 / 60, nullptr).pathReason, "there is no target");
+  // Lengths that differ in the sixth digit make the redundant joints of the sheet a truss.
+  std::mt19937 generator(1);
+  for (Tile& tile : scene.model.tiles) {
+    for (Vector3& vertex : tile.vertices) {
+      vertex.x() += 1e-6 * (static_cast<double>(generator()) / 4294967296.0 - 0.5);
+    }
+  }
+  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_THAT(result.pathReason, HasSubstr("exact joints jam"));
+  EXPECT_EQ(result.outcome, Outcome::Settled) << result.reason;
+  EXPECT_GT(result.accuracy.jointOpeningMax, 0);
+  EXPECT_LT(result.accuracy.jointOpeningMax, 1e-2);  // of a tile of 1 m
+  EXPECT_LT(10 * result.cost.halvedSteps, result.cost.steps);
 }
 
 TEST(Path, AsksNobodyWhereThereIsNoChoice) {
