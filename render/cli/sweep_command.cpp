@@ -34,6 +34,14 @@ int coreCount() {
   return static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
 }
 
+/// A fair share of the machine's memory, unless a limit was given.
+WorkerLimits withMemoryLimit(WorkerLimits limits) {
+  if (limits.memoryBytes > 0) return limits;
+  limits.memoryBytes =
+      static_cast<std::int64_t>(::sysconf(_SC_PHYS_PAGES)) * ::sysconf(_SC_PAGESIZE) / limits.count;
+  return limits;
+}
+
 /// "3/8".
 SweepShard parseShard(const OptionValue& value) {
   const std::string wanted = "I/N, as in 3/8: part I of N, counted from 1";
@@ -61,7 +69,7 @@ void addWorkerOptions(CLI::App& command, WorkerLimits& limits) {
               });
   group.number("--run-limit", limits.seconds, {1e-3, 1e9}, "SECONDS",
                "a run that takes longer has failed");
-  group.value("--memory-limit", "MEGABYTES", "none",
+  group.value("--memory-limit", "MEGABYTES", "the machine's memory over --jobs",
               "of each process; a run that needs more has failed",
               [&limits](const OptionValue& typed) {
                 limits.memoryBytes =
@@ -217,7 +225,7 @@ MadeRuns makeRuns(const SweepRuns& runs, const fs::path& folder, const SweepOrde
         if (verdict) tally.add(*verdict);
         return !takeInterrupt();
       }};
-  const bool isWhole = runInWorkers(jobs, order.limits);
+  const bool isWhole = runInWorkers(jobs, withMemoryLimit(order.limits));
   fmt::print("{}{}\n",
              isWhole ? "" : "interrupted; the same command goes on from here: ", tally.text());
   return {isWhole, tally.failed()};

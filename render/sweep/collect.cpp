@@ -36,13 +36,14 @@ std::vector<Figure> figuresOf(const std::string& parent, const std::vector<std::
   return figures;
 }
 
-/// The measures of a run; all that its accuracy states are among them.
+/// The measures of a run; all that its accuracy states are among them. Their names are not those of
+/// parameters, of which "tiles" and "path" are some.
 std::vector<Figure> measures(const Json& summary) {
   std::vector<Figure> figures = {{"outcome", Json::json_pointer("/outcome")},
                                  {"end_time", Json::json_pointer("/end_time")},
-                                 {"tiles", Json::json_pointer("/model/tiles")},
-                                 {"joints", Json::json_pointer("/model/joints")},
-                                 {"path", Json::json_pointer("/path/kind")}};
+                                 {"tile_count", Json::json_pointer("/model/tiles")},
+                                 {"joint_count", Json::json_pointer("/model/joints")},
+                                 {"path_kind", Json::json_pointer("/path/kind")}};
   for (const auto& accuracy : summary.at("accuracy").items()) {
     figures.push_back({accuracy.key(), Json::json_pointer("/accuracy/" + accuracy.key())});
   }

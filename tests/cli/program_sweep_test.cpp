@@ -180,6 +180,14 @@ TEST_F(SweepProgram, CollectGathersWhatIsThere) {
   EXPECT_THAT(csv, testing::StartsWith("run,columns,spring_stiffness,status,reason,outcome,"));
 }
 
+TEST_F(SweepProgram, ParametersAndMeasuresHaveColumnsOfTheirOwn) {
+  const ProgramEnd end = sweep(
+      "generate = \"stampfli-removal\"\n[base]\nduration = 0.1\n"
+      "[grid]\ntiles = [30, 40]\npath = [\"straight\"]\n");
+  EXPECT_EQ(end.exitCode, 0) << end.err;
+  EXPECT_THAT(readText(out() / "sweep.csv"), testing::StartsWith("run,path,tiles,status,"));
+}
+
 TEST_F(SweepProgram, UnknownParameterIsNamedWithTheNearest) {
   expectRefused(sweep("generate = \"fan\"\n[grid]\nspring_stifness = [1, 2]\n"),
                 "sweep.toml:3:20: error: there is no parameter spring_stifness, did you mean "

@@ -49,8 +49,8 @@ TEST_F(CollectTest, PutsFailedRunsBesideDoneOnes) {
   EXPECT_THAT(gathered.done, ElementsAre("c"));
   EXPECT_THAT(gathered.captions, ElementsAre("k 3"));
   EXPECT_EQ(csvText(gathered.results),
-            "run,k,status,reason,outcome,end_time,tiles,joints,path,joint_gap_max,rigid_floor,"
-            "steps,halved_steps,unconverged_steps\n"
+            "run,k,status,reason,outcome,end_time,tile_count,joint_count,path_kind,joint_gap_max,"
+            "rigid_floor,steps,halved_steps,unconverged_steps\n"
             "a,1,failed,\"no such \"\"sheet\"\", sorry\",,,,,,,,,,\n"
             "c,3,done,,settled,,,,,0.5,,7,,\n");
   EXPECT_EQ(csvText(gathered.costs),
