@@ -14,6 +14,14 @@ std::string describeTarget(const Accuracy& accuracy) {
       accuracy.targetErrorEnd, accuracy.targetErrorStart, accuracy.rigidFloor);
 }
 
+std::string describePath(const RunSummary& summary, bool hasTarget) {
+  const double opening = summary.accuracy.jointOpeningMax;
+  std::string text;
+  if (hasTarget || opening > 0) text += fmt::format("path: {}\n", summary.pathReason);
+  if (opening > 0) text += fmt::format("joints gave by {:.3g} m at most on the way\n", opening);
+  return text;
+}
+
 std::string describeNeed(const char* name, const Need& need) {
   return fmt::format("{} {} ({})", name, need.on ? "on" : "off", need.reason);
 }
@@ -100,9 +108,9 @@ std::string describeRun(const Scene& scene, const RecordSettings& settings,
                       describeNeed("contacts", summary.needs.contacts));
   if (scene.model.target) {
     text += describeTarget(accuracy);
-    text += fmt::format("path: {}\n", summary.pathReason);
     text += describeBlocking(summary.blocking);
   }
+  text += describePath(summary, scene.model.target.has_value());
   text += fmt::format("joint gap {:.3g} m at most, penetration {:.3g} m at most\n",
                       accuracy.jointGapMax, accuracy.penetrationMax);
   text += describeCost(summary);
