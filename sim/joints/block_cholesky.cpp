@@ -1,6 +1,7 @@
 #include "sim/joints/block_cholesky.h"
 
 #include <algorithm>
+#include <array>
 
 #include "sim/joints/dense_kernels.h"
 
@@ -21,9 +22,9 @@ void BlockCholesky<D>::analyze(int nodeCount, const std::vector<std::pair<int, i
     size += D * D * node.columnCount * (node.columnCount + node.rows.size());
   }
   panels_.assign(size, 0.0);
-  updates_.assign(plan_.supernodes.size(), {});
   placeDiagonals();
   placeEdges();
+  placeUpdates();
 }
 
 template <int D>
@@ -64,6 +65,30 @@ void BlockCholesky<D>::placeEdges() {
   }
 }
 
+/// An update waits on one of two stacks while its parent's grows on the other: fronts of even depth
+/// use the first, of odd depth the second. So the memory stays small, and in the cache.
+template <int D>
+void BlockCholesky<D>::placeUpdates() {
+  const std::vector<Supernode>& nodes = plan_.supernodes;
+  std::vector<int> stackOf(nodes.size(), 0);
+  for (std::size_t s = nodes.size(); s-- > 0;) {
+    for (const int child : nodes[s].children) stackOf[child] = 1 - stackOf[s];
+  }
+  const auto size = [&](int s) { return D * D * nodes[s].rows.size() * nodes[s].rows.size(); };
+  std::array<std::size_t, 2> top = {0, 0};
+  std::array<std::size_t, 2> highest = {0, 0};
+  updateStart_.resize(nodes.size());
+  for (std::size_t s = 0; s < nodes.size(); ++s) {
+    const int stack = stackOf[s];
+    updateStart_[s] = top[stack];
+    top[stack] += size(static_cast<int>(s));
+    highest[stack] = std::max(highest[stack], top[stack]);
+    for (const int child : nodes[s].children) top[1 - stack] -= size(child);
+  }
+  for (std::size_t s = 0; s < nodes.size(); ++s) updateStart_[s] += stackOf[s] * highest[0];
+  updates_.assign(highest[0] + highest[1], 0.0);
+}
+
 template <int D>
 void BlockCholesky<D>::setZero() {
   std::fill(diagonal_.begin(), diagonal_.end(), Block::Zero());
@@ -80,6 +105,12 @@ template <int D>
 typename BlockCholesky<D>::MatrixMap BlockCholesky<D>::panel(int supernode) {
   return {panels_.data() + panelStart_[supernode], frontRows(supernode),
           D * plan_.supernodes[supernode].columnCount};
+}
+
+template <int D>
+typename BlockCholesky<D>::MatrixMap BlockCholesky<D>::update(int supernode) {
+  const int rows = D * static_cast<int>(plan_.supernodes[supernode].rows.size());
+  return {updates_.data() + updateStart_[supernode], rows, rows};
 }
 
 template <int D>
@@ -107,20 +138,18 @@ void BlockCholesky<D>::assemble(int supernode) {
       place += offDiagonal_[entry.source];
     }
   }
-  const std::size_t rows = D * plan_.supernodes[supernode].rows.size();
-  updates_[supernode].assign(rows * rows, 0.0);
+  update(supernode).setZero();
 }
 
 template <int D>
 void BlockCholesky<D>::addChildren(int supernode) {
   const Supernode& node = plan_.supernodes[supernode];
-  const int rows = D * static_cast<int>(node.rows.size());
   MatrixMap front = panel(supernode);
-  MatrixMap update(updates_[supernode].data(), rows, rows);
+  MatrixMap own = update(supernode);
   for (std::size_t c = 0; c < node.children.size(); ++c) {
     const std::vector<int>& places = node.childPlaces[c];
     const int size = static_cast<int>(places.size());
-    const ConstMatrixMap child(updates_[node.children[c]].data(), D * size, D * size);
+    const MatrixMap child = update(node.children[c]);
     for (int j = 0; j < size; ++j) {
       const int column = places[j];
       for (int i = j; i < size; ++i) {
@@ -128,8 +157,8 @@ void BlockCholesky<D>::addChildren(int supernode) {
         if (column < node.columnCount) {
           front.template block<D, D>(D * places[i], D * column) += block;
         } else {
-          update.template block<D, D>(D * (places[i] - node.columnCount),
-                                      D * (column - node.columnCount)) += block;
+          own.template block<D, D>(D * (places[i] - node.columnCount),
+                                   D * (column - node.columnCount)) += block;
         }
       }
     }
@@ -140,7 +169,7 @@ template <int D>
 bool BlockCholesky<D>::eliminate(int supernode) {
   return denseKernels().eliminate(panels_.data() + panelStart_[supernode], frontRows(supernode),
                                   D * plan_.supernodes[supernode].columnCount,
-                                  updates_[supernode].data());
+                                  update(supernode).data());
 }
 
 template <int D>

@@ -53,11 +53,13 @@ class BlockCholesky {
 
   void placeDiagonals();
   void placeEdges();
+  void placeUpdates();
   void assemble(int supernode);
   void addChildren(int supernode);
   bool eliminate(int supernode);
   int frontRows(int supernode) const;
   MatrixMap panel(int supernode);
+  MatrixMap update(int supernode);
 
   Elimination plan_;
   std::vector<std::pair<int, int>> edges_;
@@ -67,8 +69,9 @@ class BlockCholesky {
   std::vector<std::vector<Entry>> edgeEntries_;
   int largestBelow_ = 0;  // rows below any panel, in blocks
   std::vector<std::size_t> panelStart_;
-  std::vector<double> panels_;                // the factor: one panel a supernode, column-major
-  std::vector<std::vector<double>> updates_;  // Schur complements that wait for their parents
+  std::vector<double> panels_;  // the factor: one panel a supernode, column-major
+  std::vector<std::size_t> updateStart_;
+  std::vector<double> updates_;  // Schur complements that wait for their parents, on two stacks
 };
 
 extern template class BlockCholesky<3>;

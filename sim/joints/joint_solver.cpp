@@ -22,6 +22,7 @@ constexpr double kChangeTolerance = 1e-6;        // of all rows in a round: the 
 constexpr double kSlow = 1e-3;                   // below this speed tolerances shrink no more
 constexpr double kJumpShare = 0.3;  // closing may move this part of what the step moved
 constexpr double kJumpFloor = 1e-9;
+constexpr double kForeseeable = 0.3;       // largest ratio of closing moves taken for steady
 constexpr double kRecovery = 2e-6;         // overlap taken back in a step
 constexpr double kOverlapAccepted = 4e-5;  // at the end of a step
 constexpr int kHalvings = 8;
@@ -83,11 +84,13 @@ class Stepper : public JointSolver {
   bool moveAndClose(const Poses& start, double step);
   bool closeJoints(const std::vector<Row>& contacts, double step);
   Vector closingMove(const std::vector<Row>& contacts, bool withOverlaps) const;
+  Vector foreseen(const Vector& move, const Vector& lastMove) const;
   double overlap(const Row& row) const;
   bool anyOverlap(const std::vector<Row>& contacts) const;
   double largestGap() const;
   double jointSpeed() const;
   void displace(const Vector& move);
+  double product(const Vector& a, const Vector& b) const;
   double norm(const Vector& move) const;
   void finishStep(Motion& motion) const;
   void keepMultipliers(double step);
@@ -317,7 +320,10 @@ bool Stepper<D>::moveAndClose(const Poses& start, double step) {
 }
 
 /// Gauss-Newton on the joints' gaps, on the factor at hand: the smallest move by A in which the
-/// contacts that push hold their gaps. The first rounds also take overlaps back.
+/// contacts that push hold their gaps. The first rounds also take overlaps back. As the factor is
+/// of the step's start, moves shrink by a steady ratio; what follows the last one is foreseen from
+/// it (Broyden's good update with a memory of one: Kelley 2003, "Solving Nonlinear Equations with
+/// Newton's Method", 4.2).
 template <int D>
 bool Stepper<D>::closeJoints(const std::vector<Row>& contacts, double step) {
   const double scale = settings_.lengthScale;
@@ -325,10 +331,12 @@ bool Stepper<D>::closeJoints(const std::vector<Row>& contacts, double step) {
   double moved = 0;
   double gap = largestGap();
   bool refactored = false;
+  Vector lastMove = Vector::Zero(program_.x.size());
   for (int round = 0; round < kClosingRounds && moved <= allowed; ++round) {
     const bool overlapping = round < kOverlapRounds && anyOverlap(contacts);
     if (gap <= kGapTolerance * scale && !overlapping) break;
-    const Vector move = closingMove(contacts, overlapping);
+    const Vector move = foreseen(closingMove(contacts, overlapping), lastMove);
+    lastMove = move;
     displace(move);
     moved += norm(move);
     const double before = gap;
@@ -354,6 +362,14 @@ Eigen::VectorXd Stepper<D>::closingMove(const std::vector<Row>& contacts, bool w
   }
   system_.solveInPlace(move);
   return move;
+}
+
+/// The move together with those that would follow it, if each is to the next as the last is to it.
+template <int D>
+Eigen::VectorXd Stepper<D>::foreseen(const Vector& move, const Vector& lastMove) const {
+  const double square = product(lastMove, lastMove);
+  const double ratio = square > 0 ? product(move, lastMove) / square : 0;
+  return std::abs(ratio) < kForeseeable ? Vector(move / (1 - ratio)) : move;
 }
 
 /// How far a contact falls short of the gap that it aims at, metres.
@@ -388,16 +404,22 @@ void Stepper<D>::displace(const Vector& move) {
   }
 }
 
-/// Length of a move of all bricks, turns counted at one length scale from the centre.
+/// Scalar product of two moves of all bricks, turns counted at one length scale from the centre.
 template <int D>
-double Stepper<D>::norm(const Vector& move) const {
+double Stepper<D>::product(const Vector& a, const Vector& b) const {
   double sum = 0;
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
-    const Velocity part = Space::unpack(move.segment<D>(D * i));
-    sum += part.linear.squaredNorm() +
-           settings_.lengthScale * settings_.lengthScale * part.angular.squaredNorm();
+    const Velocity partOfA = Space::unpack(a.segment<D>(D * i));
+    const Velocity partOfB = Space::unpack(b.segment<D>(D * i));
+    sum += partOfA.linear.dot(partOfB.linear) +
+           settings_.lengthScale * settings_.lengthScale * partOfA.angular.dot(partOfB.angular);
   }
-  return std::sqrt(sum);
+  return sum;
+}
+
+template <int D>
+double Stepper<D>::norm(const Vector& move) const {
+  return std::sqrt(product(move, move));
 }
 
 /// Keeps the impulses, of contacts by whole planes: a plane that carries load somewhere may do so
