@@ -54,6 +54,7 @@ Scene slowScene(int frames) {
   scene.model = makeTessellation({.columns = kSide, .rows = kSide});
   scene.brick.thickness = 0.1;
   scene.springs.forceDamping = 1e4;
+  scene.path.kind = PathKind::Straight;  // a search comes before the first frame, not beside it
   scene.stop.settleTime = 1e6;
   scene.stop.duration = (frames - 1.0) / kRate;
   return scene;
@@ -163,6 +164,11 @@ void run(int frames) {
 }  // namespace kirireel::bench
 
 int main(int count, char** arguments) {
-  kirireel::bench::run(count > 1 ? std::atoi(arguments[1]) : 600);
+  const int frames = count > 1 ? std::atoi(arguments[1]) : 600;
+  if (frames < 2) {
+    fmt::print(stderr, "Usage: {} [FRAMES], at least 2; 600 by default\n", arguments[0]);
+    return 2;
+  }
+  kirireel::bench::run(frames);
   return 0;
 }
