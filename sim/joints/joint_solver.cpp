@@ -22,7 +22,7 @@ constexpr double kChangeTolerance = 1e-6;        // of all rows in a round: the 
 constexpr double kSlow = 1e-3;                   // below this speed tolerances shrink no more
 constexpr double kJumpShare = 0.3;  // closing may move this part of what the step moved
 constexpr double kJumpFloor = 1e-9;
-constexpr double kForeseeable = 0.3;       // largest ratio of closing moves taken for steady
+constexpr double kForeseeable = 0.1;       // largest ratio of closing moves taken for steady
 constexpr double kRecovery = 2e-6;         // overlap taken back in a step
 constexpr double kOverlapAccepted = 4e-5;  // at the end of a step
 constexpr int kHalvings = 8;
@@ -347,6 +347,7 @@ bool Stepper<D>::closeJoints(const std::vector<Row>& contacts, double step) {
     system_.placeJoints(poses_);
     if (!system_.factor(contacts)) return false;
     refactored = true;
+    lastMove.setZero();
   }
   return gap <= kGapAccepted * scale && moved <= allowed;
 }
