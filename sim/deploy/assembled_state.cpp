@@ -29,7 +29,7 @@ AssembledState assembleAtTarget(const Scene& scene) {
   Motion motion{bestFitPoses(bricks, target), std::vector<Velocity>(bricks.size())};
   const std::unique_ptr<Dynamics> dynamics =
       makeDynamics(alone, sceneNeeds(alone), bricks, motion.poses);
-  dynamics->assemble(motion.poses);
+  if (!dynamics->assemble(motion.poses)) dynamics->setJointStiffness(kMisfitStiffness);
 
   const TargetSprings springs(bricks, target, scene.model.pulledTiles, scene.springs);
   const LoadSource pull = [&springs](const Poses& poses, std::vector<Load>& loads) {

@@ -80,6 +80,7 @@ DeploymentResult deployUnkept(const Scene& scene, double sampleInterval,
   // A search that was ended early ends the run with its start.
   const SampleObserver watch = [&](const Sample& sample) { return observer(sample) && goOn; };
   DeploymentResult result = Run(chosen, sampleInterval, nearest.error, watch).finish();
+  if (!result.pathReason.empty()) choice.reason += "; " + result.pathReason;
   result.pathReason = std::move(choice.reason);
   result.blocking = std::move(blocking);
   result.cost.cpuSecondsSearch = searchSeconds;

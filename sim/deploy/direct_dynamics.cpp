@@ -12,6 +12,8 @@ namespace {
 // Overlaps below this part of a tile, and of the thickness, count as none.
 constexpr double kTilePart = 1e-5;
 constexpr double kThicknessPart = 2e-3;
+// Joints are closed below this part of a tile.
+constexpr double kClosed = 1e-10;
 
 /// Where the bricks of a planar scene rub on the ground: at every vertex, with an even share of the
 /// weight.
@@ -55,12 +57,12 @@ void requireSpace(const Scene& scene, const Needs& needs) {
 DirectDynamics::DirectDynamics(const Scene& scene, const Needs& needs,
                                const std::vector<Brick>& bricks, const Poses& start)
     : brickCount_(bricks.size()),
+      tileSize_(tileSize(scene.model)),
       environment_(scene.environment),
       obstacles_(obstacleParts(scene.environment.obstacles)),
       bodies_(bodiesOf(bricks, obstacles_)),
-      solver_(makeJointSolver(
-          bodies_, makePivots(scene.model.joints, bricks),
-          {needs.planar.on, tileSize(scene.model), groundSupports(scene, needs, bricks)})),
+      solver_(makeJointSolver(bodies_, makePivots(scene.model.joints, bricks),
+                              {needs.planar.on, tileSize_, groundSupports(scene, needs, bricks)})),
       substeps_(scene.solver.substeps.value_or(1)) {
   requireSpace(scene, needs);
   if (hasObstacles()) setPinned(std::vector<bool>(brickCount_, false));
@@ -69,18 +71,20 @@ DirectDynamics::DirectDynamics(const Scene& scene, const Needs& needs,
   appendObstacles(poses);
   contacts_ = std::make_unique<ContactFinder>(
       bodies_, poses, makePivots(scene.model.joints, bricks), scene.environment, needs.planar.on,
-      std::min(kTilePart * tileSize(scene.model), kThicknessPart * scene.brick.thickness),
-      obstacles_);
+      std::min(kTilePart * tileSize_, kThicknessPart * scene.brick.thickness), obstacles_);
 }
 
 void DirectDynamics::appendObstacles(Poses& poses) const {
   for (const ObstaclePart& part : obstacles_) poses.push_back(part.pose);
 }
 
-void DirectDynamics::assemble(Poses& poses) {
-  appendObstacles(poses);
-  solver_->assemble(poses);
-  poses.resize(brickCount_);
+bool DirectDynamics::assemble(Poses& poses) {
+  Poses closed = poses;
+  appendObstacles(closed);
+  if (solver_->assemble(closed) > kClosed * tileSize_) return false;
+  closed.resize(brickCount_);
+  poses = std::move(closed);
+  return true;
 }
 
 void DirectDynamics::setPinned(const std::vector<bool>& pinned) {

@@ -12,7 +12,7 @@ class DirectDynamics : public Dynamics {
   DirectDynamics(const Scene& scene, const Needs& needs, const std::vector<Brick>& bricks,
                  const Poses& start);
 
-  void assemble(Poses& poses) override;
+  bool assemble(Poses& poses) override;
   void setPinned(const std::vector<bool>& pinned) override;
   void setJointStiffness(double stiffness) override { solver_->setJointStiffness(stiffness); }
   std::vector<ContactLoad> contactLoads() const override { return solver_->contactLoads(); }
@@ -23,6 +23,7 @@ class DirectDynamics : public Dynamics {
   void appendObstacles(Poses& poses) const;
 
   std::size_t brickCount_;
+  double tileSize_;  // metres
   Environment environment_;
   std::vector<ObstaclePart> obstacles_;
   std::vector<Brick> bodies_;  // the bricks, then pinned ones that stand for obstacles

@@ -8,13 +8,18 @@
 
 namespace kirireel {
 
+/// Of joints that cannot be held exactly, because the tiles do not fit each other in the states on
+/// the way, N/m: a hundred thousand times the pull's usual stiffness.
+constexpr double kMisfitStiffness = 1e7;
+
 /// Advances all bricks by one step.
 class Dynamics {
  public:
   virtual ~Dynamics() = default;
 
-  /// Closes joints that are open at the start, where the solver can; the poses are changed.
-  virtual void assemble(Poses& poses) = 0;
+  /// Closes joints that are open, where the solver does that. Returns false, and changes nothing,
+  /// where it cannot be done: tiles that do not fit each other in any state nearby.
+  virtual bool assemble(Poses& poses) = 0;
 
   /// Holds these bricks where they are until told otherwise; one entry a brick. Throws InputError
   /// where the solver cannot.

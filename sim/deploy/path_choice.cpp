@@ -28,8 +28,8 @@ constexpr long kContactEffort = 1'300'000;
 
 // Whether exact joints jam is looked at for so many seconds.
 constexpr double kJamTime = 0.5;
-// Of joints that would jam, N/m: a hundred thousand times the pull's usual stiffness.
-constexpr double kJammedStiffness = 1e7;
+// They do once most steps, and so many, have failed at their shortest: those of two whole ones.
+constexpr long kJammedSteps = 512;
 
 constexpr double kExact = std::numeric_limits<double>::infinity();
 
@@ -103,9 +103,14 @@ bool exactJointsJam(const Scene& scene, double sampleInterval) {
   return 2 * cost.halvedSteps > cost.steps;
 }
 
+bool isJammed(const DeployCost& cost) {
+  return cost.unconvergedSteps > kJammedSteps && 2 * cost.unconvergedSteps > cost.steps;
+}
+
 /// How a trial ended.
 struct TrialEnd {
   bool arrives = false;
+  bool jams = false;        ///< exact joints could not be held on the way
   bool keepsClear = false;  ///< no bricks overlap on the way, outside shared pivots
 };
 
@@ -116,15 +121,17 @@ TrialEnd tryPath(const Scene& scene, double sampleInterval, double assembledFloo
   const long mostEffort = kContactEffort / static_cast<long>(scene.model.tiles.size());
   const bool isLimited = scene.environment.contacts != ContactFilter::None;
   const SampleObserver watch = [&](const Sample& sample) {
-    return stalls(sample) && !(isLimited && running->cost().factorizations > mostEffort);
+    if (isLimited) return stalls(sample) && running->cost().factorizations <= mostEffort;
+    return stalls(sample) && !isJammed(running->cost());
   };
   Run run(scene, sampleInterval, assembledFloor, watch);
   running = &run;
   const DeploymentResult result = run.finish();
+  const bool jams = !isLimited && isJammed(result.cost);
   const double tile = tileSize(scene.model);
   const double near = std::max(kArrivedFactor * assembledFloor, kArrivedShare * tile);
   const Accuracy& accuracy = result.accuracy;
-  return {result.outcome != Outcome::Diverged && accuracy.targetErrorEnd <= near,
+  return {result.outcome != Outcome::Diverged && !jams && accuracy.targetErrorEnd <= near, jams,
           accuracy.penetrationOutsidePivotsMax <= kOverlapShare * tile};
 }
 
@@ -152,6 +159,7 @@ class PathSearch {
     trial.solver.timestep = stepFactor * scene_.solver.timestep;
     const TrialEnd end = tryPath(trial, std::max(interval_, trial.solver.timestep), floor_);
     arrived_ = end.arrives;
+    jammed_ = end.jams;
     keptClear_ = end.keepsClear;
     return arrived_;
   }
@@ -163,7 +171,9 @@ class PathSearch {
     straight.kind = PathKind::Straight;
     const Environment empty;
     if (arrives(straight, empty, kCoarseSteps)) return {straight, "a straight pull arrives"};
+    const bool jams = jammed_;
     for (const PathSettings& path : candidates()) {
+      if (jams && !std::isfinite(path.jointStiffness)) continue;
       const std::string what = describe(path);
       if (!mayTry(what)) break;
       if (arrives(path, empty)) return {path, what + " arrives"};
@@ -194,6 +204,7 @@ class PathSearch {
   double floor_;
   const TrialObserver& observer_;
   bool arrived_ = false;    // the last trial
+  bool jammed_ = false;     // likewise
   bool keptClear_ = false;  // likewise
 };
 
@@ -209,10 +220,10 @@ PathChoice choosePath(const Scene& scene, double sampleInterval, const TargetRoo
   const Drive drive = scene.actuation.drive;
   if ((drive == Drive::Expansion || drive == Drive::Boundary) &&
       exactJointsJam(scene, sampleInterval)) {
-    straight.jointStiffness = kJammedStiffness;
+    straight.jointStiffness = kMisfitStiffness;
     return {straight, fmt::format("exact joints jam, the tiles fit each other in no open state; "
                                   "joints of {:g} N/m",
-                                  kJammedStiffness)};
+                                  kMisfitStiffness)};
   }
   if (!scene.model.target) return {straight, "there is no target"};
   if (drive != Drive::Target) return {straight, "nothing pulls to the target"};

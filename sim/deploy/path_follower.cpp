@@ -46,14 +46,10 @@ bool PathFollower::prepareStep(double time, Dynamics& dynamics) {
   springs_.setTarget(guide_.at(std::min(1.0, elapsed / path_.ledTime)));
   const double late = elapsed - path_.ledTime - kCatchUp;
   if (!jointsGive()) return late <= 0;
-  if (late > kStiffening) {
-    dynamics.setJointStiffness(std::numeric_limits<double>::infinity());
-    return false;
-  }
+  const double part = std::clamp(late / kStiffening, 0.0, 1.0);
   const double range = std::max(1.0, kClosingStiffness / path_.jointStiffness);
-  dynamics.setJointStiffness(path_.jointStiffness *
-                             std::pow(range, std::max(0.0, late / kStiffening)));
-  return true;
+  dynamics.setJointStiffness(path_.jointStiffness * std::pow(range, part));
+  return late <= kStiffening;
 }
 
 }  // namespace kirireel

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include <fmt/format.h>
@@ -22,6 +23,8 @@ constexpr double kArrivedShare = 1e-9;
 constexpr std::size_t kPairsNamed = 3;
 // Initial speeds, in model sizes a second, that let a run leave an unstable equilibrium.
 constexpr double kNudge = 1e-6;
+// Stiffness of joints that do not give.
+constexpr double kExact = std::numeric_limits<double>::infinity();
 
 /// Uniform in [-1, 1) with the same bits from every standard library.
 double uniform(std::mt19937& generator) {
@@ -75,6 +78,15 @@ bool Run::jointsGiveThroughout() const {
   return scene_.path.kind == PathKind::Straight && std::isfinite(scene_.path.jointStiffness);
 }
 
+/// Holds the joints as the start of the run does. They give a little where tiles do not fit.
+void Run::holdJoints() {
+  if (jointsGiveThroughout()) {
+    dynamics_->setJointStiffness(scene_.path.jointStiffness);
+  } else if (misfit_) {
+    dynamics_->setJointStiffness(kMisfitStiffness);
+  }
+}
+
 /// What drives the bricks.
 void Run::pull(const Poses& poses, std::vector<Load>& loads) const {
   const Drive drive = scene_.actuation.drive;
@@ -125,7 +137,7 @@ void Run::reset() {
   motion_ = {startPoses_, nudge(bricks_.size(), kNudge * size_, scene_.solver.seed)};
   // A solver carries contacts and multipliers from step to step, which do not belong here.
   dynamics_ = makeDynamics(scene_, needs_, bricks_, startPoses(scene_.model.tiles, bricks_));
-  if (jointsGiveThroughout()) dynamics_->setJointStiffness(scene_.path.jointStiffness);
+  holdJoints();
   goTo(nullptr);
 }
 
@@ -150,8 +162,8 @@ bool Run::followTimeline(bool atRest) {
 
 void Run::start() {
   const std::vector<Tile> before = bottomTiles(bricks_, motion_.poses);
-  dynamics_->assemble(motion_.poses);
-  if (jointsGiveThroughout()) dynamics_->setJointStiffness(scene_.path.jointStiffness);
+  misfit_ = !dynamics_->assemble(motion_.poses);
+  holdJoints();
   goTo(nullptr);
   motion_.velocities = nudge(bricks_.size(), kNudge * size_, scene_.solver.seed);
   Accuracy& accuracy = result_.accuracy;
@@ -190,7 +202,9 @@ void Run::takeSample() {
 /// Leads the tiles on, or lets them go once the path is done.
 void Run::followPath() {
   if (!follower_ || follower_->prepareStep(time() + step_, *dynamics_)) return;
-  dynamics_->assemble(motion_.poses);
+  const bool closed = dynamics_->assemble(motion_.poses);
+  if (follower_->jointsGive()) dynamics_->setJointStiffness(closed ? kExact : kMisfitStiffness);
+  misfit_ = misfit_ || !closed;
   follower_.reset();
 }
 
@@ -317,6 +331,11 @@ DeploymentResult Run::finish() {
   if (!ended_)
     end(Outcome::OutOfTime, fmt::format("still moving after {:.4g} s", scene_.stop.duration));
   if (stepCount_ > 0) result_.accuracy.jointGapMean = gapSum_ / static_cast<double>(stepCount_);
+  if (misfit_) {
+    result_.pathReason =
+        fmt::format("the tiles do not quite fit each other, so joints give a little, with {:g} N/m",
+                    kMisfitStiffness);
+  }
   result_.cost.cpuSeconds = threadCpuSeconds() - startSeconds;
   return std::move(result_);
 }

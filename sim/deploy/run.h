@@ -45,6 +45,7 @@ class Run : private TimelineStage {
   void updateRest();
   bool isLost() const;
   bool jointsGiveThroughout() const;
+  void holdJoints();
   void takeSample();
   void end(Outcome outcome, std::string reason);
   void endAtRest();
@@ -80,6 +81,7 @@ class Run : private TimelineStage {
   long stepCount_ = 0;
   double gapSum_ = 0;
   double restTime_ = 0;
+  bool misfit_ = false;  // joints could not be closed
   bool ended_ = false;
   DeploymentResult result_;
 };

@@ -12,7 +12,9 @@ class WorldDynamics : public Dynamics {
   /// `substeps` of the engine in each step.
   WorldDynamics(std::unique_ptr<BrickWorld> world, int substeps, std::size_t brickCount);
 
-  void assemble(Poses& /*poses*/) override {}  // engines pull open joints together as they go
+  bool assemble(Poses& /*poses*/) override {
+    return true;  // engines pull open joints together as they go
+  }
   void setPinned(const std::vector<bool>& pinned) override;
   void setJointStiffness(double /*stiffness*/) override {}  // they give as it is
   std::vector<ContactLoad> contactLoads() const override { return {}; }
