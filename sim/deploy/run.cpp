@@ -19,6 +19,8 @@ constexpr double kLostDistance = 1e3;
 constexpr double kLockedShare = 0.02;
 // So much of the model's size from the target is arrived: a stiffer pull is not tried.
 constexpr double kArrivedShare = 1e-9;
+// Steps that fail, and bring no brick farther than this part of a tile, are no motion.
+constexpr double kStuckShare = 1e-3;
 // Of the contacts that hold a run up, so many are named.
 constexpr std::size_t kPairsNamed = 3;
 // Initial speeds, in model sizes a second, that let a run leave an unstable equilibrium.
@@ -216,6 +218,29 @@ void Run::advanceStep() {
   result_.cost.unconvergedSteps += report.unconverged;
   result_.cost.factorizations += report.factorizations;
   ++stepCount_;
+  watchJam(report);
+}
+
+/// Notes where the bricks are when steps begin to fail at their shortest.
+void Run::watchJam(const StepReport& report) {
+  const bool fails = report.unconverged > 0;
+  if (!fails) {
+    jamStart_.clear();
+  } else if (!isStuck()) {
+    jamStart_ = motion_.poses;
+  }
+}
+
+/// Whether steps fail, and the bricks have stayed since they began to.
+bool Run::isStuck() const {
+  if (jamStart_.empty()) return false;
+  double farthest = 0;
+  for (std::size_t i = 0; i < jamStart_.size(); ++i) {
+    const double turn = motion_.poses[i].rotation.angularDistance(jamStart_[i].rotation);
+    const double move = (motion_.poses[i].position - jamStart_[i].position).norm();
+    farthest = std::max(farthest, move + turn * tileSize_);
+  }
+  return farthest < kStuckShare * tileSize_;
 }
 
 void Run::observeStep() {
@@ -237,7 +262,8 @@ void Run::updateRest() {
     const double speed = velocity.linear.norm() + velocity.angular.norm() * tileSize_;
     fastest = std::max(fastest, speed);
   }
-  restTime_ = !follower_ && fastest < scene_.stop.settleSpeed * size_ ? restTime_ + step_ : 0;
+  const bool rests = fastest < scene_.stop.settleSpeed * size_ || isStuck();
+  restTime_ = !follower_ && rests ? restTime_ + step_ : 0;
 }
 
 bool Run::isLost() const {
@@ -273,6 +299,7 @@ void Run::endAtRest() {
 std::string Run::holdup() const {
   if (scene_.solver.kind == SolverKind::Bullet) return "the baseline does not tell why";
   const std::vector<ContactLoad> loads = dynamics_->contactLoads();
+  if (loads.empty() && isStuck()) return "exact joints leave the tiles no way on";
   if (loads.empty()) return "a local minimum of the pull, no small move brings the tiles nearer";
   std::vector<std::string> pairs;
   for (const ContactLoad& load : loads) {

@@ -43,6 +43,8 @@ class Run : private TimelineStage {
   void followPath();
   void observeStep();
   void updateRest();
+  void watchJam(const StepReport& report);
+  bool isStuck() const;
   bool isLost() const;
   bool jointsGiveThroughout() const;
   void holdJoints();
@@ -82,6 +84,7 @@ class Run : private TimelineStage {
   double gapSum_ = 0;
   double restTime_ = 0;
   bool misfit_ = false;  // joints could not be closed
+  Poses jamStart_;       // where steps began to fail however short; empty while they do not
   bool ended_ = false;
   DeploymentResult result_;
 };

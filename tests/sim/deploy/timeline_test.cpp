@@ -184,6 +184,18 @@ TEST(Timelines, AnEntryAfterTheEndIsRefused) {
   }
 }
 
+/// Two opposite corners pinned hold a mechanism of one degree of freedom; but its closed state is
+/// singular, and to first order it could move.
+TEST(Timelines, PinsThatHoldTheMechanismLockItSoon) {
+  Scene scene;
+  scene.model = makeTessellation({});
+  scene.timeline = {{{}, Pin{{0, 15}}}};
+  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_EQ(result.outcome, Outcome::Locked);
+  EXPECT_THAT(result.reason, HasSubstr("exact joints leave the tiles no way on"));
+  EXPECT_LT(result.trajectory.samples.back().time, 2);  // measured 0.78 s
+}
+
 TEST(Timelines, BulletRefusesPins) {
   Scene scene = sheetScene();
   scene.solver.kind = SolverKind::Bullet;
