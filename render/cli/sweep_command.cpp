@@ -231,14 +231,15 @@ MadeRuns makeRuns(const SweepRuns& runs, const fs::path& folder, const SweepOrde
   return {isWhole, tally.failed()};
 }
 
-void writeContactSheet(const Gathered& gathered, const fs::path& folder, const fs::path& file) {
-  if (gathered.done.empty()) return;
+void writeContactSheet(const Gathered& gathered, const std::vector<std::string>& keys,
+                       const fs::path& folder, const fs::path& file) {
+  if (gathered.runs.size() == gathered.failed) return;
   std::vector<ContactPicture> pictures;
-  for (std::size_t i = 0; i < gathered.done.size(); ++i) {
-    const fs::path run = folder / "runs" / gathered.done[i];
-    pictures.push_back({run / output::kFinalVertices, gathered.captions[i]});
+  for (const FinishedRun& run : gathered.runs) {
+    const fs::path vertices = folder / "runs" / run.name / output::kFinalVertices;
+    pictures.push_back({run.failed ? fs::path() : vertices, run.thickness, run.values});
   }
-  writePng(composeContactSheet(pictures), file);
+  writePng(composeContactSheet(keys, pictures), file);
 }
 
 /// Puts the table, the costs and the contact sheet beside the runs.
@@ -258,9 +259,9 @@ Gathered collect(const SweepRuns& runs, const fs::path& folder) {
   writeTextFile(stem + ".csv", csvText(gathered.results));
   writeTableArrays(gathered.results, stem + ".h5");
   writeTextFile(stem + "_costs.csv", csvText(gathered.costs));
-  writeContactSheet(gathered, folder, stem + ".png");
+  writeContactSheet(gathered, runs.sweep().plan.keys(), folder, stem + ".png");
   fmt::print("{0}.csv, {0}.h5, {0}.png: {1} runs done, {2} failed, {3} missing\n", stem,
-             gathered.done.size(), gathered.failed, gathered.missing);
+             gathered.runs.size() - gathered.failed, gathered.failed, gathered.missing);
   return gathered;
 }
 
