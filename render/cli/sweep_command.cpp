@@ -81,7 +81,7 @@ void requireMeant(const SweepRuns& runs, bool confirmed) {
   const std::uint64_t count = runs.sweep().plan.size();
   if (count <= kMostUnconfirmed || confirmed) return;
   throw InputError(
-      fmt::format("{}: error: these are {:.3g} runs, about {:.0f} days of one core at 0.1 s each; "
+      fmt::format("{}: error: these are {:.3g} runs, about {:.4g} days of one core at 0.1 s each; "
                   "give fewer values, or --yes if that is what you want",
                   runs.sweep().file.string(), static_cast<double>(count),
                   static_cast<double>(count) * 0.1 / 86400));
@@ -140,10 +140,8 @@ class SweepFolder {
     } catch (const std::exception& error) {
       record.reason = withoutFolder(error.what(), claim->folder());
     }
-    record.failed = !record.reason.empty();
     dropEmptyMessages(claim->folder());
-    claim->finish(record);
-    return record.failed ? Verdict::Failed : Verdict::Done;
+    return finish(*claim, record);
   }
 
   /// Keeps the reason why a run did not end.
@@ -155,6 +153,20 @@ class SweepFolder {
   }
 
  private:
+  /// On a full disk, keeps the reason in place of the run.
+  static Verdict finish(RunClaim& claim, RunRecord& record) {
+    record.failed = !record.reason.empty();
+    try {
+      claim.finish(record);
+    } catch (const OutputError& error) {
+      claim.clear();
+      record.failed = true;
+      record.reason = withoutFolder(error.what(), claim.folder());
+      claim.finish(record);
+    }
+    return record.failed ? Verdict::Failed : Verdict::Done;
+  }
+
   std::optional<RunClaim> take(std::uint64_t index) const {
     return RunClaim::take(folder_, runs_.name(index), order_.retryFailed);
   }
