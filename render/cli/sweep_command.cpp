@@ -30,6 +30,9 @@ constexpr std::uint64_t kMostUnconfirmed = 1'000'000;
 constexpr double kBytesInMegabyte = 1e6;
 constexpr const char* kMessages = "messages.txt";
 
+/// Of the contact sheet: half the time of zlib's usual level for a third more bytes.
+constexpr int kSheetCompression = 3;
+
 int coreCount() {
   return static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
 }
@@ -251,7 +254,7 @@ void writeContactSheet(const Gathered& gathered, const std::vector<std::string>&
     const fs::path vertices = folder / "runs" / run.name / output::kFinalVertices;
     pictures.push_back({run.failed ? fs::path() : vertices, run.thickness, run.values});
   }
-  writePng(composeContactSheet(keys, pictures), file);
+  writePng(composeContactSheet(keys, pictures), file, {.compressionLevel = kSheetCompression});
 }
 
 /// Puts the table, the costs and the contact sheet beside the runs.
