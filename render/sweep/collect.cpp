@@ -220,7 +220,8 @@ std::string csvText(const Table& table) {
   const std::size_t rows = table.empty() ? 0 : table.front().cells.size();
   for (std::size_t row = 0; row < rows; ++row) {
     for (std::size_t k = 0; k < table.size(); ++k) {
-      text += (k == 0 ? "" : ",") + quoted(table[k].cells[row]);
+      if (k > 0) text += ',';
+      text += quoted(table[k].cells[row]);
     }
     text += '\n';
   }
