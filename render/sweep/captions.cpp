@@ -32,6 +32,7 @@ std::vector<std::string> shortened(const std::vector<std::string>& values) {
     for (const std::string& value : distinct) texts.insert(rounded(value, digits));
     if (texts.size() < distinct.size()) continue;
     std::vector<std::string> chosen;
+    chosen.reserve(values.size());
     for (const std::string& value : values) chosen.push_back(rounded(value, digits));
     return chosen;
   }
@@ -51,6 +52,7 @@ std::vector<std::string> captionsOf(const std::vector<std::string>& keys,
   std::vector<std::string> captions(runs.size());
   for (std::size_t k = 0; k < keys.size(); ++k) {
     std::vector<std::string> values;
+    values.reserve(runs.size());
     for (const auto& run : runs) values.push_back(run[k]);
     values = shortened(values);
     for (std::size_t i = 0; i < runs.size(); ++i) {
