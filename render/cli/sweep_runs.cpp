@@ -124,12 +124,36 @@ class RunOrders {
   CLI::App* shape_ = nullptr;
 };
 
+void requireFamily(const Sweep& sweep) {
+  std::vector<std::string> names;
+  for (const Family& family : families()) names.push_back(family.name);
+  if (sweep.family.empty() || has(names, sweep.family)) return;
+  throw inputErrorAt(sweep.familyWhere,
+                     fmt::format("there is no family {}{}; see kirireel generate --help",
+                                 sweep.family, suggestion(sweep.family, names)));
+}
+
+bool namesFile(const std::string& key) {
+  return key == "model" || key == "target" || key == "scene";
+}
+
+/// Tries a value alone.
+void requireValid(const Sweep& sweep, const SweepSetting& setting) {
+  RunOrders(sweep).apply(setting);
+  if (!namesFile(setting.key) || fs::exists(setting.value.text)) return;
+  throw inputErrorAt(setting.value.where,
+                     fmt::format("there is no file or folder {}; correct the name, which is "
+                                 "relative to the sweep file",
+                                 setting.value.text));
+}
+
 /// Each value is tried alone: what a run of them all would refuse is for that run to say.
 void requireValid(const Sweep& sweep) {
-  for (const SweepSetting& setting : sweep.settings) RunOrders(sweep).apply(setting);
+  requireFamily(sweep);
+  for (const SweepSetting& setting : sweep.settings) requireValid(sweep, setting);
   bool namesModel = !sweep.family.empty();
   for (const SweepAxis& axis : sweep.axes) {
-    for (const SweepValue& value : axis.values) RunOrders(sweep).apply({axis.key, value});
+    for (const SweepValue& value : axis.values) requireValid(sweep, {axis.key, value});
     namesModel = namesModel || axis.key == "model";
   }
   for (const SweepSetting& setting : sweep.settings) {
@@ -196,7 +220,7 @@ std::string SweepRuns::name(std::uint64_t index) const {
   digest.add(constants_);
   for (const auto& [key, value] : settings(index)) {
     digest.add(key);
-    if (key != "model" && key != "target" && key != "scene") {
+    if (!namesFile(key)) {
       digest.add(value.text);
       continue;
     }

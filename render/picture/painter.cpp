@@ -193,13 +193,24 @@ FrameSize validated(FrameSize size) {
   return size;
 }
 
+/// What is painted, apart from the graphics context.
+struct Subject {
+  Sketcher sketcher;
+  Colour background;
+  bool opaque;  ///< whether nothing that is drawn has another alpha than 255
+
+  Subject(const std::vector<Brick>& bricks, const Style& style)
+      : sketcher(bricks, style),
+        background(style.background),
+        opaque(style.background.alpha == 255 && style.shadow.alpha == 255) {}
+};
+
 }  // namespace
 
 /// Members in the order in which the context needs them made; it goes last.
 struct Painter::Parts {
   FrameSize size;
-  Colour background;
-  Sketcher sketcher;
+  Subject subject;
   Context context;
   Framebuffer samples;
   Program facePainter;
@@ -208,7 +219,6 @@ struct Painter::Parts {
   Sketch sketch;
   Triangles triangles;
   std::vector<std::uint8_t> strip;  ///< samples on their way to a frame
-  bool opaque = true;               ///< whether nothing that is drawn has another alpha than 255
 
   Parts(FrameSize frameSize, const std::vector<Brick>& bricks, const Style& style);
 
@@ -220,17 +230,15 @@ struct Painter::Parts {
 
 Painter::Parts::Parts(FrameSize frameSize, const std::vector<Brick>& bricks, const Style& style)
     : size(validated(frameSize)),
-      background(style.background),
-      sketcher(bricks, style),
+      subject(bricks, style),
       samples(std::min(size.width, kMaxPartSide) * kSamplesAcross,
               std::min(size.height, kMaxPartSide) * kSamplesDown),
-      facePainter(kFaceVertexShader, kFaceFragmentShader),
-      opaque(style.background.alpha == 255 && style.shadow.alpha == 255) {
+      facePainter(kFaceVertexShader, kFaceFragmentShader) {
   glDepthFunc(GL_LESS);
 }
 
 void Painter::Parts::collectTriangles(const Shot& shot, const Camera& camera) {
-  sketcher.draw(shot, camera, sketch);
+  subject.sketcher.draw(shot, camera, sketch);
   triangles.vertices.clear();
   Tessellator tessellator(sketch, clipFromWorld(camera, size.aspect()), triangles.vertices);
   tessellator.append(sketch.ground);
@@ -256,7 +264,7 @@ void Painter::Parts::drawLayers() const {
 void Painter::Parts::drawSamples(const PixelBox& part, const PixelBox& touched) const {
   const Eigen::Vector2i sides = part.sizes();
   samples.drawInto(sides.x() * kSamplesAcross, sides.y() * kSamplesDown);
-  const std::array<std::uint8_t, 4> back = bytes(background);
+  const std::array<std::uint8_t, 4> back = bytes(subject.background);
   const auto channel = [&back](int k) { return static_cast<float>(back[k]) / 255.0F; };
   glClearColor(channel(0), channel(1), channel(2), channel(3));
   // Clearing everything is quicker here than clearing a box.
@@ -292,7 +300,7 @@ void Painter::Parts::readMeans(const PixelBox& part, const PixelBox& touched, Fr
     for (int row = 0; row < rows; ++row) {
       const std::size_t first = std::size_t{4} * rowSamples * (rows - 1 - row) * kSamplesDown;
       averageRow(
-          {strip.data() + first, rowSamples, opaque}, touched.sizes().x(),
+          {strip.data() + first, rowSamples, subject.opaque}, touched.sizes().x(),
           frame.pixels.data() + frame.rowStart(upper + row) + std::size_t{4} * touched.min().x());
     }
   }
@@ -303,6 +311,10 @@ Painter::Painter(FrameSize size, const std::vector<Brick>& bricks, const Style& 
 
 Painter::~Painter() {
   parts_->context.makeCurrent();
+}
+
+void Painter::show(const std::vector<Brick>& bricks, const Style& style) {
+  parts_->subject = Subject(bricks, style);
 }
 
 FrameSize Painter::size() const {
@@ -317,7 +329,7 @@ Frame Painter::paint(const Shot& shot, const Camera& camera) {
   parts_->context.makeCurrent();
   parts_->collectTriangles(shot, camera);
   parts_->vertexBuffer.load(parts_->triangles.vertices);
-  Frame frame = makeFrame(size(), parts_->background);
+  Frame frame = makeFrame(size(), parts_->subject.background);
   const PixelBox touched = touchedPixels(parts_->triangles.vertices, frame.size);
   for (const PixelBox& part : pictureParts(frame.size)) {
     const PixelBox inside = part.intersection(touched);

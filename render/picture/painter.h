@@ -12,9 +12,9 @@
 
 namespace kirireel {
 
-/// Draws the bricks of one run. Owns a graphics context, which belongs to one thread: make, use and
-/// destroy a painter on the same thread. The same poses, camera and style give the same bytes in
-/// every run, whatever the number of renderer threads.
+/// Draws bricks, those of one run at a time. Owns a graphics context, which belongs to one thread:
+/// make, use and destroy a painter on the same thread. The same poses, camera and style give the
+/// same bytes in every run, whatever the number of renderer threads.
 ///
 /// Faces are flat: away from its outline each has exactly the colour of faceColour(). A pixel is
 /// the mean of 2 x 3 samples (bytes of sRGB, weighted by alpha), which smooths the edges.
@@ -25,6 +25,10 @@ class Painter {
   ~Painter();
   Painter(const Painter&) = delete;
   Painter& operator=(const Painter&) = delete;
+
+  /// Draws these bricks in this style from now on, in pictures of the same size. A graphics context
+  /// takes longer to make than many small pictures to paint.
+  void show(const std::vector<Brick>& bricks, const Style& style);
 
   /// What the shot shows. Throws OutputError.
   Frame paint(const Shot& shot, const Camera& camera);

@@ -143,18 +143,25 @@ std::optional<double> Stage::sharedHeight() const {
 }
 
 Studio::Studio(FrameSize size, const Look& look, Motif motif)
-    : stage_(look, std::move(motif), size), painter_(size, stage_.motif().bricks, stage_.style()) {}
+    : stage_(std::in_place, look, std::move(motif), size),
+      painter_(size, stage_->motif().bricks, stage_->style()) {}
+
+void Studio::show(const Look& look, Motif motif) {
+  stage_.emplace(look, std::move(motif), painter_.size());
+  painter_.show(stage_->motif().bricks, stage_->style());
+  scaleDrawer_.reset();
+}
 
 Frame Studio::take(const Moment& moment, Scales scales) {
-  const Camera camera = stage_.camera(moment);
-  Frame frame = painter_.paint(stage_.shot(moment), camera);
-  if (scales == Scales::None || !stage_.colourScale()) return frame;
+  const Camera camera = stage_->camera(moment);
+  Frame frame = painter_.paint(stage_->shot(moment), camera);
+  if (scales == Scales::None || !stage_->colourScale()) return frame;
   const FrameSize size = frame.size;
   if (!scaleDrawer_) {
     const int em = std::max(kSmallestText, static_cast<int>(std::lround(kTextSize * size.height)));
-    scaleDrawer_.emplace(em, stage_.style().text);
+    scaleDrawer_.emplace(em, stage_->style().text);
   }
-  scaleDrawer_->drawColourBar(frame, *stage_.colourScale(), size.width / 2,
+  scaleDrawer_->drawColourBar(frame, *stage_->colourScale(), size.width / 2,
                               size.height - static_cast<int>(std::lround(kBarHeight * size.height)),
                               size.width);
   return frame;

@@ -22,6 +22,8 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
+const Json::json_pointer kThickness("/settings/thickness");
+
 /// A column of the results and where summary.json has it.
 struct Figure {
   std::string column;
@@ -63,7 +65,7 @@ Json readSummary(const fs::path& folder) {
   const fs::path file = folder / output::kSummary;
   std::ifstream stream(file);
   Json summary = Json::parse(stream, nullptr, false);
-  if (!summary.is_object() || !summary.contains("accuracy")) {
+  if (!summary.is_object() || !summary.contains("accuracy") || !summary.contains(kThickness)) {
     throw inputErrorAt({file}, "this is no summary of a run; remove its folder to run it again");
   }
   return summary;
@@ -76,54 +78,76 @@ std::string cellOf(const Json& summary, const Figure& figure) {
   return value.is_string() ? value.get<std::string>() : value.dump();
 }
 
-/// A finished run.
-struct Row {
-  std::string name;
-  std::vector<std::string> values;
-  RunRecord record;
-  Json summary;  ///< null when it failed
+/// A table that grows by rows, each a cell for each name.
+class TableBuilder {
+ public:
+  void addColumns(const std::vector<std::string>& names) {
+    // Rows that came before have nothing there.
+    for (const std::string& name : names) table_.push_back({name, {rows_, ""}});
+  }
+
+  /// Columns that the row does not reach stay empty.
+  void addRow(std::vector<std::string> cells) {
+    cells.resize(table_.size());
+    for (std::size_t k = 0; k < cells.size(); ++k) table_[k].cells.push_back(std::move(cells[k]));
+    ++rows_;
+  }
+
+  Table take() { return std::move(table_); }
+
+ private:
+  Table table_;
+  std::size_t rows_ = 0;
 };
 
-/// Adds rows to a table whose columns are told by a list of figures.
-void addFigures(const std::vector<Row>& rows, const std::vector<Figure>& figures, Table& table) {
-  for (const Figure& figure : figures) {
-    TableColumn column{figure.column, {}};
-    for (const Row& row : rows) column.cells.push_back(cellOf(row.summary, figure));
-    table.push_back(std::move(column));
-  }
+std::vector<std::string> namesOf(const std::vector<Figure>& figures) {
+  std::vector<std::string> names;
+  for (const Figure& figure : figures) names.push_back(figure.column);
+  return names;
 }
 
-template <typename Cell>
-TableColumn makeColumn(const std::string& name, const std::vector<Row>& rows, const Cell& cell) {
-  TableColumn column{name, {}};
-  for (const Row& row : rows) column.cells.push_back(cell(row));
-  return column;
+void appendCells(const Json& summary, const std::vector<Figure>& figures,
+                 std::vector<std::string>& cells) {
+  for (const Figure& figure : figures) cells.push_back(cellOf(summary, figure));
 }
 
-Table makeResults(const std::vector<Row>& rows, const std::vector<std::string>& keys) {
-  Table table = {makeColumn("run", rows, [](const Row& row) { return row.name; })};
-  for (std::size_t k = 0; k < keys.size(); ++k) {
-    table.push_back(makeColumn(keys[k], rows, [k](const Row& row) { return row.values[k]; }));
+/// Takes finished runs one after the other and keeps their figures alone, not their summaries.
+class Gatherer {
+ public:
+  explicit Gatherer(const std::vector<std::string>& keys) {
+    results_.addColumns({"run"});
+    results_.addColumns(keys);
+    results_.addColumns({"status", "reason"});
+    costs_.addColumns({"run"});
+    costs_.addColumns(namesOf(costFigures()));
   }
-  table.push_back(makeColumn("status", rows, [](const Row& row) {
-    return std::string(row.record.failed ? "failed" : "done");
-  }));
-  table.push_back(makeColumn("reason", rows, [](const Row& row) { return row.record.reason; }));
-  for (const Row& row : rows) {
-    if (row.record.failed) continue;
-    addFigures(rows, measures(row.summary), table);
-    break;
-  }
-  return table;
-}
 
-std::string captionOf(const Row& row, const std::vector<std::string>& keys) {
-  std::vector<std::string> parts;
-  for (std::size_t k = 0; k < keys.size(); ++k) {
-    parts.push_back(fmt::format("{} {}", keys[k], row.values[k]));
+  /// summary: null when the run failed.
+  void add(const FinishedRun& run, const std::string& reason, const Json& summary) {
+    std::vector<std::string> cells = {run.name};
+    cells.insert(cells.end(), run.values.begin(), run.values.end());
+    cells.insert(cells.end(), {run.failed ? "failed" : "done", reason});
+    if (!run.failed) {
+      if (measures_.empty()) {
+        measures_ = measures(summary);
+        results_.addColumns(namesOf(measures_));
+      }
+      appendCells(summary, measures_, cells);
+      std::vector<std::string> costs = {run.name};
+      appendCells(summary, costFigures(), costs);
+      costs_.addRow(std::move(costs));
+    }
+    results_.addRow(std::move(cells));
   }
-  return fmt::format("{}", fmt::join(parts, ", "));
-}
+
+  Table takeResults() { return results_.take(); }
+  Table takeCosts() { return costs_.take(); }
+
+ private:
+  std::vector<Figure> measures_;  ///< known from the first run that is done
+  TableBuilder results_;
+  TableBuilder costs_;
+};
 
 std::string quoted(const std::string& cell) {
   if (cell.find_first_of(",\"\n") == std::string::npos) return cell;
@@ -166,28 +190,26 @@ void writeColumn(const TableColumn& column, ArrayWriter& writer) {
 
 Gathered gather(const SweepListing& listing) {
   Gathered gathered;
-  std::vector<Row> rows;
-  std::vector<Row> doneRows;
+  Gatherer gatherer(listing.keys);
   for (std::uint64_t index = 0; index < listing.count; ++index) {
-    Row row{listing.name(index), listing.values(index), {}, nullptr};
-    const std::optional<RunRecord> record = readRunRecord(listing.runs / row.name);
+    FinishedRun run{listing.name(index), listing.values(index)};
+    const std::optional<RunRecord> record = readRunRecord(listing.runs / run.name);
     if (!record) {
       ++gathered.missing;
       continue;
     }
-    row.record = *record;
-    gathered.failed += record->failed ? 1 : 0;
-    if (!record->failed) {
-      row.summary = readSummary(listing.runs / row.name);
-      gathered.done.push_back(row.name);
-      gathered.captions.push_back(captionOf(row, listing.keys));
-      doneRows.push_back(row);
+    run.failed = record->failed;
+    gathered.failed += run.failed ? 1 : 0;
+    Json summary;
+    if (!run.failed) {
+      summary = readSummary(listing.runs / run.name);
+      run.thickness = summary.at(kThickness).get<double>();
     }
-    rows.push_back(std::move(row));
+    gatherer.add(run, record->reason, summary);
+    gathered.runs.push_back(std::move(run));
   }
-  gathered.results = makeResults(rows, listing.keys);
-  gathered.costs = {makeColumn("run", doneRows, [](const Row& row) { return row.name; })};
-  addFigures(doneRows, costFigures(), gathered.costs);
+  gathered.results = gatherer.takeResults();
+  gathered.costs = gatherer.takeCosts();
   return gathered;
 }
 
@@ -198,7 +220,8 @@ std::string csvText(const Table& table) {
   const std::size_t rows = table.empty() ? 0 : table.front().cells.size();
   for (std::size_t row = 0; row < rows; ++row) {
     for (std::size_t k = 0; k < table.size(); ++k) {
-      text += (k == 0 ? "" : ",") + quoted(table[k].cells[row]);
+      if (k > 0) text += ',';
+      text += quoted(table[k].cells[row]);
     }
     text += '\n';
   }

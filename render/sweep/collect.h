@@ -26,19 +26,26 @@ struct SweepListing {
   std::function<std::vector<std::string>(std::uint64_t)> values;  ///< one for each key
 };
 
+/// One row of the table, as far as a picture of its end needs it.
+struct FinishedRun {
+  std::string name;
+  std::vector<std::string> values;  ///< of the parameters that vary
+  bool failed = false;              ///< then it has no end state
+  double thickness = 0;             ///< of its bricks, metres; 0 when it failed
+};
+
 /// What there is of a sweep.
 struct Gathered {
   /// A row for each finished run: its name, its parameters, its outcome and its measures. Nothing
   /// in it depends on when, where or in which order the runs were made.
   Table results;
   Table costs;  ///< a row for each run that is done: seconds and bytes, which differ every time
-  std::vector<std::string> done;      ///< names of the runs with an end state
-  std::vector<std::string> captions;  ///< what varies, for each of these
-  std::uint64_t failed = 0;
-  std::uint64_t missing = 0;  ///< not made yet, or in work
+  std::vector<FinishedRun> runs;  ///< one for each row of the results
+  std::uint64_t failed = 0;       ///< of these
+  std::uint64_t missing = 0;      ///< not made yet, or in work
 };
 
-/// Reads all finished runs. Throws InputError for damaged records.
+/// Reads all finished runs, one after the other. Throws InputError for damaged records.
 Gathered gather(const SweepListing& listing);
 
 /// A table as text with commas (RFC 4180), its first line the names.

@@ -122,6 +122,10 @@ std::optional<RunClaim> RunClaim::take(const fs::path& runs, const std::string& 
   return RunClaim(std::move(*lock), folder, finished);
 }
 
+void RunClaim::clear() const {
+  removeLeftovers(folder_);
+}
+
 void RunClaim::finish(const RunRecord& record) {
   writeTextFile(folder_ / kRecord, recordText(record));
   const fs::path former = finished_.string() + ".old.part";

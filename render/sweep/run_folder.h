@@ -54,6 +54,9 @@ class RunClaim {
   /// Where to put the run's files: HASH.part beside the finished folder.
   const std::filesystem::path& folder() const { return folder_; }
 
+  /// Removes the files of the run so far.
+  void clear() const;
+
   /// Writes the record and puts the folder in place, whole. Throws OutputError.
   void finish(const RunRecord& record);
 

@@ -158,8 +158,9 @@ void readLatinHypercube(const TomlEntry& entry, Sweep& sweep) {
   }
   if (runs == 0 || axes.empty()) {
     throw inputErrorAt(entry.where,
-                       "[latin_hypercube] is empty; give runs = 100 and ranges, as in "
-                       "thickness = {from = 0.01, to = 0.1}");
+                       fmt::format("[latin_hypercube] has no {}; give runs = 100 and ranges, as in "
+                                   "thickness = {{from = 0.01, to = 0.1}}",
+                                   axes.empty() ? "ranges" : "runs"));
   }
   sweep.plan = SweepPlan::latinHypercube(axes, runs, seed);
 }
@@ -189,6 +190,7 @@ void readEntry(const TomlEntry& entry, Sweep& sweep) {
     }
   } else if (entry.key == "generate") {
     sweep.family = requireText(entry.value, "the name of a family");
+    sweep.familyWhere = entry.value.where;
   } else if (entry.key == "model" || entry.key == "scene") {
     requireText(entry.value, "the name of a file or folder");
     sweep.settings.push_back({entry.key, readValue(entry.key, entry.value)});

@@ -27,7 +27,8 @@ struct SweepSetting {
 /// What a sweep file says. Keys are not known to exist yet.
 struct Sweep {
   std::filesystem::path file;
-  std::string family;  ///< of generated models; empty: the runs name a model
+  std::string family;        ///< of generated models; empty: the runs name a model
+  FileLocation familyWhere;  ///< in the sweep file
   SweepKeep keep = SweepKeep::State;
   std::vector<SweepSetting> settings;  ///< of all runs, by key
   SweepPlan plan;
@@ -40,8 +41,10 @@ struct Sweep {
 ///     generate = "tessellation"     # a family of models; or model = "FOLDER"
 ///     scene = "scene.toml"          # optional
 ///     keep = "state"                # or "trajectory", "pictures", "all"
-///     [base]                        # settings of all runs, by the keys of scene files and
-///     families duration = 5 [grid]                        # every combination columns = [2, 4, 6]
+///     [base]                        # settings of all runs, by the keys of scenes and families
+///     duration = 5
+///     [grid]                        # every combination
+///     columns = [2, 4, 6]
 ///     spring_stiffness = {from = 10, to = 1000, count = 5, scale = "log"}
 ///
 /// [list] in place of [grid] has as many values for each key, one for each run; [latin_hypercube]

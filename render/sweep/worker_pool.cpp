@@ -44,7 +44,8 @@ void limitMemory(std::int64_t bytes) {
     try {
       verdict = jobs.work(job);
     } catch (const std::exception& error) {
-      fmt::print(stderr, "kirireel: {}\n", error.what());
+      // Not fmt::print, which throws when there is no room on the disk that stderr goes to.
+      std::fputs(fmt::format("kirireel: {}\n", error.what()).c_str(), stderr);
       std::fflush(nullptr);
       ::_exit(1);
     }

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/error.h"
+#include "sim/base/spelling.h"
 #include "sim/generate/lattice_designs.h"
 #include "sim/generate/rotors.h"
 #include "sim/generate/shells.h"
@@ -379,7 +380,8 @@ const Family& familyNamed(const std::string& name) {
   for (const Family& family : families()) {
     if (family.name == name) return family;
   }
-  throw InputError(fmt::format("error: there is no family {}; give one of {}", name,
+  throw InputError(fmt::format("error: there is no family {}{}; give one of {}", name,
+                               suggestion(name, names(families())),
                                fmt::join(names(families()), ", ")));
 }
 

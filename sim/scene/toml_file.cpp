@@ -1,6 +1,7 @@
 #include "sim/scene/toml_file.h"
 
 #include <algorithm>
+#include <fstream>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -53,6 +54,7 @@ TomlTable readTomlFile(const std::filesystem::path& path, const std::string& hin
   if (!std::filesystem::is_regular_file(path, ignored)) {
     throw inputErrorAt({path}, "there is no such file; name " + hint);
   }
+  if (!std::ifstream(path)) throw inputErrorAt({path}, "cannot be read; check its permissions");
   try {
     return tableOf(path, toml::parse_file(path.string()));
   } catch (const toml::parse_error& error) {

@@ -193,8 +193,10 @@ TEST_F(SweepProgram, UnknownParameterIsNamedWithTheNearest) {
                 "sweep.toml:3:20: error: there is no parameter spring_stifness, did you mean "
                 "spring_stiffness?; see kirireel simulate --help and kirireel generate fan --help");
   expectRefused(sweep("generate = \"fan\"\n[grid]\ncolums = [1, 2]\n"), "did you mean columns?");
-  expectRefused(sweep("generate = \"fans\"\n[grid]\ncolumns = [1, 2]\n"), "fans");
-  expectRefused(sweep("model = \"a\"\n[grid]\nout = [\"a\", \"b\"]\n"),
+  expectRefused(sweep("generate = \"fans\"\n[grid]\ncolumns = [1, 2]\n"),
+                "sweep.toml:1:12: error: there is no family fans, did you mean fan?; see kirireel "
+                "generate --help");
+  expectRefused(sweep("generate = \"fan\"\n[grid]\nout = [\"a\", \"b\"]\n"),
                 "there is no parameter out");
 }
 
@@ -209,6 +211,14 @@ TEST_F(SweepProgram, ModelIsMissing) {
   expectRefused(sweep("[grid]\nthickness = [0.1]\n"), "there is nothing to run; add model");
   expectRefused(sweep("generate = \"fan\"\n[grid]\nmodel = [\"a\"]\n"),
                 "either model or generate will do");
+}
+
+TEST_F(SweepProgram, MissingFilesAreNamedBeforeTheFirstRun) {
+  expectRefused(sweep("[grid]\nmodel = [\"a\"]\n"),
+                "sweep.toml:2:10: error: there is no file or "
+                "folder");
+  expectRefused(sweep("generate = \"fan\"\n[base]\ntarget = \"b.txt\"\n[grid]\nthickness = [1]\n"),
+                "b.txt; correct the name, which is relative to the sweep file");
 }
 
 TEST_F(SweepProgram, BillionRunsAreToBeConfirmed) {

@@ -330,6 +330,22 @@ TEST(Painter, PaintsTheSameBytesAgain) {
   EXPECT_EQ(paintOnce(sample, size, camera, {}).pixels, first.pixels);
 }
 
+TEST(Painter, ShowsOtherBricksAsANewPainterWould) {
+  const SampleBricks sample = tumbledBricks();
+  const FrameSize size{160, 100};
+  const Camera camera = fittedCamera(sample, size, kIsometricView);
+  Style glass;
+  glass.background = {10, 20, 30, 0};
+  const SampleBricks other = sampleBricks({rectangleTile(0, 0, 3, 2)}, 0.4);
+  Painter painter(size, other.bricks, silhouette());
+  painter.paint(other.poses, camera);
+  for (const Style& style : {Style(), glass, silhouette()}) {
+    painter.show(sample.bricks, style);
+    EXPECT_EQ(painter.paint(sample.poses, camera).pixels,
+              paintOnce(sample, size, camera, style).pixels);
+  }
+}
+
 TEST(Painter, SharesAThreadWithAnother) {
   const SampleBricks sample = tumbledBricks();
   const FrameSize size{160, 100};

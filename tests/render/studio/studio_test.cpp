@@ -129,5 +129,23 @@ TEST(Studio, AddsABarOfColoursToPicturesThatNeedIt) {
   EXPECT_EQ(plain.take(moment).pixels, plain.take(moment, Studio::Scales::Drawn).pixels);
 }
 
+TEST(Studio, ShowsAnotherMotifAsANewStudioWould) {
+  Look dark;
+  dark.theme = Theme::Dark;
+  dark.colouring = Colouring::TargetError;
+  Motif wide = tessellationMotif();
+  wide.points.emplace_back(40, 0, 0);
+  const auto takeIn = [](Studio& studio) {
+    return studio.take({0, studio.stage().motif().start, {}}, Studio::Scales::Drawn).pixels;
+  };
+  Look light = dark;
+  light.theme = Theme::Light;
+  Studio studio({320, 180}, light, tessellationMotif());
+  takeIn(studio);
+  studio.show(dark, wide);
+  Studio fresh({320, 180}, dark, wide);
+  EXPECT_EQ(takeIn(studio), takeIn(fresh));
+}
+
 }  // namespace
 }  // namespace kirireel

@@ -37,7 +37,8 @@ class CollectTest : public testing::Test {
 };
 
 constexpr const char* kSummary =
-    "{\"outcome\": \"settled\", \"accuracy\": {\"joint_gap_max\": 0.5, \"rigid_floor\": null},"
+    "{\"settings\": {\"thickness\": 0.3}, \"outcome\": \"settled\", \"accuracy\": "
+    "{\"joint_gap_max\": 0.5, \"rigid_floor\": null},"
     " \"cost\": {\"steps\": 7, \"wall_seconds\": 1.5}}";
 
 TEST_F(CollectTest, PutsFailedRunsBesideDoneOnes) {
@@ -46,8 +47,11 @@ TEST_F(CollectTest, PutsFailedRunsBesideDoneOnes) {
   const Gathered gathered = gatherThree();
   EXPECT_EQ(gathered.failed, 1U);
   EXPECT_EQ(gathered.missing, 1U);
-  EXPECT_THAT(gathered.done, ElementsAre("c"));
-  EXPECT_THAT(gathered.captions, ElementsAre("k 3"));
+  ASSERT_EQ(gathered.runs.size(), 2U);
+  EXPECT_TRUE(gathered.runs[0].failed);
+  EXPECT_EQ(gathered.runs[1].name, "c");
+  EXPECT_THAT(gathered.runs[1].values, ElementsAre("3"));
+  EXPECT_EQ(gathered.runs[1].thickness, 0.3);
   EXPECT_EQ(csvText(gathered.results),
             "run,k,status,reason,outcome,end_time,tile_count,joint_count,path_kind,joint_gap_max,"
             "rigid_floor,steps,halved_steps,unconverged_steps\n"
@@ -57,6 +61,12 @@ TEST_F(CollectTest, PutsFailedRunsBesideDoneOnes) {
             "run,cpu_seconds_search,cpu_seconds_deploy,cpu_seconds_render,cpu_seconds_encode,"
             "wall_seconds,peak_memory_bytes\n"
             "c,,,,,1.5,\n");
+}
+
+TEST_F(CollectTest, TablesOfFailedRunsHaveNoMeasures) {
+  finish("a", "", "no such sheet");
+  const Gathered gathered = gatherThree();
+  EXPECT_EQ(csvText(gathered.results), "run,k,status,reason\na,1,failed,no such sheet\n");
 }
 
 TEST_F(CollectTest, ArraysHoldNumbersAndTexts) {

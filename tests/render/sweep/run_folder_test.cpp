@@ -50,6 +50,15 @@ TEST_F(RunFolderTest, LeftoversOfAKilledRunAreCleared) {
   EXPECT_FALSE(std::filesystem::exists(claim->folder() / "half.txt"));
 }
 
+TEST_F(RunFolderTest, ClearedRunLeavesItsRecordAlone) {
+  std::optional<RunClaim> claim = take();
+  std::ofstream(claim->folder() / "half.txt") << "half";
+  claim->clear();
+  claim->finish({true, "no room", {}});
+  EXPECT_FALSE(std::filesystem::exists(finished() / "half.txt"));
+  EXPECT_EQ(readRunRecord(finished())->reason, "no room");
+}
+
 TEST_F(RunFolderTest, FailedRunsAreMadeAgainOnRequest) {
   take()->finish({true, "no such sheet", {}});
   EXPECT_FALSE(take());

@@ -52,7 +52,10 @@ TEST(SweepFile, RefusesWhatIsEmpty) {
   expectRefused(
       "[grid]\nthickness = []\n",
       "sweep.toml:2:13: error: thickness has no values; give some, as in thickness = [1, 2]");
-  expectRefused("[latin_hypercube]\nruns = 5\n", "[latin_hypercube] is empty; give runs = 100");
+  expectRefused("[latin_hypercube]\nruns = 5\n",
+                "[latin_hypercube] has no ranges; give runs = 100");
+  expectRefused("[latin_hypercube]\nthickness = {from = 1, to = 2}\n",
+                "[latin_hypercube] has no runs; give runs = 100");
 }
 
 TEST(SweepFile, RefusesWhatIsWrittenWrong) {

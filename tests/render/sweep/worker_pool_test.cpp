@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "sim/base/error.h"
 #include "tests/support/files.h"
 
 namespace kirireel {
@@ -62,6 +63,16 @@ TEST(WorkerPool, CrashLosesItsOwnJobAlone) {
   EXPECT_THAT(pool.lost, ElementsAre(Pair(3, "ended with exit code 7"),
                                      Pair(4, "ended by signal 5 (Trace/breakpoint trap)")));
   EXPECT_EQ(pool.verdicts[Verdict::Done], 18);
+}
+
+TEST(WorkerPool, ErrorEndsItsWorkerThoughNobodyCanBeTold) {
+  PoolRun pool;
+  EXPECT_TRUE(pool.run(2, [](std::uint64_t job) {
+    if (job == 1) return Verdict::Done;
+    std::freopen("/dev/full", "w", stderr);
+    throw OutputError("no room");
+  }));
+  EXPECT_THAT(pool.lost, ElementsAre(Pair(0, "ended with exit code 1")));
 }
 
 TEST(WorkerPool, HungJobIsEnded) {

@@ -155,7 +155,7 @@ TEST(Families, SayWhatIsWrongWithARequest) {
             "heart: error: there is no parameter size; give some of columns, rows, start-angle, "
             "target-angle");
   EXPECT_TRUE(messageFor({"hart", {}})
-                  .starts_with("error: there is no family hart; give one of tessellation, quads,"));
+                  .starts_with("error: there is no family hart, did you mean heart?; give one of tessellation,"));
 }
 
 TEST(Families, RefuseSheetsThatAreNone) {

@@ -1,0 +1,97 @@
+#include "render/sweep/contact_sheet.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "render/studio/studio.h"
+#include "sim/base/error.h"
+#include "sim/model/folder.h"
+#include "tests/support/files.h"
+
+namespace kirireel {
+namespace {
+
+using ::testing::ElementsAre;
+
+TEST(ContactLayout, RowsEndWhereSeriesDo) {
+  EXPECT_EQ(layOutContacts(40, 20).shape, (GridShape{8, 5}));
+  EXPECT_EQ(layOutContacts(21, 7).shape, (GridShape{3, 7}));
+  EXPECT_EQ(layOutContacts(60, 2).shape, (GridShape{8, 8}));
+  // Neither one nor thirteen columns of 26 make a page; one series is all alike.
+  EXPECT_EQ(layOutContacts(2 * 31, 31).shape, (GridShape{8, 8}));
+  EXPECT_EQ(layOutContacts(13, 13).shape, (GridShape{4, 4}));
+  EXPECT_EQ(layOutContacts(7, 1).shape, (GridShape{3, 3}));
+}
+
+TEST(ContactLayout, OfTooManyChoosesWholeSeries) {
+  const ContactLayout layout = layOutContacts(200, 10);
+  EXPECT_EQ(layout.shape, (GridShape{10, 10}));
+  ASSERT_EQ(layout.chosen.size(), 100U);
+  for (std::size_t i = 0; i < 100; ++i) EXPECT_EQ(layout.chosen[i] % 10, i % 10);
+  EXPECT_EQ(layout.chosen.front(), 0U);
+  EXPECT_EQ(layout.chosen.back(), 199U);
+  EXPECT_EQ(layOutContacts(100'000, 1000).chosen.back(), 99'999U);
+  EXPECT_EQ(layOutContacts(101, 101).chosen.back(), 100U);
+  EXPECT_THAT(layOutContacts(3, 3).chosen, ElementsAre(0, 1, 2));
+}
+
+class ContactSheet : public testing::Test {
+ protected:
+  /// A brick that stands on its edge, so that its thickness is in sight from above.
+  ContactPicture upright(double thickness, const std::string& value) const {
+    std::ofstream(file()) << "0 0 0 1 0 0 1 0 1 0 0 1\n";
+    return {file(), thickness, {value}};
+  }
+
+  std::filesystem::path file() const { return folder_ / "final_vertices.txt"; }
+
+  /// The upper left picture of a page.
+  static Frame firstOf(const Frame& page) {
+    const GridLayout layout = layOutGrid({320, 240}, {1, 1});
+    Frame part = makeFrame({320, 240}, {});
+    for (int y = 0; y < 240; ++y) {
+      const auto start = page.pixels.begin() +
+                         static_cast<std::ptrdiff_t>(page.rowStart(layout.upper(0) + y)) +
+                         std::ptrdiff_t{4} * layout.left(0);
+      std::copy_n(start, 4 * 320,
+                  part.pixels.begin() + static_cast<std::ptrdiff_t>(part.rowStart(y)));
+    }
+    return part;
+  }
+
+  Frame studioPicture(double thickness) const {
+    Model model;
+    model.tiles = readTileFile(file());
+    BrickRule rule;
+    rule.thickness = thickness;
+    const Motif motif = makeMotif(model, rule, std::nullopt);
+    return Studio({320, 240}, {}, motif).take({0, motif.start, {}});
+  }
+
+  const test::TemporaryFolder folder_;
+};
+
+TEST_F(ContactSheet, ShowsBricksAsThickAsTheyAre) {
+  for (const double thickness : {0.1, 0.4}) {
+    const ContactPicture picture = upright(thickness, "1");
+    EXPECT_EQ(firstOf(composeContactSheet({"k"}, {picture})).pixels,
+              studioPicture(thickness).pixels);
+  }
+  EXPECT_NE(studioPicture(0.1).pixels, studioPicture(0.4).pixels);
+}
+
+TEST_F(ContactSheet, LeavesRoomForFailedRuns) {
+  const Frame page = composeContactSheet({"k"}, {{{}, 0, {"1"}}, upright(0.1, "2")});
+  EXPECT_EQ(firstOf(page).pixels, makeFrame({320, 240}, Style().background).pixels);
+  EXPECT_NE(composeContactSheet({"k"}, {{{}, 0, {"1"}}}).pixels,
+            composeContactSheet({"k"}, {{{}, 0, {"2"}}}).pixels);
+}
+
+TEST_F(ContactSheet, IsNotMadeOfNothing) {
+  EXPECT_THAT(
+      [] { composeContactSheet({"k"}, {}); },
+      testing::ThrowsMessage<InputError>("error: no run is done, there is nothing to show"));
+}
+
+}  // namespace
+}  // namespace kirireel
