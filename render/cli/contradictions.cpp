@@ -44,6 +44,7 @@ const std::vector<Rule>& rules() {
       {"--pin", isDirect, "--solver direct"},
       {"--link", isDirect, "--solver direct"},
       {"--iterations", isBullet, "--solver bullet"},
+      {"--open-time", isLed, "--path led"},
       {"--led-time", isLed, "--path led"},
       {"--led-stiffness", isLed, "--path led"},
       {"--joint-stiffness", isLed, "--path led"},

@@ -54,6 +54,8 @@ void addPathOptions(CLI::App& command, PathSettings& path) {
       "--path", path.kind,
       {{"auto", PathKind::Auto}, {"straight", PathKind::Straight}, {"led", PathKind::Led}},
       "springs pull straight, or each tile is led along its own motion; auto tries which arrives");
+  group.number("--open-time", path.openTime, kFromZero, "SECONDS",
+               "of expansion from the centre first, with --path led");
   group.number("--led-time", path.ledTime, {1e-6, 1e6}, "SECONDS", "of leading, with --path led");
   group.number("--led-stiffness", path.ledStiffness, kFromZero, "N/M",
                "pull on each vertex while led");

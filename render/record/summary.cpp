@@ -49,6 +49,7 @@ Json pathJson(const PathSettings& path, const std::string& reason) {
   const bool jointsGive = std::isfinite(path.jointStiffness);
   return {{"kind", isLed ? "led" : "straight"},
           {"reason", reason},
+          {"open_time", onlyIf(isLed && path.openTime > 0, path.openTime)},
           {"led_time", onlyIf(isLed, path.ledTime)},
           {"led_stiffness", onlyIf(isLed, path.ledStiffness)},
           {"joint_stiffness", onlyIf(jointsGive, path.jointStiffness)}};

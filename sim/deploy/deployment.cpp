@@ -17,6 +17,12 @@ void requirePositive(double value, const char* name) {
   throw InputError(fmt::format("{} is {}, but must be a positive number of seconds", name, value));
 }
 
+void requireFromZero(double value, const char* name) {
+  if (value >= 0 && std::isfinite(value)) return;
+  throw InputError(
+      fmt::format("{} is {}, but must be a number of seconds, at least 0", name, value));
+}
+
 void requireShare(double value, const char* name) {
   if (value >= 0 && value < 1) return;
   throw InputError(fmt::format(
@@ -58,6 +64,7 @@ DeploymentResult deployUnkept(const Scene& scene, double sampleInterval,
   requirePositive(sampleInterval, "the time between samples");
   requirePositive(scene.solver.timestep, "the timestep");
   requirePositive(scene.stop.duration, "the duration");
+  requireFromZero(scene.path.openTime, "the time of opening");
   requirePositive(scene.path.ledTime, "the time of being led");
   requireShare(scene.environment.linearDamping, "the linear damping");
   requireShare(scene.environment.angularDamping, "the angular damping");

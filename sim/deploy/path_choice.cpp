@@ -36,30 +36,39 @@ constexpr double kExact = std::numeric_limits<double>::infinity();
 /// The paths to try, in this order.
 const std::vector<PathSettings>& candidates() {
   static const std::vector<PathSettings> paths = {
-      {PathKind::Straight},           {PathKind::Led, 4, 200, kExact},
-      {PathKind::Led, 2, 50, kExact}, {PathKind::Led, 8, 1000, kExact},
-      {PathKind::Led, 4, 10, 1e8},    {PathKind::Led, 4, 10, 1e7},
-      {PathKind::Led, 4, 10, 1e6},    {PathKind::Led, 4, 10, 1e5},
-      {PathKind::Led, 4, 10, 1e4},    {PathKind::Led, 4, 200, 1e4},
+      {PathKind::Straight},
+      {PathKind::Led, 0, 4, 200, kExact},
+      {PathKind::Led, 0, 2, 50, kExact},
+      {PathKind::Led, 0, 8, 1000, kExact},
+      {PathKind::Led, 0, 4, 10, 1e8},
+      {PathKind::Led, 0, 4, 10, 1e7},
+      {PathKind::Led, 0, 4, 10, 1e6},
+      {PathKind::Led, 0, 4, 10, 1e5},
+      {PathKind::Led, 0, 4, 10, 1e4},
+      {PathKind::Led, 0, 4, 200, 1e4},
   };
   return paths;
 }
 
-/// The paths to try with contacts, in this order.
+/// The paths to try with contacts, in this order. Where bricks lie flush from the start on, room is
+/// made first.
 const std::vector<PathSettings>& candidatesAmongBricks() {
   static const std::vector<PathSettings> paths = {
       {PathKind::Straight},
-      {PathKind::Led, 2, 50, kExact},
-      {PathKind::Led, 4, 200, kExact},
-      {PathKind::Led, 1, 200, kExact},
+      {PathKind::Led, 1, 2, 50, kExact},
+      {PathKind::Led, 1, 4, 200, kExact},
+      {PathKind::Led, 3, 4, 200, kExact},
+      {PathKind::Led, 0, 2, 50, kExact},
+      {PathKind::Led, 0, 4, 200, kExact},
+      {PathKind::Led, 0, 1, 200, kExact},
   };
   return paths;
 }
 
 std::string describe(const PathSettings& path) {
   if (path.kind == PathKind::Straight) return "straight pull";
-  const std::string way =
-      fmt::format("led for {:g} s with {:g} N/m", path.ledTime, path.ledStiffness);
+  std::string way = fmt::format("led for {:g} s with {:g} N/m", path.ledTime, path.ledStiffness);
+  if (path.openTime > 0) way = fmt::format("opened for {:g} s, {}", path.openTime, way);
   return std::isfinite(path.jointStiffness)
              ? fmt::format("{}, joints of {:g} N/m", way, path.jointStiffness)
              : way + ", exact joints";
@@ -69,7 +78,9 @@ std::string describe(const PathSettings& path) {
 class StallWatch {
  public:
   explicit StallWatch(const Scene& scene)
-      : patience_(kPatience + (scene.path.kind == PathKind::Led ? scene.path.ledTime : 0)) {}
+      : patience_(kPatience + (scene.path.kind == PathKind::Led
+                                   ? scene.path.openTime + scene.path.ledTime
+                                   : 0)) {}
 
   bool operator()(const Sample& sample) {
     if (best_ < 0 || sample.targetError < kImprovement * best_) {

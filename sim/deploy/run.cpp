@@ -91,7 +91,7 @@ void Run::holdJoints() {
 
 /// What drives the bricks.
 void Run::pull(const Poses& poses, std::vector<Load>& loads) const {
-  const Drive drive = scene_.actuation.drive;
+  const Drive drive = isOpening() ? Drive::Expansion : scene_.actuation.drive;
   const Vector3 centre = drive == Drive::Expansion ? centreOfMass(bricks_, poses) : Vector3::Zero();
   const TargetSprings* springs = follower_  ? &follower_->springs()
                                  : springs_ ? &*springs_
@@ -127,11 +127,17 @@ void Run::goTo(const std::vector<Tile>* target) {
   const bool isFinal = scene_.model.target && target_ == &*scene_.model.target;
   targetFloor_ = isFinal ? assembledFloor_ : rigidFloor(scene_.model.tiles, *target_);
   if (!pullsToTarget()) return;
+  follower_.reset();
   if (scene_.path.kind == PathKind::Led) {
-    follower_.emplace(scene_, bricks_, motion_.poses, *target_, time());
+    openedAt_ = time() + scene_.path.openTime;
+    if (!isOpening()) lead();
   }
   springs_.emplace(bricks_, *target_, scene_.model.pulledTiles, scene_.springs);
   stiffness_ = AdaptiveStiffness(scene_.springs.adaptive);
+}
+
+void Run::lead() {
+  follower_.emplace(scene_, bricks_, motion_.poses, *target_, time());
 }
 
 void Run::reset() {
@@ -203,6 +209,11 @@ void Run::takeSample() {
 
 /// Leads the tiles on, or lets them go once the path is done.
 void Run::followPath() {
+  if (isOpening()) return;
+  if (openedAt_ > 0 && !follower_) {
+    lead();
+    openedAt_ = 0;
+  }
   if (!follower_ || follower_->prepareStep(time() + step_, *dynamics_)) return;
   const bool closed = dynamics_->assemble(motion_.poses);
   if (follower_->jointsGive()) dynamics_->setJointStiffness(closed ? kExact : kMisfitStiffness);
@@ -263,7 +274,7 @@ void Run::updateRest() {
     fastest = std::max(fastest, speed);
   }
   const bool rests = fastest < scene_.stop.settleSpeed * size_ || isStuck();
-  restTime_ = !follower_ && rests ? restTime_ + step_ : 0;
+  restTime_ = !follower_ && !isOpening() && rests ? restTime_ + step_ : 0;
 }
 
 bool Run::isLost() const {

@@ -41,6 +41,8 @@ class Run : private TimelineStage {
   void advanceSample();
   void advanceStep();
   void followPath();
+  bool isOpening() const { return time() < openedAt_; }
+  void lead();
   void observeStep();
   void updateRest();
   void watchJam(const StepReport& report);
@@ -70,6 +72,7 @@ class Run : private TimelineStage {
   Needs needs_;
   std::unique_ptr<Dynamics> dynamics_;
   std::optional<TargetSprings> springs_;
+  double openedAt_ = 0;                   // seconds; expansion until then
   std::optional<PathFollower> follower_;  // while the tiles are led
   std::optional<BoundarySprings> boundary_;
   TimelineRunner timeline_;

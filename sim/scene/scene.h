@@ -82,6 +82,9 @@ enum class PathKind {
 /// The path to the target. Straight pulling has local minima in which hard models lock.
 struct PathSettings {
   PathKind kind = PathKind::Auto;
+  /// Seconds of expansion from the common centre before the tiles are led: room for bricks that
+  /// would wedge in each other. From 0.
+  double openTime = 0;
   double ledTime = 4;         ///< seconds in which the tiles are led to the target, above 0
   double ledStiffness = 200;  ///< k_f while led, N/m; k_tau is 40 times that
   /// Of each pivot, N/m: while led joints give and are closed at the end, on a straight path they

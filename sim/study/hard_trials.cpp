@@ -72,10 +72,10 @@ HardTrial inconsistentData() {
   return trial;
 }
 
-/// Shapes that fit each other no longer in any open state: the sheet locks, its joints must not.
+/// Shapes that fit each other no longer in any state: the joints must give no more than the noise.
 HardTrial noisyShapes(double size) {
   HardTrial trial{fmt::format("noise {:g}", size),
-                  fmt::format("every vertex {:g} off; shapes that lock", size),
+                  fmt::format("every vertex {:g} off; shapes that fit no more", size),
                   sheetScene(6, true)};
   Noise noise;
   for (Tile& tile : trial.scene.model.tiles) {

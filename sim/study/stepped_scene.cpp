@@ -45,7 +45,7 @@ SteppedScene::SteppedScene(const Scene& scene, std::vector<Brick> bricks,
   };
   const double before = threadCpuSeconds();
   dynamics_ = makeSolver(scene_, bricks_, motion_.poses);
-  dynamics_->assemble(motion_.poses);
+  if (!dynamics_->assemble(motion_.poses)) dynamics_->setJointStiffness(kMisfitStiffness);
   setupSeconds_ = threadCpuSeconds() - before;
   nudge(kNudge * size_);
 }

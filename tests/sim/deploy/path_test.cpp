@@ -134,6 +134,17 @@ TEST(Path, PathsAreTriedAmongBricksThatMeet) {
   EXPECT_LT(result.accuracy.penetrationOutsidePivotsMax, 1e-4 * tileSize(scene.model));
 }
 
+TEST(Path, BricksThatLieFlushAreOpenedFirst) {
+  Scene scene;
+  scene.model = makeSphericalCap({.size = 6, .radius = 2.6});
+  scene.environment.contacts = ContactFilter::All;
+  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_GT(result.path.openTime, 0);
+  EXPECT_THAT(result.pathReason, HasSubstr("opened for 1 s, led"));
+  EXPECT_LT(result.accuracy.targetErrorEnd, 1e-6);  // measured 7.4e-10
+  EXPECT_LT(result.accuracy.penetrationOutsidePivotsMax, 1e-4 * tileSize(scene.model));
+}
+
 /// Moves every vertex by up to `size` along x, by `move` of -1 to 1.
 void disturb(std::vector<Tile>& tiles, double size,
              const std::function<double(const Vector3&)>& move) {
