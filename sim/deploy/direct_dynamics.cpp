@@ -111,4 +111,9 @@ StepReport DirectDynamics::advance(Motion& motion, double step, const LoadSource
   return report;
 }
 
+void DirectDynamics::transfer(StateTape& tape) {
+  tape.transfer(*solver_);
+  if (contacts_) tape.transfer(*contacts_);
+}
+
 }  // namespace kirireel

@@ -103,12 +103,6 @@ bool exactJointsJam(const Scene& scene, double sampleInterval) {
   return 2 * cost.halvedSteps > cost.steps;
 }
 
-/// How a trial ended.
-struct TrialEnd {
-  bool arrives = false;
-  bool keepsClear = false;  ///< no bricks overlap on the way, outside shared pivots
-};
-
 /// Runs a scene as the deployment itself would, so that what arrives here arrives there.
 TrialEnd tryPath(const Scene& scene, double sampleInterval, double assembledFloor) {
   StallWatch stalls(scene);
@@ -132,13 +126,17 @@ TrialEnd tryPath(const Scene& scene, double sampleInterval, double assembledFloo
 class PathSearch {
  public:
   PathSearch(const Scene& scene, double sampleInterval, double assembledFloor,
-             const TrialObserver& observer)
-      : scene_(scene), interval_(sampleInterval), floor_(assembledFloor), observer_(observer) {}
+             const TrialObserver& observer, std::vector<TrialEnd>& trials)
+      : scene_(scene),
+        interval_(sampleInterval),
+        floor_(assembledFloor),
+        observer_(observer),
+        trials_(trials) {}
 
   PathChoice find(bool roomAtTarget) {
     PathChoice choice = findWithoutContacts();
     const bool contacts = scene_.environment.contacts != ContactFilter::None;
-    if (!contacts || !roomAtTarget || !arrived_ || keptClear_) return choice;
+    if (!contacts || !roomAtTarget || !last_.arrives || last_.keepsClear) return choice;
     return findAmongBricks(choice);
   }
 
@@ -150,10 +148,11 @@ class PathSearch {
     trial.stop = StopRules{};  // the run's own time may be too short for any path
     trial.path = path;
     trial.solver.timestep = stepFactor * scene_.solver.timestep;
-    const TrialEnd end = tryPath(trial, std::max(interval_, trial.solver.timestep), floor_);
-    arrived_ = end.arrives;
-    keptClear_ = end.keepsClear;
-    return arrived_;
+    if (count_ == trials_.size()) {
+      trials_.push_back(tryPath(trial, std::max(interval_, trial.solver.timestep), floor_));
+    }
+    last_ = trials_[count_++];
+    return last_.arrives;
   }
 
   bool mayTry(const std::string& what) { return !observer_ || observer_(what); }
@@ -179,7 +178,7 @@ class PathSearch {
     for (const PathSettings& path : candidatesAmongBricks()) {
       const std::string what = describe(path) + " among touching bricks";
       if (!mayTry(what)) break;
-      if (arrives(path, bricks) && keptClear_) return {path, what + " arrives"};
+      if (arrives(path, bricks) && last_.keepsClear) return {path, what + " arrives"};
     }
     // Joints that give are of no use against bricks.
     const bool isExact = !std::isfinite(first.path.jointStiffness);
@@ -193,14 +192,15 @@ class PathSearch {
   double interval_;  // seconds between samples
   double floor_;
   const TrialObserver& observer_;
-  bool arrived_ = false;    // the last trial
-  bool keptClear_ = false;  // likewise
+  std::vector<TrialEnd>& trials_;
+  std::size_t count_ = 0;  // of trials so far
+  TrialEnd last_;
 };
 
 }  // namespace
 
 PathChoice choosePath(const Scene& scene, double sampleInterval, const TargetRoom& room,
-                      const TrialObserver& observer) {
+                      const TrialObserver& observer, std::vector<TrialEnd>& trials) {
   if (scene.path.kind != PathKind::Auto) return {scene.path, "asked for"};
   PathSettings straight = scene.path;
   straight.kind = PathKind::Straight;
@@ -216,7 +216,8 @@ PathChoice choosePath(const Scene& scene, double sampleInterval, const TargetRoo
   }
   if (!scene.model.target) return {straight, "there is no target"};
   if (drive != Drive::Target) return {straight, "nothing pulls to the target"};
-  return PathSearch(scene, sampleInterval, room.assembledFloor, observer).find(!room.isBlocked);
+  return PathSearch(scene, sampleInterval, room.assembledFloor, observer, trials)
+      .find(!room.isBlocked);
 }
 
 }  // namespace kirireel
