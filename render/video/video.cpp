@@ -248,8 +248,7 @@ void VideoWriter::Internals::openContainer() {
   check(avio_open(&container->pb, file.path().c_str(), AVIO_FLAG_WRITE));
   Options options;
   if (isMp4()) {
-    options.set("movflags", "+delay_moov+default_base_moof");
-    options.set("frag_duration", "100000");  // microseconds
+    options.set("movflags", "+delay_moov+default_base_moof+frag_every_frame");
   }
   if (std::strcmp(format.muxer, "apng") == 0) options.set("plays", "0");  // again and again
   container->flush_packets = 1;
