@@ -113,7 +113,7 @@ void ContactFinder::Internals::listNearPairs() {
 void ContactFinder::Internals::transfer(StateTape& tape) {
   std::vector<std::pair<int, int>> known;
   for (const auto& [key, pair] : pairs) known.emplace_back(pair.a(), pair.b());
-  tape.transfer(step, near, known);
+  tape.transfer(near, known);
   for (const auto& [a, b] : known) pairOf(a, b).transfer(tape);
   if (tape.isPlaying()) listNearPairs();
 }

@@ -1,6 +1,7 @@
 // Deployments that end early and are gone on with, against undisturbed ones.
 #include "sim/deploy/checkpoints.h"
 
+#include <algorithm>
 #include <limits>
 #include <stdexcept>
 
@@ -145,7 +146,10 @@ TEST(Checkpoints, GoOnWhereBricksTouch) {
 }
 
 TEST(Checkpoints, GoOnAmongObstacles) {
-  Scene scene = sheetScene(3, 0.4, 0.8);
+  // A sheet that falls on a sphere and a box, over which it folds and slides.
+  Scene scene = sheetScene(4, 0.4, 0.8);
+  scene.model.target.reset();
+  scene.actuation.drive = Drive::None;
   scene.environment.contacts = ContactFilter::All;
   scene.environment.gravity = Vector3(0, 0, -9.81);
   for (const double x : {-0.8, 0.8}) {
@@ -153,12 +157,68 @@ TEST(Checkpoints, GoOnAmongObstacles) {
     obstacle.shape = x < 0 ? Obstacle::Shape::Sphere : Obstacle::Shape::Box;
     obstacle.radius = 0.5;
     obstacle.size = Vector3(0.4, 0.4, 0.4);
-    obstacle.pose.position = Vector3(x, 0.1, -0.6);
+    obstacle.pose.position = Vector3(x, 0.1, x < 0 ? -0.6 : -0.4);
   }
   scene.stop.duration = 1;
   const DeploymentResult undisturbed = deployWhole(scene);
-  EXPECT_TRUE(undisturbed.needs.obstacles.on);
-  expectResumedAt({5, 12}, scene, undisturbed);
+  const auto highest = std::ranges::max(undisturbed.trajectory.samples.back().poses, {},
+                                        [](const Pose& pose) { return pose.position.z(); });
+  EXPECT_GT(highest.position.z(), -1);  // it lies on them; falling freely it would be at -4.9
+  expectResumedAt({3, 5, 7, 9, 11, 13, 15, 17, 19}, scene, undisturbed);
+}
+
+std::vector<Tile> shifted(std::vector<Tile> tiles, double x) {
+  for (Tile& tile : tiles) {
+    for (Vector3& vertex : tile.vertices) vertex.x() += x;
+  }
+  return tiles;
+}
+
+/// A sheet and its twin, this far to either side of the middle.
+std::vector<Tile> twins(const std::vector<Tile>& sheet, double apart) {
+  std::vector<Tile> tiles = shifted(sheet, -apart);
+  for (const Tile& tile : shifted(sheet, apart)) tiles.push_back(tile);
+  return tiles;
+}
+
+TEST(Checkpoints, KnowWhichBricksHaveTouched) {
+  // Two sheets that meet and part: which bricks have touched orders the elimination from then on.
+  Scene scene = sheetScene(3, 0.5, 0.5);
+  const std::vector<Tile> sheet = scene.model.tiles;
+  const double reach = 0.5 * modelSize(scene.model);
+  for (const Joint& joint : std::vector<Joint>(scene.model.joints)) {
+    scene.model.joints.push_back(joint);
+    scene.model.joints.back().a.tile += static_cast<int>(sheet.size());
+    scene.model.joints.back().b.tile += static_cast<int>(sheet.size());
+  }
+  scene.model.tiles = twins(sheet, reach);
+  scene.model.target = twins(sheet, 1.1 * reach);
+  scene.environment.contacts = ContactFilter::All;
+  scene.timeline = {{{}, GoTo{"together", twins(sheet, 0.6 * reach)}},
+                    {{Occasion::Kind::AtTime, 1}, GoTo{}}};
+  scene.stop.duration = 2;
+  const DeploymentResult undisturbed = deployWhole(scene);
+  EXPECT_LT(undisturbed.accuracy.targetErrorEnd, 0.1 * reach);
+  expectResumedAt({35}, scene, undisturbed);
+}
+
+TEST(Checkpoints, KeepHowFarBricksMayOverlap) {
+  // Two bricks that overlap by 0.1 part and are brought together again, where they now must stop.
+  Scene scene;
+  const auto square = [](double left) {
+    return Tile{{{left, 0, 0}, {left + 1, 0, 0}, {left + 1, 1, 0}, {left, 1, 0}}};
+  };
+  scene.model.tiles = {square(0), square(0.9)};
+  scene.model.target = scene.model.tiles;
+  scene.path.kind = PathKind::Straight;
+  scene.environment.contacts = ContactFilter::All;
+  scene.springs.adaptive = false;
+  scene.timeline = {{{}, GoTo{"apart", {square(0), square(1.1)}}},
+                    {{Occasion::Kind::AtTime, 1}, GoTo{}}};
+  scene.stop.duration = 2;
+  const DeploymentResult undisturbed = deployWhole(scene);
+  EXPECT_GT(undisturbed.accuracy.targetErrorEnd, 0.04);  // metres, measured below 0.05
+  expectResumedAt({10, 30}, scene, undisturbed);
 }
 
 TEST(Checkpoints, GoOnAlongATimeline) {
@@ -188,6 +248,15 @@ TEST(Checkpoints, GoOnWhereTilesAreLedByJointsThatGive) {
   EXPECT_EQ(undisturbed.outcome, Outcome::Settled);
   // While the tiles are led, while joints stiffen, and as the springs grow stiffer at last.
   expectResumedAt({4, 9, 22, 33}, scene, undisturbed);
+}
+
+TEST(Checkpoints, GoOnWhereTilesAreLedFromAWaypoint) {
+  Scene scene = sheetScene(3, 0.1, 1.5);
+  const Scene half = sheetScene(3, 0.8, 1.5);
+  scene.path = {PathKind::Led, 0.5, 200, 1e5};
+  scene.timeline = {{{}, GoTo{"half", half.model.tiles}}, {{Occasion::Kind::AtTime, 2}, GoTo{}}};
+  scene.stop.duration = 4;
+  expectResumedAt({45, 47}, scene, deployWhole(scene));
 }
 
 TEST(Checkpoints, DoNotSearchAgainForAPath) {
