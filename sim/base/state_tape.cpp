@@ -1,5 +1,7 @@
 #include "sim/base/state_tape.h"
 
+#include <algorithm>
+
 #include "sim/base/error.h"
 
 namespace kirireel {
@@ -12,13 +14,10 @@ namespace {
 
 }  // namespace
 
-void StateTape::pass(double& number) {
-  if (!plays_) {
-    numbers_.push_back(number);
-    return;
-  }
-  if (isOver()) refuseState();
-  number = numbers_[next_++];
+void StateTape::play(double* numbers, std::size_t count) {
+  if (count > numbers_.size() - next_) refuseState();
+  std::copy_n(numbers_.data() + next_, count, numbers);
+  next_ += count;
 }
 
 void StateTape::pass(std::vector<bool>& flags) {

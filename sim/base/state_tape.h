@@ -37,6 +37,12 @@ class StateTape {
   bool isOver() const { return next_ == numbers_.size(); }
   /// What has been recorded.
   const std::vector<double>& numbers() const { return numbers_; }
+  /// Empties the tape, to be recorded on.
+  void clear() {
+    numbers_.clear();
+    next_ = 0;
+    plays_ = false;
+  }
 
   /// Records these values, or sets them to those that were recorded in this place. Throws
   /// InputError where the tape holds another state than is asked for.
@@ -46,7 +52,15 @@ class StateTape {
   }
 
  private:
-  void pass(double& number);
+  void pass(double& number) { pass(&number, 1); }
+  void pass(double* numbers, std::size_t count) {
+    if (plays_) return play(numbers, count);
+    numbers_.insert(numbers_.end(), numbers, numbers + count);
+  }
+  void pass(std::vector<double>& list) {
+    list.resize(passSize(list.size()));
+    pass(list.data(), list.size());
+  }
   void pass(std::vector<bool>& flags);
   void pass(std::string& text);
   void pass(Quaternion& rotation) { pass(rotation.coeffs()); }
@@ -67,7 +81,7 @@ class StateTape {
     if constexpr (Derived::SizeAtCompileTime == Eigen::Dynamic) {
       matrix.resize(static_cast<Eigen::Index>(passSize(matrix.size())));
     }
-    for (Eigen::Index k = 0; k < matrix.size(); ++k) pass(matrix.data()[k]);
+    pass(matrix.data(), static_cast<std::size_t>(matrix.size()));
   }
 
   template <typename First, typename Second>
@@ -86,6 +100,7 @@ class StateTape {
     value.transfer(*this);
   }
 
+  void play(double* numbers, std::size_t count);
   /// The length of a list, whose entries each take a number at least.
   std::size_t passSize(std::size_t size);
 

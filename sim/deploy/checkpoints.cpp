@@ -80,7 +80,7 @@ void Checkpoints::save(RunState run) {
   if (!run_.numbers.empty() && !samples_.numbers().empty()) {
     write(samplesFile(sampleFiles_.size()), samples_);
     sampleFiles_.push_back(samples_.numbers().size());
-    samples_ = {};
+    samples_.clear();
   }
   StateTape tape;
   transfer(tape);

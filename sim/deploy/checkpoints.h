@@ -16,8 +16,8 @@ namespace kirireel {
 
 /// How often checkpoints are made.
 struct CheckpointPace {
-  double leastSeconds = 1;      ///< from one to the next, by the clock
-  double largestShare = 0.005;  ///< of the time up to the next that making one may take
+  double leastSeconds = 2;      ///< from one to the next, by the clock
+  double largestShare = 0.0025;  ///< of the time up to the next that making one may take
 };
 
 /// A run between two samples.

@@ -58,7 +58,7 @@ struct DeployCost {
   double cpuSecondsSearch = 0;  ///< of finding the assembled floor and a path
 
   void transfer(StateTape& tape) {
-    tape.transfer(steps, halvedSteps, unconvergedSteps, factorizations, cpuSeconds);
+    tape.transfer(steps, halvedSteps, unconvergedSteps, factorizations);
   }
 };
 

@@ -197,7 +197,6 @@ void Run::takeSample() {
 
 /// Keeps a sample with the figures so far, for the next checkpoint.
 void Run::note(Sample& sample) {
-  result_.cost.cpuSeconds = spentSeconds();
   checkpoints_->samples().transfer(sample);
   transferFigures(checkpoints_->samples());
 }
@@ -214,11 +213,13 @@ void Run::transfer(StateTape& tape) {
     const auto* going = std::get_if<timeline::GoTo>(&entry.action);
     if (going) targets.push_back(&going->tiles);
   }
+  double spent = spentSeconds();
   auto number = std::find(targets.begin(), targets.end(), target_) - targets.begin();
   bool isLed = follower_.has_value();
   tape.transfer(motion_, number, targetStartError_, targetFloor_, departure_, departureTime_, isLed,
-                stiffness_, timeline_, restTime_, result_.trajectory.events, *dynamics_);
+                stiffness_, timeline_, restTime_, result_.trajectory.events, spent, *dynamics_);
   if (!tape.isPlaying()) return;
+  earlierSeconds_ = spent;
   target_ = targets.at(static_cast<std::size_t>(number));
   if (target_ && pullsToTarget()) tieSprings();
   if (!isLed) follower_.reset();
@@ -239,7 +240,6 @@ void Run::goOnFrom(const RunState& state) {
     isAskedToEnd_ = !observer_(sample);
     return !isAskedToEnd_;
   });
-  earlierSeconds_ = result_.cost.cpuSeconds;
   StateTape tape(state.numbers);
   transfer(tape);
   if (time() == state.time) return;
