@@ -13,6 +13,7 @@
 #include "render/cli/report.h"
 #include "render/cli/run_options.h"
 #include "render/cli/video_options.h"
+#include "render/record/output_folder.h"
 #include "render/record/summary.h"
 #include "render/verify/verify.h"
 #include "sim/base/error.h"
@@ -155,6 +156,8 @@ int carryOut(const RecordOrder& order) {
   if (order.settings.resume) {
     const auto finished = findFinishedRun(result.settings.folder, result.settings.order);
     if (finished) {
+      // A kill may have come between the last file and this.
+      Checkpoints(result.settings.folder / output::kCheckpoint, "").remove();
       fmt::print("{}", order.printJson
                            ? finished->summary
                            : fmt::format("{}: finished already, {}\n",

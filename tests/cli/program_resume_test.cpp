@@ -147,12 +147,16 @@ TEST_F(ResumeOnTheWay, OnlyWhenAsked) {
 
 TEST_F(Resume, LeavesAFinishedRunAsItIs) {
   fs::copy(undisturbed_->path(), scratch_.path());
+  // Killed just before its end.
+  fs::create_directory(scratch_ / ".checkpoint");
+  writeText(scratch_ / ".checkpoint/state.h5", "");
   const std::string summary = readText(scratch_ / "summary.json");
   const ProgramEnd end = runKirireel(recordInto(scratch_.path(), {"--resume"}));
   EXPECT_EQ(end.exitCode, 0) << end.err;
   EXPECT_EQ(end.out, scratch_.path().string() + ": finished already, out_of_time\n");
   EXPECT_EQ(runKirireel(recordInto(scratch_.path(), {"--resume", "--json"})).out, summary);
   EXPECT_EQ(readText(scratch_ / "summary.json"), summary);
+  EXPECT_EQ(filesIn(scratch_.path()), filesIn(undisturbed_->path()));
 }
 
 TEST_F(Resume, MakesADamagedRunAgain) {
