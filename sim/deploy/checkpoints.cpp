@@ -17,8 +17,9 @@ namespace fs = std::filesystem;
 constexpr const char* kState = "state.h5";
 constexpr const char* kFormat = "kirireel checkpoint 1";
 constexpr const char* kNumbers = "numbers";
-// 32 MB: samples that wait for a checkpoint take no more memory than this.
-constexpr std::size_t kMostWaiting = 4'000'000;
+// 4 MB: samples that wait for a checkpoint take no more memory than this, and are still in the
+// processor's cache when they are written.
+constexpr std::size_t kMostWaiting = 500'000;
 
 bool isOf(const ArrayReader& file, const std::string& order) {
   return file.textAttribute("/", "format") == kFormat && file.textAttribute("/", "order") == order;
