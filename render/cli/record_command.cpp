@@ -13,6 +13,7 @@
 #include "render/cli/report.h"
 #include "render/cli/run_options.h"
 #include "render/cli/video_options.h"
+#include "render/record/output_folder.h"
 #include "render/record/summary.h"
 #include "render/verify/verify.h"
 #include "sim/base/error.h"
@@ -27,9 +28,9 @@ void addFolderOptions(CLI::App& command, RecordOrder& order) {
               [&order](const OptionValue& typed) { order.settings.folder = typed.text; });
   group.flag(
       "--resume",
-      "leave a finished run of the same order as it is; make an interrupted one again, to the same "
+      "leave a finished run of the same order as it is; go on with an interrupted one, to the same "
       "bytes",
-      [&order] { order.resume = true; });
+      [&order] { order.settings.resume = true; });
   group.flag("--json", "print the summary as JSON", [&order] { order.printJson = true; });
 }
 
@@ -152,9 +153,11 @@ int carryOut(const RecordOrder& order) {
   RecordResult result = prepareOrder(order);
   result.settings.order = orderFingerprint(
       order.arguments, sceneFileOf(findModel(order.model), order.request), result.scene);
-  if (order.resume) {
+  if (order.settings.resume) {
     const auto finished = findFinishedRun(result.settings.folder, result.settings.order);
     if (finished) {
+      // A kill may have come between the last file and this.
+      Checkpoints(result.settings.folder / output::kCheckpoint, "").remove();
       fmt::print("{}", order.printJson
                            ? finished->summary
                            : fmt::format("{}: finished already, {}\n",
@@ -165,6 +168,7 @@ int carryOut(const RecordOrder& order) {
   {
     ProgressLine line;
     result.summary = record(result.scene, result.settings, [&line](const Progress& progress) {
+      if (!progress.remark.empty()) fmt::print(stderr, "kirireel: {}\n", progress.remark);
       line.show(progress);
       return !takeInterrupt();
     });

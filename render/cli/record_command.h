@@ -25,7 +25,6 @@ struct RecordOrder {
   Scene scene;              ///< everything but the model; the ground's height is not known yet
   SceneRequest request;     ///< what is added to the model
   RecordSettings settings;  ///< the folder is empty when --out was not given
-  bool resume = false;      ///< leave a finished run of the same order as it is
   std::vector<std::string> arguments;  ///< of the command line, as typed
   bool printJson = false;              ///< the summary on standard output as JSON
 };

@@ -18,6 +18,7 @@ inline constexpr const char* kSummary = "summary.json";
 inline constexpr const char* kStateMoment = "export";       ///< _0001.obj, .ply, ...
 inline constexpr const char* kSnapshotMoment = "snapshot";  ///< _0001.png, ...
 inline constexpr const char* kFrames = "frames";            ///< a folder
+inline constexpr const char* kCheckpoint = ".checkpoint";   ///< a folder, gone when the run is over
 }  // namespace output
 
 /// "frames/frame_00042.png".

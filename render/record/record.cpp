@@ -4,6 +4,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -72,11 +73,19 @@ struct RunEnd {
 /// One run into trajectory.h5 and, as far as samples can be drawn, to a taker.
 class LiveRun {
  public:
+  /// The folder must be locked.
   LiveRun(const Scene& scene, const RecordSettings& settings, const ProgressObserver& observer)
       : scene_(scene),
         settings_(settings),
         observer_(observer),
-        reach_(kFarthestDrawn * modelSize(scene.model)) {}
+        reach_(kFarthestDrawn * modelSize(scene.model)),
+        checkpoints_(settings.folder / output::kCheckpoint, settings.order) {
+    if (settings.resume) {
+      remark_ = checkpoints_.find();
+    } else {
+      checkpoints_.remove();
+    }
+  }
 
   void feed(const SampleTaker& take) {
     std::optional<Scribe> scribe;
@@ -87,17 +96,25 @@ class LiveRun {
     }
     const SampleObserver watch = [&](const Sample& sample) {
       const bool taken = !keep(sample) || ((!scribe || scribe->take(end_.last)) && take(end_.last));
-      return taken && observer_({"deploying", std::min(1.0, sample.time / scene_.stop.duration)});
+      return taken && tell("deploying", std::min(1.0, sample.time / scene_.stop.duration));
     };
-    end_.result = deployUnkept(scene_, settings_.frameInterval(), watch, [&](const std::string&) {
-      return observer_({"looking for a path", 0});
-    });
+    const TrialObserver searching = [&](const std::string&) {
+      return tell("looking for a path", 0);
+    };
+    end_.result = deployUnkept(scene_, settings_.frameInterval(), watch, searching,
+                               settings_.order.empty() ? nullptr : &checkpoints_);
     if (scribe) scribe->finish(end_.result.trajectory.events);
   }
 
   const RunEnd& end() const { return end_; }
+  /// To be called when all of the run's files are in place.
+  void removeCheckpoint() { checkpoints_.remove(); }
 
  private:
+  bool tell(const char* stage, double share) {
+    return observer_({stage, share, std::exchange(remark_, {})});
+  }
+
   /// False from the first sample on that cannot be drawn.
   bool keep(const Sample& sample) {
     if (!end_.first) end_.first = end_.last = std::make_shared<const Sample>(sample);
@@ -110,6 +127,8 @@ class LiveRun {
   const RecordSettings& settings_;
   const ProgressObserver& observer_;
   double reach_;
+  Checkpoints checkpoints_;
+  std::string remark_;  // not told yet
   bool drawable_ = true;
   RunEnd end_;
 };
@@ -274,6 +293,7 @@ RunSummary record(const Scene& scene, const RecordSettings& settings,
     writeExports(settings, summary);
     writeSummary();
   }
+  if (summary.outcome != Outcome::Interrupted) run.removeCheckpoint();
   return summary;
 }
 

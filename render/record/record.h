@@ -67,7 +67,9 @@ struct PictureSettings {
 
 /// What a run leaves: its pictures, one sample for each frame, and more.
 struct RecordSettings : PictureSettings {
-  std::string order;       ///< fingerprint of all that decides the run, for summary.json
+  std::string order;       ///< fingerprint of all that decides the run, for summary.json and for
+                           ///< checkpoints, which runs without one do not make
+  bool resume = false;     ///< go on from the folder's checkpoint, if it is of the same order
   bool meshes = true;      ///< initial and final, OBJ and PLY
   bool trajectory = true;  ///< trajectory.h5, which meshes, pictures and exports bring too
   ExportSettings exports;  ///< further files; none without formats
@@ -108,8 +110,9 @@ struct RunSummary : PictureReport {
 
 /// How far a run is, for a progress line.
 struct Progress {
-  const char* stage = "";  ///< "looking for a path", "deploying" or "painting"
-  double share = 0;        ///< of this stage, 0 to 1
+  const char* stage = "";   ///< "looking for a path", "deploying" or "painting"
+  double share = 0;         ///< of this stage, 0 to 1
+  std::string remark = {};  ///< a line to be told once; seldom there
 };
 
 /// Called after each sample and each frame; return false to end the stage that is under way. The
@@ -119,7 +122,8 @@ using ProgressObserver = std::function<bool(const Progress&)>;
 /// Deploys the scene and writes everything that the settings ask for, then summary.json. Deploying,
 /// painting, encoding and writing go on at the same time, so memory does not grow with the length
 /// of the run, and the video of a run that is interrupted is whole as far as it goes. A run that
-/// diverges or is interrupted leaves its files too, and says so in the summary.
+/// diverges or is interrupted leaves its files too, and says so in the summary. Until it is over, a
+/// checkpoint in the folder lets another call resume it.
 /// Throws InputError for settings out of range, OutputError when a file cannot be written; the
 /// folder and the settings are checked before the deployment starts.
 RunSummary record(const Scene& scene, const RecordSettings& settings,

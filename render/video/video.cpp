@@ -104,6 +104,7 @@ struct VideoWriter::Internals {
   void openEncoder();
   void setQuality() const;
   void openContainer();
+  void flushFragment();
   void requireOpen() const;
   void put(const Frame& frame);
   void pullFiltered();
@@ -130,6 +131,7 @@ struct VideoWriter::Internals {
   AVFilterContext* sink = nullptr;    ///< owned by the filters
   AVStream* stream = nullptr;         ///< owned by the container
   std::int64_t frames = 0;            ///< written so far
+  bool hasIndex = false;              ///< of fragments, in the file
   bool finished = false;
 };
 
@@ -145,7 +147,6 @@ VideoWriter::Internals::Internals(std::filesystem::path path, const VideoSetting
   if (settings.encoder.empty()) settings.encoder = format.encoder;
   openFilters();
   openEncoder();
-  openContainer();
 }
 
 void VideoWriter::Internals::check(int code) const {
@@ -248,12 +249,17 @@ void VideoWriter::Internals::openContainer() {
   check(avio_open(&container->pb, file.path().c_str(), AVIO_FLAG_WRITE));
   Options options;
   if (isMp4()) {
-    options.set("movflags", "+delay_moov+default_base_moof");
-    options.set("frag_duration", "100000");  // microseconds
+    options.set("movflags", "+delay_moov+default_base_moof+frag_custom");
   }
   if (std::strcmp(format.muxer, "apng") == 0) options.set("plays", "0");  // again and again
   container->flush_packets = 1;
   check(avformat_write_header(container.get(), options.get()));
+}
+
+/// Writes out what has been encoded; of the first fragment the first call writes the index alone.
+void VideoWriter::Internals::flushFragment() {
+  check(av_write_frame(container.get(), nullptr));
+  if (!std::exchange(hasIndex, true)) check(av_write_frame(container.get(), nullptr));
 }
 
 void VideoWriter::Internals::requireOpen() const {
@@ -290,10 +296,13 @@ void VideoWriter::Internals::encode(const AVFrame* input) {
     // It wants more frames, or has given all.
     if (code == AVERROR(EAGAIN) || code == AVERROR_EOF) return;
     check(code);
+    // A file without a frame would be no video.
+    if (!container) openContainer();
     packet->stream_index = stream->index;
     packet->duration = 1;
     av_packet_rescale_ts(packet.get(), encoder->time_base, stream->time_base);
     check(av_interleaved_write_frame(container.get(), packet.get()));
+    if (isMp4()) flushFragment();
     check(container->pb->error);
   }
 }

@@ -52,8 +52,8 @@ int presetStep(const std::string& preset);
 /// Encodes frames as they come. The file appears under its final name in finish(); a writer that
 /// goes without it leaves nothing. The same frames and settings give the same bytes.
 ///
-/// Until finish() an MP4 is written in fragments of 0.1 s under the name of a pending file, so
-/// that even what a killed process leaves there plays.
+/// Until finish() an MP4 is written frame by frame under the name of a pending file, which appears
+/// with its first frame ("deployment.part.mp4"): whatever a killed process leaves there plays.
 ///
 /// Colours of MP4 and WebM are converted to BT.709, limited range, 4:2:0, and the stream says so:
 /// untagged, players guess by the picture's size. GIF gets the best 256 colours of each frame; APNG

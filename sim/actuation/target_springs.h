@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sim/actuation/load.h"
+#include "sim/base/state_tape.h"
 #include "sim/brick/brick.h"
 #include "sim/model/model.h"
 #include "sim/scene/scene.h"
@@ -66,6 +67,8 @@ class AdaptiveStiffness {
 
   /// Doubles at once (a deployment that came to rest need not wait).
   void stiffen();
+
+  void transfer(StateTape& tape) { tape.transfer(enabled_, factor_, bestError_, stalledTime_); }
 
  private:
   bool enabled_;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "sim/base/geometry.h"
+#include "sim/base/state_tape.h"
 
 namespace kirireel {
 
@@ -27,6 +28,10 @@ struct Contact {
   double slack = 0;                 ///< overlap that the pair had at the start and may keep, metres
 
   bool operator==(const Contact&) const = default;
+
+  void transfer(StateTape& tape) {
+    tape.transfer(brickA, brickB, pointA, pointB, normal, isEdge, edgeA, friction, slack);
+  }
 };
 
 /// Whether two contacts hold points of one brick against the same plane of another, or points of

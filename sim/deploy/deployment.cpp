@@ -60,7 +60,8 @@ std::string toString(Outcome outcome) {
 }
 
 DeploymentResult deployUnkept(const Scene& scene, double sampleInterval,
-                              const SampleObserver& observer, const TrialObserver& searching) {
+                              const SampleObserver& observer, const TrialObserver& searching,
+                              Checkpoints* checkpoints) {
   requirePositive(sampleInterval, "the time between samples");
   requirePositive(scene.solver.timestep, "the timestep");
   requirePositive(scene.stop.duration, "the duration");
@@ -71,22 +72,27 @@ DeploymentResult deployUnkept(const Scene& scene, double sampleInterval,
   requireInTime(scene.timeline, scene.stop.duration);
   if (scene.model.tiles.empty())
     throw InputError("the model has no tiles; add one to vertices.txt");
+  if (scene.solver.kind == SolverKind::Bullet) checkpoints = nullptr;
   const double startSeconds = threadCpuSeconds();
   const AssembledState nearest = assembleAtTarget(scene);
   std::vector<BlockingPair> blocking = blockingPairs(scene, nearest.poses);
   bool goOn = true;
   const TrialObserver watchSearch = [&](const std::string& what) {
     goOn = !searching || searching(what);
+    const bool isNew = checkpoints && !checkpoints->run();
+    if (isNew && (!goOn || checkpoints->isDue())) checkpoints->save({});
     return goOn;
   };
-  PathChoice choice =
-      choosePath(scene, sampleInterval, {nearest.error, !blocking.empty()}, watchSearch);
+  std::vector<TrialEnd> trials;
+  PathChoice choice = choosePath(scene, sampleInterval, {nearest.error, !blocking.empty()},
+                                 watchSearch, checkpoints ? checkpoints->trials() : trials);
   Scene chosen = scene;
   chosen.path = choice.path;
   const double searchSeconds = threadCpuSeconds() - startSeconds;
-  // A search that was ended early ends the run with its start.
+  // A search that was ended early ends the run with its start, on a path that may be another's.
+  if (!goOn) checkpoints = nullptr;
   const SampleObserver watch = [&](const Sample& sample) { return observer(sample) && goOn; };
-  DeploymentResult result = Run(chosen, sampleInterval, nearest.error, watch).finish();
+  DeploymentResult result = Run(chosen, sampleInterval, nearest.error, watch, checkpoints).finish();
   if (!result.pathReason.empty()) choice.reason += "; " + result.pathReason;
   result.pathReason = std::move(choice.reason);
   result.blocking = std::move(blocking);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sim/deploy/blockage.h"
+#include "sim/deploy/checkpoints.h"
 #include "sim/deploy/path_choice.h"
 #include "sim/measure/measures.h"
 #include "sim/scene/scene.h"
@@ -39,6 +40,12 @@ struct Accuracy {
   double rigidFloor = 0;
   double penetrationMax = 0;               ///< over the samples
   double penetrationOutsidePivotsMax = 0;  ///< the same without the corners that bricks share
+
+  void transfer(StateTape& tape) {
+    tape.transfer(jointGapMax, jointGapMean, jointGapEnd, jointOpeningMax, assemblyMove,
+                  targetErrorStart, targetErrorEnd, targetErrorMin, rigidFloor, penetrationMax,
+                  penetrationOutsidePivotsMax);
+  }
 };
 
 /// What a run cost.
@@ -49,6 +56,10 @@ struct DeployCost {
   long factorizations = 0;      ///< of the system matrix
   double cpuSeconds = 0;        ///< of the deploying thread, the search for a path apart
   double cpuSecondsSearch = 0;  ///< of finding the assembled floor and a path
+
+  void transfer(StateTape& tape) {
+    tape.transfer(steps, halvedSteps, unconvergedSteps, factorizations);
+  }
 };
 
 /// Everything that a finished run leaves.
@@ -77,8 +88,11 @@ DeploymentResult deploy(const Scene& scene, double sampleInterval, const SampleO
                         const TrialObserver& searching = {});
 
 /// The same, but the samples go to the observer alone: the result's trajectory holds none, so that
-/// memory does not grow with the length of the run.
+/// memory does not grow with the length of the run. With checkpoints, which may be null, the run
+/// goes on from the one that was found there, its samples first, and leaves others on its way and
+/// where the observer ends it. An engine's hidden state cannot be kept: such runs leave none.
 DeploymentResult deployUnkept(const Scene& scene, double sampleInterval,
-                              const SampleObserver& observer, const TrialObserver& searching = {});
+                              const SampleObserver& observer, const TrialObserver& searching = {},
+                              Checkpoints* checkpoints = nullptr);
 
 }  // namespace kirireel

@@ -115,4 +115,9 @@ StepReport DirectDynamics::advance(Motion& motion, double step, const LoadSource
   return report;
 }
 
+void DirectDynamics::transfer(StateTape& tape) {
+  tape.transfer(*solver_);
+  if (contacts_) tape.transfer(*contacts_);
+}
+
 }  // namespace kirireel

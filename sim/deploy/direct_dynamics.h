@@ -17,6 +17,7 @@ class DirectDynamics : public Dynamics {
   void setJointStiffness(double stiffness) override { solver_->setJointStiffness(stiffness); }
   std::vector<ContactLoad> contactLoads() const override { return solver_->contactLoads(); }
   StepReport advance(Motion& motion, double step, const LoadSource& actuation) override;
+  void transfer(StateTape& tape) override;
 
  private:
   bool hasObstacles() const { return !obstacles_.empty(); }

@@ -33,6 +33,10 @@ class Dynamics {
 
   /// Advances the motion by `step` seconds; `actuation` gives the loads beyond gravity and damping.
   virtual StepReport advance(Motion& motion, double step, const LoadSource& actuation) = 0;
+
+  /// What the next step takes from those before, beside the motion, as far as the solver tells: an
+  /// engine does not.
+  virtual void transfer(StateTape& tape) = 0;
 };
 
 /// The solver that the scene asks for.

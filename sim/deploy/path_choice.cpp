@@ -118,13 +118,6 @@ bool isJammed(const DeployCost& cost) {
   return cost.unconvergedSteps > kJammedSteps && 2 * cost.unconvergedSteps > cost.steps;
 }
 
-/// How a trial ended.
-struct TrialEnd {
-  bool arrives = false;
-  bool jams = false;        ///< exact joints could not be held on the way
-  bool keepsClear = false;  ///< no bricks overlap on the way, outside shared pivots
-};
-
 /// Runs a scene as the deployment itself would, so that what arrives here arrives there.
 TrialEnd tryPath(const Scene& scene, double sampleInterval, double assembledFloor) {
   StallWatch stalls(scene);
@@ -150,13 +143,17 @@ TrialEnd tryPath(const Scene& scene, double sampleInterval, double assembledFloo
 class PathSearch {
  public:
   PathSearch(const Scene& scene, double sampleInterval, double assembledFloor,
-             const TrialObserver& observer)
-      : scene_(scene), interval_(sampleInterval), floor_(assembledFloor), observer_(observer) {}
+             const TrialObserver& observer, std::vector<TrialEnd>& trials)
+      : scene_(scene),
+        interval_(sampleInterval),
+        floor_(assembledFloor),
+        observer_(observer),
+        trials_(trials) {}
 
   PathChoice find(bool roomAtTarget) {
     PathChoice choice = findWithoutContacts();
     const bool contacts = scene_.environment.contacts != ContactFilter::None;
-    if (!contacts || !roomAtTarget || !arrived_ || keptClear_) return choice;
+    if (!contacts || !roomAtTarget || !last_.arrives || last_.keepsClear) return choice;
     return findAmongBricks(choice);
   }
 
@@ -168,11 +165,11 @@ class PathSearch {
     trial.stop = StopRules{};  // the run's own time may be too short for any path
     trial.path = path;
     trial.solver.timestep = stepFactor * scene_.solver.timestep;
-    const TrialEnd end = tryPath(trial, std::max(interval_, trial.solver.timestep), floor_);
-    arrived_ = end.arrives;
-    jammed_ = end.jams;
-    keptClear_ = end.keepsClear;
-    return arrived_;
+    if (count_ == trials_.size()) {
+      trials_.push_back(tryPath(trial, std::max(interval_, trial.solver.timestep), floor_));
+    }
+    last_ = trials_[count_++];
+    return last_.arrives;
   }
 
   bool mayTry(const std::string& what) { return !observer_ || observer_(what); }
@@ -182,7 +179,7 @@ class PathSearch {
     straight.kind = PathKind::Straight;
     const Environment empty;
     if (arrives(straight, empty, kCoarseSteps)) return {straight, "a straight pull arrives"};
-    const bool jams = jammed_;
+    const bool jams = last_.jams;
     for (const PathSettings& path : candidates()) {
       if (jams && !std::isfinite(path.jointStiffness)) continue;
       const std::string what = describe(path);
@@ -200,7 +197,7 @@ class PathSearch {
     for (const PathSettings& path : candidatesAmongBricks()) {
       const std::string what = describe(path) + " among touching bricks";
       if (!mayTry(what)) break;
-      if (arrives(path, bricks) && keptClear_) return {path, what + " arrives"};
+      if (arrives(path, bricks) && last_.keepsClear) return {path, what + " arrives"};
     }
     // Joints that give are of no use against bricks.
     const bool isExact = !std::isfinite(first.path.jointStiffness);
@@ -214,15 +211,15 @@ class PathSearch {
   double interval_;  // seconds between samples
   double floor_;
   const TrialObserver& observer_;
-  bool arrived_ = false;    // the last trial
-  bool jammed_ = false;     // likewise
-  bool keptClear_ = false;  // likewise
+  std::vector<TrialEnd>& trials_;
+  std::size_t count_ = 0;  // of trials so far
+  TrialEnd last_;
 };
 
 }  // namespace
 
 PathChoice choosePath(const Scene& scene, double sampleInterval, const TargetRoom& room,
-                      const TrialObserver& observer) {
+                      const TrialObserver& observer, std::vector<TrialEnd>& trials) {
   if (scene.path.kind != PathKind::Auto) return {scene.path, "asked for"};
   PathSettings straight = scene.path;
   straight.kind = PathKind::Straight;
@@ -238,7 +235,8 @@ PathChoice choosePath(const Scene& scene, double sampleInterval, const TargetRoo
   }
   if (!scene.model.target) return {straight, "there is no target"};
   if (drive != Drive::Target) return {straight, "nothing pulls to the target"};
-  return PathSearch(scene, sampleInterval, room.assembledFloor, observer).find(!room.isBlocked);
+  return PathSearch(scene, sampleInterval, room.assembledFloor, observer, trials)
+      .find(!room.isBlocked);
 }
 
 }  // namespace kirireel

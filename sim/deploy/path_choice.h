@@ -3,7 +3,9 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
+#include "sim/base/state_tape.h"
 #include "sim/scene/scene.h"
 
 namespace kirireel {
@@ -12,6 +14,15 @@ namespace kirireel {
 struct PathChoice {
   PathSettings path;   ///< never Auto
   std::string reason;  ///< one short phrase for the summary
+};
+
+/// How a trial ended.
+struct TrialEnd {
+  bool arrives = false;     ///< at the assembled floor
+  bool jams = false;        ///< exact joints could not be held on the way
+  bool keepsClear = false;  ///< no bricks overlap on the way, outside shared pivots
+
+  void transfer(StateTape& tape) { tape.transfer(arrives, jams, keepsClear); }
 };
 
 /// Called before each trial with what is tried; return false to stop looking.
@@ -30,8 +41,9 @@ struct TargetRoom {
 /// at the target, paths are tried with contacts. Where none arrives, the first found stays, or else
 /// the straight one. A path that the scene names is kept. Where nothing pulls to a target and the
 /// tiles' misfit makes exact joints jam, joints give throughout. Trials are as the run itself,
-/// sampled every `sampleInterval` seconds. `observer` may be empty.
+/// sampled every `sampleInterval` seconds. `observer` may be empty. `trials` holds how the first
+/// trials ended, which are not made again, and gets the others.
 PathChoice choosePath(const Scene& scene, double sampleInterval, const TargetRoom& room,
-                      const TrialObserver& observer);
+                      const TrialObserver& observer, std::vector<TrialEnd>& trials);
 
 }  // namespace kirireel

@@ -49,9 +49,10 @@ std::vector<Velocity> nudge(std::size_t count, double speed, unsigned seed) {
 }  // namespace
 
 Run::Run(const Scene& scene, double sampleInterval, double assembledFloor,
-         const SampleObserver& observer)
+         const SampleObserver& observer, Checkpoints* checkpoints)
     : scene_(scene),
       observer_(observer),
+      checkpoints_(checkpoints),
       bricks_(makeBricks(scene.model.tiles, scene.brick)),
       pivots_(makePivots(scene.model.joints, bricks_)),
       motion_{startPoses(scene.model.tiles, bricks_), {}},
@@ -126,18 +127,21 @@ void Run::goTo(const std::vector<Tile>* target) {
   targetStartError_ = currentTargetError();
   const bool isFinal = scene_.model.target && target_ == &*scene_.model.target;
   targetFloor_ = isFinal ? assembledFloor_ : rigidFloor(scene_.model.tiles, *target_);
+  departure_ = motion_.poses;
+  departureTime_ = time();
   if (!pullsToTarget()) return;
-  follower_.reset();
-  if (scene_.path.kind == PathKind::Led) {
-    openedAt_ = time() + scene_.path.openTime;
-    if (!isOpening()) lead();
-  }
-  springs_.emplace(bricks_, *target_, scene_.model.pulledTiles, scene_.springs);
+  openedAt_ = time() + (scene_.path.kind == PathKind::Led ? scene_.path.openTime : 0);
+  tieSprings();
   stiffness_ = AdaptiveStiffness(scene_.springs.adaptive);
 }
 
-void Run::lead() {
-  follower_.emplace(scene_, bricks_, motion_.poses, *target_, time());
+/// To the target headed for at present, from where that was set or the way to it was opened.
+void Run::tieSprings() {
+  follower_.reset();
+  if (scene_.path.kind == PathKind::Led && !isOpening()) {
+    follower_.emplace(scene_, bricks_, departure_, *target_, departureTime_);
+  }
+  springs_.emplace(bricks_, *target_, scene_.model.pulledTiles, scene_.springs);
 }
 
 void Run::reset() {
@@ -185,7 +189,6 @@ void Run::start() {
   result_.assembledFloor = assembledFloor_;
   static_cast<Subject&>(result_.trajectory) = subjectOf(scene_);
   startPoses_ = motion_.poses;
-  takeSample();
 }
 
 void Run::takeSample() {
@@ -204,15 +207,84 @@ void Run::takeSample() {
       accuracy.penetrationOutsidePivotsMax,
       deepestPenetrationOutsidePivots(bricks_, pivots_, scene_.environment.pivotZone, motion_.poses)
           .depth);
-  if (!observer_(sample)) end(Outcome::Interrupted, "ended early by the caller");
+  if (checkpoints_) note(sample);
+  isAskedToEnd_ = !observer_(sample);
+}
+
+/// Keeps a sample with the figures so far, for the next checkpoint.
+void Run::note(Sample& sample) {
+  checkpoints_->samples().transfer(sample);
+  transferFigures(checkpoints_->samples());
+}
+
+void Run::transferFigures(StateTape& tape) {
+  tape.transfer(stepCount_, gapSum_, result_.accuracy, result_.cost);
+}
+
+/// What the run goes on from, apart from its figures.
+void Run::transfer(StateTape& tape) {
+  std::vector<const std::vector<Tile>*> targets = {nullptr};
+  if (scene_.model.target) targets.push_back(&*scene_.model.target);
+  for (const TimelineEntry& entry : scene_.timeline) {
+    const auto* going = std::get_if<timeline::GoTo>(&entry.action);
+    if (going) targets.push_back(&going->tiles);
+  }
+  double spent = spentSeconds();
+  auto number = std::find(targets.begin(), targets.end(), target_) - targets.begin();
+  bool isLed = follower_.has_value();
+  tape.transfer(motion_, number, targetStartError_, targetFloor_, departure_, departureTime_,
+                openedAt_, isLed, stiffness_, timeline_, restTime_, misfit_, jamStart_,
+                result_.trajectory.events, spent, *dynamics_);
+  if (!tape.isPlaying()) return;
+  earlierSeconds_ = spent;
+  target_ = targets.at(static_cast<std::size_t>(number));
+  if (target_ && pullsToTarget()) tieSprings();
+  if (!isLed) follower_.reset();
+}
+
+void Run::saveState() {
+  StateTape tape;
+  transfer(tape);
+  checkpoints_->save({time(), tape.numbers()});
+}
+
+/// Shows the samples of the processes before this one, then takes over where they ended.
+void Run::goOnFrom(const RunState& state) {
+  checkpoints_->playSamples([this](StateTape& tape) {
+    Sample sample;
+    tape.transfer(sample);
+    transferFigures(tape);
+    isAskedToEnd_ = !observer_(sample);
+    return !isAskedToEnd_;
+  });
+  StateTape tape(state.numbers);
+  transfer(tape);
+  if (time() == state.time) return;
+  // Ended on the way there: the checkpoint stays as it is.
+  std::erase_if(result_.trajectory.events,
+                [this](const Event& event) { return event.time > time(); });
+  interrupt();
+}
+
+/// Looks between two samples whether the run is to go on.
+bool Run::goesOn() {
+  if (ended_) return false;
+  if (checkpoints_ && (isAskedToEnd_ || checkpoints_->isDue())) saveState();
+  if (isAskedToEnd_) interrupt();
+  return !ended_ && time() < scene_.stop.duration - 0.5 * step_;
+}
+
+double Run::spentSeconds() const {
+  return earlierSeconds_ + threadCpuSeconds() - startSeconds_;
 }
 
 /// Leads the tiles on, or lets them go once the path is done.
 void Run::followPath() {
   if (isOpening()) return;
-  if (openedAt_ > 0 && !follower_) {
-    lead();
-    openedAt_ = 0;
+  if (openedAt_ > departureTime_) {
+    departure_ = motion_.poses;
+    departureTime_ = time();
+    tieSprings();
   }
   if (!follower_ || follower_->prepareStep(time() + step_, *dynamics_)) return;
   const bool closed = dynamics_->assemble(motion_.poses);
@@ -363,9 +435,14 @@ void Run::restOrGoOn() {
 }
 
 DeploymentResult Run::finish() {
-  const double startSeconds = threadCpuSeconds();
+  startSeconds_ = threadCpuSeconds();
   start();
-  while (!ended_ && time() < scene_.stop.duration - 0.5 * step_) advanceSample();
+  if (checkpoints_ && checkpoints_->run()) {
+    goOnFrom(*checkpoints_->run());
+  } else {
+    takeSample();
+  }
+  while (goesOn()) advanceSample();
   if (!ended_)
     end(Outcome::OutOfTime, fmt::format("still moving after {:.4g} s", scene_.stop.duration));
   if (stepCount_ > 0) result_.accuracy.jointGapMean = gapSum_ / static_cast<double>(stepCount_);
@@ -374,7 +451,7 @@ DeploymentResult Run::finish() {
         fmt::format("the tiles do not quite fit each other, so joints give a little, with {:g} N/m",
                     kMisfitStiffness);
   }
-  result_.cost.cpuSeconds = threadCpuSeconds() - startSeconds;
+  result_.cost.cpuSeconds = spentSeconds();
   return std::move(result_);
 }
 

@@ -19,11 +19,13 @@ namespace kirireel {
 class Run : private TimelineStage {
  public:
   /// `assembledFloor`: see assembleAtTarget(); negative where there is no target. The scene's path
-  /// must be chosen (not Auto). Scene and observer must outlive the run.
+  /// must be chosen (not Auto). Scene, observer and checkpoints must outlive the run; the last may
+  /// be null.
   Run(const Scene& scene, double sampleInterval, double assembledFloor,
-      const SampleObserver& observer);
+      const SampleObserver& observer, Checkpoints* checkpoints = nullptr);
 
-  /// Runs to the end. The trajectory holds no samples: they go to the observer.
+  /// Runs to the end, from the checkpoint that was found if there is one. The trajectory holds no
+  /// samples: they go to the observer.
   DeploymentResult finish();
 
   /// What it has cost so far.
@@ -34,6 +36,7 @@ class Run : private TimelineStage {
   void pull(const Poses& poses, std::vector<Load>& loads) const;
   void setPinned(const std::vector<bool>& pinned) override { dynamics_->setPinned(pinned); }
   void goTo(const std::vector<Tile>* target) override;
+  void tieSprings();
   void reset() override;
   void quit() override;
   bool followTimeline(bool atRest);
@@ -42,7 +45,6 @@ class Run : private TimelineStage {
   void advanceStep();
   void followPath();
   bool isOpening() const { return time() < openedAt_; }
-  void lead();
   void observeStep();
   void updateRest();
   void watchJam(const StepReport& report);
@@ -51,7 +53,14 @@ class Run : private TimelineStage {
   bool jointsGiveThroughout() const;
   void holdJoints();
   void takeSample();
+  void note(Sample& sample);
+  void transfer(StateTape& tape);
+  void transferFigures(StateTape& tape);
+  void saveState();
+  void goOnFrom(const RunState& state);
+  bool goesOn();
   void end(Outcome outcome, std::string reason);
+  void interrupt() { end(Outcome::Interrupted, "ended early by the caller"); }
   void endAtRest();
   std::string holdup() const;
   double time() const { return static_cast<double>(stepCount_) * step_; }
@@ -59,9 +68,11 @@ class Run : private TimelineStage {
   double finalTargetError() const;
   double currentTargetError() const;
   double reachableError() const;
+  double spentSeconds() const;
 
   const Scene& scene_;
   const SampleObserver& observer_;
+  Checkpoints* checkpoints_;
   std::vector<Brick> bricks_;
   std::vector<Pivot> pivots_;
   Motion motion_;
@@ -69,6 +80,8 @@ class Run : private TimelineStage {
   const std::vector<Tile>* target_;  // the one headed for at present; null when there is none
   double targetStartError_ = 0;      // when it was set
   double targetFloor_ = 0;           // how near the tiles can come
+  Poses departure_;                  // where the bricks were when it was set
+  double departureTime_ = 0;
   Needs needs_;
   std::unique_ptr<Dynamics> dynamics_;
   std::optional<TargetSprings> springs_;
@@ -86,8 +99,11 @@ class Run : private TimelineStage {
   long stepCount_ = 0;
   double gapSum_ = 0;
   double restTime_ = 0;
-  bool misfit_ = false;  // joints could not be closed
-  Poses jamStart_;       // where steps began to fail however short; empty while they do not
+  bool misfit_ = false;        // joints could not be closed
+  Poses jamStart_;             // where steps began to fail however short; empty while they do not
+  double earlierSeconds_ = 0;  // of CPU time, in the processes before this one
+  double startSeconds_ = 0;    // CPU time of the thread when this one began
+  bool isAskedToEnd_ = false;
   bool ended_ = false;
   DeploymentResult result_;
 };

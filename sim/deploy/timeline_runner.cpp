@@ -83,7 +83,7 @@ TimelineRunner::TimelineRunner(const Timeline& timeline, const std::vector<Brick
 bool TimelineRunner::carryOut(const TimelineView& view, TimelineStage& stage,
                               std::vector<Event>& events) {
   std::erase_if(drags_, [&](const ActiveDrag& active) {
-    return view.time >= active.from + active.drag.seconds - kTimeRounding;
+    return view.time >= active.from + dragOf(active).seconds - kTimeRounding;
   });
   const std::size_t before = next_;
   // Only the first entry may wait for the state at hand: what it does changes that state.
@@ -150,7 +150,7 @@ void TimelineRunner::startDrag(const timeline::Drag& drag, const TimelineView& v
       drag.vertex ? bricks_[drag.tile].bottom[*drag.vertex] : Vector3(Vector3::Zero());
   std::vector<Vector3> path = {(*view.poses)[drag.tile].apply(point)};
   path.insert(path.end(), drag.path.begin(), drag.path.end());
-  drags_.push_back({drag, point, std::move(path), view.time});
+  drags_.push_back({next_, point, std::move(path), view.time});
 }
 
 void TimelineRunner::reset(TimelineStage& stage) {
@@ -162,11 +162,16 @@ void TimelineRunner::reset(TimelineStage& stage) {
 
 void TimelineRunner::addDrags(double time, const Poses& poses, std::vector<Load>& loads) const {
   for (const ActiveDrag& active : drags_) {
-    const double share = (time - active.from) / active.drag.seconds;
-    const PointSpring spring = {active.point, pointOnPath(active.path, share),
-                                active.drag.stiffness, active.drag.damping};
-    addPointSpring(spring, poses[active.drag.tile], loads[active.drag.tile]);
+    const timeline::Drag& drag = dragOf(active);
+    const double share = (time - active.from) / drag.seconds;
+    const PointSpring spring = {active.point, pointOnPath(active.path, share), drag.stiffness,
+                                drag.damping};
+    addPointSpring(spring, poses[drag.tile], loads[drag.tile]);
   }
+}
+
+void TimelineRunner::transfer(StateTape& tape) {
+  tape.transfer(next_, lastTime_, pausedUntil_, forcesOn_, pinned_, drags_);
 }
 
 bool TimelineRunner::isOver(double time) const {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sim/actuation/load.h"
+#include "sim/base/state_tape.h"
 #include "sim/brick/brick.h"
 #include "sim/scene/timeline.h"
 #include "sim/trajectory/trajectory.h"
@@ -59,14 +60,23 @@ class TimelineRunner {
   /// What is waited for: "line 12 of scene.toml waits for ..." ; empty when nothing is to come.
   std::string pending() const;
 
+  /// What has been done and what is under way.
+  void transfer(StateTape& tape);
+
  private:
   /// A drag under way: the path with the point that it started from.
   struct ActiveDrag {
-    timeline::Drag drag;
+    std::size_t entry = 0;      // of the timeline
     Vector3 point;              // tied to the spring, in the brick's axes
     std::vector<Vector3> path;  // from where the point was
     double from = 0;            // seconds
+
+    void transfer(StateTape& tape) { tape.transfer(entry, point, path, from); }
   };
+
+  const timeline::Drag& dragOf(const ActiveDrag& active) const {
+    return std::get<timeline::Drag>(timeline_.at(active.entry).action);
+  }
 
   bool isDue(const Occasion& moment, const TimelineView& view) const;
   void carryOut(const timeline::Action& action, const TimelineView& view, TimelineStage& stage);

@@ -19,6 +19,7 @@ class WorldDynamics : public Dynamics {
   void setJointStiffness(double /*stiffness*/) override {}  // they give as it is
   std::vector<ContactLoad> contactLoads() const override { return {}; }
   StepReport advance(Motion& motion, double step, const LoadSource& actuation) override;
+  void transfer(StateTape& /*tape*/) override {}
 
  private:
   std::unique_ptr<BrickWorld> world_;

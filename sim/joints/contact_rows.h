@@ -2,6 +2,7 @@
 /// tangential rows that slip beyond Coulomb's bound.
 #pragma once
 
+#include "sim/base/state_tape.h"
 #include "sim/brick/contact.h"
 #include "sim/joints/coordinates.h"
 
@@ -52,6 +53,9 @@ struct ContactRow {
   bool rubs() const { return slipBound > 0; }
   /// Whether it is in force in its present state.
   bool acts() const { return active || rubs(); }
+
+  /// What the row of the next step takes from this one.
+  void transfer(StateTape& tape) { tape.transfer(contact, hasNormal, multiplier, slipMultiplier); }
 };
 
 /// The row of a contact at the poses where a step of `step` seconds starts. An overlap there

@@ -64,6 +64,7 @@ class Stepper : public JointSolver {
   void setJointStiffness(double stiffness) override;
   std::vector<ContactLoad> contactLoads() const override;
   double assemble(Poses& poses) override;
+  void transfer(StateTape& tape) override;
 
  private:
   using Space = Coordinates<D>;
@@ -500,6 +501,14 @@ double Stepper<D>::assemble(Poses& poses) {
   }
   poses = poses_;
   return gap;
+}
+
+template <int D>
+void Stepper<D>::transfer(StateTape& tape) {
+  tape.transfer(jointStiffness_, pinned_, program_.multipliers, kept_, supports_, keptStep_,
+                system_);
+  program_.exactJoints = !std::isfinite(jointStiffness_);
+  system_.setPinned(pinned_);
 }
 
 }  // namespace

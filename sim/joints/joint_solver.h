@@ -9,6 +9,7 @@
 
 #include "sim/actuation/load.h"
 #include "sim/base/geometry.h"
+#include "sim/base/state_tape.h"
 #include "sim/brick/brick.h"
 #include "sim/brick/contact.h"
 
@@ -78,6 +79,10 @@ class JointSolver {
   /// Closes the joints of an open state, moving the bricks as little as their masses allow. Returns
   /// the largest gap left, metres.
   virtual double assemble(Poses& poses) = 0;
+
+  /// What the next step takes from those before, beside the motion: pins, the joints' stiffness,
+  /// the impulses and contacts to begin with, and which bricks have touched.
+  virtual void transfer(StateTape& tape) = 0;
 };
 
 /// A solver for these bricks and pivots. The pivots of a planar scene's two faces coincide and are

@@ -55,6 +55,13 @@ int StepSystem<D>::edgeOf(int brickA, int brickB) {
 }
 
 template <int D>
+void StepSystem<D>::transfer(StateTape& tape) {
+  std::vector<std::pair<int, int>> edges = edges_;
+  tape.transfer(edges);
+  for (const auto& [low, high] : edges) edgeOf(low, high);
+}
+
+template <int D>
 void StepSystem<D>::setMasses(const Poses& poses) {
   double sum = 0;
   for (std::size_t i = 0; i < bricks_.size(); ++i) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sim/actuation/load.h"
+#include "sim/base/state_tape.h"
 #include "sim/brick/brick.h"
 #include "sim/joints/block_cholesky.h"
 #include "sim/joints/contact_rows.h"
@@ -65,6 +66,9 @@ class StepSystem {
   double kappa() const { return kappa_; }
   double rho() const { return rho_; }
   int factorizations() const { return factorizations_; }
+
+  /// The graph: which bricks have touched decides the order of elimination, and so the rounding.
+  void transfer(StateTape& tape);
 
  private:
   /// The two bricks of a pivot, as an edge of the graph.

@@ -14,6 +14,10 @@
 
 #include "sim/base/error.h"
 
+#ifndef H5_HAVE_THREADSAFE
+#error "this HDF5 serves one thread only, but trajectories and checkpoints have one each"
+#endif
+
 namespace kirireel {
 namespace {
 
@@ -144,8 +148,8 @@ struct ArrayWriter::Internals {
   }
 
   void writeWhole(const std::string& name, hid_t stored, hid_t given, const void* entries,
-                  const Shape& shape) {
-    arrays.push_back(make(name, stored, spaceOf(shape), untimed(H5P_DATASET_CREATE)));
+                  const Shape& shape, const Handle& properties = untimed(H5P_DATASET_CREATE)) {
+    arrays.push_back(make(name, stored, spaceOf(shape), properties));
     if (entryCount(shape) == 0) return;
     check(H5Dwrite(arrays.back().id(), given, H5S_ALL, H5S_ALL, H5P_DEFAULT, entries) >= 0);
   }
@@ -200,6 +204,15 @@ void ArrayWriter::write(const std::string& name, std::span<const double> entries
 
 void ArrayWriter::write(const std::string& name, std::span<const int> entries, const Shape& shape) {
   internals_->writeWhole(name, H5T_STD_I32LE, H5T_NATIVE_INT, entries.data(), shape);
+}
+
+void ArrayWriter::writeChecked(const std::string& name, std::span<const double> entries) {
+  const std::array<hsize_t, 1> chunk = {std::min(entries.size(), kChunkBytes / sizeof(double))};
+  const Handle properties = untimed(H5P_DATASET_CREATE);
+  H5Pset_chunk(properties.id(), 1, chunk.data());
+  H5Pset_fletcher32(properties.id());
+  internals_->writeWhole(name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, entries.data(), {entries.size()},
+                         properties);
 }
 
 void ArrayWriter::write(const std::string& name, const std::vector<std::string>& texts) {

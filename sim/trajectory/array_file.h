@@ -1,5 +1,5 @@
 /// Files of named arrays with attributes: HDF5, which h5py, MATLAB and h5dump read. No HDF5 header
-/// is needed to use them.
+/// is needed to use them. Several threads may use files of their own at the same time.
 #pragma once
 
 #include <cstddef>
@@ -33,6 +33,8 @@ class ArrayWriter {
 
   void write(const std::string& name, std::span<const double> entries, const Shape& shape);
   void write(const std::string& name, std::span<const int> entries, const Shape& shape);
+  /// A list of doubles, at least one, uncompressed and with a checksum on each part.
+  void writeChecked(const std::string& name, std::span<const double> entries);
   /// A list of texts, UTF-8.
   void write(const std::string& name, const std::vector<std::string>& texts);
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sim/base/geometry.h"
+#include "sim/base/state_tape.h"
 #include "sim/brick/brick.h"
 #include "sim/model/model.h"
 #include "sim/scene/scene.h"
@@ -20,6 +21,10 @@ struct Sample {
   double targetError = 0;   ///< largest; 0 without a target
   double penetration = 0;   ///< deepest
   std::vector<int> pinned;  ///< tiles fixed to the world at this time, ascending
+
+  void transfer(StateTape& tape) {
+    tape.transfer(time, poses, jointGap, targetError, penetration, pinned);
+  }
 };
 
 /// Something that happened during a run.
@@ -28,6 +33,8 @@ struct Event {
   std::string text;  ///< one line
 
   bool operator==(const Event&) const = default;
+
+  void transfer(StateTape& tape) { tape.transfer(time, text); }
 };
 
 /// What a trajectory shows: all that stays the same from the first sample to the last, and enough

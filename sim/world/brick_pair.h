@@ -42,6 +42,9 @@ class BrickPair {
   /// other brick's face, or no other face keeps the two apart.
   bool isCurrent(const Contact& contact, const Pose& startOfB);
 
+  /// What the next step takes from those before.
+  void transfer(StateTape& tape) { tape.transfer(slack_, last_, lookedAt_, clearance_); }
+
  private:
   bool touches(const Contact& contact) const;
   bool isApartOtherwise(const Contact& contact) const;

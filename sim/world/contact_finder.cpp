@@ -38,6 +38,8 @@ struct ContactFinder::Internals {
   SpherePair& sphereOf(int brick, int sphere);
   bool mayTouch(int a, int b) const;
   void updatePairs(const Poses& from, const Poses& to);
+  void listNearPairs();
+  void transfer(StateTape& tape);
   double appendGround(int brick, const Pose& end, std::vector<Contact>& contacts);
   double frictionWith(int a, int b) const;
   void requireFree(int brick, int body, double overlap) const;
@@ -91,7 +93,10 @@ bool ContactFinder::Internals::mayTouch(int a, int b) const {
 
 void ContactFinder::Internals::updatePairs(const Poses& from, const Poses& to) {
   if (environment.contacts == ContactFilter::None && parts.empty()) return;
-  if (!near.update(from, to)) return;
+  if (near.update(from, to)) listNearPairs();
+}
+
+void ContactFinder::Internals::listNearPairs() {
   nearPairs.clear();
   nearSpheres.clear();
   for (const auto& [a, b] : near.pairs()) {
@@ -103,6 +108,14 @@ void ContactFinder::Internals::updatePairs(const Poses& from, const Poses& to) {
       nearPairs.push_back(&pairOf(a, b));
     }
   }
+}
+
+void ContactFinder::Internals::transfer(StateTape& tape) {
+  std::vector<std::pair<int, int>> known;
+  for (const auto& [key, pair] : pairs) known.emplace_back(pair.a(), pair.b());
+  tape.transfer(near, known);
+  for (const auto& [a, b] : known) pairOf(a, b).transfer(tape);
+  if (tape.isPlaying()) listNearPairs();
 }
 
 double ContactFinder::Internals::frictionWith(int a, int b) const {
@@ -163,6 +176,10 @@ ContactFinder::ContactFinder(const std::vector<Brick>& bricks, const Poses& star
 }
 
 ContactFinder::~ContactFinder() = default;
+
+void ContactFinder::transfer(StateTape& tape) {
+  internals_->transfer(tape);
+}
 
 void ContactFinder::startStep(const Poses& start) {
   Internals& in = *internals_;

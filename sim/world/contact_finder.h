@@ -36,6 +36,10 @@ class ContactFinder : public ContactSource {
   double appendViolated(const Poses& end, std::vector<Contact>& contacts) override;
   bool isCurrent(const Contact& contact) const override;
 
+  /// What the next step takes from those before: what keeps each pair of bricks apart, and the
+  /// overlap that it may keep.
+  void transfer(StateTape& tape);
+
  private:
   struct Internals;
   std::unique_ptr<Internals> internals_;

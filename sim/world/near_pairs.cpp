@@ -49,13 +49,16 @@ struct NearPairs::Internals {
   }
 
   bool anyLeft(const Poses& poses) const;
+  void setBoxes();
   void setBox(int brick, const Eigen::AlignedBox3d& box);
   void listPairs();
 
   const std::vector<Brick>& bricks;
   std::vector<double> radii;
   double margin = 0;
-  Poses boxedAt;  // empty before the first call
+  Poses boxedFrom;  // the move that boxes were made for; empty before the first call
+  Poses boxedTo;
+  std::vector<Eigen::AlignedBox3d> boxes;
   btHashedOverlappingPairCache cache;
   btDbvtBroadphase broadphase;
   std::vector<btBroadphaseProxy*> proxies;
@@ -64,9 +67,22 @@ struct NearPairs::Internals {
 
 bool NearPairs::Internals::anyLeft(const Poses& poses) const {
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    if (motionBound(boxedAt[i], poses[i], radii[i]) > margin) return true;
+    if (motionBound(boxedTo[i], poses[i], radii[i]) > margin) return true;
   }
   return false;
+}
+
+void NearPairs::Internals::setBoxes() {
+  boxes.assign(bricks.size(), {});
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    Eigen::AlignedBox3d& box = boxes[i];
+    extend(box, bricks[i], boxedFrom[i]);
+    extend(box, bricks[i], boxedTo[i]);
+    const Vector3 wider = Vector3::Constant(margin);
+    box = {box.min() - wider, box.max() + wider};
+    setBox(static_cast<int>(i), box);
+  }
+  listPairs();
 }
 
 /// Makes a proxy on the first call, moves it afterwards.
@@ -82,13 +98,15 @@ void NearPairs::Internals::setBox(int brick, const Eigen::AlignedBox3d& box) {
   proxies.push_back(broadphase.createProxy(low, high, BOX_SHAPE_PROXYTYPE, carried, 1, 1, nullptr));
 }
 
+/// Bullet's tree widens boxes that move, and forgets pairs late: which of those it has depends on
+/// all moves before. Ours depend on the boxes alone.
 void NearPairs::Internals::listPairs() {
   broadphase.calculateOverlappingPairs(nullptr);
   pairs.clear();
   const btBroadphasePairArray& found = cache.getOverlappingPairArray();
   for (int i = 0; i < found.size(); ++i) {
     const auto [a, b] = std::minmax({number(found[i].m_pProxy0), number(found[i].m_pProxy1)});
-    pairs.emplace_back(a, b);
+    if (boxes[a].intersects(boxes[b])) pairs.emplace_back(a, b);
   }
   std::sort(pairs.begin(), pairs.end());
 }
@@ -109,17 +127,16 @@ NearPairs::~NearPairs() = default;
 
 bool NearPairs::update(const Poses& start, const Poses& end) {
   Internals& in = *internals_;
-  if (!in.boxedAt.empty() && !in.anyLeft(start) && !in.anyLeft(end)) return false;
-  for (std::size_t i = 0; i < end.size(); ++i) {
-    Eigen::AlignedBox3d box;
-    extend(box, in.bricks[i], start[i]);
-    extend(box, in.bricks[i], end[i]);
-    const Vector3 wider = Vector3::Constant(in.margin);
-    in.setBox(static_cast<int>(i), {box.min() - wider, box.max() + wider});
-  }
-  in.boxedAt = end;
-  in.listPairs();
+  if (!in.boxedTo.empty() && !in.anyLeft(start) && !in.anyLeft(end)) return false;
+  in.boxedFrom = start;
+  in.boxedTo = end;
+  in.setBoxes();
   return true;
+}
+
+void NearPairs::transfer(StateTape& tape) {
+  tape.transfer(internals_->boxedFrom, internals_->boxedTo);
+  if (tape.isPlaying()) internals_->setBoxes();
 }
 
 const std::vector<std::pair<int, int>>& NearPairs::pairs() const {

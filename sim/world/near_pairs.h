@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "sim/base/state_tape.h"
 #include "sim/brick/brick.h"
 
 namespace kirireel {
@@ -26,9 +27,12 @@ class NearPairs {
   /// Takes notice of a move. Returns whether the pairs were found anew.
   bool update(const Poses& start, const Poses& end);
 
-  /// At least all pairs whose boxes overlap at the start or the end of the last move, smaller
-  /// number first, sorted.
+  /// The pairs whose boxes overlap, smaller number first, sorted. A box holds its brick at the
+  /// start and the end of the last move.
   const std::vector<std::pair<int, int>>& pairs() const;
+
+  /// Where the boxes are, which decides the pairs.
+  void transfer(StateTape& tape);
 
  private:
   struct Internals;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "sim/base/geometry.h"
+#include "sim/base/state_tape.h"
 #include "sim/brick/brick.h"
 #include "sim/brick/contact.h"
 
@@ -42,6 +43,8 @@ struct SeparatingPlane {
   double sign = 1;  ///< of the product of edge directions
 
   bool operator==(const SeparatingPlane&) const = default;
+
+  void transfer(StateTape& tape) { tape.transfer(kind, a, b, sign); }
 };
 
 /// All planes to be tried for a pair: the faces of both, and in space the products of their edges.

@@ -14,6 +14,15 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
+/// Waits until this file is there, a minute at most.
+bool waitFor(const fs::path& file) {
+  for (int i = 0; i < 6000; ++i) {
+    if (fs::exists(file)) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return false;
+}
+
 std::vector<std::string> recordInto(const fs::path& out, const std::vector<std::string>& more) {
   std::vector<std::string> words = {"record",     shippedModel("nonrigid").string(),
                                     "--size",     "320x240",
@@ -70,14 +79,84 @@ TEST_F(Resume, EndsLikeAnUndisturbedRunWheneverItWasKilled) {
   }
 }
 
+/// A run of a sheet that is large enough to be met while it goes on.
+class ResumeOnTheWay : public testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_EQ(runKirireel({"generate", "tessellation", model_, "--columns", "16", "--rows", "16"})
+                  .exitCode,
+              0);
+  }
+
+  std::vector<std::string> recordLongInto(const fs::path& out,
+                                          const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> words = {"record",   model_,   "--planar",  "off",   "--path",
+                                      "straight", "--size", "160x120",   "--svg", "--duration",
+                                      "1",        "--out",  out.string()};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+
+  /// Runs until the first pictures are there, then ends it by a signal. Returns what it printed on
+  /// the error stream.
+  std::string endBy(int signal, const std::vector<std::string>& words) const {
+    fs::remove(out_ / "deployment.part.mp4");
+    RunningProgram program(words, {});
+    EXPECT_TRUE(waitFor(out_ / "deployment.part.mp4"));
+    program.sendSignal(signal);
+    const ProgramEnd end = program.wait();
+    EXPECT_EQ(end.exitCode, signal == SIGKILL ? -SIGKILL : 1);
+    return end.err;
+  }
+
+  ScratchFolder scratch_;
+  std::string model_ = (scratch_ / "model").string();
+  fs::path out_ = scratch_ / "out";
+};
+
+TEST_F(ResumeOnTheWay, GoesOnFromTheLastCheckpoint) {
+  ASSERT_EQ(runKirireel(recordLongInto(scratch_ / "whole")).exitCode, 0);
+  EXPECT_FALSE(fs::exists(scratch_ / "whole/.checkpoint"));
+  EXPECT_EQ(endBy(SIGTERM, recordLongInto(out_)), "");
+  EXPECT_TRUE(fs::exists(out_ / ".checkpoint/state.h5"));
+  // A kill takes nothing away.
+  const auto goesOn =
+      testing::MatchesRegex("kirireel: goes on at .* s, from the checkpoint in .*\n");
+  endBy(SIGKILL, recordLongInto(out_, {"--resume"}));
+  const ProgramEnd end = runKirireel(recordLongInto(out_, {"--resume"}));
+  EXPECT_EQ(end.exitCode, 0) << end.err;
+  EXPECT_THAT(end.err, goesOn);
+  expectSameRun(out_, scratch_ / "whole");
+}
+
+TEST_F(ResumeOnTheWay, StartsAnewFromAnotherOrdersCheckpoint) {
+  endBy(SIGTERM, recordLongInto(out_));
+  const ProgramEnd end = runKirireel(recordLongInto(out_, {"--fps", "10", "--resume"}));
+  EXPECT_EQ(end.err, "kirireel: the checkpoint in " + (out_ / ".checkpoint").string() +
+                         " is of another order or program; the run starts anew\n");
+  EXPECT_EQ(end.exitCode, 0);
+  EXPECT_FALSE(fs::exists(out_ / ".checkpoint"));
+}
+
+TEST_F(ResumeOnTheWay, OnlyWhenAsked) {
+  endBy(SIGTERM, recordLongInto(out_));
+  const ProgramEnd end = runKirireel(recordLongInto(out_, {"--fps", "10"}));
+  EXPECT_EQ(end.err, "");
+  EXPECT_FALSE(fs::exists(out_ / ".checkpoint"));
+}
+
 TEST_F(Resume, LeavesAFinishedRunAsItIs) {
   fs::copy(undisturbed_->path(), scratch_.path());
+  // Killed just before its end.
+  fs::create_directory(scratch_ / ".checkpoint");
+  writeText(scratch_ / ".checkpoint/state.h5", "");
   const std::string summary = readText(scratch_ / "summary.json");
   const ProgramEnd end = runKirireel(recordInto(scratch_.path(), {"--resume"}));
   EXPECT_EQ(end.exitCode, 0) << end.err;
   EXPECT_EQ(end.out, scratch_.path().string() + ": finished already, out_of_time\n");
   EXPECT_EQ(runKirireel(recordInto(scratch_.path(), {"--resume", "--json"})).out, summary);
   EXPECT_EQ(readText(scratch_ / "summary.json"), summary);
+  EXPECT_EQ(filesIn(scratch_.path()), filesIn(undisturbed_->path()));
 }
 
 TEST_F(Resume, MakesADamagedRunAgain) {

@@ -196,16 +196,17 @@ TEST(Path, AsksNobodyWhereThereIsNoChoice) {
     ADD_FAILURE() << what;
     return true;
   };
+  std::vector<TrialEnd> trials;
   Scene bullet = closedToClosed();
   bullet.solver.kind = SolverKind::Bullet;
-  EXPECT_EQ(choosePath(bullet, 1.0 / 60, {0, false}, unasked).reason,
+  EXPECT_EQ(choosePath(bullet, 1.0 / 60, {0, false}, unasked, trials).reason,
             "the baseline tries no others");
   Scene aimless = closedToClosed();
   aimless.model.target.reset();
-  EXPECT_EQ(choosePath(aimless, 1.0 / 60, {}, unasked).reason, "there is no target");
+  EXPECT_EQ(choosePath(aimless, 1.0 / 60, {}, unasked, trials).reason, "there is no target");
   Scene asked = closedToClosed();
   asked.path.kind = PathKind::Led;
-  EXPECT_EQ(choosePath(asked, 1.0 / 60, {0, false}, unasked).reason, "asked for");
+  EXPECT_EQ(choosePath(asked, 1.0 / 60, {0, false}, unasked, trials).reason, "asked for");
 }
 
 TEST(Path, ASearchThatIsEndedEndsTheRun) {
@@ -216,8 +217,9 @@ TEST(Path, ASearchThatIsEndedEndsTheRun) {
 }
 
 TEST(Path, ASearchCanBeStopped) {
-  const PathChoice choice =
-      choosePath(closedToClosed(), 1.0 / 60, {0, false}, [](const std::string&) { return false; });
+  std::vector<TrialEnd> trials;
+  const PathChoice choice = choosePath(
+      closedToClosed(), 1.0 / 60, {0, false}, [](const std::string&) { return false; }, trials);
   EXPECT_EQ(choice.path.kind, PathKind::Straight);
   EXPECT_EQ(choice.reason, "no path that was tried arrives");
 }

@@ -64,5 +64,36 @@ TEST(NearPairs, HoldEveryPairWhoseBoxesMeet) {
   EXPECT_GT(reused, 20);
 }
 
+TEST(NearPairs, DependOnTheLastBoxesAlone) {
+  Chance chance(3);
+  std::vector<Brick> bricks;
+  Poses poses;
+  for (int i = 0; i < 40; ++i) {
+    bricks.push_back(test::prism(3 + i % 4, 0.3, 0.1));
+    poses.push_back(chance.pose(1));
+  }
+  NearPairs whole(bricks);
+  std::unique_ptr<NearPairs> resumed;
+  int found = 0;
+  for (int step = 0; step < 100; ++step) {
+    const Poses start = poses;
+    for (Pose& pose : poses) pose.position += 0.05 * chance.vector();
+    found += whole.update(start, poses) ? 1 : 0;
+    if (resumed) {
+      resumed->update(start, poses);
+      EXPECT_EQ(whole.pairs(), resumed->pairs()) << step;
+    }
+    if (step % 10 != 5) continue;
+    StateTape tape;
+    tape.transfer(whole);
+    StateTape played(tape.numbers());
+    resumed = std::make_unique<NearPairs>(bricks);
+    resumed->update(start, start);
+    played.transfer(*resumed);
+    EXPECT_EQ(whole.pairs(), resumed->pairs()) << step;
+  }
+  EXPECT_GT(found, 20);
+}
+
 }  // namespace
 }  // namespace kirireel

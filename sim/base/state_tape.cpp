@@ -1,0 +1,43 @@
+#include "sim/base/state_tape.h"
+
+#include <algorithm>
+
+#include "sim/base/error.h"
+
+namespace kirireel {
+namespace {
+
+[[noreturn]] void refuseState() {
+  throw InputError(
+      "error: the checkpoint holds the state of another run; leave --resume away to start anew");
+}
+
+}  // namespace
+
+void StateTape::play(double* numbers, std::size_t count) {
+  if (count > numbers_.size() - next_) refuseState();
+  std::copy_n(numbers_.data() + next_, count, numbers);
+  next_ += count;
+}
+
+void StateTape::pass(std::vector<bool>& flags) {
+  std::vector<int> numbers(flags.begin(), flags.end());
+  pass(numbers);
+  flags.assign(numbers.begin(), numbers.end());
+}
+
+void StateTape::pass(std::string& text) {
+  text.resize(passSize(text.size()));
+  for (char& character : text) pass(character);
+}
+
+std::size_t StateTape::passSize(std::size_t size) {
+  auto number = static_cast<double>(size);
+  pass(number);
+  const auto left = static_cast<double>(numbers_.size() - next_);
+  // Written so that NaN fails.
+  if (plays_ && !(number >= 0 && number <= left)) refuseState();
+  return static_cast<std::size_t>(number);
+}
+
+}  // namespace kirireel

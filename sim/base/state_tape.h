@@ -1,0 +1,112 @@
+/// The state of something that runs, as a list of numbers to go on from.
+#pragma once
+
+#include <concepts>
+#include <cstddef>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "sim/base/geometry.h"
+
+namespace kirireel {
+
+class StateTape;
+
+/// Has a state of its own, whose parts it lists in transfer().
+template <typename Value>
+concept HasState = requires(Value& value, StateTape& tape) {
+  value.transfer(tape);
+};
+
+/// Records a state, or plays it back: whatever has a state lists its parts once, for both ways.
+///
+///     void Clock::transfer(StateTape& tape) { tape.transfer(hours_, minutes_); }
+///
+/// What is played back is equal to the last bit; whole numbers must stay below 2^53.
+class StateTape {
+ public:
+  /// An empty tape, to be recorded on.
+  StateTape() = default;
+  /// A tape to be played back.
+  explicit StateTape(std::vector<double> numbers) : numbers_(std::move(numbers)), plays_(true) {}
+
+  bool isPlaying() const { return plays_; }
+  /// Whether all has been played back.
+  bool isOver() const { return next_ == numbers_.size(); }
+  /// What has been recorded.
+  const std::vector<double>& numbers() const { return numbers_; }
+  /// Empties the tape, to be recorded on.
+  void clear() {
+    numbers_.clear();
+    next_ = 0;
+    plays_ = false;
+  }
+
+  /// Records these values, or sets them to those that were recorded in this place. Throws
+  /// InputError where the tape holds another state than is asked for.
+  template <typename... Values>
+  void transfer(Values&... values) {
+    (pass(values), ...);
+  }
+
+ private:
+  void pass(double& number) { pass(&number, 1); }
+  void pass(double* numbers, std::size_t count) {
+    if (plays_) return play(numbers, count);
+    numbers_.insert(numbers_.end(), numbers, numbers + count);
+  }
+  void pass(std::vector<double>& list) {
+    list.resize(passSize(list.size()));
+    pass(list.data(), list.size());
+  }
+  void pass(std::vector<bool>& flags);
+  void pass(std::string& text);
+  void pass(Quaternion& rotation) { pass(rotation.coeffs()); }
+  void pass(Pose& pose) { transfer(pose.position, pose.rotation); }
+  void pass(Velocity& velocity) { transfer(velocity.linear, velocity.angular); }
+  void pass(Motion& motion) { transfer(motion.poses, motion.velocities); }
+
+  template <typename Whole>
+  requires std::integral<Whole> || std::is_enum_v<Whole>
+  void pass(Whole& whole) {
+    auto number = static_cast<double>(whole);
+    pass(number);
+    whole = static_cast<Whole>(number);
+  }
+
+  template <typename Derived>
+  void pass(Eigen::PlainObjectBase<Derived>& matrix) {
+    if constexpr (Derived::SizeAtCompileTime == Eigen::Dynamic) {
+      matrix.resize(static_cast<Eigen::Index>(passSize(matrix.size())));
+    }
+    pass(matrix.data(), static_cast<std::size_t>(matrix.size()));
+  }
+
+  template <typename First, typename Second>
+  void pass(std::pair<First, Second>& pair) {
+    transfer(pair.first, pair.second);
+  }
+
+  template <typename Value>
+  void pass(std::vector<Value>& list) {
+    list.resize(passSize(list.size()));
+    for (Value& value : list) pass(value);
+  }
+
+  template <HasState Value>
+  void pass(Value& value) {
+    value.transfer(*this);
+  }
+
+  void play(double* numbers, std::size_t count);
+  /// The length of a list, whose entries each take a number at least.
+  std::size_t passSize(std::size_t size);
+
+  std::vector<double> numbers_;
+  std::size_t next_ = 0;  ///< to be played
+  bool plays_ = false;
+};
+
+}  // namespace kirireel

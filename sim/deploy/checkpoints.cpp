@@ -1,0 +1,130 @@
+#include "sim/deploy/checkpoints.h"
+
+#include <algorithm>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "sim/base/error.h"
+#include "sim/base/pending_file.h"
+#include "sim/trajectory/array_file.h"
+
+namespace kirireel {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kState = "state.h5";
+constexpr const char* kFormat = "kirireel checkpoint 1";
+constexpr const char* kNumbers = "numbers";
+// 4 MB: samples that wait for a checkpoint take no more memory than this, and are still in the
+// processor's cache when they are written.
+constexpr std::size_t kMostWaiting = 500'000;
+
+bool isOf(const ArrayReader& file, const std::string& order) {
+  return file.textAttribute("/", "format") == kFormat && file.textAttribute("/", "order") == order;
+}
+
+}  // namespace
+
+Checkpoints::Checkpoints(fs::path folder, std::string order, CheckpointPace pace)
+    : folder_(std::move(folder)), order_(std::move(order)), pace_(pace) {
+  waitAfter({});
+}
+
+std::string Checkpoints::find() {
+  const std::string place = fmt::format("the checkpoint in {}", folder_.string());
+  // A link may lead anywhere.
+  if (fs::is_symlink(folder_) || !fs::exists(folder_ / kState)) {
+    remove();
+    return "";
+  }
+  try {
+    const ArrayReader file(folder_ / kState);
+    if (!isOf(file, order_)) {
+      remove();
+      return place + " is of another order or program; the run starts anew";
+    }
+    StateTape tape(file.doubles(kNumbers));
+    transfer(tape);
+    // What is missing or damaged is to show before anything is done with the rest.
+    for (std::size_t k = 0; k < sampleFiles_.size(); ++k) readSamples(k);
+  } catch (const InputError&) {
+    remove();
+    return place + " is damaged or incomplete; the run starts anew";
+  }
+  if (run_.numbers.empty()) return "goes on with the search for a path, from " + place;
+  return fmt::format("goes on at {:.4g} s, from {}", run_.time, place);
+}
+
+void Checkpoints::remove() {
+  std::error_code error;
+  fs::remove_all(folder_, error);
+  if (error) {
+    throw OutputError(fmt::format("{}: error: an earlier run's checkpoint cannot be removed ({})",
+                                  folder_.string(), error.message()));
+  }
+  trials_.clear();
+  sampleFiles_.clear();
+  run_ = {};
+}
+
+bool Checkpoints::isDue() const {
+  return Clock::now() >= due_ || samples_.numbers().size() > kMostWaiting;
+}
+
+void Checkpoints::save(RunState run) {
+  const Clock::time_point begin = Clock::now();
+  makeFolder(folder_);
+  run_ = std::move(run);
+  // The samples are in place before the state that counts on them.
+  if (!run_.numbers.empty() && !samples_.numbers().empty()) {
+    write(samplesFile(sampleFiles_.size()), samples_);
+    sampleFiles_.push_back(samples_.numbers().size());
+    samples_.clear();
+  }
+  StateTape tape;
+  transfer(tape);
+  write(folder_ / kState, tape);
+  waitAfter(Clock::now() - begin);
+}
+
+void Checkpoints::playSamples(const std::function<bool(StateTape&)>& take) const {
+  for (std::size_t k = 0; k < sampleFiles_.size(); ++k) {
+    StateTape tape = readSamples(k);
+    while (!tape.isOver()) {
+      if (!take(tape)) return;
+    }
+  }
+}
+
+fs::path Checkpoints::samplesFile(std::size_t index) const {
+  return folder_ / fmt::format("samples_{:05}.h5", index + 1);
+}
+
+StateTape Checkpoints::readSamples(std::size_t index) const {
+  const ArrayReader file(samplesFile(index));
+  std::vector<double> numbers = file.doubles(kNumbers);
+  if (!isOf(file, order_) || numbers.size() != sampleFiles_[index]) {
+    file.refuse("these samples are of another checkpoint");
+  }
+  return StateTape(std::move(numbers));
+}
+
+void Checkpoints::write(const fs::path& path, const StateTape& tape) const {
+  PendingFile pending(path);
+  ArrayWriter file(pending.path(), path);
+  file.setAttribute("/", "format", std::string(kFormat));
+  file.setAttribute("/", "order", order_);
+  file.writeChecked(kNumbers, tape.numbers());
+  file.close();
+  pending.commit();
+}
+
+void Checkpoints::waitAfter(Clock::duration taken) {
+  const std::chrono::duration<double> least(pace_.leastSeconds);
+  const std::chrono::duration<double> rest = taken / pace_.largestShare;
+  due_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::max(least, rest));
+}
+
+}  // namespace kirireel
