@@ -1,44 +1,85 @@
 #include "sim/scene/toml_file.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <toml++/toml.h>
 
 #include "sim/base/spelling.h"
+#include "sim/base/text_file.h"
 
 namespace kirireel {
 namespace {
+
+// A timeline of 100,000 entries; what the parser makes of a byte can take a hundred.
+constexpr std::uintmax_t kMostBytes = 8u << 20;
+constexpr int kMostDots = 64;
+constexpr int kDeepest = 16;
 
 FileLocation placeIn(const std::filesystem::path& file, const toml::source_region& region) {
   return {file, static_cast<int>(region.begin.line), static_cast<int>(region.begin.column)};
 }
 
-TomlValue valueOf(const std::filesystem::path& file, const toml::node& node);
-
-TomlTable tableOf(const std::filesystem::path& file, const toml::table& table) {
-  TomlTable entries;
-  for (const auto& [key, node] : table) {
-    entries.push_back({std::string(key.str()), placeIn(file, key.source()), valueOf(file, node)});
+/// Refuses keys such as a.b.c of many parts: each makes a table within a table, and the parser,
+/// which bounds the depth of brackets alone, would not come back from a million.
+void requireShortKeys(const std::filesystem::path& file, std::string_view text) {
+  int line = 1;
+  int dots = 0;
+  char before = '\n';
+  for (const char letter : text) {
+    if (letter == ' ' || letter == '\t') continue;
+    if (letter == '\n') ++line;
+    if (letter == '.' && before != '.') ++dots;  // rows of dots adorn comments
+    if (std::string_view("\n=,[]{}#").find(letter) != std::string_view::npos) dots = 0;
+    before = letter;
+    if (dots < kMostDots) continue;
+    throw inputErrorAt({file, line}, fmt::format("there are {} dots in a key or a text here; write "
+                                                 "less than that",
+                                                 kMostDots));
   }
-  return entries;
 }
 
-TomlValue valueOf(const std::filesystem::path& file, const toml::node& node) {
-  TomlValue value{{}, placeIn(file, node.source())};
-  if (const auto* truth = node.as_boolean()) value.content = truth->get();
-  if (const auto* whole = node.as_integer()) value.content = whole->get();
-  if (const auto* real = node.as_floating_point()) value.content = real->get();
-  if (const auto* text = node.as_string()) value.content = text->get();
-  if (const auto* table = node.as_table()) value.content = tableOf(file, *table);
-  if (const auto* array = node.as_array()) {
-    std::vector<TomlValue> elements;
-    for (const toml::node& element : *array) elements.push_back(valueOf(file, element));
-    value.content = std::move(elements);
+/// Turns what the parser found into our own values.
+class Translator {
+ public:
+  explicit Translator(std::filesystem::path file) : file_(std::move(file)) {}
+
+  TomlTable tableOf(const toml::table& table, int depth) const {
+    TomlTable entries;
+    for (const auto& [key, node] : table) {
+      entries.push_back(
+          {std::string(key.str()), placeIn(file_, key.source()), valueOf(node, depth)});
+    }
+    return entries;
   }
-  return value;
-}
+
+ private:
+  TomlValue valueOf(const toml::node& node, int depth) const {
+    TomlValue value{{}, placeIn(file_, node.source())};
+    if (depth > kDeepest) {
+      throw inputErrorAt(value.where,
+                         fmt::format("tables and arrays are more than {} deep here; nothing needs "
+                                     "more than a few: take brackets away",
+                                     kDeepest));
+    }
+    if (const auto* truth = node.as_boolean()) value.content = truth->get();
+    if (const auto* whole = node.as_integer()) value.content = whole->get();
+    if (const auto* real = node.as_floating_point()) value.content = real->get();
+    if (const auto* text = node.as_string()) value.content = text->get();
+    if (const auto* table = node.as_table()) value.content = tableOf(*table, depth + 1);
+    if (const auto* array = node.as_array()) {
+      std::vector<TomlValue> elements;
+      for (const toml::node& element : *array) elements.push_back(valueOf(element, depth + 1));
+      value.content = std::move(elements);
+    }
+    return value;
+  }
+
+  std::filesystem::path file_;
+};
 
 }  // namespace
 
@@ -49,15 +90,13 @@ std::optional<double> TomlValue::number() const {
 }
 
 TomlTable readTomlFile(const std::filesystem::path& path, const std::string& hint) {
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored)) {
-    throw inputErrorAt({path}, "there is no such file; name " + hint);
-  }
+  const std::string text = readTextFile(path, "name " + hint, kMostBytes);
+  requireShortKeys(path, text);
   try {
-    return tableOf(path, toml::parse_file(path.string()));
+    return Translator(path).tableOf(toml::parse(text), 1);
   } catch (const toml::parse_error& error) {
     throw inputErrorAt(placeIn(path, error.source()),
-                       fmt::format("this is no TOML: {}", error.description()));
+                       fmt::format("this is no TOML: {}", shown(error.description(), 160)));
   }
 }
 
@@ -95,7 +134,7 @@ void refuseValue(const TomlValue& value, const std::string& wanted) {
 void refuseKey(const TomlEntry& entry, const std::string& what,
                const std::vector<std::string>& known) {
   throw inputErrorAt(entry.where,
-                     fmt::format("unknown {} {}{}; there are {}", what, entry.key,
+                     fmt::format("unknown {} {}{}; there are {}", what, shown(entry.key),
                                  suggestion(entry.key, known), fmt::join(known, ", ")));
 }
 
