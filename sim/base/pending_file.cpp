@@ -33,6 +33,9 @@ void requireWritableFolder(const std::filesystem::path& file) {
 PendingFile::PendingFile(std::filesystem::path finalPath)
     : finalPath_(std::move(finalPath)), path_(pendingName(finalPath_)) {
   requireWritableFolder(finalPath_);
+  // What stands there is left of a killed run, or a link that must not be written through.
+  std::error_code ignored;
+  std::filesystem::remove(path_, ignored);
 }
 
 PendingFile::~PendingFile() {
