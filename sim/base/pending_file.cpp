@@ -34,8 +34,7 @@ PendingFile::PendingFile(std::filesystem::path finalPath)
     : finalPath_(std::move(finalPath)), path_(pendingName(finalPath_)) {
   requireWritableFolder(finalPath_);
   // What stands there is left of a killed run, or a link that must not be written through.
-  std::error_code ignored;
-  std::filesystem::remove(path_, ignored);
+  ::unlink(path_.c_str());
 }
 
 PendingFile::~PendingFile() {
