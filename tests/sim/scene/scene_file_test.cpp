@@ -132,6 +132,12 @@ TEST_F(SceneFileTest, RefusesWhatIsDeepOrMany) {
                             "read; name a scene file, like scene.toml")));
 }
 
+TEST_F(SceneFileTest, RefusesTablesWithoutAKey) {
+  for (const std::string table : {"[/]", "[=", "[[*]]", "[ ]", "[.", "[\u00e9", "\u00e9 = 1"}) {
+    EXPECT_THAT(refusal(table + "\n"), HasSubstr("error: this is no TOML: ")) << table;
+  }
+}
+
 TEST_F(SceneFileTest, ShowsForeignKeysShort) {
   const std::string message = refusal("\"\\n" + std::string(5000, 'k') + "\" = 1\n");
   EXPECT_THAT(message, HasSubstr("error: unknown table ?kkk"));
