@@ -16,6 +16,7 @@
 #include <hdf5.h>
 
 #include "sim/base/error.h"
+#include "sim/trajectory/text_heaps.h"
 
 namespace kirireel {
 namespace {
@@ -429,6 +430,7 @@ ArrayReader::ArrayReader(std::filesystem::path path) : internals_(std::make_uniq
   }
   in.fileBytes = static_cast<double>(std::filesystem::file_size(in.path, error));
   if (!in.beginsAsOurs()) in.refuse("this is not an HDF5 file");
+  if (!hasWholeTextHeaps(in.path)) in.refuse("the file is cut short or damaged");
   in.file = Handle(H5Fopen(in.path.c_str(), H5F_ACC_RDONLY, access.id()), H5Fclose);
   if (!in.file.valid()) in.refuse("the file is cut short or damaged");
 }

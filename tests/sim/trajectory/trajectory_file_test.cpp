@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <map>
 #include <random>
 
 #include <gmock/gmock.h>
@@ -300,6 +301,26 @@ TEST(TrajectoryFile, RefusesTextsThatClaimMoreThanTheFile) {
   bytes[at + 3] = '\x7f';
   std::ofstream(file, std::ios::binary | std::ios::trunc) << bytes;
   EXPECT_THAT(refusalOf(file), HasSubstr("the array events/text is damaged"));
+}
+
+TEST(TrajectoryFile, RefusesHeapsOfTextsThatGoInCircles) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder / "run.h5";
+  writeTrajectory(randomTrajectory(3), file);
+  const std::string whole = bytesOf(file);
+  const std::size_t heap = whole.find("GCOL");
+  ASSERT_NE(heap, whole.npos);
+  // The first entry's number and size: free space of no size, an entry beyond the heap; and the
+  // size of the heap itself.
+  for (const auto& [place, bytes] :
+       std::map<std::size_t, std::string>{{16, std::string(16, '\0')},
+                                          {24, std::string("\xf0\xff\xff\xff\xff\xff\xff\xff", 8)},
+                                          {8, std::string("\0\0\0\0\1\0\0\0", 8)}}) {
+    std::string damaged = whole;
+    damaged.replace(heap + place, bytes.size(), bytes);
+    std::ofstream(file, std::ios::binary | std::ios::trunc) << damaged;
+    EXPECT_THAT(refusalOf(file), HasSubstr("the file is cut short or damaged")) << place;
+  }
 }
 
 /// What is said of a trajectory's file after Python lines that change `f`, h5py's view of it.
