@@ -20,7 +20,7 @@ namespace {
 // 0.
 constexpr double kSamePlace = 1e-6;
 // Corners at so many places within one tolerance cannot be told apart.
-constexpr std::size_t kMostInACell = 32;
+constexpr std::size_t kMostInACell = 100;
 
 const Vector3& placeOf(const std::vector<Tile>& tiles, const Corner& corner) {
   return tiles[corner.tile].vertices[corner.vertex];
