@@ -268,9 +268,10 @@ TEST(FormatErrors, Fold) {
           "a.fold"),
       "@/a.fold: error: face 0 has the vertex 3, but there are vertices 0-2; correct it: FOLD "
       "counts from 0");
-  EXPECT_EQ(messageFor({{"a.fold", R"({"vertices_coords": [[0,"x"]], "faces_vertices": [[0,0,0]]})"}},
-                       "a.fold"),
-            "@/a.fold: error: vertex 0 is not two or three coordinates within 1e+06 m; correct it");
+  EXPECT_EQ(
+      messageFor({{"a.fold", R"({"vertices_coords": [[0,"x"]], "faces_vertices": [[0,0,0]]})"}},
+                 "a.fold"),
+      "@/a.fold: error: vertex 0 is not two or three coordinates within 1e+06 m; correct it");
   EXPECT_EQ(
       messageFor({{"a.fold", R"({"vertices_coords": [[0,0]], "faces_vertices": [0]})"}}, "a.fold"),
       "@/a.fold: error: entry 0 is no list of whole numbers; write vertex numbers, from 0");
