@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "sim/base/spelling.h"
 #include "sim/measure/sheet.h"
 #include "sim/model/read_model.h"
 
@@ -9,7 +10,7 @@ namespace kirireel {
 namespace {
 
 void print(const std::string& warning) {
-  fmt::print(stderr, "kirireel: {}\n", warning);
+  fmt::print(stderr, "kirireel: {}\n", oneLine(warning));
 }
 
 /// Tiles that lie in each other are a mistake, or meant, as where a sheet is folded flat.

@@ -5,6 +5,8 @@
 #include <optional>
 #include <string_view>
 
+#include "sim/base/spelling.h"
+
 namespace kirireel {
 namespace {
 
@@ -114,8 +116,8 @@ std::vector<FrameChoice> parseFrameChoices(const OptionValue& value) {
 }
 
 InputError valueError(const OptionValue& value, const std::string& wanted) {
-  return InputError(
-      fmt::format("error: {}: '{}' is not allowed; give {}", value.name, value.text, wanted));
+  return InputError(fmt::format("error: {}: '{}' is not allowed; give {}", value.name,
+                                shown(value.text), wanted));
 }
 
 double parseNumber(const OptionValue& value, Range range) {

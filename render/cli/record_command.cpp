@@ -17,6 +17,7 @@
 #include "render/record/summary.h"
 #include "render/verify/verify.h"
 #include "sim/base/error.h"
+#include "sim/base/spelling.h"
 #include "sim/model/split_tiles.h"
 
 namespace kirireel {
@@ -84,7 +85,9 @@ Scene readScene(const RecordOrder& order) {
     scene.model = splitTiles(scene.model, *order.splitTiles);
   }
   if (scene.environment.ground) scene.environment.ground->height = lowestPoint(scene);
-  for (const std::string& warning : warnings) fmt::print(stderr, "kirireel: {}\n", warning);
+  for (const std::string& warning : warnings) {
+    fmt::print(stderr, "kirireel: {}\n", oneLine(warning));
+  }
   return scene;
 }
 

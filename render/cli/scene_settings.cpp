@@ -52,7 +52,7 @@ CLI::Option& findOption(CLI::App& command, const SceneSetting& setting) {
   }
   throw inputErrorAt(
       setting.where,
-      fmt::format("[{}] has no key {}{}; see {} --help", setting.table, setting.key,
+      fmt::format("[{}] has no key {}{}; see {} --help", setting.table, shown(setting.key),
                   suggestion(setting.key, keysOf(command, setting.table)), command.get_name()));
 }
 

@@ -79,7 +79,7 @@ class RunOrders {
     } else if (has(runKeys(*run_), key)) {
       applyTo(*run_, setting);
     } else {
-      throw inputErrorAt(value.where, fmt::format("there is no parameter {}{}; {}", key,
+      throw inputErrorAt(value.where, fmt::format("there is no parameter {}{}; {}", shown(key),
                                                   suggestion(key, allKeys()), whereToLook()));
     }
   }

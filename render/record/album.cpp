@@ -192,7 +192,7 @@ void Album::writeGrid(const TrajectoryReader& run) {
 }
 
 void Album::writeChosenFrames(const TrajectoryReader& run) {
-  makeFolder(settings_.folder / output::kFrames);
+  makeFramesFolder(settings_.folder);
   for (const int number : chooseFrames(run, settings_.chosenFrames)) {
     const Frame frame = take(run.sample(static_cast<std::size_t>(number)), Studio::Scales::Drawn);
     writePng(frame, settings_.folder / frameFile(number), {.dotsPerInch = settings_.dotsPerInch});

@@ -5,7 +5,6 @@
 #include "render/png/png.h"
 #include "render/record/output_folder.h"
 #include "render/record/stopwatch.h"
-#include "sim/base/pending_file.h"
 
 namespace kirireel {
 namespace {
@@ -26,7 +25,7 @@ FrameSink::FrameSink(const PictureSettings& settings, PictureReport& report)
     : settings_(settings),
       report_(report),
       heldFrames_(static_cast<int>(std::lround(settings.hold * settings.framesPerSecond))) {
-  if (settings.frames) makeFolder(settings.folder / output::kFrames);
+  if (settings.frames) makeFramesFolder(settings.folder);
   if (settings.video) video_.emplace(settings.folder / settings.videoFile, videoSettings(settings));
 }
 

@@ -41,12 +41,19 @@ bool isFrameFile(const fs::path& file) {
 void removeFiles(const fs::path& folder, bool (*isOurs)(const fs::path&)) {
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    if (!entry.is_directory() && isOurs(entry.path())) fs::remove(entry.path(), error);
+    const bool isFile = entry.is_symlink() || !entry.is_directory();
+    if (isFile && isOurs(entry.path())) fs::remove(entry.path(), error);
     if (error) {
       throw OutputError(fmt::format("{}: error: an earlier run's file cannot be removed ({})",
                                     entry.path().string(), error.message()));
     }
   }
+}
+
+/// Frames go into the run's folder, not where a link of that name leads.
+void removeLink(const fs::path& folder) {
+  std::error_code ignored;
+  if (fs::is_symlink(folder, ignored)) fs::remove(folder, ignored);
 }
 
 }  // namespace
@@ -77,11 +84,17 @@ FolderLock::~FolderLock() {
   if (file_ >= 0) ::close(file_);
 }
 
+void makeFramesFolder(const fs::path& folder) {
+  removeLink(folder / output::kFrames);
+  makeFolder(folder / output::kFrames);
+}
+
 void prepareOutputFolder(const fs::path& folder) {
   makeFolder(folder);
   // Made and dropped: checks that files can be written, before hours of simulation.
   const PendingFile probe(folder / output::kSummary);
   removeFiles(folder, isRunFile);
+  removeLink(folder / output::kFrames);
   removeFiles(folder / output::kFrames, isFrameFile);
 }
 

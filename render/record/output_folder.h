@@ -44,8 +44,13 @@ class FolderLock {
   int file_ = -1;  ///< of the system
 };
 
+/// Makes the folder of single frames within a run's folder, in place of a link of that name. Throws
+/// OutputError.
+void makeFramesFolder(const std::filesystem::path& folder);
+
 /// Makes the folder, checks that it can be written, and removes what an earlier run left under the
-/// names above, so that files of two runs never stand side by side. Nothing else is touched.
+/// names above, so that files of two runs never stand side by side. Nothing else is touched:
+/// links under these names are removed themselves, not what they lead to.
 /// Throws OutputError.
 void prepareOutputFolder(const std::filesystem::path& folder);
 

@@ -12,7 +12,7 @@
 namespace kirireel {
 namespace {
 
-constexpr double kMostRuns = 1e7;  // of a range or a hypercube, which are kept in memory
+constexpr std::size_t kMostValues = 100000;  // of all parameters, which are kept in memory
 constexpr double kLargest = 1e300;
 
 const std::map<std::string, SweepKeep>& keepWords() {
@@ -76,7 +76,7 @@ void readRangeKey(const TomlEntry& entry, RangeTable& table) {
     if (!entry.value.truth()) refuseValue(entry.value, "true or false");
     table.range.whole = *entry.value.truth();
   } else if (entry.key == "count") {
-    table.count = readCount(entry.value, 2, kMostRuns);
+    table.count = readCount(entry.value, 2, kMostValues);
   } else {
     refuseKey(entry, "key of a range", {"from", "to", "count", "scale", "whole"});
   }
@@ -94,14 +94,23 @@ RangeTable readRange(const TomlValue& value) {
   return read;
 }
 
+/// Counts all parameters' values; a grid has far more runs.
+void requireFewValues(std::size_t count, const FileLocation& where) {
+  if (count <= kMostValues) return;
+  throw inputErrorAt(where, fmt::format("the parameters have more than {} values together; vary "
+                                        "fewer, or make several sweeps of it",
+                                        kMostValues));
+}
+
 /// The values of a key in [grid] or [list].
 SweepAxis readAxis(const TomlEntry& entry) {
   SweepAxis axis{entry.key, entry.where, {}};
   if (const std::vector<TomlValue>* array = entry.value.array()) {
     for (const TomlValue& element : *array) axis.values.push_back(readValue(entry.key, element));
     if (array->empty()) {
-      throw inputErrorAt(entry.value.where,
-                         fmt::format("{0} has no values; give some, as in {0} = [1, 2]", axis.key));
+      throw inputErrorAt(
+          entry.value.where,
+          fmt::format("{0} has no values; give some, as in {0} = [1, 2]", shown(axis.key)));
     }
     return axis;
   }
@@ -118,7 +127,12 @@ SweepAxis readAxis(const TomlEntry& entry) {
 
 std::vector<SweepAxis> readAxes(const TomlEntry& entry) {
   std::vector<SweepAxis> axes;
-  for (const TomlEntry& key : requireTable(entry)) axes.push_back(readAxis(key));
+  std::size_t values = 0;
+  for (const TomlEntry& key : requireTable(entry)) {
+    axes.push_back(readAxis(key));
+    values += axes.back().values.size();
+    requireFewValues(values, key.where);
+  }
   if (axes.empty()) {
     throw inputErrorAt(entry.where,
                        fmt::format("[{}] is empty; name parameters and their values, as in "
@@ -133,8 +147,8 @@ void requireEquallyMany(const std::vector<SweepAxis>& axes) {
     if (axis.values.size() == axes.front().values.size()) continue;
     throw inputErrorAt(
         axis.where,
-        fmt::format("{} has {} values but {} has {}; a list has as many of each", axis.key,
-                    axis.values.size(), axes.front().key, axes.front().values.size()));
+        fmt::format("{} has {} values but {} has {}; a list has as many of each", shown(axis.key),
+                    axis.values.size(), shown(axes.front().key), axes.front().values.size()));
   }
 }
 
@@ -144,7 +158,7 @@ void readLatinHypercube(const TomlEntry& entry, Sweep& sweep) {
   std::uint64_t seed = 0;
   for (const TomlEntry& key : requireTable(entry)) {
     if (key.key == "runs") {
-      runs = readCount(key.value, 1, kMostRuns);
+      runs = readCount(key.value, 1, kMostValues);
     } else if (key.key == "random_seed") {
       seed = readCount(key.value, 0, 1e15);
     } else {
@@ -162,6 +176,7 @@ void readLatinHypercube(const TomlEntry& entry, Sweep& sweep) {
                                    "thickness = {{from = 0.01, to = 0.1}}",
                                    axes.empty() ? "ranges" : "runs"));
   }
+  requireFewValues(axes.size() * runs, entry.where);
   sweep.plan = SweepPlan::latinHypercube(axes, runs, seed);
 }
 
@@ -207,19 +222,15 @@ void readEntry(const TomlEntry& entry, Sweep& sweep) {
 
 /// A key is set for all runs or varied, and only once.
 void requireKeysOnce(const Sweep& sweep) {
-  std::vector<std::pair<std::string, FileLocation>> keys;
-  for (const SweepSetting& setting : sweep.settings) {
-    keys.emplace_back(setting.key, setting.value.where);
-  }
-  for (const SweepAxis& axis : sweep.axes) keys.emplace_back(axis.key, axis.where);
-  for (std::size_t i = 0; i < keys.size(); ++i) {
-    for (std::size_t j = 0; j < i; ++j) {
-      if (keys[i].first != keys[j].first) continue;
-      throw inputErrorAt(keys[i].second,
-                         fmt::format("{} is set twice (also in line {}); remove one", keys[i].first,
-                                     keys[j].second.line));
-    }
-  }
+  std::map<std::string, int> lines;
+  const auto require = [&lines](const std::string& key, const FileLocation& where) {
+    const auto [found, isNew] = lines.try_emplace(key, where.line);
+    if (isNew) return;
+    throw inputErrorAt(where, fmt::format("{} is set twice (also in line {}); remove one",
+                                          shown(key), found->second));
+  };
+  for (const SweepSetting& setting : sweep.settings) require(setting.key, setting.value.where);
+  for (const SweepAxis& axis : sweep.axes) require(axis.key, axis.where);
 }
 
 }  // namespace

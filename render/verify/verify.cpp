@@ -2,14 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <iterator>
+#include <system_error>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "render/digest/digest.h"
 #include "sim/base/error.h"
+#include "sim/base/text_file.h"
 #include "sim/measure/measures.h"
 #include "sim/trajectory/trajectory_file.h"
 
@@ -25,17 +25,26 @@ constexpr const char* kTrajectory = "trajectory.h5";
 constexpr double kRounding = 1e-12;
 
 std::string readSummary(const fs::path& folder) {
-  std::ifstream file(folder / kSummary, std::ios::binary);
-  if (file) return {std::istreambuf_iterator<char>(file), {}};
+  if (fs::exists(folder / kSummary)) {
+    return readTextFile(folder / kSummary, "give the folder that a run left");
+  }
   throw InputError(fmt::format(
       "{}: error: there is no {} here; give the folder that a run of kirireel record or "
       "simulate left",
       folder.string(), kSummary));
 }
 
+/// Whether a name means a file in the folder or below it.
+bool staysInside(const fs::path& name) {
+  return !name.empty() && name.is_relative() &&
+         std::none_of(name.begin(), name.end(), [](const fs::path& part) { return part == ".."; });
+}
+
 /// What is wrong with a file; empty when it is as noted.
 std::string difference(const fs::path& folder, const std::string& name, const Json& noted) {
-  if (!fs::is_regular_file(folder / name)) return "the file is missing";
+  if (!staysInside(name)) return "this is no name of a file in the folder";
+  std::error_code ignored;
+  if (!fs::is_regular_file(folder / name, ignored)) return "the file is missing";
   const FileDigest digest = digestOf(folder, name);
   const auto bytes = noted.at("bytes").get<std::uintmax_t>();
   if (digest.bytes != bytes) {
@@ -166,12 +175,16 @@ std::optional<FinishedRun> findFinishedRun(const fs::path& folder, const std::st
   if (!fs::is_regular_file(folder / kSummary)) return std::nullopt;
   const std::string text = readSummary(folder);
   const Json summary = Json::parse(text, nullptr, false);
-  if (!isSealed(text) || summary.is_discarded() || summary.value("order", "") != order) return {};
-  if (summary.at("outcome") == "interrupted") return std::nullopt;
-  for (const auto& [name, noted] : summary.at("contents").items()) {
-    if (!difference(folder, name, noted).empty()) return std::nullopt;
+  if (!isSealed(text) || !summary.is_object()) return std::nullopt;
+  try {
+    if (summary.at("order") != order || summary.at("outcome") == "interrupted") return std::nullopt;
+    for (const auto& [name, noted] : summary.at("contents").items()) {
+      if (!difference(folder, name, noted).empty()) return std::nullopt;
+    }
+    return FinishedRun{summary.at("outcome"), text};
+  } catch (const Json::exception&) {
+    return std::nullopt;  // sealed, but no run's
   }
-  return FinishedRun{summary.at("outcome"), text};
 }
 
 VerifyReport verifyRun(const fs::path& folder) {

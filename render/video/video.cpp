@@ -50,6 +50,11 @@ std::string reasonOf(int code) {
   return text.data();
 }
 
+/// The name of a file as libav takes it: without the prefix, "a:b.mp4" would be a protocol "a".
+std::string urlOf(const std::filesystem::path& file) {
+  return "file:" + file.string();
+}
+
 /// Throws OutputError when there is none of this name.
 const AVCodec* findEncoder(const std::filesystem::path& file, const std::string& name) {
   const AVCodec* codec = avcodec_find_encoder_by_name(name.c_str());
@@ -238,7 +243,7 @@ void VideoWriter::Internals::openEncoder() {
 
 void VideoWriter::Internals::openContainer() {
   AVFormatContext* made = nullptr;
-  check(avformat_alloc_output_context2(&made, nullptr, format.muxer, file.path().c_str()));
+  check(avformat_alloc_output_context2(&made, nullptr, format.muxer, urlOf(file.path()).c_str()));
   container.reset(made);
   // No creation time, no library version: the same frames give the same bytes.
   container->flags |= AVFMT_FLAG_BITEXACT;
@@ -246,7 +251,7 @@ void VideoWriter::Internals::openContainer() {
   stream->time_base = encoder->time_base;
   stream->avg_frame_rate = encoder->framerate;
   check(avcodec_parameters_from_context(stream->codecpar, encoder.get()));
-  check(avio_open(&container->pb, file.path().c_str(), AVIO_FLAG_WRITE));
+  check(avio_open(&container->pb, urlOf(file.path()).c_str(), AVIO_FLAG_WRITE));
   Options options;
   if (isMp4()) {
     options.set("movflags", "+delay_moov+default_base_moof+frag_custom");
@@ -320,7 +325,7 @@ void VideoWriter::Internals::close() {
 /// they have the whole file.
 void VideoWriter::Internals::moveIndexToFront() {
   AVFormatContext* opened = nullptr;
-  check(avformat_open_input(&opened, file.path().c_str(), nullptr, nullptr));
+  check(avformat_open_input(&opened, urlOf(file.path()).c_str(), nullptr, nullptr));
   const Owned<AVFormatContext> fragments(opened);
   const AVStream* from = fragments->streams[0];
 
@@ -328,14 +333,14 @@ void VideoWriter::Internals::moveIndexToFront() {
   wholeName.replace_extension(".whole.mp4");
   PendingFile whole(wholeName);
   AVFormatContext* made = nullptr;
-  check(avformat_alloc_output_context2(&made, nullptr, format.muxer, whole.path().c_str()));
+  check(avformat_alloc_output_context2(&made, nullptr, format.muxer, urlOf(whole.path()).c_str()));
   container.reset(made);
   container->flags |= AVFMT_FLAG_BITEXACT;
   AVStream* to = avformat_new_stream(container.get(), nullptr);
   check(avcodec_parameters_copy(to->codecpar, from->codecpar));
   to->time_base = from->time_base;
   to->avg_frame_rate = encoder->framerate;
-  check(avio_open(&container->pb, whole.path().c_str(), AVIO_FLAG_WRITE));
+  check(avio_open(&container->pb, urlOf(whole.path()).c_str(), AVIO_FLAG_WRITE));
   Options options;
   options.set("movflags", "+faststart");
   check(avformat_write_header(container.get(), options.get()));

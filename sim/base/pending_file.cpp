@@ -33,6 +33,8 @@ void requireWritableFolder(const std::filesystem::path& file) {
 PendingFile::PendingFile(std::filesystem::path finalPath)
     : finalPath_(std::move(finalPath)), path_(pendingName(finalPath_)) {
   requireWritableFolder(finalPath_);
+  // What stands there is left of a killed run, or a link that must not be written through.
+  ::unlink(path_.c_str());
 }
 
 PendingFile::~PendingFile() {

@@ -7,7 +7,8 @@
 namespace kirireel {
 
 /// Write to path(), then commit(). Without commit the destructor removes what was written, so an
-/// interrupted or failed write leaves nothing under the final name.
+/// interrupted or failed write leaves nothing under the final name. A link under either name is
+/// replaced, never written through.
 class PendingFile {
  public:
   /// Throws OutputError when the folder of finalPath does not exist or cannot be written.

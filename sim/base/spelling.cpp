@@ -24,6 +24,8 @@ int editDistance(std::string_view a, std::string_view b) {
 }
 
 std::string suggestion(std::string_view word, const std::vector<std::string>& knownWords) {
+  constexpr std::size_t kLongestWord = 100;  // nothing that long is a slip of the pen
+  if (word.size() > kLongestWord) return "";
   int nearest = std::max<int>(2, static_cast<int>(word.size()) / 3) + 1;
   std::string found;
   for (const std::string& known : knownWords) {
@@ -33,6 +35,20 @@ std::string suggestion(std::string_view word, const std::vector<std::string>& kn
     found = known;
   }
   return found.empty() ? "" : fmt::format(", did you mean {}?", found);
+}
+
+std::string oneLine(std::string_view text) {
+  std::string line(text);
+  const auto isControl = [](unsigned char letter) { return letter < ' ' || letter == 127; };
+  std::replace_if(line.begin(), line.end(), isControl, '?');
+  return line;
+}
+
+std::string shown(std::string_view text, std::size_t most) {
+  std::string line = oneLine(text.substr(0, most));
+  const auto isForeign = [](unsigned char letter) { return letter > 127; };
+  std::replace_if(line.begin(), line.end(), isForeign, '?');
+  return text.size() > most ? line + "..." : line;
 }
 
 }  // namespace kirireel

@@ -1,4 +1,4 @@
-/// Finds what a mistyped word was meant to be.
+/// Words in messages: what a mistyped one was meant to be, and how foreign text is shown.
 #pragma once
 
 #include <string>
@@ -13,5 +13,13 @@ int editDistance(std::string_view a, std::string_view b);
 /// ", did you mean WORD?" for the nearest of the known words, or an empty text when none is within
 /// a third of the word's letters (at least 2).
 std::string suggestion(std::string_view word, const std::vector<std::string>& knownWords);
+
+/// A text with '?' in place of each control character, so that it takes one line and no terminal
+/// acts on it.
+std::string oneLine(std::string_view text);
+
+/// A text of unknown origin as a message shows it: at most `most` characters, then "...", with '?'
+/// in place of each byte that is not printable ASCII.
+std::string shown(std::string_view text, std::size_t most = 40);
 
 }  // namespace kirireel

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
+#include <cstdint>
+#include <limits>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -10,6 +12,8 @@
 
 #include "sim/base/error.h"
 #include "sim/base/pending_file.h"
+#include "sim/base/spelling.h"
+#include "sim/base/text_file.h"
 #include "sim/model/joint_checks.h"
 #include "sim/model/shared_corners.h"
 #include "sim/model/text_table.h"
@@ -25,15 +29,22 @@ constexpr const char* kJoints = "kirireel:joints";
 constexpr const char* kPulled = "kirireel:pulled_tiles";
 
 Json parsedFile(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw inputErrorAt({file}, "the file cannot be read; give a FOLD file");
   try {
-    return Json::parse(stream);
+    return Json::parse(readTextFile(file, "give a FOLD file"));
   } catch (const nlohmann::json::exception& error) {
-    const std::string text = error.what();
-    throw inputErrorAt({file}, fmt::format("this is no JSON ({}); give a FOLD file",
-                                           text.substr(text.rfind("] ") + 2)));
+    const std::string_view text = error.what();
+    const std::string_view reason = text.substr(text.find("] ") + 2);  // after its number
+    throw inputErrorAt({file},
+                       fmt::format("this is no JSON ({}); give a FOLD file", shown(reason, 160)));
   }
+}
+
+bool fitsInt(const Json& value) {
+  if (!value.is_number_integer()) return false;
+  if (value.is_number_unsigned()) {
+    return value.get<std::uint64_t>() <= std::uint64_t{std::numeric_limits<int>::max()};
+  }
+  return value.get<std::int64_t>() >= std::numeric_limits<int>::min();
 }
 
 /// One value of the file, with the words for what is wrong with it.
@@ -46,8 +57,8 @@ class FoldReader {
   /// The corner numbers of the faces.
   CornerNumbers faces() const {
     const Json* faces = find(whole_, "faces_vertices");
-    for (const Json& frame : frames()) {
-      if (faces == nullptr) faces = find(frame, "faces_vertices");
+    for (const Json* frame : frames()) {
+      if (faces == nullptr) faces = find(*frame, "faces_vertices");
     }
     if (faces == nullptr || !faces->is_array() || faces->empty()) {
       throw fault(
@@ -55,7 +66,14 @@ class FoldReader {
           "pattern with a program that finds them");
     }
     CornerNumbers numbers;
-    for (const Json& face : *faces) numbers.push_back(wholeNumbers(face, numbers.size()));
+    for (const Json& face : *faces) {
+      numbers.push_back(wholeNumbers(face, numbers.size()));
+      if (numbers.back().size() >= 3) continue;
+      throw fault(
+          fmt::format("face {} has {} vertices; a tile has at least 3: complete it or "
+                      "delete it",
+                      numbers.size() - 1, numbers.back().size()));
+    }
     return numbers;
   }
 
@@ -63,12 +81,11 @@ class FoldReader {
   std::vector<std::vector<Vector3>> states() const {
     std::vector<std::vector<Vector3>> states;
     const auto append = [&](const Json& frame) {
-      if (const Json* coordinates = find(frame, "vertices_coords")) {
-        states.push_back(points(*coordinates));
-      }
+      const Json* coordinates = find(frame, "vertices_coords");
+      if (coordinates != nullptr && !coordinates->empty()) states.push_back(points(*coordinates));
     };
     append(whole_);
-    for (const Json& frame : frames()) append(frame);
+    for (const Json* frame : frames()) append(*frame);
     if (states.empty()) throw fault("there are no vertices_coords; add the vertices' coordinates");
     return states;
   }
@@ -92,15 +109,26 @@ class FoldReader {
 
   /// Kirireel's own list of joints; null when there is none.
   const Json* ownJoints() const { return find(whole_, kJoints); }
-  const Json* ownPulled() const { return find(whole_, kPulled); }
+
+  /// Kirireel's own list of pulled tiles, of so many; none when all are.
+  std::optional<std::vector<int>> pulledTiles(std::size_t tileCount) const {
+    const Json* list = find(whole_, kPulled);
+    if (list == nullptr) return std::nullopt;
+    std::vector<int> pulled = wholeNumbers(*list, 0);
+    for (const int tile : pulled) {
+      if (tile >= 0 && tile < static_cast<int>(tileCount)) continue;
+      throw fault(fmt::format("{} names tile {}, but there are tiles 0-{}; correct it", kPulled,
+                              tile, tileCount - 1));
+    }
+    return pulled;
+  }
 
   std::vector<int> wholeNumbers(const Json& list, std::size_t index) const {
     std::vector<int> numbers;
-    const bool isList = list.is_array();
-    for (const Json& value : isList ? list : Json::array()) {
-      if (value.is_number_integer()) numbers.push_back(value.get<int>());
+    for (const Json& value : list) {
+      if (fitsInt(value)) numbers.push_back(value.get<int>());
     }
-    if (isList && numbers.size() == list.size()) return numbers;
+    if (list.is_array() && numbers.size() == list.size()) return numbers;
     throw fault(
         fmt::format("entry {} is no list of whole numbers; write vertex numbers, from 0", index));
   }
@@ -113,10 +141,12 @@ class FoldReader {
     return found == object.end() ? nullptr : &*found;
   }
 
-  std::vector<Json> frames() const {
+  std::vector<const Json*> frames() const {
+    std::vector<const Json*> found;
     const Json* frames = find(whole_, "file_frames");
-    if (frames == nullptr || !frames->is_array()) return {};
-    return {frames->begin(), frames->end()};
+    if (frames == nullptr || !frames->is_array()) return found;
+    for (const Json& frame : *frames) found.push_back(&frame);
+    return found;
   }
 
   std::vector<Vector3> points(const Json& coordinates) const {
@@ -149,6 +179,19 @@ TileTable tableOf(const fs::path& file, std::vector<Tile> tiles) {
   return table;
 }
 
+/// A joint of another kind than the pivot that it was read as.
+Joint ofKind(JointKind kind, const Joint& joint, const FoldReader& reader,
+             const std::vector<Tile>& tiles) {
+  if (kind == JointKind::Fixed) return makeFixedJoint(tiles, joint.a.tile, joint.b.tile);
+  if (kind != JointKind::Link) return joint;
+  const Joint link = makeLink(tiles, joint.a, joint.b);
+  if (link.apart.norm() > 0) return link;
+  throw reader.fault(
+      fmt::format("the link between tiles {} and {} has no length; leave its kind out to "
+                  "join their corners",
+                  joint.a.tile, joint.b.tile));
+}
+
 std::vector<Joint> readOwnJoints(const FoldReader& reader, const TileTable& tiles) {
   JointTable table;
   table.file = tiles.file;
@@ -163,15 +206,16 @@ std::vector<Joint> readOwnJoints(const FoldReader& reader, const TileTable& tile
     }
     JointRow& row = table.rows.emplace_back();
     std::copy_n(numbers.begin(), 5, row.values.begin());
-    kinds.push_back(numbers.size() == 5 ? JointKind::Pivot : static_cast<JointKind>(numbers[5]));
+    const int kind = numbers.size() == 5 ? 0 : numbers[5];
+    if (kind < 0 || kind > 2) {
+      throw reader.fault(fmt::format(
+          "joint {} has the kind {}; write 0 (pivot), 1 (link) or 2 (fixed)", kinds.size(), kind));
+    }
+    kinds.push_back(static_cast<JointKind>(kind));
   }
   std::vector<Joint> joints = checkedJoints(table, tiles);
   for (std::size_t k = 0; k < joints.size(); ++k) {
-    Joint& joint = joints[k];
-    if (kinds[k] == JointKind::Link) joint = makeLink(tiles.tiles, joint.a, joint.b);
-    if (kinds[k] == JointKind::Fixed) {
-      joint = makeFixedJoint(tiles.tiles, joint.a.tile, joint.b.tile);
-    }
+    joints[k] = ofKind(kinds[k], joints[k], reader, tiles.tiles);
   }
   return joints;
 }
@@ -207,9 +251,7 @@ Model readFold(const fs::path& file, std::vector<std::string>& warnings) {
     checkTarget(target, model, start, warnings);
     model.target = target.tiles;
   }
-  if (reader.ownPulled() != nullptr) {
-    model.pulledTiles = reader.wholeNumbers(*reader.ownPulled(), 0);
-  }
+  model.pulledTiles = reader.pulledTiles(model.tiles.size());
   return model;
 }
 

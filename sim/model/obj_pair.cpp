@@ -45,6 +45,7 @@ class ObjReader {
     if (sheet_.tiles.tiles.empty()) {
       throw inputErrorAt({text_.file()}, fmt::format("the file holds no face; {}", kPurpose));
     }
+    requirePulledTiles();
     return std::move(sheet_);
   }
 
@@ -111,11 +112,25 @@ class ObjReader {
     const bool isPull = line.fields.size() == 3 && line.fields[1].text == "pull";
     if (isPull) {
       sheet_.pulled.push_back(parseWholeNumber(line.fields[2], at(line, 2), "a tile number"));
+      pulledPlaces_.push_back(at(line, 2));
+    }
+  }
+
+  /// Comments may stand before the faces that they name.
+  void requirePulledTiles() const {
+    const int count = static_cast<int>(sheet_.tiles.tiles.size());
+    for (std::size_t k = 0; k < sheet_.pulled.size(); ++k) {
+      const int tile = sheet_.pulled[k];
+      if (tile >= 0 && tile < count) continue;
+      throw inputErrorAt(
+          pulledPlaces_[k],
+          fmt::format("there are faces 0-{}, not {}; correct this number", count - 1, tile));
     }
   }
 
   TextTable text_;
   std::vector<Vector3> vertices_;
+  std::vector<FileLocation> pulledPlaces_;
   ObjSheet sheet_;
 };
 
@@ -202,7 +217,7 @@ Model readObjPair(const fs::path& start, const std::optional<fs::path>& target,
   } else if (sharesNumbers(sheet.numbers)) {
     model.joints = jointsOfSharedNumbers(sheet.numbers);
   } else {
-    model.joints = jointsOfCoincidingCorners(states);
+    model.joints = jointsOfCoincidingCorners(states, start);
   }
   if (!sheet.pulled.empty()) model.pulledTiles = sheet.pulled;
   return model;

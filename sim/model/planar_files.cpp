@@ -74,7 +74,8 @@ JointTable readPlanarJoints(const fs::path& file) {
     row.values[4] = static_cast<int>(JointFace::Both);
     for (std::size_t k = 0; k < 4; ++k) {
       const FileLocation place = text.at(line, line.fields[k]);
-      row.values[k] = parseWholeNumber(line.fields[k], place, "a tile or vertex number") - 1;
+      const int number = parseWholeNumber(line.fields[k], place, "a tile or vertex number");
+      row.values[k] = std::max(number, 0) - 1;
       row.columns[k] = line.fields[k].column;
     }
   }
@@ -84,16 +85,18 @@ JointTable readPlanarJoints(const fs::path& file) {
 
 /// Runs all clockwise tiles, and the joints' vertices, the other way round.
 void turnAnticlockwise(TileTable& tiles, JointTable& joints) {
-  for (int tile = 0; tile < std::ssize(tiles.tiles); ++tile) {
-    std::vector<Vector3>& vertices = tiles.tiles[tile].vertices;
+  std::vector<bool> isTurned(tiles.tiles.size());
+  for (std::size_t tile = 0; tile < tiles.tiles.size(); ++tile) {
     if (tileNormal(tiles.tiles[tile]).z() > 0) continue;
-    std::reverse(vertices.begin(), vertices.end());
+    isTurned[tile] = true;
+    std::reverse(tiles.tiles[tile].vertices.begin(), tiles.tiles[tile].vertices.end());
     std::reverse(tiles.sources[tile].columns.begin(), tiles.sources[tile].columns.end());
-    const int last = static_cast<int>(vertices.size()) - 1;
-    for (JointRow& row : joints.rows) {
-      for (const int entry : {0, 2}) {
-        if (row.values[entry] == tile) row.values[entry + 1] = last - row.values[entry + 1];
-      }
+  }
+  for (JointRow& row : joints.rows) {
+    for (const std::size_t entry : {0, 2}) {
+      const int tile = row.values[entry];
+      const int last = static_cast<int>(tiles.tiles[tile].vertices.size()) - 1;
+      if (isTurned[tile]) row.values[entry + 1] = last - row.values[entry + 1];
     }
   }
 }

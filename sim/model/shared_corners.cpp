@@ -1,9 +1,17 @@
 #include "sim/model/shared_corners.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
 #include <map>
 #include <numeric>
+#include <unordered_map>
 #include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/base/error.h"
 
 namespace kirireel {
 namespace {
@@ -11,6 +19,8 @@ namespace {
 // Corners nearer than this part of the sheet's size coincide. Largest met in the published pairs:
 // 0.
 constexpr double kSamePlace = 1e-6;
+// Corners at so many places within one tolerance cannot be told apart.
+constexpr std::size_t kMostInACell = 100;
 
 const Vector3& placeOf(const std::vector<Tile>& tiles, const Corner& corner) {
   return tiles[corner.tile].vertices[corner.vertex];
@@ -79,6 +89,93 @@ double extent(const std::vector<Tile>& tiles) {
   return modelSize(model);
 }
 
+/// Finds corners that coincide in every state, in time that does not grow with the square of their
+/// number: a grid of cells as wide as the tolerance, in the first state.
+class NearCorners {
+ public:
+  NearCorners(const std::vector<const std::vector<Tile>*>& states, std::filesystem::path file)
+      : states_(states), file_(std::move(file)), tolerance_(kSamePlace * extent(*states.front())) {}
+
+  /// Takes a corner up. Gives one corner taken up before for each place that coincides with it.
+  std::vector<Corner> add(const Corner& corner) {
+    const Cell home = cellOf(corner);
+    std::vector<Corner> found;
+    bool isNewPlace = true;
+    for (const Cell& cell : cellsAround(home)) {
+      const auto residents = cells_.find(cell);
+      if (residents == cells_.end()) continue;
+      for (const Corner& other : residents->second) {
+        const double apart = largestDistance(corner, other);
+        if (apart <= tolerance_) found.push_back(other);
+        if (apart == 0) isNewPlace = false;
+      }
+    }
+    if (isNewPlace) settle(corner, cells_[home]);
+    return found;
+  }
+
+  /// Throws InputError when two corners of one tile have the same number.
+  void requireDistinctCorners(const CornerNumbers& numbers) const {
+    for (std::size_t tile = 0; tile < numbers.size(); ++tile) {
+      std::vector<int> sorted = numbers[tile];
+      std::sort(sorted.begin(), sorted.end());
+      if (std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end()) refuse(tile);
+    }
+  }
+
+ private:
+  using Cell = std::array<double, 3>;
+  struct CellHash {
+    std::size_t operator()(const Cell& cell) const {
+      std::size_t hash = 0;
+      for (const double number : cell) hash = 1000003 * hash + std::hash<double>()(number);
+      return hash;
+    }
+  };
+
+  Cell cellOf(const Corner& corner) const {
+    const Vector3& place = placeOf(*states_.front(), corner);
+    return {std::floor(place.x() / tolerance_), std::floor(place.y() / tolerance_),
+            std::floor(place.z() / tolerance_)};
+  }
+
+  /// A cell and the 26 that touch it.
+  static std::vector<Cell> cellsAround(const Cell& home) {
+    std::vector<Cell> cells;
+    for (const int x : {-1, 0, 1}) {
+      for (const int y : {-1, 0, 1}) {
+        for (const int z : {-1, 0, 1}) cells.push_back({home[0] + x, home[1] + y, home[2] + z});
+      }
+    }
+    return cells;
+  }
+
+  double largestDistance(const Corner& a, const Corner& b) const {
+    double largest = 0;
+    for (const std::vector<Tile>* tiles : states_) {
+      largest = std::max(largest, (placeOf(*tiles, a) - placeOf(*tiles, b)).norm());
+    }
+    return largest;
+  }
+
+  void settle(const Corner& corner, std::vector<Corner>& residents) const {
+    residents.push_back(corner);
+    if (residents.size() > kMostInACell) refuse(static_cast<std::size_t>(corner.tile));
+  }
+
+  [[noreturn]] void refuse(std::size_t tile) const {
+    throw inputErrorAt(
+        {file_}, fmt::format("corners at tile {} are within {:.2g} m, a millionth of the sheet, "
+                             "without being one; give joined corners one vertex number",
+                             tile, tolerance_));
+  }
+
+  const std::vector<const std::vector<Tile>*>& states_;
+  std::filesystem::path file_;
+  double tolerance_;
+  std::unordered_map<Cell, std::vector<Corner>, CellHash> cells_;  ///< one corner a place
+};
+
 }  // namespace
 
 std::vector<Joint> jointsOfSharedNumbers(const CornerNumbers& numbers) {
@@ -97,26 +194,16 @@ std::vector<Joint> jointsOfSharedNumbers(const CornerNumbers& numbers) {
   return joints;
 }
 
-std::vector<Joint> jointsOfCoincidingCorners(const std::vector<const std::vector<Tile>*>& states) {
-  const std::vector<Tile>& start = *states.front();
-  const double tolerance = kSamePlace * extent(start);
-  CornerGroups groups(start);
-  // In order of x, a corner can only coincide with those that follow within the tolerance.
-  std::vector<Corner> order = groups.corners();
-  std::stable_sort(order.begin(), order.end(), [&](const Corner& a, const Corner& b) {
-    return placeOf(start, a).x() < placeOf(start, b).x();
-  });
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    for (std::size_t j = i + 1; j < order.size(); ++j) {
-      if (placeOf(start, order[j]).x() - placeOf(start, order[i]).x() > tolerance) break;
-      if (order[i].tile == order[j].tile) continue;
-      const bool together = std::all_of(states.begin(), states.end(), [&](const auto* tiles) {
-        return (placeOf(*tiles, order[i]) - placeOf(*tiles, order[j])).norm() <= tolerance;
-      });
-      if (together) groups.merge(order[i], order[j]);
-    }
+std::vector<Joint> jointsOfCoincidingCorners(const std::vector<const std::vector<Tile>*>& states,
+                                             const std::filesystem::path& file) {
+  CornerGroups groups(*states.front());
+  NearCorners near(states, file);
+  for (const Corner& corner : groups.corners()) {
+    for (const Corner& other : near.add(corner)) groups.merge(corner, other);
   }
-  return jointsOfSharedNumbers(groups.numbers());
+  const CornerNumbers numbers = groups.numbers();
+  near.requireDistinctCorners(numbers);
+  return jointsOfSharedNumbers(numbers);
 }
 
 CornerNumbers sharedNumbers(const Model& model) {

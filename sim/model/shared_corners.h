@@ -1,6 +1,7 @@
 /// Joints as shared vertices: what mesh formats have in place of a list of joints.
 #pragma once
 
+#include <filesystem>
 #include <vector>
 
 #include "sim/model/model.h"
@@ -15,8 +16,10 @@ using CornerNumbers = std::vector<std::vector<int>>;
 std::vector<Joint> jointsOfSharedNumbers(const CornerNumbers& numbers);
 
 /// The same between corners of different tiles that coincide in every given state, to a millionth
-/// of the sheet's size. All states hold the same tiles; at least one state.
-std::vector<Joint> jointsOfCoincidingCorners(const std::vector<const std::vector<Tile>*>& states);
+/// of the sheet's size. All states hold the same tiles; at least one state. Throws InputError that
+/// names the file when corners lie that near without being one.
+std::vector<Joint> jointsOfCoincidingCorners(const std::vector<const std::vector<Tile>*>& states,
+                                             const std::filesystem::path& file);
 
 /// Vertex numbers for a mesh of the model: corners that pivots join have one number where their
 /// coordinates are equal to the last bit at the start and at the target.

@@ -1,15 +1,15 @@
 #include "sim/model/text_table.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <cstring>
-#include <fstream>
 #include <limits>
 #include <system_error>
 
 #include <fmt/format.h>
+
+#include "sim/base/spelling.h"
+#include "sim/base/text_file.h"
 
 namespace kirireel {
 namespace {
@@ -17,39 +17,8 @@ namespace {
 constexpr std::string_view kBlanks = " \t\r\v\f";
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
-/// A field as a message can show it: short, and without bytes that a terminal would act on.
 std::string quoted(std::string_view text) {
-  constexpr size_t kShown = 24;
-  std::string shown;
-  for (const char c : text.substr(0, kShown)) shown += c > ' ' && c < 127 ? c : '?';
-  return fmt::format("'{}{}'", shown, text.size() > kShown ? "..." : "");
-}
-
-void requireReadable(const std::filesystem::path& file, const std::string& purpose) {
-  std::error_code ignored;
-  const auto status = std::filesystem::status(file, ignored);
-  if (!std::filesystem::exists(status)) {
-    throw inputErrorAt({file}, fmt::format("there is no such file; {}", purpose));
-  }
-  if (!std::filesystem::is_regular_file(status)) {
-    throw inputErrorAt({file}, fmt::format("this is not a text file; {}", purpose));
-  }
-  const std::uintmax_t size = std::filesystem::file_size(file);
-  if (size > TextTable::kMaxBytes) {
-    throw inputErrorAt({file}, fmt::format("the file has {} bytes, at most {} are read; check that "
-                                           "it is a model's file",
-                                           size, TextTable::kMaxBytes));
-  }
-}
-
-std::string readText(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::string text(std::filesystem::file_size(file), '\0');
-  if (!stream.read(text.data(), static_cast<std::streamsize>(text.size()))) {
-    throw inputErrorAt({file}, fmt::format("the file cannot be read ({}); check its permissions",
-                                           std::strerror(errno)));
-  }
-  return text;
+  return fmt::format("'{}'", shown(text, 24));
 }
 
 /// from_chars knows no leading plus, which other programs write.
@@ -62,8 +31,7 @@ std::string_view withoutPlus(std::string_view text) {
 
 TextTable::TextTable(std::filesystem::path file, const std::string& purpose, Comments comments)
     : file_(std::move(file)), comments_(comments) {
-  requireReadable(file_, purpose);
-  text_ = readText(file_);
+  text_ = readTextFile(file_, purpose);
   if (text_.starts_with(kByteOrderMark)) text_.erase(0, kByteOrderMark.size());
 }
 

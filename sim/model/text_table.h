@@ -1,7 +1,6 @@
 /// Text files of numbers: lines and fields that know where they stand.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -27,9 +26,6 @@ struct TextLine {
 /// with '#' are passed over; Windows line ends and a byte-order mark are accepted.
 class TextTable {
  public:
-  /// Largest file that is read, bytes: room for 250,000 tiles, and a bound on the memory that a
-  /// file can ask for.
-  static constexpr std::uintmax_t kMaxBytes = 64u << 20;
   /// Most fields on a line: a tile of 300 vertices.
   static constexpr size_t kMaxFields = 900;
 
@@ -40,7 +36,8 @@ class TextTable {
   };
 
   /// Reads the whole file. `purpose` ends the message about a missing file: what it should hold.
-  /// Throws InputError when the file is missing, unreadable, no regular file or above kMaxBytes.
+  /// Throws InputError when the file is missing, unreadable, no regular file or larger than
+  /// kMostTextBytes.
   TextTable(std::filesystem::path file, const std::string& purpose,
             Comments comments = Comments::Skip);
 

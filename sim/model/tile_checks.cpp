@@ -32,15 +32,26 @@ constexpr double kOtherShape = 0.2;
 
 double diameter(const Tile& tile) {
   double largest = 0;
-  for (const Vector3& a : tile.vertices) {
-    for (const Vector3& b : tile.vertices) largest = std::max(largest, (a - b).norm());
+  for (std::size_t b = 0; b < tile.vertices.size(); ++b) {
+    for (std::size_t a = 0; a < b; ++a) {
+      largest = std::max(largest, (tile.vertices[a] - tile.vertices[b]).squaredNorm());
+    }
   }
-  return largest;
+  return std::sqrt(largest);
 }
 
-void checkDistinctVertices(const TileTable& table, int tile) {
+/// What follows compares all pairs of a tile's vertices.
+void checkVertexCount(const TileTable& table, int tile) {
+  const std::size_t count = table.tiles[tile].vertices.size();
+  if (count <= kMostTileVertices) return;
+  throw inputErrorAt(table.at(tile), fmt::format("tile {} has {} vertices, at most {} are allowed; "
+                                                 "split it into convex tiles",
+                                                 tile, count, kMostTileVertices));
+}
+
+void checkDistinctVertices(const TileTable& table, int tile, double extent) {
   const std::vector<Vector3>& vertices = table.tiles[tile].vertices;
-  const double tolerance = kSameVertex * diameter(table.tiles[tile]);
+  const double tolerance = kSameVertex * extent;
   for (size_t b = 0; b < vertices.size(); ++b) {
     for (size_t a = 0; a < b; ++a) {
       if ((vertices[a] - vertices[b]).norm() > tolerance) continue;
@@ -52,8 +63,7 @@ void checkDistinctVertices(const TileTable& table, int tile) {
   }
 }
 
-void checkArea(const TileTable& table, int tile) {
-  const double extent = diameter(table.tiles[tile]);
+void checkArea(const TileTable& table, int tile, double extent) {
   if (tileArea(table.tiles[tile]) > kLeastArea * extent * extent) return;
   throw inputErrorAt(table.at(tile),
                      fmt::format("tile {} has no area; its vertices must enclose some: list them "
@@ -61,12 +71,12 @@ void checkArea(const TileTable& table, int tile) {
                                  tile));
 }
 
-void checkFlatness(const TileTable& table, int tile) {
+void checkFlatness(const TileTable& table, int tile, double extent) {
   const std::vector<Vector3>& vertices = table.tiles[tile].vertices;
   const Vector3 normal = tileNormal(table.tiles[tile]);
   Vector3 middle = Vector3::Zero();
   for (const Vector3& vertex : vertices) middle += vertex / static_cast<double>(vertices.size());
-  const double allowed = kFlatness * diameter(table.tiles[tile]);
+  const double allowed = kFlatness * extent;
   for (size_t k = 0; k < vertices.size(); ++k) {
     const double height = std::abs((vertices[k] - middle).dot(normal));
     if (height <= allowed) continue;
@@ -155,9 +165,11 @@ std::string TileTable::shortName(int tile) const {
 void checkTiles(const TileTable& table) {
   for (size_t i = 0; i < table.tiles.size(); ++i) {
     const int tile = static_cast<int>(i);
-    checkDistinctVertices(table, tile);
-    checkArea(table, tile);
-    checkFlatness(table, tile);
+    checkVertexCount(table, tile);
+    const double extent = diameter(table.tiles[i]);
+    checkDistinctVertices(table, tile, extent);
+    checkArea(table, tile, extent);
+    checkFlatness(table, tile, extent);
     checkConvexity(table, tile);
   }
 }

@@ -31,8 +31,11 @@ struct TileTable {
   std::string shortName(int tile) const;
 };
 
-/// Throws InputError for the first tile with repeated vertices, without area, not flat or not
-/// convex.
+/// Most vertices of a tile.
+inline constexpr std::size_t kMostTileVertices = 300;
+
+/// Throws InputError for the first tile with too many vertices, repeated vertices, without area,
+/// not flat or not convex.
 void checkTiles(const TileTable& table);
 
 /// For tiles in one horizontal plane: throws InputError when some run clockwise seen from above and

@@ -238,6 +238,7 @@ Timeline readTimeline(const TomlValue& value) {
 // ---- obstacles
 
 constexpr double kFarthest = 1e6;  // metres
+constexpr std::size_t kMostObstacles = 1000;
 
 const std::vector<std::string> kObstacleKeys = {"shape",    "size",     "radius",  "file",
                                                 "position", "rotation", "friction"};
@@ -321,6 +322,11 @@ Obstacle readObstacle(const TomlValue& value) {
 std::vector<Obstacle> readObstacles(const TomlValue& value) {
   const std::vector<TomlValue>* array = value.array();
   if (!array) refuseValue(value, "tables, each under [[obstacle]]");
+  if (array->size() > kMostObstacles) {
+    throw inputErrorAt(value.where, fmt::format("there are {} obstacles, at most {} are allowed; "
+                                                "put several into one mesh",
+                                                array->size(), kMostObstacles));
+  }
   std::vector<Obstacle> obstacles;
   for (const TomlValue& entry : *array) obstacles.push_back(readObstacle(entry));
   return obstacles;

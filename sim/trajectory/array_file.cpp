@@ -3,16 +3,20 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstdint>
 #include <cstring>
+#include <fstream>
 #include <functional>
 #include <map>
 #include <numeric>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
 #include <hdf5.h>
 
 #include "sim/base/error.h"
+#include "sim/trajectory/text_heaps.h"
 
 #ifndef H5_HAVE_THREADSAFE
 #error "this HDF5 serves one thread only, but trajectories and checkpoints have one each"
@@ -25,8 +29,11 @@ namespace {
 constexpr std::size_t kChunkBytes = 256 * 1024;
 // Of zlib; more costs several times as much and saves a few per cent of such numbers.
 constexpr unsigned kCompression = 1;
-// zlib shrinks at most 1032 times: a file that claims more than this for its size is damaged.
-constexpr double kMostShrunk = 2000;
+// An array that claims to be so many times larger than its file is damaged: what never changes
+// shrinks up to 1000 times, but stands beside times and vertices, which do not.
+constexpr double kMostShrunk = 200;
+// The files that the writer makes begin so: the signature, then the version of what follows.
+constexpr std::string_view kBeginning = "\x89HDF\r\n\x1a\n\x02";
 
 /// An HDF5 identifier, closed at the end of its scope.
 class Handle {
@@ -271,6 +278,25 @@ void ArrayWriter::close() {
   internals_->check(internals_->file.close());
 }
 
+namespace {
+
+/// Whether a stored type is the one that the writer gives its values; no other is converted.
+using TypeCheck = bool (*)(const Handle& type);
+
+bool isDouble(const Handle& type) {
+  return H5Tequal(type.id(), H5T_IEEE_F64LE) > 0;
+}
+
+bool isInt(const Handle& type) {
+  return H5Tequal(type.id(), H5T_STD_I32LE) > 0;
+}
+
+bool isText(const Handle& type) {
+  return H5Tget_class(type.id()) == H5T_STRING && H5Tis_variable_str(type.id()) > 0;
+}
+
+}  // namespace
+
 struct ArrayReader::Internals {
   [[noreturn]] void refuse(const std::string& found) const {
     throw InputError(
@@ -281,17 +307,67 @@ struct ArrayReader::Internals {
   /// Arrays stay open, so that HDF5 keeps the chunk that neighbouring rows share.
   const Handle& array(const std::string& name) {
     Handle& array = arrays[name];
-    if (!array.valid()) array = Handle(H5Dopen2(file.id(), name.c_str(), H5P_DEFAULT), H5Dclose);
+    if (array.valid()) return array;
+    if (!isOwn(name)) refuse(fmt::format("the array {} is missing", name));
+    array = Handle(H5Dopen2(file.id(), name.c_str(), H5P_DEFAULT), H5Dclose);
     if (!array.valid()) refuse(fmt::format("the array {} is missing", name));
+    requirePlainStorage(array, name);
     return array;
   }
 
-  void requireClass(const Handle& array, const std::string& name, H5T_class_t wanted,
-                    const char* shownClass) const {
-    const Handle type(H5Dget_type(array.id()), H5Tclose);
-    if (H5Tget_class(type.id()) != wanted) {
-      refuse(fmt::format("the array {} does not hold {}", name, shownClass));
+  /// Whether the file itself holds an object of this name: links could lead to other files.
+  bool isOwn(const std::string& name) const {
+    for (std::size_t end = name.find('/');; end = name.find('/', end + 1)) {
+      H5L_info_t link;
+      const std::string part = name.substr(0, end);
+      if (H5Lexists(file.id(), part.c_str(), H5P_DEFAULT) <= 0) return false;
+      if (H5Lget_info(file.id(), part.c_str(), &link, H5P_DEFAULT) < 0) return false;
+      if (link.type != H5L_TYPE_HARD) return false;
+      if (end == std::string::npos) return true;
     }
+  }
+
+  /// Refuses what the writer never makes and HDF5 would follow: other files, filters of any kind,
+  /// chunks of any size.
+  void requirePlainStorage(const Handle& array, const std::string& name) const {
+    const Handle properties(H5Dget_create_plist(array.id()), H5Pclose);
+    const H5D_layout_t layout = H5Pget_layout(properties.id());
+    bool isPlain = layout == H5D_CONTIGUOUS && H5Pget_external_count(properties.id()) == 0;
+    if (layout == H5D_CHUNKED) isPlain = hasPlainFilters(properties) && hasSmallChunks(properties);
+    if (!isPlain) refuse(fmt::format("the array {} is stored in another way", name));
+  }
+
+  static bool hasPlainFilters(const Handle& properties) {
+    for (int k = 0; k < H5Pget_nfilters(properties.id()); ++k) {
+      std::size_t parameters = 0;
+      const H5Z_filter_t filter = H5Pget_filter2(properties.id(), static_cast<unsigned>(k), nullptr,
+                                                 &parameters, nullptr, 0, nullptr, nullptr);
+      if (filter != H5Z_FILTER_SHUFFLE && filter != H5Z_FILTER_DEFLATE &&
+          filter != H5Z_FILTER_FLETCHER32) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  bool hasSmallChunks(const Handle& properties) const {
+    std::array<hsize_t, H5S_MAX_RANK> lengths{};
+    const int rank =
+        H5Pget_chunk(properties.id(), static_cast<int>(lengths.size()), lengths.data());
+    return rank > 0 && isClaimable({lengths.begin(), lengths.begin() + rank});
+  }
+
+  /// Whether a file of this size can hold an array of this shape.
+  bool isClaimable(const Shape& shape) const {
+    double bytes = sizeof(double);
+    for (const std::size_t length : shape) bytes *= static_cast<double>(length);
+    return bytes <= kMostShrunk * fileBytes;
+  }
+
+  void requireType(const Handle& array, const std::string& name, TypeCheck isWanted,
+                   const char* shownType) const {
+    const Handle type(H5Dget_type(array.id()), H5Tclose);
+    if (!isWanted(type)) refuse(fmt::format("the array {} does not hold {}", name, shownType));
   }
 
   Shape shapeOf(const Handle& array) const {
@@ -299,24 +375,48 @@ struct ArrayReader::Internals {
     std::vector<hsize_t> lengths(
         static_cast<std::size_t>(std::max(0, H5Sget_simple_extent_ndims(space.id()))));
     H5Sget_simple_extent_dims(space.id(), lengths.data(), nullptr);
-    double bytes = 1;
-    for (const hsize_t length : lengths) bytes *= static_cast<double>(length);
-    if (bytes > kMostShrunk * fileBytes) refuse("an array claims more entries than the file holds");
-    return {lengths.begin(), lengths.end()};
+    const Shape shape(lengths.begin(), lengths.end());
+    if (!isClaimable(shape)) refuse("an array claims more entries than the file holds");
+    return shape;
   }
 
   void requireRead(herr_t code, const std::string& name) const {
     if (code < 0) refuse(fmt::format("the array {} is damaged", name));
   }
 
+  /// Reads the lengths of texts off the file itself: HDF5 would set aside as much memory as they
+  /// claim. Stored is of each text its length, 4 bytes, and where it stands, 12 bytes.
+  void requireShortTexts(const Handle& array, const std::string& name, std::size_t count) const {
+    std::ifstream stream(path, std::ios::binary);
+    stream.seekg(static_cast<std::streamoff>(H5Dget_offset(array.id())));
+    double bytes = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+      std::array<char, 16> stored{};
+      stream.read(stored.data(), stored.size());
+      std::uint32_t length = 0;
+      for (const int place : {3, 2, 1, 0})
+        length = 256 * length + static_cast<unsigned char>(stored[place]);
+      bytes += length;
+      requireRead(stream && bytes <= fileBytes ? 0 : -1, name);
+    }
+  }
+
+  /// Other versions of the format describe what they hold without checksums.
+  bool beginsAsOurs() const {
+    std::string beginning(kBeginning.size(), '\0');
+    std::ifstream(path, std::ios::binary).read(beginning.data(), std::ssize(beginning));
+    return beginning == kBeginning;
+  }
+
   /// A missing attribute and one of another kind are told alike: neither is ours.
-  Handle attribute(const std::string& object, const std::string& name, H5T_class_t wanted) const {
+  Handle attribute(const std::string& object, const std::string& name, TypeCheck isWanted) const {
     Handle attribute(
         H5Aopen_by_name(file.id(), object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT),
         H5Aclose);
     const Handle type(H5Aget_type(attribute.id()), H5Tclose);
     const Handle space(H5Aget_space(attribute.id()), H5Sclose);
-    if (!attribute.valid() || H5Tget_class(type.id()) != wanted ||
+    const bool isOurs = object == "/" || isOwn(object);
+    if (!isOurs || !attribute.valid() || !isWanted(type) ||
         H5Sget_simple_extent_npoints(space.id()) != 1) {
       refuse(fmt::format("the attribute {} of {} is missing or of another kind", name,
                          shownObject(object)));
@@ -342,7 +442,8 @@ ArrayReader::ArrayReader(std::filesystem::path path) : internals_(std::make_uniq
                     in.path.string()));
   }
   in.fileBytes = static_cast<double>(std::filesystem::file_size(in.path, error));
-  if (H5Fis_hdf5(in.path.c_str()) <= 0) in.refuse("this is not an HDF5 file");
+  if (!in.beginsAsOurs()) in.refuse("this is not an HDF5 file");
+  if (!hasWholeTextHeaps(in.path)) in.refuse("the file is cut short or damaged");
   in.file = Handle(H5Fopen(in.path.c_str(), H5F_ACC_RDONLY, access.id()), H5Fclose);
   if (!in.file.valid()) in.refuse("the file is cut short or damaged");
 }
@@ -354,7 +455,7 @@ void ArrayReader::refuse(const std::string& found) const {
 }
 
 bool ArrayReader::has(const std::string& name) const {
-  return H5Lexists(internals_->file.id(), name.c_str(), H5P_DEFAULT) > 0;
+  return internals_->isOwn(name);
 }
 
 bool ArrayReader::hasAttribute(const std::string& object, const std::string& name) const {
@@ -367,7 +468,7 @@ Shape ArrayReader::shape(const std::string& name) const {
 
 std::vector<double> ArrayReader::doubles(const std::string& name) const {
   const Handle& array = internals_->array(name);
-  internals_->requireClass(array, name, H5T_FLOAT, "numbers");
+  internals_->requireType(array, name, isDouble, "numbers");
   std::vector<double> entries(entryCount(internals_->shapeOf(array)));
   internals_->requireRead(
       H5Dread(array.id(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, entries.data()), name);
@@ -376,7 +477,7 @@ std::vector<double> ArrayReader::doubles(const std::string& name) const {
 
 std::vector<int> ArrayReader::integers(const std::string& name) const {
   const Handle& array = internals_->array(name);
-  internals_->requireClass(array, name, H5T_INTEGER, "whole numbers");
+  internals_->requireType(array, name, isInt, "whole numbers");
   std::vector<int> entries(entryCount(internals_->shapeOf(array)));
   internals_->requireRead(
       H5Dread(array.id(), H5T_NATIVE_INT, H5S_ALL, H5S_ALL, H5P_DEFAULT, entries.data()), name);
@@ -385,13 +486,10 @@ std::vector<int> ArrayReader::integers(const std::string& name) const {
 
 std::vector<std::string> ArrayReader::texts(const std::string& name) const {
   const Handle& array = internals_->array(name);
-  internals_->requireClass(array, name, H5T_STRING, "texts");
-  const Handle stored(H5Dget_type(array.id()), H5Tclose);
-  if (H5Tis_variable_str(stored.id()) <= 0) {
-    internals_->refuse(fmt::format("the array {} does not hold texts of any length", name));
-  }
+  internals_->requireType(array, name, isText, "texts");
   const Handle type = textType();
   std::vector<char*> pointers(entryCount(internals_->shapeOf(array)));
+  internals_->requireShortTexts(array, name, pointers.size());
   internals_->requireRead(
       H5Dread(array.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, pointers.data()), name);
   std::vector<std::string> texts;
@@ -409,7 +507,7 @@ std::vector<double> ArrayReader::row(const std::string& name, std::size_t index)
     internals_->refuse(fmt::format("the array {} has no row {}", name, index));
   }
   rowShape.erase(rowShape.begin());
-  internals_->requireClass(array, name, H5T_FLOAT, "numbers");
+  internals_->requireType(array, name, isDouble, "numbers");
   std::vector<double> entries(entryCount(rowShape));
   const Handle inFile(H5Dget_space(array.id()), H5Sclose);
   const Handle inMemory = spaceOf({entries.size()});
@@ -421,12 +519,7 @@ std::vector<double> ArrayReader::row(const std::string& name, std::size_t index)
 }
 
 std::string ArrayReader::textAttribute(const std::string& object, const std::string& name) const {
-  const Handle attribute = internals_->attribute(object, name, H5T_STRING);
-  const Handle stored(H5Aget_type(attribute.id()), H5Tclose);
-  if (H5Tis_variable_str(stored.id()) <= 0) {
-    internals_->refuse(fmt::format("the attribute {} of {} is missing or of another kind", name,
-                                   shownObject(object)));
-  }
+  const Handle attribute = internals_->attribute(object, name, isText);
   const Handle type = textType();
   char* pointer = nullptr;
   if (H5Aread(attribute.id(), type.id(), &pointer) < 0) {
@@ -438,7 +531,7 @@ std::string ArrayReader::textAttribute(const std::string& object, const std::str
 }
 
 double ArrayReader::numberAttribute(const std::string& object, const std::string& name) const {
-  const Handle attribute = internals_->attribute(object, name, H5T_FLOAT);
+  const Handle attribute = internals_->attribute(object, name, isDouble);
   double number = 0;
   if (H5Aread(attribute.id(), H5T_NATIVE_DOUBLE, &number) < 0) {
     internals_->refuse(fmt::format("the attribute {} is damaged", name));

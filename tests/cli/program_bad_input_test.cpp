@@ -147,9 +147,9 @@ TEST(BadOutput, FileThatCannotGrowLeavesNothingHalfWritten) {
 /// A small memory disk, where the system lets us mount one.
 class SmallDisk {
  public:
-  explicit SmallDisk(const char* size, unsigned long flags = 0)
+  explicit SmallDisk(std::uintmax_t bytes, unsigned long flags = 0)
       : mounted_(::mount("tmpfs", folder_.path().c_str(), "tmpfs", flags,
-                         (std::string("size=") + size).c_str()) == 0) {}
+                         ("size=" + std::to_string(bytes)).c_str()) == 0) {}
   ~SmallDisk() {
     if (mounted_) ::umount(folder_.path().c_str());
   }
@@ -168,7 +168,13 @@ class SmallDisk {
 TEST(BadOutput, FullDiskLeavesFinishedFilesIntact) {
   const ScratchFolder whole;
   ASSERT_EQ(runKirireel(recordArguments(whole.path())).exitCode, 0);
-  for (const char* size : {"4k", "24k", "48k", "72k"}) {
+  std::uintmax_t needed = 0;
+  for (const std::string& name : filesIn(whole.path())) {
+    needed += std::filesystem::file_size(whole / name);
+  }
+  constexpr int kPoints = 20;
+  for (int point = 1; point <= kPoints; ++point) {
+    const std::uintmax_t size = needed * point / (kPoints + 1);
     const SmallDisk disk(size);
     if (!disk.isMounted()) GTEST_SKIP() << "mounting a small disk needs the superuser";
     expectOneLine(runKirireel(recordArguments(disk.path())), 1, "No space left on device");
@@ -179,7 +185,7 @@ TEST(BadOutput, FullDiskLeavesFinishedFilesIntact) {
 }
 
 TEST(BadOutput, FolderThatCannotBeWritten) {
-  const SmallDisk disk("64k", MS_RDONLY);
+  const SmallDisk disk(65536, MS_RDONLY);
   if (!disk.isMounted()) GTEST_SKIP() << "mounting a small disk needs the superuser";
   expectOneLine(runKirireel(recordArguments(disk.path())), 1,
                 disk.path().string() +

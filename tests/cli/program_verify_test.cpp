@@ -96,6 +96,17 @@ TEST_F(Verify, ComputesTheSamplesMeasuresAgain) {
   writeText(folder() / "summary.json", summary);
 }
 
+TEST_F(Verify, LooksAtNothingOutsideTheFolder) {
+  const std::string summary = readText(folder() / "summary.json");
+  for (const std::string name : {"/proc/kcore", "../final.obj", ""}) {
+    falsify(folder() / "summary.json", "\"final.obj\": {", "\"" + name + "\": {");
+    const ProgramEnd end = verify();
+    EXPECT_EQ(end.exitCode, 1);
+    EXPECT_THAT(end.out, HasSubstr(name + ": this is no name of a file in the folder\n"));
+    writeText(folder() / "summary.json", summary);
+  }
+}
+
 TEST_F(Verify, NeedsASummary) {
   const ScratchFolder empty;
   const ProgramEnd end = runKirireel({"verify", empty.path().string()});

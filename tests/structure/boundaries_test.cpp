@@ -151,6 +151,26 @@ TEST(Boundaries, ProductDependsOnNothingBesideTheRepository) {
   }
 }
 
+TEST(Boundaries, NoOtherProgramIsEverStarted) {
+  const std::regex start(
+      "::(system|popen|execl|execle|execlp|execv|execve|execvp|execvpe|fexecve|"
+      "posix_spawn|posix_spawnp|wordexp|dlopen)\\s*\\(");
+  for (const SourceFile& file : sources()) {
+    const std::string text = readText(fs::path(KIRIREEL_SOURCE_DIR) / file.path);
+    EXPECT_FALSE(std::regex_search(text, start)) << file.path;
+  }
+}
+
+TEST(Boundaries, TimeIsMeasuredByClocksThatNeverJump) {
+  const std::regex wall(
+      "system_clock|high_resolution_clock|CLOCK_REALTIME|gettimeofday|"
+      "\\bstd::time\\(|\\btime\\((nullptr|NULL|0)\\)");
+  for (const SourceFile& file : sources()) {
+    const std::string text = readText(fs::path(KIRIREEL_SOURCE_DIR) / file.path);
+    EXPECT_FALSE(std::regex_search(text, wall)) << file.path;
+  }
+}
+
 TEST(Boundaries, SourceFilesStayShort) {
   for (const SourceFile& file : sources()) {
     const std::string text = readText(fs::path(KIRIREEL_SOURCE_DIR) / file.path);

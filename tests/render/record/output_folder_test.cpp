@@ -71,6 +71,21 @@ TEST_F(OutputFolder, KeepsFoldersThatBearAFilesName) {
   EXPECT_TRUE(has("final.obj/inside.txt"));
 }
 
+TEST_F(OutputFolder, LosesLinksAndLeavesWhatTheyLeadTo) {
+  write("theirs/frame_00001.png");
+  write("theirs/video");
+  fs::create_directory(folder_ / "out");
+  fs::create_symlink(folder_ / "theirs/video", folder_ / "out/deployment.mp4");
+  fs::create_symlink(folder_ / "theirs", folder_ / "out/final.obj");
+  fs::create_symlink(folder_ / "theirs", folder_ / "out/frames");
+  prepareOutputFolder(folder_ / "out");
+  EXPECT_TRUE(fs::is_empty(folder_ / "out"));
+  EXPECT_TRUE(has("theirs/frame_00001.png") && has("theirs/video"));
+  fs::create_symlink(folder_ / "theirs", folder_ / "out/frames");
+  makeFramesFolder(folder_ / "out");
+  EXPECT_FALSE(fs::is_symlink(folder_ / "out/frames"));
+}
+
 TEST_F(OutputFolder, SaysWhyItCannotBeMade) {
   write("file");
   EXPECT_EQ(messageOfPreparing(folder_ / "file"),

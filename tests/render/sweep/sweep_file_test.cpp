@@ -58,6 +58,17 @@ TEST(SweepFile, RefusesWhatIsEmpty) {
                 "[latin_hypercube] has no runs; give runs = 100");
 }
 
+TEST(SweepFile, RefusesMoreThanMemoryHolds) {
+  const std::string few = "the parameters have more than 100000 values together; vary fewer, or ";
+  expectRefused("[grid]\na = {from = 0, to = 1, count = 100001}\n",
+                "give a whole number from 2 to 100000");
+  expectRefused(
+      "[grid]\na = {from = 0, to = 1, count = 60000}\nb = {from = 0, to = 1, count = 60000}\n",
+      "sweep.toml:3:1: error: " + few);
+  expectRefused("[latin_hypercube]\nruns = 60000\na = {from = 0, to = 1}\nb = {from = 0, to = 1}\n",
+                few);
+}
+
 TEST(SweepFile, RefusesWhatIsWrittenWrong) {
   expectRefused("[grids]\n", "sweep.toml:1:2: error: unknown key grids, did you mean grid?");
   expectRefused("keep = \"everything\"\n",

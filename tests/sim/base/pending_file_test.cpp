@@ -1,11 +1,13 @@
 #include "sim/base/pending_file.h"
 
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 
 #include <gtest/gtest.h>
 #include <stdlib.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include "sim/base/error.h"
@@ -89,13 +91,46 @@ TEST_F(PendingFileTest, SaysWhenItCannotBePutInPlace) {
             (folder_ / "a.txt").string() + ": error: cannot be put in place (Is a directory)");
 }
 
-TEST_F(PendingFileTest, SaysWhenTheDiskIsFull) {
-  if (!fs::exists("/dev/full")) GTEST_SKIP() << "/dev/full is not there";
-  // Writing to the pending name lands on the device that is always full.
-  fs::create_symlink("/dev/full", folder_ / "a.part.txt");
-  EXPECT_EQ(messageOf([&] { writeTextFile(folder_ / "a.txt", "text"); }),
+TEST_F(PendingFileTest, ReplacesLinksAndLeavesWhatTheyLeadTo) {
+  std::ofstream(folder_ / "elsewhere") << "theirs";
+  for (const char* name : {"a.txt", "a.part.txt"}) {
+    fs::create_symlink(folder_ / "elsewhere", folder_ / name);
+  }
+  writeTextFile(folder_ / "a.txt", "ours");
+  EXPECT_EQ(read(folder_ / "elsewhere"), "theirs");
+  EXPECT_EQ(read(folder_ / "a.txt"), "ours");
+  EXPECT_FALSE(fs::is_symlink(folder_ / "a.txt"));
+  EXPECT_FALSE(fs::exists(folder_ / "a.part.txt"));
+}
+
+/// Lets no file grow beyond some bytes, as on a full disk.
+class SmallFiles {
+ public:
+  explicit SmallFiles(rlim_t bytes) {
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit = {bytes, before_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~SmallFiles() {
+    ::setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, signalBefore_);
+  }
+  SmallFiles(const SmallFiles&) = delete;
+  SmallFiles& operator=(const SmallFiles&) = delete;
+
+ private:
+  rlimit before_ = {};
+  void (*signalBefore_)(int) = std::signal(SIGXFSZ, SIG_IGN);
+};
+
+TEST_F(PendingFileTest, SaysWhenTheFileCannotGrow) {
+  const auto write = [&] {
+    const SmallFiles limit(3);
+    writeTextFile(folder_ / "a.txt", "text");
+  };
+  EXPECT_EQ(messageOf(write),
             (folder_ / "a.txt").string() +
-                ": error: cannot be written (No space left on device); free some space or choose "
+                ": error: cannot be written (File too large); free some space or choose "
                 "another folder with --out");
   EXPECT_TRUE(fs::is_empty(folder_));
 }

@@ -32,6 +32,18 @@ TEST(Suggestion, NamesTheNearestWord) {
 
 TEST(Suggestion, IsEmptyWhenNothingIsNear) {
   EXPECT_EQ(suggestion("--colour", {"--thickness", "--fps"}), "");
+  EXPECT_EQ(suggestion(std::string(101, 'a'), {std::string(100, 'a')}), "");
+}
+
+TEST(OneLine, KeepsNoControlCharacter) {
+  EXPECT_EQ(oneLine("a\nb\x1b[31m\x7f"), "a?b?[31m?");
+  EXPECT_EQ(oneLine("tiles of \u00c5ngstr\u00f6m"), "tiles of \u00c5ngstr\u00f6m");
+}
+
+TEST(Shown, IsShortAndPlain) {
+  EXPECT_EQ(shown("spring_stiffness"), "spring_stiffness");
+  EXPECT_EQ(shown("abcdef", 5), "abcde...");
+  EXPECT_EQ(shown("\xc3\x85\t"), "???");
 }
 
 }  // namespace

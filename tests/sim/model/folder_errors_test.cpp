@@ -133,7 +133,7 @@ TEST(FolderErrors, FileTooLarge) {
   } catch (const InputError& error) {
     EXPECT_EQ(withoutFolder(error.what(), folder.path().string()),
               "@/vertices.txt: error: the file has 67108865 bytes, at most 67108864 are read; "
-              "check that it is a model's file");
+              "write one tile a line, \"x y z\" for each vertex");
   }
 }
 

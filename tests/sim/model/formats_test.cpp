@@ -1,4 +1,5 @@
 // Models in formats other than folders: round trips, published files, and every message.
+#include <cmath>
 #include <map>
 
 #include <gtest/gtest.h>
@@ -111,6 +112,25 @@ TEST(Formats, CornersThatStayTogetherAreJoints) {
   std::vector<std::string> warnings;
   EXPECT_EQ(readObjPair(folder.path() / "a_contracted.obj", std::nullopt, warnings).joints.size(),
             2U);
+}
+
+TEST(Formats, ManyCornersThatCoincideAreJoinedOnce) {
+  // Triangles like pages of a book that stands in the plane x = 0: all share one corner.
+  const int pages = 20000;
+  const auto edge = [](int k) {
+    const double angle = k * M_PI / 20000;
+    return "v 0 " + std::to_string(1000 * std::cos(angle)) + " " +
+           std::to_string(1000 * std::sin(angle)) + "\n";
+  };
+  std::string text;
+  for (int k = 0; k < pages; ++k) text += "v 0 0 0\n" + edge(k) + edge(k + 1);
+  for (int k = 0; k < pages; ++k) {
+    text += "f " + std::to_string(3 * k + 1) + " " + std::to_string(3 * k + 2) + " " +
+            std::to_string(3 * k + 3) + "\n";
+  }
+  const TemporaryFolder folder;
+  folder.write("a.obj", text);
+  EXPECT_EQ(read(folder.path() / "a.obj").joints.size(), 2U * (pages - 1));
 }
 
 TEST(Formats, ReadsFoldOfOtherPrograms) {
@@ -248,9 +268,10 @@ TEST(FormatErrors, Fold) {
           "a.fold"),
       "@/a.fold: error: face 0 has the vertex 3, but there are vertices 0-2; correct it: FOLD "
       "counts from 0");
-  EXPECT_EQ(messageFor({{"a.fold", R"({"vertices_coords": [[0,"x"]], "faces_vertices": [[0]]})"}},
-                       "a.fold"),
-            "@/a.fold: error: vertex 0 is not two or three coordinates within 1e+06 m; correct it");
+  EXPECT_EQ(
+      messageFor({{"a.fold", R"({"vertices_coords": [[0,"x"]], "faces_vertices": [[0,0,0]]})"}},
+                 "a.fold"),
+      "@/a.fold: error: vertex 0 is not two or three coordinates within 1e+06 m; correct it");
   EXPECT_EQ(
       messageFor({{"a.fold", R"({"vertices_coords": [[0,0]], "faces_vertices": [0]})"}}, "a.fold"),
       "@/a.fold: error: entry 0 is no list of whole numbers; write vertex numbers, from 0");
@@ -260,11 +281,80 @@ TEST(FormatErrors, Fold) {
             "@/a.fold: error: the file holds no JSON object; give a FOLD file");
 }
 
+/// The message about a sheet of one triangle with more keys.
+std::string messageForFold(const std::string& faces, const std::string& more = "") {
+  return messageFor({{"a.fold", R"({"vertices_coords": [[0,0],[1,0],[1,1]], "faces_vertices": )" +
+                                    faces + more + "}"}},
+                    "a.fold");
+}
+
+TEST(FormatErrors, FoldNumbersOfWhatIsNotThere) {
+  EXPECT_EQ(messageForFold("[[0,1,2],[]]"),
+            "@/a.fold: error: face 1 has 0 vertices; a tile has at least 3: complete it or delete "
+            "it");
+  EXPECT_EQ(messageForFold("[[0,1,4294967298]]"),
+            "@/a.fold: error: entry 0 is no list of whole numbers; write vertex numbers, from 0");
+  EXPECT_EQ(messageForFold("[[0,1,2]]", R"(,"kirireel:pulled_tiles": [0, 1])"),
+            "@/a.fold: error: kirireel:pulled_tiles names tile 1, but there are tiles 0-0; correct "
+            "it");
+  const std::string two = "[[0,1,2],[0,1,2]]";
+  EXPECT_EQ(messageForFold(two, R"(,"kirireel:joints": [[0,0,1,0,1,3]])"),
+            "@/a.fold: error: joint 0 has the kind 3; write 0 (pivot), 1 (link) or 2 (fixed)");
+  EXPECT_EQ(messageForFold(two, R"(,"kirireel:joints": [[0,0,1,0,1,1]])"),
+            "@/a.fold: error: the link between tiles 0 and 1 has no length; leave its kind out to "
+            "join their corners");
+}
+
+TEST(FormatErrors, FoldNestedWithoutEnd) {
+  const std::string open(200000, '['), closed(200000, ']');
+  EXPECT_EQ(messageForFold("[[0,1,2]]", ",\"file_frames\": " + open + closed), "");
+  EXPECT_EQ(messageForFold(open + closed),
+            "@/a.fold: error: entry 0 is no list of whole numbers; write vertex numbers, from 0");
+}
+
+TEST(FormatErrors, JsonWithTextThatIsLong) {
+  const std::string message =
+      messageFor({{"a.fold", "\"\x1b" + std::string(5000, 'a') + "\""}}, "a.fold");
+  EXPECT_LT(message.size(), 300U);
+  EXPECT_EQ(message.find('\x1b'), message.npos);
+}
+
+TEST(FormatErrors, TilesOfTooManyVertices) {
+  std::string text, face = "f";
+  for (int k = 0; k < 301; ++k) {
+    const double angle = 2 * M_PI * k / 301;
+    text += "v " + std::to_string(std::cos(angle)) + " " + std::to_string(std::sin(angle)) + " 0\n";
+    face += " " + std::to_string(k + 1);
+  }
+  EXPECT_EQ(messageFor({{"a.obj", text + face + "\n"}}, "a.obj"),
+            "@/a.obj:302: error: tile 0 has 301 vertices, at most 300 are allowed; split it into "
+            "convex tiles");
+}
+
+TEST(FormatErrors, ObjPullsOfNoFace) {
+  EXPECT_EQ(messageFor({{"a.obj", "# pull 1\n" + kTriangle + "f 1 2 3\n"}}, "a.obj"),
+            "@/a.obj:1:8: error: there are faces 0-0, not 1; correct this number");
+}
+
+TEST(FormatErrors, ObjCornersThatCannotBeToldApart) {
+  // A sheet of size 1e3 with a tile of size 1e-4.
+  EXPECT_EQ(messageFor({{"a.obj",
+                         "v 0 0 0\nv 1000 0 0\nv 0 1000 0\n"
+                         "v 0 0 0\nv 0.0001 0 0\nv 0 0.0001 0\nf 1 2 3\nf 4 5 6\n"}},
+                       "a.obj"),
+            "@/a.obj: error: corners at tile 1 are within 0.0014 m, a millionth of the sheet, "
+            "without being one; give joined corners one vertex number");
+}
+
 TEST(FormatErrors, PlanarFiles) {
   const std::string squares = "0 0 0 1 1 1 1 0\n1 0 1 1 2 1 2 0\n";
   EXPECT_EQ(
       messageFor({{"vertices.txt", squares}, {"constraints.txt", "0 3 1 0\n"}}, "."),
       "@/./constraints.txt:1:1: error: tiles and vertices count from 1 here; this file seems to "
+      "count from 0: add 1 to all its numbers");
+  EXPECT_EQ(
+      messageFor({{"vertices.txt", squares}, {"constraints.txt", "1 -2147483648 2 1\n"}}, "."),
+      "@/./constraints.txt:1:3: error: tiles and vertices count from 1 here; this file seems to "
       "count from 0: add 1 to all its numbers");
   EXPECT_EQ(messageFor({{"vertices.txt", squares}, {"constraints.txt", "1 4 2\n"}}, "."),
             "@/./constraints.txt:1: error: 3 numbers do not make a joint; write one joint a line, "

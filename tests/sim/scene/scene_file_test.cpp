@@ -112,6 +112,38 @@ quit = true
   EXPECT_EQ(actionName(timeline[10].action), "quit");
 }
 
+TEST_F(SceneFileTest, RefusesWhatIsDeepOrMany) {
+  std::string parts = "a";
+  for (int k = 0; k < 100000; ++k) parts += ".a";
+  EXPECT_EQ(refusal("[model]\n" + parts + " = 1\n"),
+            "scene.toml:2: error: there are 64 dots in a key or a text here; write less than that");
+  EXPECT_EQ(refusal("# " + std::string(100, '.') + "\n[model]\npin = [0]\n"), "accepted");
+  EXPECT_EQ(refusal("[model]\npin = " + std::string(20, '[') + std::string(20, ']') + "\n"),
+            "scene.toml:2:22: error: tables and arrays are more than 16 deep here; nothing needs "
+            "more than a few: take brackets away");
+  std::string obstacles;
+  for (int k = 0; k < 1001; ++k) obstacles += "[[obstacle]]\nshape = \"sphere\"\nradius = 1\n";
+  EXPECT_THAT(refusal(obstacles), HasSubstr("error: there are 1001 obstacles, at most 1000 are "
+                                            "allowed; put several into one mesh"));
+  std::filesystem::resize_file(folder_ / "scene.toml", (8u << 20) + 1);
+  EXPECT_THAT([&] { readSceneFile(folder_ / "scene.toml"); },
+              testing::ThrowsMessage<InputError>(
+                  HasSubstr("scene.toml: error: the file has 8388609 bytes, at most 8388608 are "
+                            "read; name a scene file, like scene.toml")));
+}
+
+TEST_F(SceneFileTest, RefusesTablesWithoutAKey) {
+  for (const std::string table : {"[/]", "[=", "[[*]]", "[ ]", "[.", "[\u00e9", "\u00e9 = 1"}) {
+    EXPECT_THAT(refusal(table + "\n"), HasSubstr("error: this is no TOML: ")) << table;
+  }
+}
+
+TEST_F(SceneFileTest, ShowsForeignKeysShort) {
+  const std::string message = refusal("\"\\n" + std::string(5000, 'k') + "\" = 1\n");
+  EXPECT_THAT(message, HasSubstr("error: unknown table ?kkk"));
+  EXPECT_LT(message.size(), 250U);
+}
+
 TEST_F(SceneFileTest, UnknownTablesSuggestTheNearest) {
   EXPECT_EQ(
       refusal("[enviroment]\nground = true\n"),

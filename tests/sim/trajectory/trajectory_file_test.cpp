@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <map>
 #include <random>
 
 #include <gmock/gmock.h>
@@ -280,6 +281,84 @@ TEST(TrajectoryFile, RefusesContradictions) {
             "error: the normal of brick 3 in bricks/normal is not a unit vector" + mend);
   EXPECT_EQ(refusalAfter([](Trajectory& t) { t.model.tiles[0].vertices.clear(); }),
             "error: a tile in model/tile_sizes has 0 vertices" + mend);
+}
+
+TEST(TrajectoryFile, RefusesTextsThatClaimMoreThanTheFile) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder / "run.h5";
+  const Trajectory trajectory = randomTrajectory(3);
+  writeTrajectory(trajectory, file);
+  std::string bytes = bytesOf(file);
+  // A text is stored as its length, 4 bytes, and its place, 12 bytes.
+  std::size_t at = 0;
+  const auto lengthAt = [&](std::size_t place) {
+    return bytes[place] + 256U * (bytes[place + 1] | bytes[place + 2] | bytes[place + 3]);
+  };
+  while (lengthAt(at) != trajectory.events[0].text.size() ||
+         lengthAt(at + 16) != trajectory.events[1].text.size()) {
+    ASSERT_LT(++at, bytes.size() - 20);
+  }
+  bytes[at + 3] = '\x7f';
+  std::ofstream(file, std::ios::binary | std::ios::trunc) << bytes;
+  EXPECT_THAT(refusalOf(file), HasSubstr("the array events/text is damaged"));
+}
+
+TEST(TrajectoryFile, RefusesHeapsOfTextsThatGoInCircles) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder / "run.h5";
+  writeTrajectory(randomTrajectory(3), file);
+  const std::string whole = bytesOf(file);
+  const std::size_t heap = whole.find("GCOL");
+  ASSERT_NE(heap, whole.npos);
+  // The first entry's number and size: free space of no size, an entry beyond the heap; and the
+  // size of the heap itself.
+  for (const auto& [place, bytes] :
+       std::map<std::size_t, std::string>{{16, std::string(16, '\0')},
+                                          {24, std::string("\xf0\xff\xff\xff\xff\xff\xff\xff", 8)},
+                                          {8, std::string("\0\0\0\0\1\0\0\0", 8)}}) {
+    std::string damaged = whole;
+    damaged.replace(heap + place, bytes.size(), bytes);
+    std::ofstream(file, std::ios::binary | std::ios::trunc) << damaged;
+    EXPECT_THAT(refusalOf(file), HasSubstr("the file is cut short or damaged")) << place;
+  }
+}
+
+/// What is said of a trajectory's file after Python lines that change `f`, h5py's view of it.
+std::string refusalAfterPython(const std::string& lines) {
+  const TemporaryFolder folder;
+  writeTrajectory(randomTrajectory(3), folder / "run.h5");
+  std::ofstream(folder / "change.py") << "import h5py, sys\nf = h5py.File(sys.argv[1], 'r+')\n"
+                                      << lines << "\nf.close()\nprint('changed')\n";
+  EXPECT_EQ(outputOf("/usr/bin/python3 '" + (folder / "change.py").string() + "' '" +
+                     (folder / "run.h5").string() + "'"),
+            "changed\n");
+  const std::string message = refusalOf(folder / "run.h5");
+  return message.substr(std::min(message.size(), message.find("error: ")));
+}
+
+TEST(TrajectoryFile, RefusesWhatItsWriterNeverMakes) {
+  if (outputOf("/usr/bin/python3 -c 'import h5py; print(1)'").empty()) {
+    GTEST_SKIP() << "install python3-h5py to change trajectories by another program";
+  }
+  const std::string mend = "; give a whole trajectory.h5 as kirireel record leaves it";
+  EXPECT_EQ(refusalAfterPython("del f['time']; f['time'] = h5py.ExternalLink('/etc/passwd', '/')"),
+            "error: the array time is missing" + mend);
+  EXPECT_EQ(
+      refusalAfterPython("f['t'] = f['time']; del f['time']; f['time'] = h5py.SoftLink('/t')"),
+      "error: the array time is missing" + mend);
+  EXPECT_EQ(refusalAfterPython("del f['time']\n"
+                               "f.create_dataset('time', (3,), '<f8', external=[('x', 0, 24)])"),
+            "error: the array time is stored in another way" + mend);
+  EXPECT_EQ(refusalAfterPython("del f['time']; f.create_dataset('time', (3,), '<f8', "
+                               "chunks=(3,), compression='lzf')"),
+            "error: the array time is stored in another way" + mend);
+  EXPECT_EQ(refusalAfterPython("del f['time']; f.create_dataset('time', (3,), '<f8', "
+                               "maxshape=(None,), chunks=(10**8,))"),
+            "error: the array time is stored in another way" + mend);
+  EXPECT_EQ(refusalAfterPython("del f['time']; f.create_dataset('time', (3,), '>f4')"),
+            "error: the array time does not hold numbers" + mend);
+  EXPECT_EQ(refusalAfterPython("f['time'].resize((10**9,))"),
+            "error: an array claims more entries than the file holds" + mend);
 }
 
 TEST(TrajectoryFile, SaysThatItCannotBeWritten) {

@@ -1,0 +1,80 @@
+#include "sim/trajectory/text_heaps.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <fstream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace kirireel {
+namespace {
+
+constexpr std::string_view kSignature("GCOL\x01\0\0\0", 8);
+constexpr std::uint64_t kHeader = 16;       // the signature and the heap's size
+constexpr std::uint64_t kEntryHeader = 16;  // number, references, 4 bytes, size
+
+/// An unsigned number in `size` bytes, the lowest first; 0 beyond the end of the file.
+std::uint64_t numberAt(std::ifstream& file, std::uint64_t place, int size) {
+  std::string bytes(static_cast<std::size_t>(size), '\0');
+  file.clear();
+  file.seekg(static_cast<std::streamoff>(place));
+  file.read(bytes.data(), size);
+  std::uint64_t number = 0;
+  for (int k = size; k-- > 0;) number = number << 8 | static_cast<unsigned char>(bytes[k]);
+  return number;
+}
+
+/// How far it is from an entry to the next, 0 when it goes beyond `left` bytes.
+std::uint64_t stepAt(std::ifstream& file, std::uint64_t place, std::uint64_t left) {
+  const bool isFreeSpace = numberAt(file, place, 2) == 0;
+  const std::uint64_t size = numberAt(file, place + 8, 8);
+  if (size > left) return 0;
+  const std::uint64_t step = isFreeSpace ? size : kEntryHeader + (size + 7) / 8 * 8;
+  return step <= left ? step : 0;
+}
+
+bool isWhole(std::ifstream& file, std::uint64_t heap, std::uint64_t fileSize) {
+  const std::uint64_t size = numberAt(file, heap + kSignature.size(), 8);
+  if (size < kHeader || size > fileSize - heap) return false;
+  // What is too short for another entry is not used.
+  std::uint64_t place = kHeader;
+  while (place + kEntryHeader <= size) {
+    const std::uint64_t step = stepAt(file, heap + place, size - place);
+    if (step == 0) return false;
+    place += step;
+  }
+  return true;
+}
+
+/// Where heaps begin. The file is read in blocks that overlap by a signature.
+std::vector<std::uint64_t> heapsIn(std::ifstream& file, std::uint64_t fileSize) {
+  constexpr std::uint64_t kBlock = 1 << 20;
+  std::vector<std::uint64_t> heaps;
+  std::string block(kBlock + kSignature.size() - 1, '\0');
+  for (std::uint64_t start = 0; start < fileSize; start += kBlock) {
+    file.clear();
+    file.seekg(static_cast<std::streamoff>(start));
+    file.read(block.data(), std::ssize(block));
+    const std::string_view bytes(block.data(), static_cast<std::size_t>(file.gcount()));
+    for (std::size_t at = bytes.find(kSignature); at != bytes.npos;
+         at = bytes.find(kSignature, at + 1)) {
+      heaps.push_back(start + at);
+    }
+  }
+  return heaps;
+}
+
+}  // namespace
+
+bool hasWholeTextHeaps(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::error_code error;
+  const std::uint64_t size = std::filesystem::file_size(file, error);
+  if (!stream || error) return false;
+  const std::vector<std::uint64_t> heaps = heapsIn(stream, size);
+  return std::all_of(heaps.begin(), heaps.end(),
+                     [&](std::uint64_t heap) { return isWhole(stream, heap, size); });
+}
+
+}  // namespace kirireel

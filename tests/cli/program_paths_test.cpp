@@ -1,0 +1,124 @@
+// Names that are awkward, links that lead elsewhere, and texts that a shell would act on, through
+// the real program.
+#include <algorithm>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/cli/run_program.h"
+
+namespace kirireel {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+// A colon would make "take 2" a protocol of FFmpeg's, the rest upsets who splits or prints names.
+constexpr const char* kAwkward = "take 2: \u7d19 \u00f6ffnet\n'quick' $HOME \"%s\" \\x";
+
+std::vector<std::string> recordArguments(const fs::path& model, const fs::path& out) {
+  return {"record",   model.string(), "--out",    out.string(),      "--duration",
+          "0.2",      "--size",       "160x120",  "--fps",           "10",
+          "--frames", "--svg",        "--export", "msh,glb,vtu,fold"};
+}
+
+TEST(AwkwardNames, OfModelAndOutputAreTakenAsTheyAre) {
+  const ScratchFolder scratch;
+  const fs::path model = scratch / kAwkward / kAwkward;
+  fs::create_directories(model.parent_path());
+  fs::copy(shippedModel("tessellation_4x4"), model);
+  ProgramSetting setting;
+  setting.folder = scratch.path();  // names on the command line are relative
+  const ProgramEnd end = runKirireel(
+      recordArguments(fs::path(kAwkward) / kAwkward, kAwkward + std::string(" out")), setting);
+  ASSERT_EQ(end.exitCode, 0) << end.err;
+  const fs::path out = scratch / (kAwkward + std::string(" out"));
+  EXPECT_THAT(filesIn(out), Contains("deployment.mp4"));
+  EXPECT_EQ(runKirireel({"verify", out.string()}).exitCode, 0);
+  EXPECT_EQ(runKirireel({"render", (out / "trajectory.h5").string(), "--size", "160x120", "--out",
+                         (scratch / kAwkward / "again").string()})
+                .exitCode,
+            0);
+  EXPECT_EQ(runKirireel({"convert", model.string(), (scratch / kAwkward / "a b\n.fold").string()})
+                .exitCode,
+            0);
+}
+
+TEST(AwkwardNames, AreShownInOneLine) {
+  const ProgramEnd end = runKirireel({"record", "/no/such\n\x1b[31mmodel"});
+  EXPECT_EQ(end.exitCode, 2);
+  EXPECT_EQ(std::count(end.err.begin(), end.err.end(), '\n'), 1);
+  EXPECT_THAT(end.err, HasSubstr("/no/such??[31mmodel: error: there is no such"));
+}
+
+TEST(Links, InTheOutputFolderAreReplacedNotFollowed) {
+  const ScratchFolder scratch;
+  const fs::path theirs = scratch / "theirs", out = scratch / "out";
+  fs::create_directories(theirs);
+  fs::create_directories(out);
+  writeText(theirs / "video", "theirs");
+  writeText(theirs / "frame_00000.png", "theirs");
+  for (const char* name : {"deployment.mp4", "deployment.part.mp4", "summary.json", "final.obj",
+                           "trajectory.part.h5", "snapshots.png"}) {
+    fs::create_symlink(theirs / "video", out / name);
+  }
+  fs::create_symlink(theirs, out / "frames");
+  const ProgramEnd end = runKirireel(recordArguments(shippedModel("tessellation_4x4"), out));
+  ASSERT_EQ(end.exitCode, 0) << end.err;
+  EXPECT_THAT(filesIn(theirs), testing::ElementsAre("frame_00000.png", "video"));
+  for (const std::string& name : filesIn(theirs)) EXPECT_EQ(readText(theirs / name), "theirs");
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(out)) {
+    EXPECT_FALSE(entry.is_symlink()) << entry.path();
+  }
+  EXPECT_TRUE(fs::exists(out / "frames/frame_00000.png"));
+}
+
+TEST(Links, AreReplacedByOtherCommandsToo) {
+  const ScratchFolder scratch;
+  writeText(scratch / "theirs", "theirs");
+  for (const char* name : {"sheet.fold", "sheet.part.fold"}) {
+    fs::create_symlink(scratch / "theirs", scratch / name);
+  }
+  const std::string model = shippedModel("tessellation_4x4").string();
+  EXPECT_EQ(runKirireel({"convert", model, (scratch / "sheet.fold").string()}).exitCode, 0);
+  EXPECT_EQ(readText(scratch / "theirs"), "theirs");
+  EXPECT_FALSE(fs::is_symlink(scratch / "sheet.fold"));
+}
+
+// The output folder itself may be one: who names it wants what it leads to.
+TEST(Links, ToTheOutputFolderAreFollowed) {
+  const ScratchFolder scratch;
+  fs::create_directory(scratch / "disk");
+  fs::create_symlink(scratch / "disk", scratch / "out");
+  const ProgramEnd end = runKirireel({"simulate", shippedModel("tessellation_4x4").string(),
+                                      "--out", (scratch / "out").string(), "--duration", "0.1"});
+  EXPECT_EQ(end.exitCode, 0) << end.err;
+  EXPECT_THAT(filesIn(scratch / "disk"), Contains("summary.json"));
+}
+
+TEST(SceneTexts, AreNeverActedOn) {
+  const ScratchFolder scratch;
+  const std::string made = (scratch / "made").string();
+  const std::string command = "$(touch " + made + ")`touch " + made + "`|touch " + made + ";";
+  const auto run = [&](const std::string& scene) {
+    writeText(scratch / "scene.toml", scene);
+    std::vector<std::string> words =
+        recordArguments(shippedModel("tessellation_4x4"), scratch / "out");
+    words.insert(words.end(), {"--scene", (scratch / "scene.toml").string()});
+    return runKirireel(words);
+  };
+  for (const char* setting : {"[model]\ntarget", "[recording]\nexport", "[style]\ncolour",
+                              "[[obstacle]]\nshape = 'mesh'\nfile", "[[timeline]]\ntarget"}) {
+    const ProgramEnd end = run(setting + std::string(" = '") + command + "'\n");
+    EXPECT_EQ(end.exitCode, 2) << setting;
+  }
+  const ProgramEnd titled = runKirireel({"record", shippedModel("tessellation_4x4").string(),
+                                         "--out", (scratch / "out").string(), "--duration", "0.1",
+                                         "--fps", "10", "--size", "160x120", "--title", command});
+  EXPECT_EQ(titled.exitCode, 0) << titled.err;
+  EXPECT_FALSE(fs::exists(made));
+}
+
+}  // namespace
+}  // namespace kirireel

@@ -1,0 +1,17 @@
+// A FOLD file.
+#include <array>
+
+#include "sim/model/read_model.h"
+#include "tests/fuzz/fuzz_input.h"
+
+using namespace kirireel;
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+  static constexpr std::array kFiles = {"sheet.fold"};
+  fuzz::placeParts(kFiles, fuzz::inputText(bytes, size));
+  fuzz::read([] {
+    std::vector<std::string> warnings;
+    fuzz::requireSound(readModel(fuzz::folder() / kFiles[0], std::nullopt, warnings));
+  });
+  return 0;
+}

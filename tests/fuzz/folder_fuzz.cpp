@@ -1,0 +1,18 @@
+// A model folder: vertices.txt, constraints.txt, and what may stand beside them.
+#include <array>
+
+#include "sim/model/read_model.h"
+#include "tests/fuzz/fuzz_input.h"
+
+using namespace kirireel;
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+  static constexpr std::array kFiles = {"vertices.txt", "constraints.txt", "target.txt", "pull.txt",
+                                        "hull.txt"};
+  fuzz::placeParts(kFiles, fuzz::inputText(bytes, size));
+  fuzz::read([] {
+    std::vector<std::string> warnings;
+    fuzz::requireSound(readModel(fuzz::folder(), std::nullopt, warnings));
+  });
+  return 0;
+}

@@ -1,0 +1,41 @@
+// The summary.json of a run: as it is, and under a seal that fits it.
+#include "render/digest/digest.h"
+#include "render/verify/verify.h"
+#include "sim/model/tessellation.h"
+#include "sim/trajectory/trajectory_file.h"
+#include "tests/fuzz/fuzz_input.h"
+
+using namespace kirireel;
+
+namespace {
+
+/// The trajectory that the summary is compared with: a sheet of four tiles at rest.
+bool writeRun() {
+  Scene scene;
+  TessellationShape shape;
+  shape.columns = shape.rows = 2;
+  scene.model = makeTessellation(shape);
+  Trajectory run{subjectOf(scene)};
+  for (const double time : {0.0, 0.5}) {
+    run.samples.push_back({.time = time, .poses = startPoses(scene.model.tiles, run.bricks)});
+  }
+  writeTrajectory(run, fuzz::folder() / "trajectory.h5");
+  return true;
+}
+
+void readSummary(const std::string& text) {
+  fuzz::place("summary.json", text);
+  fuzz::read([] { verifyRun(fuzz::folder()); });
+  fuzz::read([] { findFinishedRun(fuzz::folder(), "order"); });
+}
+
+}  // namespace
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+  static const bool once = writeRun();
+  const std::string text(fuzz::inputText(bytes, size));
+  readSummary(text);
+  constexpr std::size_t kEnd = 3;  // "\n}\n", which the seal goes before
+  if (once && size >= kEnd) readSummary(sealed(text));
+  return 0;
+}
