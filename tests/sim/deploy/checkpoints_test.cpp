@@ -242,7 +242,7 @@ TEST(Checkpoints, GoOnAlongATimeline) {
 
 TEST(Checkpoints, GoOnWhereTilesAreLedByJointsThatGive) {
   Scene scene = sheetScene(3, 0.1, 1.5);
-  scene.path = {PathKind::Led, 0.5, 200, 1e5};
+  scene.path = {PathKind::Led, 0, 0.5, 200, 1e5};
   const DeploymentResult undisturbed = deployWhole(scene);
   EXPECT_GT(undisturbed.accuracy.jointOpeningMax, 0);
   EXPECT_EQ(undisturbed.outcome, Outcome::Settled);
@@ -250,10 +250,19 @@ TEST(Checkpoints, GoOnWhereTilesAreLedByJointsThatGive) {
   expectResumedAt({4, 9, 22, 33}, scene, undisturbed);
 }
 
+TEST(Checkpoints, GoOnWhereTheWayIsOpenedFirst) {
+  Scene scene = sheetScene(3, 0.1, 1.5);
+  scene.path = {.kind = PathKind::Led, .openTime = 0.5, .ledTime = 0.5};
+  const DeploymentResult undisturbed = deployWhole(scene);
+  EXPECT_EQ(undisturbed.outcome, Outcome::Settled);
+  // While it is opened, and while the tiles are led.
+  expectResumedAt({4, 14}, scene, undisturbed);
+}
+
 TEST(Checkpoints, GoOnWhereTilesAreLedFromAWaypoint) {
   Scene scene = sheetScene(3, 0.1, 1.5);
   const Scene half = sheetScene(3, 0.8, 1.5);
-  scene.path = {PathKind::Led, 0.5, 200, 1e5};
+  scene.path = {PathKind::Led, 0, 0.5, 200, 1e5};
   scene.timeline = {{{}, GoTo{"half", half.model.tiles}}, {{Occasion::Kind::AtTime, 2}, GoTo{}}};
   scene.stop.duration = 4;
   expectResumedAt({45, 47}, scene, deployWhole(scene));
