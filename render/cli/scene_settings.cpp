@@ -29,6 +29,7 @@ const std::map<std::string, std::string>& tables() {
       {"Look", "style"},
       {"Pictures", "recording"},
       {"Output", "recording"},
+      {"Video", "recording"},
   };
   return names;
 }
