@@ -8,9 +8,12 @@
 #include "sim/model/folder.h"
 #include "sim/model/tessellation.h"
 #include "sim/study/stepped_scene.h"
+#include "tests/sim/deploy/moving.h"
 
 namespace kirireel {
 namespace {
+
+using test::Moving;
 
 constexpr double kGravity = 9.81;
 constexpr double kStep = 1.0 / 240;
@@ -31,51 +34,6 @@ Scene looseBricks(const std::vector<Tile>& tiles, double thickness) {
   scene.solver.timestep = kStep;
   return scene;
 }
-
-/// A scene of loose bricks in motion.
-struct Moving {
-  explicit Moving(const Scene& start)
-      : scene(start),
-        bricks(makeBricks(scene.model.tiles, scene.brick)),
-        motion{startPoses(scene.model.tiles, bricks), std::vector<Velocity>(bricks.size())},
-        dynamics(makeDynamics(scene, sceneNeeds(scene), bricks, motion.poses)) {}
-  Moving(const Moving&) = delete;
-  Moving& operator=(const Moving&) = delete;
-
-  /// Takes steps under the scene's gravity and a constant force on every brick.
-  void advance(int steps, const Vector3& force = Vector3::Zero()) {
-    const LoadSource loads = [&](const Poses&, std::vector<Load>& out) {
-      for (Load& load : out) {
-        load = {};
-        load.force.head<3>() = force;
-      }
-    };
-    for (int step = 0; step < steps; ++step) {
-      const StepReport report = dynamics->advance(motion, scene.solver.timestep, loads);
-      unconverged += report.unconverged;
-      deepest = std::max(deepest, deepestPenetration(bricks, motion.poses).depth);
-      lowest = std::min(lowest, lowestVertex());
-    }
-  }
-
-  double lowestVertex() const {
-    double low = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < bricks.size(); ++i) {
-      for (const auto* points : {&bricks[i].bottom, &bricks[i].top}) {
-        for (const Vector3& point : *points) low = std::min(low, motion.poses[i].apply(point).z());
-      }
-    }
-    return low;
-  }
-
-  Scene scene;
-  std::vector<Brick> bricks;
-  Motion motion;
-  std::unique_ptr<Dynamics> dynamics;
-  int unconverged = 0;
-  double deepest = 0;                                       ///< overlap of bricks so far
-  double lowest = std::numeric_limits<double>::infinity();  ///< z of any vertex so far
-};
 
 /// A block on a slope of the given angle: the plane stays level, gravity is tilted.
 Scene blockOnSlope(double angle, double friction) {

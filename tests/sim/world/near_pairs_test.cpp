@@ -29,15 +29,23 @@ TEST(MotionBound, IsReachedByNoPoint) {
   EXPECT_GT(closest, 0.9);  // the bound is no looser than it must be; measured 0.99
 }
 
+std::vector<Brick> prisms(int count) {
+  std::vector<Brick> bricks;
+  for (int i = 0; i < count; ++i) bricks.push_back(test::prism(3 + i % 4, 0.3, 0.1));
+  return bricks;
+}
+
+Poses scattered(Chance& chance, int count, double spread) {
+  Poses poses;
+  for (int i = 0; i < count; ++i) poses.push_back(chance.pose(spread));
+  return poses;
+}
+
 TEST(NearPairs, HoldEveryPairWhoseBoxesMeet) {
   // Second method: all boxes against all.
   Chance chance(2);
-  std::vector<Brick> bricks;
-  Poses start;
-  for (int i = 0; i < 40; ++i) {
-    bricks.push_back(test::prism(3 + i % 4, 0.3, 0.1));
-    start.push_back(chance.pose(2));
-  }
+  const std::vector<Brick> bricks = prisms(40);
+  Poses start = scattered(chance, 40, 2);
   NearPairs near(bricks);
   int found = 0, reused = 0;
   for (int step = 0; step < 100; ++step) {
@@ -66,12 +74,8 @@ TEST(NearPairs, HoldEveryPairWhoseBoxesMeet) {
 
 TEST(NearPairs, DependOnTheLastBoxesAlone) {
   Chance chance(3);
-  std::vector<Brick> bricks;
-  Poses poses;
-  for (int i = 0; i < 40; ++i) {
-    bricks.push_back(test::prism(3 + i % 4, 0.3, 0.1));
-    poses.push_back(chance.pose(1));
-  }
+  const std::vector<Brick> bricks = prisms(40);
+  Poses poses = scattered(chance, 40, 1);
   NearPairs whole(bricks);
   std::unique_ptr<NearPairs> resumed;
   int found = 0;
