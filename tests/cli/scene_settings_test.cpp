@@ -53,6 +53,14 @@ TEST_F(SceneSettingsTest, KeysAreOptions) {
   EXPECT_EQ(order.scene.timeline.size(), 1u);
 }
 
+TEST_F(SceneSettingsTest, HoldWhatVideosAreLike) {
+  const RecordOrder order =
+      parse("[recording]\nvideo = \"run.webm\"\ntitle = \"Fan\"\nhold = 1.5\n");
+  EXPECT_EQ(order.settings.videoFile, "run.webm");
+  EXPECT_EQ(order.settings.title, "Fan");
+  EXPECT_EQ(order.settings.hold, 1.5);
+}
+
 TEST_F(SceneSettingsTest, TheCommandLineCountsMore) {
   const RecordOrder order = parse("[actuation]\nspring_stiffness = 25\nforce_damping = 20\n",
                                   {"--spring_stiffness", "50"});
