@@ -334,7 +334,7 @@ void Run::observeStep() {
   largest = std::max(largest, gap.max);
   gapSum_ += gap.mean;
   accuracy.targetErrorMin = std::min(accuracy.targetErrorMin, finalTargetError());
-  if (pullsToTarget() && !follower_ && timeline_.forcesAreOn()) {
+  if (pullsToTarget() && !isOnPath() && timeline_.forcesAreOn()) {
     stiffness_.observe(currentTargetError(), step_);
   }
 }
@@ -346,7 +346,7 @@ void Run::updateRest() {
     fastest = std::max(fastest, speed);
   }
   const bool rests = fastest < scene_.stop.settleSpeed * size_ || isStuck();
-  restTime_ = !follower_ && !isOpening() && rests ? restTime_ + step_ : 0;
+  restTime_ = !isOnPath() && rests ? restTime_ + step_ : 0;
 }
 
 bool Run::isLost() const {

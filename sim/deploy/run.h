@@ -45,6 +45,8 @@ class Run : private TimelineStage {
   void advanceStep();
   void followPath();
   bool isOpening() const { return time() < openedAt_; }
+  /// Whether something else drives the tiles than the scene's own actuation.
+  bool isOnPath() const { return isOpening() || follower_.has_value(); }
   void observeStep();
   void updateRest();
   void watchJam(const StepReport& report);
