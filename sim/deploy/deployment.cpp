@@ -77,10 +77,14 @@ DeploymentResult deployUnkept(const Scene& scene, double sampleInterval,
   const AssembledState nearest = assembleAtTarget(scene);
   std::vector<BlockingPair> blocking = blockingPairs(scene, nearest.poses);
   bool goOn = true;
+  std::size_t savedTrials = checkpoints ? checkpoints->trials().size() : 0;
   const TrialObserver watchSearch = [&](const std::string& what) {
-    goOn = !searching || searching(what);
-    const bool isNew = checkpoints && !checkpoints->run();
-    if (isNew && (!goOn || checkpoints->isDue())) checkpoints->save({});
+    goOn = goOn && (!searching || searching(what));
+    const bool isNew = checkpoints && checkpoints->trials().size() > savedTrials;
+    if (isNew && (!goOn || checkpoints->isDue())) {
+      checkpoints->save({});
+      savedTrials = checkpoints->trials().size();
+    }
     return goOn;
   };
   std::vector<TrialEnd> trials;

@@ -98,7 +98,7 @@ class StallWatch {
 
 /// Whether joints cannot be held exactly on the way: with redundant joints the least misfit of the
 /// tiles forbids any motion, and most steps are halved in vain.
-bool exactJointsJam(const Scene& scene, double sampleInterval) {
+bool exactJointsJam(const Scene& scene, double sampleInterval, const TrialObserver& observer) {
   Scene trial = scene;
   trial.environment = Environment{};
   trial.stop.duration = kJamTime;
@@ -106,7 +106,7 @@ bool exactJointsJam(const Scene& scene, double sampleInterval) {
   const Run* running = nullptr;
   const long mostEffort = kContactEffort / static_cast<long>(scene.model.tiles.size());
   const SampleObserver watch = [&](const Sample&) {
-    return !running || running->cost().factorizations <= mostEffort;
+    return observer("exact joints") && (!running || running->cost().factorizations <= mostEffort);
   };
   Run run(trial, sampleInterval, -1, watch);
   running = &run;
@@ -118,13 +118,16 @@ bool isJammed(const DeployCost& cost) {
   return cost.unconvergedSteps > kJammedSteps && 2 * cost.unconvergedSteps > cost.steps;
 }
 
-/// Runs a scene as the deployment itself would, so that what arrives here arrives there.
-TrialEnd tryPath(const Scene& scene, double sampleInterval, double assembledFloor) {
+/// Runs a scene as the deployment itself would, so that what arrives here arrives there, for as
+/// long as `goesOn` says so.
+TrialEnd tryPath(const Scene& scene, double sampleInterval, double assembledFloor,
+                 const std::function<bool()>& goesOn) {
   StallWatch stalls(scene);
   const Run* running = nullptr;
   const long mostEffort = kContactEffort / static_cast<long>(scene.model.tiles.size());
   const bool isLimited = scene.environment.contacts != ContactFilter::None;
   const SampleObserver watch = [&](const Sample& sample) {
+    if (!goesOn()) return false;
     if (isLimited) return stalls(sample) && running->cost().factorizations <= mostEffort;
     return stalls(sample) && !isJammed(running->cost());
   };
@@ -153,38 +156,46 @@ class PathSearch {
   PathChoice find(bool roomAtTarget) {
     PathChoice choice = findWithoutContacts();
     const bool contacts = scene_.environment.contacts != ContactFilter::None;
-    if (!contacts || !roomAtTarget || !last_.arrives || last_.keepsClear) return choice;
+    if (isOver_ || !contacts || !roomAtTarget || !last_.arrives || last_.keepsClear) return choice;
     return findAmongBricks(choice);
   }
 
  private:
-  /// Whether a path arrives; the search is over where the observer says so.
-  bool arrives(const PathSettings& path, const Environment& environment, double stepFactor = 1) {
+  /// Whether a path arrives; not when the search ends before that is known.
+  bool arrives(const PathSettings& path, const Environment& environment, const std::string& what,
+               double stepFactor = 1) {
     Scene trial = scene_;
     trial.environment = environment;
     trial.stop = StopRules{};  // the run's own time may be too short for any path
     trial.path = path;
     trial.solver.timestep = stepFactor * scene_.solver.timestep;
     if (count_ == trials_.size()) {
-      trials_.push_back(tryPath(trial, std::max(interval_, trial.solver.timestep), floor_));
+      const TrialEnd end = tryPath(trial, std::max(interval_, trial.solver.timestep), floor_,
+                                   [&] { return mayTry(what); });
+      if (isOver_) return false;
+      trials_.push_back(end);
     }
     last_ = trials_[count_++];
     return last_.arrives;
   }
 
-  bool mayTry(const std::string& what) { return !observer_ || observer_(what); }
+  bool mayTry(const std::string& what) {
+    isOver_ = isOver_ || !observer_(what);
+    return !isOver_;
+  }
 
   PathChoice findWithoutContacts() {
     PathSettings straight = scene_.path;
     straight.kind = PathKind::Straight;
     const Environment empty;
-    if (arrives(straight, empty, kCoarseSteps)) return {straight, "a straight pull arrives"};
+    if (arrives(straight, empty, describe(straight), kCoarseSteps))
+      return {straight, "a straight pull arrives"};
     const bool jams = last_.jams;
     for (const PathSettings& path : candidates()) {
       if (jams && !std::isfinite(path.jointStiffness)) continue;
       const std::string what = describe(path);
       if (!mayTry(what)) break;
-      if (arrives(path, empty)) return {path, what + " arrives"};
+      if (arrives(path, empty, what)) return {path, what + " arrives"};
     }
     return {straight, "no path that was tried arrives"};
   }
@@ -197,7 +208,7 @@ class PathSearch {
     for (const PathSettings& path : candidatesAmongBricks()) {
       const std::string what = describe(path) + " among touching bricks";
       if (!mayTry(what)) break;
-      if (arrives(path, bricks) && last_.keepsClear) return {path, what + " arrives"};
+      if (arrives(path, bricks, what) && last_.keepsClear) return {path, what + " arrives"};
     }
     // Joints that give are of no use against bricks.
     const bool isExact = !std::isfinite(first.path.jointStiffness);
@@ -214,12 +225,14 @@ class PathSearch {
   std::vector<TrialEnd>& trials_;
   std::size_t count_ = 0;  // of trials so far
   TrialEnd last_;
+  bool isOver_ = false;  // the observer said so
 };
 
 }  // namespace
 
 PathChoice choosePath(const Scene& scene, double sampleInterval, const TargetRoom& room,
                       const TrialObserver& observer, std::vector<TrialEnd>& trials) {
+  const TrialObserver watch = observer ? observer : [](const std::string&) { return true; };
   if (scene.path.kind != PathKind::Auto) return {scene.path, "asked for"};
   PathSettings straight = scene.path;
   straight.kind = PathKind::Straight;
@@ -227,7 +240,7 @@ PathChoice choosePath(const Scene& scene, double sampleInterval, const TargetRoo
   if (!scene.timeline.empty()) return {straight, "the timeline leads"};
   const Drive drive = scene.actuation.drive;
   if ((drive == Drive::Expansion || drive == Drive::Boundary) &&
-      exactJointsJam(scene, sampleInterval)) {
+      exactJointsJam(scene, sampleInterval, watch)) {
     straight.jointStiffness = kMisfitStiffness;
     return {straight, fmt::format("exact joints jam, the tiles fit each other in no open state; "
                                   "joints of {:g} N/m",
@@ -235,7 +248,7 @@ PathChoice choosePath(const Scene& scene, double sampleInterval, const TargetRoo
   }
   if (!scene.model.target) return {straight, "there is no target"};
   if (drive != Drive::Target) return {straight, "nothing pulls to the target"};
-  return PathSearch(scene, sampleInterval, room.assembledFloor, observer, trials)
+  return PathSearch(scene, sampleInterval, room.assembledFloor, watch, trials)
       .find(!room.isBlocked);
 }
 

@@ -25,7 +25,7 @@ struct TrialEnd {
   void transfer(StateTape& tape) { tape.transfer(arrives, jams, keepsClear); }
 };
 
-/// Called before each trial with what is tried; return false to stop looking.
+/// Called with what is tried, at each sample of a trial; return false to stop looking.
 using TrialObserver = std::function<bool(const std::string& what)>;
 
 /// What is known of the target before the search.
@@ -42,7 +42,7 @@ struct TargetRoom {
 /// the straight one. A path that the scene names is kept. Where nothing pulls to a target and the
 /// tiles' misfit makes exact joints jam, joints give throughout. Trials are as the run itself,
 /// sampled every `sampleInterval` seconds. `observer` may be empty. `trials` holds how the first
-/// trials ended, which are not made again, and gets the others.
+/// trials ended, which are not made again, and gets the others, but not one that was stopped.
 PathChoice choosePath(const Scene& scene, double sampleInterval, const TargetRoom& room,
                       const TrialObserver& observer, std::vector<TrialEnd>& trials);
 

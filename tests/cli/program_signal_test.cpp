@@ -47,6 +47,8 @@ void expectInterruptedVideo(int signal, const std::string& sign,
 const std::vector<std::string> kLongPainting = {"--fps", "240", "--force-damping", "1e6"};
 // Too many steps to wait for.
 const std::vector<std::string> kLongDeployment = {"--solver", "bullet", "--substeps", "10000"};
+// Too many steps to wait for in the first trial of a path alone.
+const std::vector<std::string> kLongTrial = {"--timestep", "1e-7"};
 
 TEST(Interrupt, WhilePaintingLeavesAPlayableVideo) {
   expectInterruptedVideo(SIGINT, "/deployment.part.mp4", kLongPainting);
@@ -54,6 +56,10 @@ TEST(Interrupt, WhilePaintingLeavesAPlayableVideo) {
 
 TEST(Interrupt, WhileDeployingLeavesAPlayableVideo) {
   expectInterruptedVideo(SIGINT, "", kLongDeployment);
+}
+
+TEST(Interrupt, WhileLookingForAPathLeavesAPlayableVideo) {
+  expectInterruptedVideo(SIGINT, "", kLongTrial);
 }
 
 TEST(Terminate, IsTreatedAsAnInterrupt) {

@@ -95,7 +95,7 @@ TEST_F(RecordTest, ReportsProgressOfBothStagesToTheEnd) {
 TEST_F(RecordTest, InterruptedWhileDeployingKeepsWhatWasDone) {
   int samples = 0;
   const RunSummary summary = record(tessellationScene(), settings_, [&](const Progress& progress) {
-    return std::string(progress.stage) == "painting" || ++samples < 4;
+    return std::string(progress.stage) != "deploying" || ++samples < 4;
   });
   EXPECT_EQ(summary.outcome, Outcome::Interrupted);
   EXPECT_EQ(summary.videoFrames, 4);

@@ -278,11 +278,13 @@ TEST(Checkpoints, DoNotSearchAgainForAPath) {
   const fs::path folder = scratch / "checkpoint";
   {
     Checkpoints checkpoints(folder, "this order");
-    // The first look is over, the straight path has been tried.
-    int asked = 0;
+    // The first look is over, the straight path has been tried; amid the next it is asked to end.
+    int samplesLed = 0;
     deployUnkept(
         scene, kInterval, [](const Sample&) { return true; },
-        [&](const std::string&) { return ++asked < 2; }, &checkpoints);
+        [&](const std::string& what) { return !what.starts_with("led") || ++samplesLed < 9; },
+        &checkpoints);
+    EXPECT_EQ(samplesLed, 9);
     EXPECT_THAT(checkpoints.trials(), SizeIs(2));
   }
   Checkpoints checkpoints(folder, "this order");
