@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kState = "state.h5";
-constexpr const char* kFormat = "kirireel checkpoint 1";
+constexpr const char* kFormat = "kirireel checkpoint 2";
 constexpr const char* kNumbers = "numbers";
 // 4 MB: samples that wait for a checkpoint take no more memory than this, and are still in the
 // processor's cache when they are written.
@@ -45,7 +45,7 @@ std::string Checkpoints::find() {
       remove();
       return place + " is of another order or program; the run starts anew";
     }
-    StateTape tape(file.doubles(kNumbers));
+    StateTape tape(file.checkedDoubles(kNumbers));
     transfer(tape);
     // What is missing or damaged is to show before anything is done with the rest.
     for (std::size_t k = 0; k < sampleFiles_.size(); ++k) readSamples(k);
@@ -104,7 +104,7 @@ fs::path Checkpoints::samplesFile(std::size_t index) const {
 
 StateTape Checkpoints::readSamples(std::size_t index) const {
   const ArrayReader file(samplesFile(index));
-  std::vector<double> numbers = file.doubles(kNumbers);
+  std::vector<double> numbers = file.checkedDoubles(kNumbers);
   if (!isOf(file, order_) || numbers.size() != sampleFiles_[index]) {
     file.refuse("these samples are of another checkpoint");
   }

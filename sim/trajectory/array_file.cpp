@@ -14,6 +14,7 @@
 
 #include <fmt/format.h>
 #include <hdf5.h>
+#include <zlib.h>
 
 #include "sim/base/error.h"
 #include "sim/trajectory/text_heaps.h"
@@ -32,6 +33,7 @@ constexpr unsigned kCompression = 1;
 // An array that claims to be so many times larger than its file is damaged: what never changes
 // shrinks up to 1000 times, but stands beside times and vertices, which do not.
 constexpr double kMostShrunk = 200;
+constexpr const char* kChecksum = "crc32";
 // The files that the writer makes begin so: the signature, then the version of what follows.
 constexpr std::string_view kBeginning = "\x89HDF\r\n\x1a\n\x02";
 
@@ -116,6 +118,13 @@ bool selectRow(hid_t space, std::size_t index, const Shape& rowShape) {
          0;
 }
 
+/// HDF5's own checksums stand on chunks: 3.7 ms for 4 MB instead of 1.8.
+double checksum(std::span<const double> entries) {
+  const std::span<const std::byte> bytes = std::as_bytes(entries);
+  return static_cast<double>(
+      crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+}
+
 /// "the array model/vertices", "the file itself".
 std::string shownObject(const std::string& name) {
   return name == "/" ? "the file itself" : name;
@@ -155,8 +164,8 @@ struct ArrayWriter::Internals {
   }
 
   void writeWhole(const std::string& name, hid_t stored, hid_t given, const void* entries,
-                  const Shape& shape, const Handle& properties = untimed(H5P_DATASET_CREATE)) {
-    arrays.push_back(make(name, stored, spaceOf(shape), properties));
+                  const Shape& shape) {
+    arrays.push_back(make(name, stored, spaceOf(shape), untimed(H5P_DATASET_CREATE)));
     if (entryCount(shape) == 0) return;
     check(H5Dwrite(arrays.back().id(), given, H5S_ALL, H5S_ALL, H5P_DEFAULT, entries) >= 0);
   }
@@ -214,12 +223,8 @@ void ArrayWriter::write(const std::string& name, std::span<const int> entries, c
 }
 
 void ArrayWriter::writeChecked(const std::string& name, std::span<const double> entries) {
-  const std::array<hsize_t, 1> chunk = {std::min(entries.size(), kChunkBytes / sizeof(double))};
-  const Handle properties = untimed(H5P_DATASET_CREATE);
-  H5Pset_chunk(properties.id(), 1, chunk.data());
-  H5Pset_fletcher32(properties.id());
-  internals_->writeWhole(name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, entries.data(), {entries.size()},
-                         properties);
+  write(name, entries, {entries.size()});
+  setAttribute(name, kChecksum, checksum(entries));
 }
 
 void ArrayWriter::write(const std::string& name, const std::vector<std::string>& texts) {
@@ -472,6 +477,14 @@ std::vector<double> ArrayReader::doubles(const std::string& name) const {
   std::vector<double> entries(entryCount(internals_->shapeOf(array)));
   internals_->requireRead(
       H5Dread(array.id(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, entries.data()), name);
+  return entries;
+}
+
+std::vector<double> ArrayReader::checkedDoubles(const std::string& name) const {
+  std::vector<double> entries = doubles(name);
+  if (checksum(entries) != numberAttribute(name, kChecksum)) {
+    refuse(fmt::format("the array {} is damaged", name));
+  }
   return entries;
 }
 

@@ -33,7 +33,8 @@ class ArrayWriter {
 
   void write(const std::string& name, std::span<const double> entries, const Shape& shape);
   void write(const std::string& name, std::span<const int> entries, const Shape& shape);
-  /// A list of doubles, at least one, uncompressed and with a checksum on each part.
+  /// A list of doubles, at least one, uncompressed and with a checksum beside it: its attribute
+  /// crc32, of the bytes as zlib counts it.
   void writeChecked(const std::string& name, std::span<const double> entries);
   /// A list of texts, UTF-8.
   void write(const std::string& name, const std::vector<std::string>& texts);
@@ -73,6 +74,8 @@ class ArrayReader {
   Shape shape(const std::string& name) const;
 
   std::vector<double> doubles(const std::string& name) const;
+  /// A list that writeChecked() wrote.
+  std::vector<double> checkedDoubles(const std::string& name) const;
   std::vector<int> integers(const std::string& name) const;
   std::vector<std::string> texts(const std::string& name) const;
 
