@@ -1,6 +1,7 @@
 // The whole job through the real program, judged by other programs.
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -133,22 +134,41 @@ Json lasting(const std::filesystem::path& folder) {
   return summary;
 }
 
-TEST(Record, TwoRunsLeaveTheSameBytes) {
-  const ScratchFolder first;
-  const ScratchFolder second;
-  for (const ScratchFolder* folder : {&first, &second}) {
-    const ProgramEnd end =
-        runKirireel({"record", shippedModel("tessellation_4x4").string(), "--out",
-                     folder->path().string(), "--size", "160x120", "--duration", "0.5"});
-    ASSERT_EQ(end.exitCode, 0) << end.err;
+/// The bytes of each file of a short run with so many threads that draw.
+std::map<std::string, std::string> filesOfRun(const std::string& threads,
+                                              const std::vector<std::string>& options) {
+  const ScratchFolder scratch;
+  std::vector<std::string> call = {"LP_NUM_THREADS=" + threads, KIRIREEL_PROGRAM, "record", "--out",
+                                   scratch.path().string(),     "--size",         "160x120"};
+  call.insert(call.end(), options.begin(), options.end());
+  const ProgramEnd end = runTool("env", call);
+  EXPECT_EQ(end.exitCode, 0) << end.err;
+  std::map<std::string, std::string> files;
+  for (const std::string& name : filesIn(scratch.path())) files[name] = readText(scratch / name);
+  files["summary.json"] = lasting(scratch.path()).dump();
+  return files;
+}
+
+void expectTheSameBytesInTenRuns(const std::vector<std::string>& options) {
+  const std::map<std::string, std::string> first = filesOfRun("0", options);
+  for (const char* threads : {"1", "2", "4", "1", "2", "4", "1", "2", "4"}) {
+    const std::map<std::string, std::string> files = filesOfRun(threads, options);
+    EXPECT_EQ(files.size(), first.size());
+    for (const auto& [name, bytes] : first) {
+      const auto same = files.find(name);
+      EXPECT_TRUE(same != files.end() && same->second == bytes)
+          << name << " with " << threads << " threads";
+    }
   }
-  const std::vector<std::string> files = filesIn(first.path());
-  EXPECT_EQ(files, filesIn(second.path()));
-  for (const std::string& name : files) {
-    if (name == "summary.json") continue;
-    EXPECT_TRUE(readText(first / name) == readText(second / name)) << name;
-  }
-  EXPECT_EQ(lasting(first.path()), lasting(second.path()));
+}
+
+TEST(Record, LeavesTheSameBytesWithAnyNumberOfThreads) {
+  expectTheSameBytesInTenRuns({shippedModel("tessellation_4x4").string(), "--duration", "0.5"});
+}
+
+TEST(Record, LeavesTheSameBytesWhereBricksTouchInSpace) {
+  expectTheSameBytesInTenRuns({shippedModel("cap").string(), "--duration", "0.1", "--path",
+                               "straight", "--contacts", "all"});
 }
 
 TEST(Record, ReplacesAnEarlierRunAndNothingElse) {
