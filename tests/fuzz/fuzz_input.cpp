@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
+#include "sim/base/cpu_time.h"
 #include "sim/base/error.h"
 
 namespace kirireel::fuzz {
@@ -21,6 +22,8 @@ namespace fs = std::filesystem;
 constexpr std::string_view kSeparator = "%%\n";
 // Of a message: the file's name and a sentence or two, with short pieces of the input in it.
 constexpr std::size_t kLongestMessage = 1000;
+// Of an input, under sanitizers. By the processor's clock: others may be at work on the machine.
+constexpr double kMostSeconds = 1;
 
 class Folder {
  public:
@@ -118,11 +121,16 @@ void placeParts(std::span<const char* const> names, std::string_view input) {
 }
 
 void read(const std::function<void()>& reader) {
+  const double start = threadCpuSeconds();
   try {
     reader();
   } catch (const Error& error) {
     requireMessage(error.what());
   }
+  const double seconds = threadCpuSeconds() - start;
+  if (seconds <= kMostSeconds) return;
+  std::fprintf(stderr, "reading this takes %g s of the processor's time\n", seconds);
+  std::abort();
 }
 
 void requireSound(const Model& model) {

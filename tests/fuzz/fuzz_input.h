@@ -33,7 +33,7 @@ void place(const std::string& name, std::string_view text);
 void placeParts(std::span<const char* const> names, std::string_view input);
 
 /// Calls a reader. It may throw Kirireel's errors, each one short line; anything else ends the
-/// process.
+/// process, and so does a second or more of the processor's time.
 void read(const std::function<void()>& reader);
 
 /// Ends the process unless a model that was read has all that others rely on: tiles that enclose
