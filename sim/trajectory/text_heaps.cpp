@@ -51,7 +51,7 @@ bool isWhole(std::ifstream& file, std::uint64_t heap, std::uint64_t fileSize) {
 std::vector<std::uint64_t> heapsIn(std::ifstream& file, std::uint64_t fileSize) {
   constexpr std::uint64_t kBlock = 1 << 20;
   std::vector<std::uint64_t> heaps;
-  std::string block(kBlock + kSignature.size() - 1, '\0');
+  std::string block(std::min(kBlock + kSignature.size() - 1, fileSize), '\0');
   for (std::uint64_t start = 0; start < fileSize; start += kBlock) {
     file.clear();
     file.seekg(static_cast<std::streamoff>(start));
