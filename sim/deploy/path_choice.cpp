@@ -1,10 +1,14 @@
 #include "sim/deploy/path_choice.h"
 
+#include <array>
 #include <cmath>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "sim/deploy/assembled_state.h"
 #include "sim/deploy/run.h"
 
 namespace kirireel {
@@ -25,6 +29,10 @@ constexpr double kOverlapShare = 1e-4;
 // A trial with contacts is given up after so many factorizations times tiles: where bricks wedge,
 // steps are halved again and again.
 constexpr long kContactEffort = 1'300'000;
+
+// Where bricks wedge, so much thinner ones are tried, on the first few paths.
+constexpr std::array kThinner = {0.25, 0.0625};
+constexpr std::size_t kThinPaths = 2;
 
 // Whether exact joints jam is looked at for so many seconds.
 constexpr double kJamTime = 0.5;
@@ -172,7 +180,10 @@ class PathSearch {
     return last_.arrives;
   }
 
-  bool mayTry(const std::string& what) { return !observer_ || observer_(what); }
+  bool mayTry(const std::string& what) {
+    isOver_ = isOver_ || (observer_ && !observer_(what));
+    return !isOver_;
+  }
 
   PathChoice findWithoutContacts() {
     PathSettings straight = scene_.path;
@@ -191,20 +202,47 @@ class PathSearch {
 
   /// Where bricks meet on the way, other ways are tried with contacts.
   PathChoice findAmongBricks(const PathChoice& first) {
-    Environment bricks = scene_.environment;
-    bricks.ground.reset();
-    bricks.gravity.setZero();
-    for (const PathSettings& path : candidatesAmongBricks()) {
-      const std::string what = describe(path) + " among touching bricks";
-      if (!mayTry(what)) break;
-      if (arrives(path, bricks) && last_.keepsClear) return {path, what + " arrives"};
+    if (const auto path = pathAmongBricks(candidatesAmongBricks(), "touching bricks")) {
+      return {*path, describe(*path) + " among touching bricks arrives"};
     }
     // Joints that give are of no use against bricks.
     const bool isExact = !std::isfinite(first.path.jointStiffness);
     return {isExact ? first.path : PathSettings{PathKind::Straight},
             first.reason +
                 " where bricks pass through each other; no path that was tried arrives "
-                "among bricks that touch"};
+                "among bricks that touch" +
+                thinnerBricks()};
+  }
+
+  /// The first path on which bricks arrive without overlap.
+  std::optional<PathSettings> pathAmongBricks(std::span<const PathSettings> paths,
+                                              const std::string& which) {
+    Environment bricks = scene_.environment;
+    bricks.ground.reset();
+    bricks.gravity.setZero();
+    for (const PathSettings& path : paths) {
+      if (!mayTry(fmt::format("{} among {}", describe(path), which))) return {};
+      if (arrives(path, bricks) && last_.keepsClear) return path;
+    }
+    return {};
+  }
+
+  /// Which thinner bricks arrive, for the summary; empty when none was found.
+  std::string thinnerBricks() {
+    for (const double share : kThinner) {
+      if (isOver_) break;
+      Scene thin = scene_;
+      thin.brick.thickness *= share;
+      const std::string which = fmt::format("bricks {:.2g} m thick", thin.brick.thickness);
+      PathSearch search(thin, interval_, assembleAtTarget(thin).error, observer_, trials_);
+      search.count_ = count_;
+      const auto path =
+          search.pathAmongBricks(std::span(candidatesAmongBricks()).first(kThinPaths), which);
+      count_ = search.count_;
+      isOver_ = search.isOver_;
+      if (path) return fmt::format("; {} do ({})", which, describe(*path));
+    }
+    return "";
   }
 
   const Scene& scene_;
@@ -213,6 +251,7 @@ class PathSearch {
   const TrialObserver& observer_;
   std::vector<TrialEnd>& trials_;
   std::size_t count_ = 0;  // of trials so far
+  bool isOver_ = false;    // the observer wants no more trials
   TrialEnd last_;
 };
 
