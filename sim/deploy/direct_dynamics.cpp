@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "sim/actuation/environment_load.h"
 #include "sim/base/error.h"
 
@@ -113,6 +115,24 @@ StepReport DirectDynamics::advance(Motion& motion, double step, const LoadSource
   motion.poses.resize(brickCount_);
   motion.velocities.resize(brickCount_);
   return report;
+}
+
+std::string DirectDynamics::nameOf(const ContactLoad& load) const {
+  if (load.brickB == kFixed) return fmt::format("tile {} and the ground", load.brickA);
+  const std::size_t other = static_cast<std::size_t>(load.brickB);
+  return other < brickCount_ ? fmt::format("tiles {} and {}", load.brickA, other)
+                             : fmt::format("tile {} and obstacle {}", load.brickA,
+                                           obstacles_[other - brickCount_].obstacle);
+}
+
+std::vector<std::string> DirectDynamics::loadedContacts() const {
+  std::vector<std::string> names;
+  for (const ContactLoad& load : solver_->contactLoads()) {
+    std::string name = nameOf(load);
+    // An obstacle may have several parts.
+    if (std::ranges::find(names, name) == names.end()) names.push_back(std::move(name));
+  }
+  return names;
 }
 
 void DirectDynamics::transfer(StateTape& tape) {

@@ -15,13 +15,14 @@ class DirectDynamics : public Dynamics {
   bool assemble(Poses& poses) override;
   void setPinned(const std::vector<bool>& pinned) override;
   void setJointStiffness(double stiffness) override { solver_->setJointStiffness(stiffness); }
-  std::vector<ContactLoad> contactLoads() const override { return solver_->contactLoads(); }
+  std::vector<std::string> loadedContacts() const override;
   StepReport advance(Motion& motion, double step, const LoadSource& actuation) override;
   void transfer(StateTape& tape) override;
 
  private:
   bool hasObstacles() const { return !obstacles_.empty(); }
   void appendObstacles(Poses& poses) const;
+  std::string nameOf(const ContactLoad& load) const;
 
   std::size_t brickCount_;
   double tileSize_;  // metres

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "sim/joints/joint_solver.h"
 #include "sim/scene/scene.h"
@@ -27,9 +29,9 @@ class Dynamics {
   /// Makes joints springs, or exact again; see JointSolver::setJointStiffness.
   virtual void setJointStiffness(double stiffness) = 0;
 
-  /// The contacts that carried load in the last step, the strongest first; none where the solver
-  /// does not tell.
-  virtual std::vector<ContactLoad> contactLoads() const = 0;
+  /// The contacts that carried load in the last step, the strongest first, as in "tiles 3 and 4",
+  /// "tile 3 and the ground", "tile 3 and obstacle 0"; none where the solver does not tell.
+  virtual std::vector<std::string> loadedContacts() const = 0;
 
   /// Advances the motion by `step` seconds; `actuation` gives the loads beyond gravity and damping.
   virtual StepReport advance(Motion& motion, double step, const LoadSource& actuation) = 0;

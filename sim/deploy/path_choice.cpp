@@ -1,10 +1,14 @@
 #include "sim/deploy/path_choice.h"
 
+#include <array>
 #include <cmath>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "sim/deploy/assembled_state.h"
 #include "sim/deploy/run.h"
 
 namespace kirireel {
@@ -26,6 +30,10 @@ constexpr double kOverlapShare = 1e-4;
 // steps are halved again and again.
 constexpr long kContactEffort = 1'300'000;
 
+// Where bricks wedge, so much thinner ones are tried, on the first few paths.
+constexpr std::array kThinner = {0.25, 0.0625};
+constexpr std::size_t kThinPaths = 2;
+
 // Whether exact joints jam is looked at for so many seconds.
 constexpr double kJamTime = 0.5;
 // They do once most steps, and so many, have failed at their shortest: those of two whole ones.
@@ -41,8 +49,8 @@ const std::vector<PathSettings>& candidates() {
       {PathKind::Led, 0, 2, 50, kExact},
       {PathKind::Led, 0, 8, 1000, kExact},
       {PathKind::Led, 0, 4, 10, 1e8},
-      {PathKind::Led, 0, 4, 10, 1e7},
-      {PathKind::Led, 0, 4, 10, 1e6},
+      {PathKind::Led, 0, 8, 10, 1e7},
+      {PathKind::Led, 0, 8, 10, 1e6},
       {PathKind::Led, 0, 4, 10, 1e5},
       {PathKind::Led, 0, 4, 10, 1e4},
       {PathKind::Led, 0, 4, 200, 1e4},
@@ -202,20 +210,48 @@ class PathSearch {
 
   /// Where bricks meet on the way, other ways are tried with contacts.
   PathChoice findAmongBricks(const PathChoice& first) {
-    Environment bricks = scene_.environment;
-    bricks.ground.reset();
-    bricks.gravity.setZero();
-    for (const PathSettings& path : candidatesAmongBricks()) {
-      const std::string what = describe(path) + " among touching bricks";
-      if (!mayTry(what)) break;
-      if (arrives(path, bricks, what) && last_.keepsClear) return {path, what + " arrives"};
+    if (const auto path = pathAmongBricks(candidatesAmongBricks(), "touching bricks")) {
+      return {*path, describe(*path) + " among touching bricks arrives"};
     }
     // Joints that give are of no use against bricks.
     const bool isExact = !std::isfinite(first.path.jointStiffness);
     return {isExact ? first.path : PathSettings{PathKind::Straight},
             first.reason +
                 " where bricks pass through each other; no path that was tried arrives "
-                "among bricks that touch"};
+                "among bricks that touch" +
+                thinnerBricks()};
+  }
+
+  /// The first path on which bricks arrive without overlap.
+  std::optional<PathSettings> pathAmongBricks(std::span<const PathSettings> paths,
+                                              const std::string& which) {
+    Environment bricks = scene_.environment;
+    bricks.ground.reset();
+    bricks.gravity.setZero();
+    for (const PathSettings& path : paths) {
+      const std::string what = fmt::format("{} among {}", describe(path), which);
+      if (!mayTry(what)) return {};
+      if (arrives(path, bricks, what) && last_.keepsClear) return path;
+    }
+    return {};
+  }
+
+  /// Which thinner bricks arrive, for the summary; empty when none was found.
+  std::string thinnerBricks() {
+    for (const double share : kThinner) {
+      if (isOver_) break;
+      Scene thin = scene_;
+      thin.brick.thickness *= share;
+      const std::string which = fmt::format("bricks {:.2g} m thick", thin.brick.thickness);
+      PathSearch search(thin, interval_, assembleAtTarget(thin).error, observer_, trials_);
+      search.count_ = count_;
+      const auto path =
+          search.pathAmongBricks(std::span(candidatesAmongBricks()).first(kThinPaths), which);
+      count_ = search.count_;
+      isOver_ = search.isOver_;
+      if (path) return fmt::format("; {} do ({})", which, describe(*path));
+    }
+    return "";
   }
 
   const Scene& scene_;
@@ -224,8 +260,8 @@ class PathSearch {
   const TrialObserver& observer_;
   std::vector<TrialEnd>& trials_;
   std::size_t count_ = 0;  // of trials so far
+  bool isOver_ = false;    // the observer said so
   TrialEnd last_;
-  bool isOver_ = false;  // the observer said so
 };
 
 }  // namespace

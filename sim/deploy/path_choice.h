@@ -39,10 +39,11 @@ struct TargetRoom {
 /// exact joints before joints that give, stiff ones before soft ones, and takes the first that
 /// arrives at the assembled floor. Where bricks run into each other on it, although they have room
 /// at the target, paths are tried with contacts. Where none arrives, the first found stays, or else
-/// the straight one. A path that the scene names is kept. Where nothing pulls to a target and the
-/// tiles' misfit makes exact joints jam, joints give throughout. Trials are as the run itself,
-/// sampled every `sampleInterval` seconds. `observer` may be empty. `trials` holds how the first
-/// trials ended, which are not made again, and gets the others, but not one that was stopped.
+/// the straight one, and the reason says whether thinner bricks would arrive. A path that the scene
+/// names is kept. Where nothing pulls to a target and the tiles' misfit makes exact joints jam,
+/// joints give throughout. Trials are as the run itself, sampled every `sampleInterval` seconds.
+/// `observer` may be empty. `trials` holds how the first trials ended, which are not made again,
+/// and gets the others, but not one that was stopped.
 PathChoice choosePath(const Scene& scene, double sampleInterval, const TargetRoom& room,
                       const TrialObserver& observer, std::vector<TrialEnd>& trials);
 

@@ -381,18 +381,15 @@ void Run::endAtRest() {
 /// What keeps a run from its target that has come to rest.
 std::string Run::holdup() const {
   if (scene_.solver.kind == SolverKind::Bullet) return "the baseline does not tell why";
-  const std::vector<ContactLoad> loads = dynamics_->contactLoads();
-  if (loads.empty() && isStuck()) return "exact joints leave the tiles no way on";
-  if (loads.empty()) return "a local minimum of the pull, no small move brings the tiles nearer";
-  std::vector<std::string> pairs;
-  for (const ContactLoad& load : loads) {
-    if (pairs.size() == kPairsNamed) break;
-    pairs.push_back(load.brickB == kFixed
-                        ? fmt::format("tile {} and the ground", load.brickA)
-                        : fmt::format("tiles {} and {}", load.brickA, load.brickB));
+  std::vector<std::string> contacts = dynamics_->loadedContacts();
+  if (contacts.empty() && isStuck()) return "exact joints leave the tiles no way on";
+  if (contacts.empty()) {
+    return "a local minimum of the pull, no small move brings the tiles nearer";
   }
-  std::string text = fmt::format("contact stops {}", fmt::join(pairs, ", "));
-  if (loads.size() > pairs.size()) text += fmt::format(" and {} more", loads.size() - pairs.size());
+  const std::size_t count = contacts.size();
+  contacts.resize(std::min(count, kPairsNamed));
+  std::string text = fmt::format("contact stops {}", fmt::join(contacts, ", "));
+  if (count > kPairsNamed) text += fmt::format(" and {} more", count - kPairsNamed);
   return text;
 }
 

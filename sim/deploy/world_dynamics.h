@@ -17,7 +17,7 @@ class WorldDynamics : public Dynamics {
   }
   void setPinned(const std::vector<bool>& pinned) override;
   void setJointStiffness(double /*stiffness*/) override {}  // they give as it is
-  std::vector<ContactLoad> contactLoads() const override { return {}; }
+  std::vector<std::string> loadedContacts() const override { return {}; }
   StepReport advance(Motion& motion, double step, const LoadSource& actuation) override;
   void transfer(StateTape& /*tape*/) override {}
 

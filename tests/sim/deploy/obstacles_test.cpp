@@ -1,6 +1,7 @@
 /// Bricks on things that do not move, against closed forms.
 #include <numbers>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
@@ -14,6 +15,7 @@ namespace kirireel {
 namespace {
 
 using test::Moving;
+using ::testing::EndsWith;
 
 constexpr double kGravity = 9.81;
 constexpr double kStep = 1.0 / 240;
@@ -173,6 +175,20 @@ TEST(Obstacles, ASheetDrapesOverASphereWithoutEnteringIt) {
   EXPECT_GT(deepest, -1e-6);  // they touch
   EXPECT_LT(deepest, 2e-5);   // measured 9.6e-6: overlaps up to 1e-5 of a tile count as none
   EXPECT_LT(result.accuracy.jointGapMax, 1e-10);
+}
+
+TEST(Obstacles, AreNamedWhereTheyStopADeployment) {
+  const Tile tile = rectangle({0, 0, 0}, 1, 1);
+  for (const bool isMesh : {false, true}) {
+    const Vector3 middle(2, 0, 0);
+    Scene scene = sceneOf({tile}, isMesh ? cubeMesh(middle) : box(middle, Vector3::Ones()));
+    scene.environment.gravity.setZero();
+    scene.model.target = {rectangle({3, 0, 0}, 1, 1)};
+    scene.path.kind = PathKind::Straight;
+    const DeploymentResult result = deploy(scene, 0.1, nullptr);
+    EXPECT_EQ(result.outcome, Outcome::Locked);
+    EXPECT_THAT(result.reason, EndsWith("of the target: contact stops tile 0 and obstacle 0"));
+  }
 }
 
 std::string refusal(const Scene& scene) {

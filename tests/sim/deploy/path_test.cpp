@@ -7,12 +7,14 @@
 
 #include "sim/deploy/assembled_state.h"
 #include "sim/deploy/deployment.h"
+#include "sim/deploy/path_choice.h"
 #include "sim/generate/shells.h"
 #include "sim/model/tessellation.h"
 
 namespace kirireel {
 namespace {
 
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
@@ -144,6 +146,28 @@ TEST(Path, OpeningFirstMakesRoomForBricksThatLieFlush) {
   EXPECT_EQ(result.outcome, Outcome::Settled) << result.reason;
   EXPECT_LT(result.accuracy.targetErrorEnd, 1e-6);  // measured 7.4e-10
   EXPECT_LT(result.accuracy.penetrationOutsidePivotsMax, 1e-4 * tileSize(scene.model));
+}
+
+TEST(Path, ThinnerBricksAreNamedWhereThickOnesWedge) {
+  Scene scene;
+  scene.model = makeMoebiusBand({.columns = 10});
+  scene.environment.contacts = ContactFilter::All;
+  scene.brick.thickness = 0.08;
+  // As if thick bricks had wedged on every path: one arrives, but through each other.
+  std::vector<TrialEnd> trials(8);
+  trials.front().arrives = true;
+  std::vector<std::string> tried;
+  const PathChoice choice = choosePath(
+      scene, 1.0 / 60, {assembleAtTarget(scene).error, false},
+      [&](const std::string& what) {
+        tried.push_back(what);
+        return true;
+      },
+      trials);
+  EXPECT_THAT(choice.reason, EndsWith("among bricks that touch; bricks 0.02 m thick do (straight "
+                                      "pull)"));
+  EXPECT_EQ(tried.back(), "straight pull among bricks 0.02 m thick");
+  EXPECT_THAT(trials, SizeIs(9));
 }
 
 /// Moves every vertex by up to `size` along x, by `move` of -1 to 1.
