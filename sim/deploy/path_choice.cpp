@@ -24,7 +24,7 @@ constexpr double kCoarseSteps = 4;
 constexpr double kImprovement = 0.995;
 constexpr double kPatience = 2;
 
-// Overlap that a path with contacts may reach, in tiles.
+// Overlap beyond that of the start that a path with contacts may reach, in tiles.
 constexpr double kOverlapShare = 1e-4;
 // A trial with contacts is given up after so many factorizations times tiles: where bricks wedge,
 // steps are halved again and again.
@@ -144,7 +144,7 @@ TrialEnd tryPath(const Scene& scene, double sampleInterval, double assembledFloo
   const double near = std::max(kArrivedFactor * assembledFloor, kArrivedShare * tile);
   const Accuracy& accuracy = result.accuracy;
   return {result.outcome != Outcome::Diverged && !jams && accuracy.targetErrorEnd <= near, jams,
-          accuracy.penetrationOutsidePivotsMax <= kOverlapShare * tile};
+          accuracy.penetrationGrownMax <= kOverlapShare * tile};
 }
 
 /// Looks for a path of one scene.
