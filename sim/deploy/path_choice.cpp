@@ -147,6 +147,11 @@ TrialEnd tryPath(const Scene& scene, double sampleInterval, double assembledFloo
           accuracy.penetrationGrownMax <= kOverlapShare * tile};
 }
 
+/// Joints that give are of no use against bricks: a straight pull then takes the path's place.
+PathSettings withExactJoints(const PathSettings& path) {
+  return std::isfinite(path.jointStiffness) ? PathSettings{PathKind::Straight} : path;
+}
+
 /// Looks for a path of one scene.
 class PathSearch {
  public:
@@ -161,8 +166,9 @@ class PathSearch {
   PathChoice find(bool roomAtTarget) {
     PathChoice choice = findWithoutContacts();
     const bool contacts = scene_.environment.contacts != ContactFilter::None;
-    if (!contacts || !roomAtTarget || !last_.arrives || last_.keepsClear) return choice;
-    return findAmongBricks(choice);
+    if (!contacts || !last_.arrives || last_.keepsClear) return choice;
+    if (roomAtTarget) return findAmongBricks(choice);
+    return {withExactJoints(choice.path), choice.reason + " where bricks pass through each other"};
   }
 
  private:
@@ -205,9 +211,7 @@ class PathSearch {
     if (const auto path = pathAmongBricks(candidatesAmongBricks(), "touching bricks")) {
       return {*path, describe(*path) + " among touching bricks arrives"};
     }
-    // Joints that give are of no use against bricks.
-    const bool isExact = !std::isfinite(first.path.jointStiffness);
-    return {isExact ? first.path : PathSettings{PathKind::Straight},
+    return {withExactJoints(first.path),
             first.reason +
                 " where bricks pass through each other; no path that was tried arrives "
                 "among bricks that touch" +

@@ -167,6 +167,19 @@ TEST(Path, ThinnerBricksAreNamedWhereThickOnesWedge) {
   EXPECT_THAT(trials, SizeIs(9));
 }
 
+TEST(Path, JointsDoNotGiveAmongBricksThatBlock) {
+  Scene scene = flatToCap();
+  // As if the first way to arrive had been the fifth candidate, with joints that give.
+  std::vector<TrialEnd> trials(6);
+  trials.back().arrives = true;
+  const PathChoice choice = choosePath(scene, 1.0 / 60, {0, true}, {}, trials);
+  EXPECT_THAT(trials, SizeIs(6));
+  EXPECT_EQ(choice.path.kind, PathKind::Straight);
+  EXPECT_EQ(choice.reason,
+            "led for 4 s with 10 N/m, joints of 1e+08 N/m arrives where bricks pass through each "
+            "other");
+}
+
 /// Moves every vertex by up to `size` along x, by `move` of -1 to 1.
 void disturb(std::vector<Tile>& tiles, double size,
              const std::function<double(const Vector3&)>& move) {
