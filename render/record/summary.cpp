@@ -41,7 +41,8 @@ Json accuracyJson(const RunSummary& summary, bool hasTarget) {
           {"rigid_floor", onlyIf(hasTarget, accuracy.rigidFloor)},
           {"assembled_floor", onlyIf(summary.assembledFloor >= 0, summary.assembledFloor)},
           {"penetration_max", accuracy.penetrationMax},
-          {"penetration_outside_pivots_max", accuracy.penetrationOutsidePivotsMax}};
+          {"penetration_outside_pivots_max", accuracy.penetrationOutsidePivotsMax},
+          {"penetration_grown_max", accuracy.penetrationGrownMax}};
 }
 
 Json pathJson(const PathSettings& path, const std::string& reason) {

@@ -40,11 +40,13 @@ struct Accuracy {
   double rigidFloor = 0;
   double penetrationMax = 0;               ///< over the samples
   double penetrationOutsidePivotsMax = 0;  ///< the same without the corners that bricks share
+  double penetrationGrownMax =
+      0;  ///< of that, by how much any pair's exceeded its own at the start
 
   void transfer(StateTape& tape) {
     tape.transfer(jointGapMax, jointGapMean, jointGapEnd, jointOpeningMax, assemblyMove,
                   targetErrorStart, targetErrorEnd, targetErrorMin, rigidFloor, penetrationMax,
-                  penetrationOutsidePivotsMax);
+                  penetrationOutsidePivotsMax, penetrationGrownMax);
   }
 };
 

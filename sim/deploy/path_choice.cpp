@@ -24,7 +24,7 @@ constexpr double kCoarseSteps = 4;
 constexpr double kImprovement = 0.995;
 constexpr double kPatience = 2;
 
-// Overlap that a path with contacts may reach, in tiles.
+// Overlap beyond that of the start that a path with contacts may reach, in tiles.
 constexpr double kOverlapShare = 1e-4;
 // A trial with contacts is given up after so many factorizations times tiles: where bricks wedge,
 // steps are halved again and again.
@@ -147,7 +147,12 @@ TrialEnd tryPath(const Scene& scene, double sampleInterval, double assembledFloo
   const double near = std::max(kArrivedFactor * assembledFloor, kArrivedShare * tile);
   const Accuracy& accuracy = result.accuracy;
   return {result.outcome != Outcome::Diverged && !jams && accuracy.targetErrorEnd <= near, jams,
-          accuracy.penetrationOutsidePivotsMax <= kOverlapShare * tile};
+          accuracy.penetrationGrownMax <= kOverlapShare * tile};
+}
+
+/// Joints that give are of no use against bricks: a straight pull then takes the path's place.
+PathSettings withExactJoints(const PathSettings& path) {
+  return std::isfinite(path.jointStiffness) ? PathSettings{PathKind::Straight} : path;
 }
 
 /// Looks for a path of one scene.
@@ -164,8 +169,9 @@ class PathSearch {
   PathChoice find(bool roomAtTarget) {
     PathChoice choice = findWithoutContacts();
     const bool contacts = scene_.environment.contacts != ContactFilter::None;
-    if (isOver_ || !contacts || !roomAtTarget || !last_.arrives || last_.keepsClear) return choice;
-    return findAmongBricks(choice);
+    if (isOver_ || !contacts || !last_.arrives || last_.keepsClear) return choice;
+    if (roomAtTarget) return findAmongBricks(choice);
+    return {withExactJoints(choice.path), choice.reason + " where bricks pass through each other"};
   }
 
  private:
@@ -213,9 +219,7 @@ class PathSearch {
     if (const auto path = pathAmongBricks(candidatesAmongBricks(), "touching bricks")) {
       return {*path, describe(*path) + " among touching bricks arrives"};
     }
-    // Joints that give are of no use against bricks.
-    const bool isExact = !std::isfinite(first.path.jointStiffness);
-    return {isExact ? first.path : PathSettings{PathKind::Straight},
+    return {withExactJoints(first.path),
             first.reason +
                 " where bricks pass through each other; no path that was tried arrives "
                 "among bricks that touch" +

@@ -20,7 +20,7 @@ struct PathChoice {
 struct TrialEnd {
   bool arrives = false;     ///< at the assembled floor
   bool jams = false;        ///< exact joints could not be held on the way
-  bool keepsClear = false;  ///< no bricks overlap on the way, outside shared pivots
+  bool keepsClear = false;  ///< no bricks overlap on the way more than at the start
 
   void transfer(StateTape& tape) { tape.transfer(arrives, jams, keepsClear); }
 };

@@ -21,6 +21,8 @@ constexpr double kLockedShare = 0.02;
 constexpr double kArrivedShare = 1e-9;
 // Steps that fail, and bring no brick farther than this part of a tile, are no motion.
 constexpr double kStuckShare = 1e-3;
+// Overlaps at the start below this part of a tile are rounding.
+constexpr double kNoOverlap = 1e-6;
 // Of the contacts that hold a run up, so many are named.
 constexpr std::size_t kPairsNamed = 3;
 // Initial speeds, in model sizes a second, that let a run leave an unstable equilibrium.
@@ -189,6 +191,8 @@ void Run::start() {
   result_.assembledFloor = assembledFloor_;
   static_cast<Subject&>(result_.trajectory) = subjectOf(scene_);
   startPoses_ = motion_.poses;
+  overlaps_.emplace(bricks_, pivots_, scene_.environment.pivotZone, startPoses_,
+                    kNoOverlap * tileSize_);
 }
 
 void Run::takeSample() {
@@ -203,10 +207,10 @@ void Run::takeSample() {
   accuracy.targetErrorEnd = sample.targetError;
   sample.penetration = deepestPenetration(bricks_, motion_.poses).depth;
   accuracy.penetrationMax = std::max(accuracy.penetrationMax, sample.penetration);
-  accuracy.penetrationOutsidePivotsMax = std::max(
-      accuracy.penetrationOutsidePivotsMax,
-      deepestPenetrationOutsidePivots(bricks_, pivots_, scene_.environment.pivotZone, motion_.poses)
-          .depth);
+  const PenetrationGrowth::Depths overlaps = overlaps_->at(motion_.poses);
+  accuracy.penetrationOutsidePivotsMax =
+      std::max(accuracy.penetrationOutsidePivotsMax, overlaps.deepest);
+  accuracy.penetrationGrownMax = std::max(accuracy.penetrationGrownMax, overlaps.grown);
   if (checkpoints_) note(sample);
   isAskedToEnd_ = !observer_(sample);
 }

@@ -12,6 +12,7 @@
 #include "sim/deploy/dynamics.h"
 #include "sim/deploy/path_follower.h"
 #include "sim/deploy/timeline_runner.h"
+#include "sim/measure/measures.h"
 
 namespace kirireel {
 
@@ -78,7 +79,8 @@ class Run : private TimelineStage {
   std::vector<Brick> bricks_;
   std::vector<Pivot> pivots_;
   Motion motion_;
-  Poses startPoses_;                 // joints closed
+  Poses startPoses_;  // joints closed
+  std::optional<PenetrationGrowth> overlaps_;
   const std::vector<Tile>* target_;  // the one headed for at present; null when there is none
   double targetStartError_ = 0;      // when it was set
   double targetFloor_ = 0;           // how near the tiles can come

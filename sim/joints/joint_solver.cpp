@@ -20,6 +20,7 @@ constexpr double kSpeedTolerance = 1e-10;        // of joint rows, relative to t
 constexpr double kContactSpeedTolerance = 1e-7;  // of contact rows, likewise
 constexpr double kChangeTolerance = 1e-6;        // of all rows in a round: the next would gain 1e-4
 constexpr double kSlow = 1e-3;                   // below this speed tolerances shrink no more
+constexpr double kWorkTolerance = 1e-6;          // of impulses, relative to that of the loads
 constexpr double kJumpShare = 0.3;  // closing may move this part of what the step moved
 constexpr double kJumpFloor = 1e-9;
 constexpr double kForeseeable = 0.1;       // largest ratio of closing moves taken for steady
@@ -82,6 +83,7 @@ class Stepper : public JointSolver {
   Row contactRow(const Contact& contact, const Poses& start, double step) const;
   void holdPinned(Row& row) const;
   bool solveVelocities(const Poses& start);
+  void forbidWork();
   bool moveAndClose(const Poses& start, double step);
   bool closeJoints(const std::vector<Row>& contacts, double step);
   Vector closingMove(const std::vector<Row>& contacts, bool withOverlaps) const;
@@ -175,6 +177,7 @@ StepOutcome Stepper<D>::solveContactRounds(const Poses& start, double step) {
   for (int round = 0; round < kContactRounds; ++round) {
     if (!solveVelocities(start)) return StepOutcome::JointsOpen;
     if (boundNewFriction() && !solveVelocities(start)) return StepOutcome::JointsOpen;
+    forbidWork();
     if (!moveAndClose(start, step)) return StepOutcome::JointsOpen;
     if (!contactSource_) return StepOutcome::Good;
     std::vector<Contact> found;
@@ -302,6 +305,17 @@ bool Stepper<D>::solveVelocities(const Poses& start) {
     if (refined && (!program_.exactJoints || jointSpeed() <= kSpeedTolerance * speed)) break;
   }
   return true;  // the rest is judged by the gap after closing
+}
+
+/// Joints and contacts do no work on the bricks: x.Ax, what moving costs, is at most x.f, what
+/// there is. Where bricks wedge, impulses are still on their way when the rounds end, and may do
+/// some: then all bricks move slower, which joints and contacts allow, as they allow rest.
+template <int D>
+void Stepper<D>::forbidWork() {
+  if (program_.contacts.empty() || !program_.exactJoints) return;
+  const double cost = program_.x.dot(system_.timesA(program_.x));
+  const double means = program_.x.dot(system_.force());
+  if (cost > (1 + kWorkTolerance) * means) program_.x *= std::max(0.0, means / cost);
 }
 
 /// Moves to the step's end and closes the joints there: with the contacts that push held, or, where

@@ -1,7 +1,9 @@
 /// How accurate a state is: figures that every summary states. Nothing here knows a solver.
 #pragma once
 
+#include <map>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "sim/base/geometry.h"
@@ -49,6 +51,30 @@ Penetration deepestPenetrationOutsidePivots(const std::vector<Brick>& bricks,
 std::vector<Penetration> penetrationsOutsidePivots(const std::vector<Brick>& bricks,
                                                    std::span<const Pivot> pivots, double zone,
                                                    const Poses& poses, double least);
+
+/// How much deeper bricks overlap than at the start of a run, where some models' bricks do: what
+/// contacts have to prevent.
+class PenetrationGrowth {
+ public:
+  /// Deepest, and how much deeper than at the start, of any pairs, metres, from 0.
+  struct Depths {
+    double deepest = 0;
+    double grown = 0;
+  };
+
+  /// As penetrationsOutsidePivots(), whose `least` is for overlaps at the start. Bricks and pivots
+  /// must outlive this.
+  PenetrationGrowth(const std::vector<Brick>& bricks, std::span<const Pivot> pivots, double zone,
+                    const Poses& start, double least);
+
+  Depths at(const Poses& poses) const;
+
+ private:
+  const std::vector<Brick>& bricks_;
+  std::span<const Pivot> pivots_;
+  double zone_;
+  std::map<std::pair<int, int>, double> atStart_;  // metres
+};
 
 /// Kinetic energy of all bricks, joules.
 double kineticEnergy(const std::vector<Brick>& bricks, const Motion& motion);

@@ -247,4 +247,28 @@ std::vector<Penetration> penetrationsOutsidePivots(const std::vector<Brick>& bri
   return all;
 }
 
+PenetrationGrowth::PenetrationGrowth(const std::vector<Brick>& bricks,
+                                     std::span<const Pivot> pivots, double zone, const Poses& start,
+                                     double least)
+    : bricks_(bricks), pivots_(pivots), zone_(zone) {
+  for (const Penetration& pair : penetrationsOutsidePivots(bricks, pivots, zone, start, least)) {
+    atStart_[{pair.brickA, pair.brickB}] = pair.depth;
+  }
+}
+
+PenetrationGrowth::Depths PenetrationGrowth::at(const Poses& poses) const {
+  if (atStart_.empty()) {
+    const double depth = deepestPenetrationOutsidePivots(bricks_, pivots_, zone_, poses).depth;
+    return {depth, depth};
+  }
+  Depths depths;
+  for (const Penetration& pair : penetrationsOutsidePivots(bricks_, pivots_, zone_, poses, 0)) {
+    const auto before = atStart_.find({pair.brickA, pair.brickB});
+    const double kept = before == atStart_.end() ? 0 : before->second;
+    depths.deepest = std::max(depths.deepest, pair.depth);
+    depths.grown = std::max(depths.grown, pair.depth - kept);
+  }
+  return depths;
+}
+
 }  // namespace kirireel

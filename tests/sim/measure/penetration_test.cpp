@@ -224,5 +224,25 @@ TEST(Penetration, AllPairsAreListedTheDeepestFirst) {
   EXPECT_EQ(penetrationsOutsidePivots(bricks, {}, 0.05, poses, 0.15).size(), 1u);
 }
 
+TEST(Penetration, GrowsFromWhatEachPairHadAtTheStart) {
+  const Tile square{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}};
+  std::vector<Tile> tiles(3, square);
+  const double shifts[] = {0, 0.9, 2};  // overlaps 0.1 and none
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    for (Vector3& vertex : tiles[i].vertices) vertex.x() += shifts[i];
+  }
+  const std::vector<Brick> bricks = makeBricks(tiles, {.thickness = 1});
+  Poses poses = startPoses(tiles, bricks);
+  const PenetrationGrowth growth(bricks, {}, 0.05, poses, 1e-9);
+  EXPECT_NEAR(growth.at(poses).deepest, 0.1, 1e-12);
+  EXPECT_NEAR(growth.at(poses).grown, 0, 1e-12);
+  poses[1].position.x() += 0.13;  // the first pair parts, the second meets
+  EXPECT_NEAR(growth.at(poses).deepest, 0.03, 1e-12);
+  EXPECT_NEAR(growth.at(poses).grown, 0.03, 1e-12);
+  poses[1].position.x() -= 0.25;
+  EXPECT_NEAR(growth.at(poses).deepest, 0.22, 1e-12);
+  EXPECT_NEAR(growth.at(poses).grown, 0.12, 1e-12);
+}
+
 }  // namespace
 }  // namespace kirireel
