@@ -389,20 +389,27 @@ struct ArrayReader::Internals {
     if (code < 0) refuse(fmt::format("the array {} is damaged", name));
   }
 
-  /// Reads the lengths of texts off the file itself: HDF5 would set aside as much memory as they
-  /// claim. Stored is of each text its length, 4 bytes, and where it stands, 12 bytes.
-  void requireShortTexts(const Handle& array, const std::string& name, std::size_t count) const {
+  /// Reads off the file itself how long texts are and where they stand: HDF5 would set aside as
+  /// much memory as they claim, and believes the rest too. Stored is of each text its length, 4
+  /// bytes, its heap, 8 bytes (0 for none), and its number there, 4 bytes.
+  void requireSoundTexts(const Handle& array, const std::string& name, std::size_t count) const {
+    TextPlaces places(path);
     std::ifstream stream(path, std::ios::binary);
     stream.seekg(static_cast<std::streamoff>(H5Dget_offset(array.id())));
     double bytes = 0;
     for (std::size_t k = 0; k < count; ++k) {
       std::array<char, 16> stored{};
       stream.read(stored.data(), stored.size());
-      std::uint32_t length = 0;
-      for (const int place : {3, 2, 1, 0})
-        length = 256 * length + static_cast<unsigned char>(stored[place]);
-      bytes += length;
-      requireRead(stream && bytes <= fileBytes ? 0 : -1, name);
+      const auto number = [&stored](int first, int size) {
+        std::uint64_t value = 0;
+        for (int place = first + size; place-- > first;)
+          value = value << 8 | static_cast<unsigned char>(stored[place]);
+        return value;
+      };
+      bytes += static_cast<double>(number(0, 4));
+      const bool stands =
+          number(4, 8) == 0 || places.hold(number(4, 8), number(12, 4), number(0, 4));
+      requireRead(stream && bytes <= fileBytes && stands ? 0 : -1, name);
     }
   }
 
@@ -502,7 +509,7 @@ std::vector<std::string> ArrayReader::texts(const std::string& name) const {
   internals_->requireType(array, name, isText, "texts");
   const Handle type = textType();
   std::vector<char*> pointers(entryCount(internals_->shapeOf(array)));
-  internals_->requireShortTexts(array, name, pointers.size());
+  internals_->requireSoundTexts(array, name, pointers.size());
   internals_->requireRead(
       H5Dread(array.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, pointers.data()), name);
   std::vector<std::string> texts;

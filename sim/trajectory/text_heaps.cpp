@@ -77,4 +77,32 @@ bool hasWholeTextHeaps(const std::filesystem::path& file) {
                      [&](std::uint64_t heap) { return isWhole(stream, heap, size); });
 }
 
+bool TextPlaces::hold(std::uint64_t heap, std::uint64_t number, std::uint64_t length) {
+  const auto [known, isNew] = heaps_.try_emplace(heap);
+  if (isNew) known->second = entriesOf(heap);
+  const auto entry = known->second.find(number);
+  return entry != known->second.end() && entry->second == length;
+}
+
+TextPlaces::Entries TextPlaces::entriesOf(std::uint64_t heap) {
+  std::string beginning(kSignature.size(), '\0');
+  file_.clear();
+  file_.seekg(static_cast<std::streamoff>(heap));
+  file_.read(beginning.data(), std::ssize(beginning));
+  if (!file_ || beginning != kSignature) return {};
+  Entries entries;
+  const std::uint64_t size = numberAt(file_, heap + kSignature.size(), 8);
+  for (std::uint64_t place = kHeader; place + kEntryHeader <= size;) {
+    const std::uint64_t number = numberAt(file_, heap + place, 2);
+    const std::uint64_t bytes = numberAt(file_, heap + place + 8, 8);
+    // Of two with one number neither can be meant: no text is as long as that.
+    if (!entries.emplace(number, bytes).second) entries[number] = size;
+    const std::uint64_t step = stepAt(file_, heap + place, size - place);
+    if (step == 0) return {};
+    place += step;
+  }
+  entries.erase(0);  // free space
+  return entries;
+}
+
 }  // namespace kirireel
