@@ -46,7 +46,7 @@ std::string describeCost(const RunSummary& summary) {
       "{} steps in {:.2f} s, pictures {:.2f} s, video {:.2f} s; {:.1f} s in all\n", deploy.steps,
       deploy.cpuSeconds, record.cpuSecondsRender, record.cpuSecondsEncode, record.wallSeconds);
   if (deploy.unconvergedSteps > 0) {
-    text += fmt::format("{} steps did not resolve their contacts to tolerance\n",
+    text += fmt::format("{} steps missed the tolerance of joints or contacts\n",
                         deploy.unconvergedSteps);
   }
   return text;
