@@ -40,8 +40,7 @@ struct Accuracy {
   double rigidFloor = 0;
   double penetrationMax = 0;               ///< over the samples
   double penetrationOutsidePivotsMax = 0;  ///< the same without the corners that bricks share
-  double penetrationGrownMax =
-      0;  ///< of that, by how much any pair's exceeded its own at the start
+  double penetrationGrownMax = 0;          ///< of that, what any pair has beyond its start
 
   void transfer(StateTape& tape) {
     tape.transfer(jointGapMax, jointGapMean, jointGapEnd, jointOpeningMax, assemblyMove,

@@ -157,13 +157,8 @@ TEST(Path, ThinnerBricksAreNamedWhereThickOnesWedge) {
   std::vector<TrialEnd> trials(8);
   trials.front().arrives = true;
   std::vector<std::string> tried;
-  const PathChoice choice = choosePath(
-      scene, 1.0 / 60, {assembleAtTarget(scene).error, false},
-      [&](const std::string& what) {
-        tried.push_back(what);
-        return true;
-      },
-      trials);
+  const PathChoice choice =
+      choosePath(scene, 1.0 / 60, {assembleAtTarget(scene).error, false}, noteOnce(tried), trials);
   EXPECT_THAT(choice.reason, HasSubstr("among bricks that touch; bricks 0.02 m thick do ("));
   EXPECT_THAT(tried.back(), EndsWith("among bricks 0.02 m thick"));
   EXPECT_TRUE(trials.back().arrives);
