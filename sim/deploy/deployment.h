@@ -53,7 +53,7 @@ struct Accuracy {
 struct DeployCost {
   long steps = 0;               ///< solver steps taken, halved ones included
   long halvedSteps = 0;         ///< steps that were redone as two halves
-  long unconvergedSteps = 0;    ///< steps whose joints or contacts missed their tolerance
+  long unconvergedSteps = 0;    ///< steps that failed at their shortest: see StepReport
   long factorizations = 0;      ///< of the system matrix
   double cpuSeconds = 0;        ///< of the deploying thread, the search for a path apart
   double cpuSecondsSearch = 0;  ///< of finding the assembled floor and a path

@@ -23,12 +23,14 @@ constexpr double kSlow = 1e-3;                   // below this speed tolerances 
 constexpr double kWorkTolerance = 1e-6;          // of impulses, relative to that of the loads
 constexpr double kJumpShare = 0.3;  // closing may move this part of what the step moved
 constexpr double kJumpFloor = 1e-9;
+constexpr double kBend = 0.01;  // closing by less than this part of a move bends a smooth path
 constexpr double kForeseeable = 0.1;       // largest ratio of closing moves taken for steady
 constexpr double kRecovery = 2e-6;         // overlap taken back in a step
 constexpr double kOverlapAccepted = 4e-5;  // at the end of a step
 constexpr int kHalvings = 8;
 constexpr int kContactHalvings = 5;
 constexpr int kMultiplierRounds = 6;
+constexpr int kPatience = 10;  // steps in a row that fail before halving is tried anew
 constexpr int kClosingRounds = 12;
 constexpr int kOverlapRounds = 3;
 constexpr int kContactRounds = 25;
@@ -74,7 +76,7 @@ class Stepper : public JointSolver {
 
   void advanceHalving(Motion& motion, double step, int level);
   StepOutcome tryStep(const Motion& start, double step, bool warm);
-  StepOutcome solveContactRounds(const Poses& start, double step);
+  StepOutcome solveContactRounds(const Motion& motion, double step);
   bool appendRows(const std::vector<Contact>& found, const Poses& start, double step);
   bool boundNewFriction();
   void startRows(const Poses& start, double step, bool warm);
@@ -85,6 +87,8 @@ class Stepper : public JointSolver {
   bool solveVelocities(const Poses& start);
   void forbidWork();
   bool moveAndClose(const Poses& start, double step);
+  void payForClosing(const Motion& start, double step);
+  void standStill(const Poses& start);
   bool closeJoints(const std::vector<Row>& contacts, double step);
   Vector closingMove(const std::vector<Row>& contacts, bool withOverlaps) const;
   Vector foreseen(const Vector& move, const Vector& lastMove) const;
@@ -109,11 +113,16 @@ class Stepper : public JointSolver {
 
   // The step in work.
   std::vector<Load> loads_;
+  bool isShortest_ = false;    // it will not be halved, and jumps are taken
+  bool jumped_ = false;        // closing moved more than it should
   Poses poses_;                // at its end
+  Vector startSpeed_;          // velocities where it starts
+  Vector closing_;             // what closing added to the move
   StepProgram<D> program_;     // for its velocities; joint multipliers are warm from step to step
   std::vector<Row> kept_;      // planes of contacts that carried load at the end of the last step
   std::vector<Row> supports_;  // likewise
   double keptStep_ = 1;        // seconds that these rows' impulses refer to
+  int still_ = 0;              // steps in a row in which the bricks stood still
 };
 
 template <int D>
@@ -137,17 +146,22 @@ void Stepper<D>::setJointStiffness(double stiffness) {
 
 template <int D>
 void Stepper<D>::advanceHalving(Motion& motion, double step, int level) {
+  jumped_ = false;
+  isShortest_ = level == kHalvings || still_ % kPatience != 0;
   const StepOutcome outcome = tryStep(motion, step, level == 0);
   const bool halve = (outcome == StepOutcome::JointsOpen && level < kHalvings) ||
                      (outcome == StepOutcome::Overlapping && level < kContactHalvings);
-  if (halve) {
+  if (halve && !isShortest_) {
     ++report_.halved;
     advanceHalving(motion, 0.5 * step, level + 1);
     advanceHalving(motion, 0.5 * step, level + 1);
     return;
   }
   ++report_.steps;
-  if (outcome != StepOutcome::Good) ++report_.unconverged;
+  if (outcome != StepOutcome::Good || jumped_) ++report_.unconverged;
+  const bool standing = outcome != StepOutcome::Good && contactSource_;
+  still_ = standing ? still_ + 1 : 0;
+  if (standing) standStill(motion.poses);
   keepMultipliers(step);
   finishStep(motion);
 }
@@ -168,17 +182,20 @@ StepOutcome Stepper<D>::tryStep(const Motion& start, double step, bool warm) {
     program_.x.template segment<D>(D * i) = Space::pack(pinned_[i] ? Velocity{} : velocity);
   }
   startRows(start.poses, step, warm);
-  return solveContactRounds(start.poses, step);
+  startSpeed_ = program_.x;
+  return solveContactRounds(start, step);
 }
 
 /// Solves the step, looks what it runs into, and solves again with that until nothing is new.
 template <int D>
-StepOutcome Stepper<D>::solveContactRounds(const Poses& start, double step) {
+StepOutcome Stepper<D>::solveContactRounds(const Motion& motion, double step) {
+  const Poses& start = motion.poses;
   for (int round = 0; round < kContactRounds; ++round) {
     if (!solveVelocities(start)) return StepOutcome::JointsOpen;
     if (boundNewFriction() && !solveVelocities(start)) return StepOutcome::JointsOpen;
     forbidWork();
     if (!moveAndClose(start, step)) return StepOutcome::JointsOpen;
+    payForClosing(motion, step);
     if (!contactSource_) return StepOutcome::Good;
     std::vector<Contact> found;
     const double overlap = contactSource_->appendViolated(poses_, found);
@@ -334,6 +351,32 @@ bool Stepper<D>::moveAndClose(const Poses& start, double step) {
   return system_.factor({}) && closeJoints({}, step);
 }
 
+/// The energy that a step has at its end, closing included, is at most that at its start: what
+/// closing costs beyond what the step has lost comes out of the bricks' speed, and where that is
+/// too little they stay where they are. On a smooth path energy comes and goes, and none is taken.
+template <int D>
+void Stepper<D>::payForClosing(const Motion& start, double step) {
+  if (program_.contacts.empty() || !program_.exactJoints) return;
+  const Vector move = step * program_.x;
+  if (norm(closing_) <= kBend * norm(move)) return;
+  const double cost = system_.workAgainst(loads_, move, closing_);
+  if (cost <= 0) return;
+  const double before = system_.kineticEnergy(start.poses, startSpeed_);
+  const double after = system_.kineticEnergy(start.poses, program_.x);
+  const double work = system_.workAgainst(loads_, Vector::Zero(move.size()), move);
+  const double excess = after + work + cost - before;
+  if (excess <= 0) return;
+  program_.x *= std::sqrt(std::max(0.0, 1 - excess / after));
+  if (excess > after) standStill(start.poses);
+}
+
+/// What joints and contacts always allow.
+template <int D>
+void Stepper<D>::standStill(const Poses& start) {
+  poses_ = start;
+  program_.x.setZero();
+}
+
 /// Gauss-Newton on the joints' gaps, on the factor at hand: the smallest move by A in which the
 /// contacts that push hold their gaps. The first rounds also take overlaps back. As the factor is
 /// of the step's start, moves shrink by a steady ratio; what follows the last one is foreseen from
@@ -346,12 +389,14 @@ bool Stepper<D>::closeJoints(const std::vector<Row>& contacts, double step) {
   double moved = 0;
   double gap = largestGap();
   bool refactored = false;
-  Vector lastMove = Vector::Zero(program_.x.size());
-  for (int round = 0; round < kClosingRounds && moved <= allowed; ++round) {
+  closing_ = Vector::Zero(program_.x.size());
+  Vector lastMove = closing_;
+  for (int round = 0; round < kClosingRounds && (moved <= allowed || isShortest_); ++round) {
     const bool overlapping = round < kOverlapRounds && anyOverlap(contacts);
     if (gap <= kGapTolerance * scale && !overlapping) break;
     const Vector move = foreseen(closingMove(contacts, overlapping), lastMove);
     lastMove = move;
+    closing_ += move;
     displace(move);
     moved += norm(move);
     const double before = gap;
@@ -364,7 +409,8 @@ bool Stepper<D>::closeJoints(const std::vector<Row>& contacts, double step) {
     refactored = true;
     lastMove.setZero();
   }
-  return gap <= kGapAccepted * scale && moved <= allowed;
+  jumped_ = moved > allowed;
+  return gap <= kGapAccepted * scale && (!jumped_ || isShortest_);
 }
 
 template <int D>
@@ -519,7 +565,7 @@ double Stepper<D>::assemble(Poses& poses) {
 
 template <int D>
 void Stepper<D>::transfer(StateTape& tape) {
-  tape.transfer(jointStiffness_, pinned_, program_.multipliers, kept_, supports_, keptStep_,
+  tape.transfer(jointStiffness_, pinned_, program_.multipliers, kept_, supports_, keptStep_, still_,
                 system_);
   program_.exactJoints = !std::isfinite(jointStiffness_);
   system_.setPinned(pinned_);

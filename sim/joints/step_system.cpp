@@ -184,6 +184,29 @@ bool StepSystem<D>::factor(const std::vector<ContactRow<D>>& contacts) {
 }
 
 template <int D>
+double StepSystem<D>::kineticEnergy(const Poses& poses, const Vector& x) const {
+  double sum = 0;
+  for (std::size_t i = 0; i < bricks_.size(); ++i) {
+    const Block M = Space::inertia(bricks_[i].mass, worldInertia(bricks_[i], poses[i]));
+    sum += 0.5 * x.segment<D>(D * i).dot(M * x.segment<D>(D * i));
+  }
+  return sum;
+}
+
+template <int D>
+double StepSystem<D>::workAgainst(const std::vector<Load>& loads, const Vector& first,
+                                  const Vector& further) const {
+  double work = 0;
+  for (std::size_t i = 0; i < bricks_.size(); ++i) {
+    const typename Space::Vector move = further.segment<D>(D * i);
+    const typename Space::Vector middle = first.segment<D>(D * i) + 0.5 * move;
+    work -=
+        move.dot(Space::restrict(loads[i].force) - Space::restrict(loads[i].stiffness) * middle);
+  }
+  return work;
+}
+
+template <int D>
 Eigen::VectorXd StepSystem<D>::timesA(const Vector& x) const {
   Vector result(x.size());
   for (int i = 0; i < brickCount(); ++i) {

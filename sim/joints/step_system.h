@@ -50,6 +50,11 @@ class StepSystem {
   bool factor(const std::vector<ContactRow<D>>& contacts);
   void solveInPlace(Vector& right) const { matrix_.solveInPlace(right); }
 
+  /// Of bricks at these poses that move with velocities x, joules.
+  double kineticEnergy(const Poses& poses, const Vector& x) const;
+  /// What a further displacement costs against the loads after a first one, joules.
+  double workAgainst(const std::vector<Load>& loads, const Vector& first,
+                     const Vector& further) const;
   /// A x.
   Vector timesA(const Vector& x) const;
   /// f.

@@ -11,9 +11,10 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Overlaps left by a failed step are taken back bit by bit, and may meanwhile grow by this part of
-// the tolerance.
+// Overlaps left by a step are taken back bit by bit, and may meanwhile grow by this part of the
+// tolerance a step, up to so many tolerances.
 constexpr double kWorsening = 0.1;
+constexpr double kWorst = 7;
 // Two planes whose normals agree to this cosine count as the same.
 constexpr double kSameDirection = 0.999;
 
@@ -128,7 +129,8 @@ double BrickPair::appendViolated(const PairMove& move, long step, std::vector<Co
   const double limit = -tolerance_ - slack_;
   const double bestBefore = bestSeparationAtStart();
   const double held = std::min(limit, bestBefore);
-  const double wanted = std::min(limit, bestBefore - kWorsening * tolerance_);
+  const double worsening = bestBefore > limit - kWorst * tolerance_ ? kWorsening * tolerance_ : 0;
+  const double wanted = std::min(limit, bestBefore - worsening);
   double bestAfter = -kInfinity;  // of the planes that held before
   for (const SeparatingPlane& plane : planes_) {
     if (separationAtStart(plane) < held) continue;

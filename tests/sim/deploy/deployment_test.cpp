@@ -1,6 +1,7 @@
 #include "sim/deploy/deployment.h"
 
 #include <cmath>
+#include <filesystem>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -24,10 +25,11 @@ Scene smallScene() {
   return scene;
 }
 
-Scene shippedScene() {
+Scene shippedScene(const char* name = "tessellation_4x4") {
   Scene scene;
   std::vector<std::string> warnings;
-  scene.model = readModelFolder(KIRIREEL_SOURCE_DIR "/data/tessellation_4x4", warnings);
+  scene.model =
+      readModelFolder(std::filesystem::path(KIRIREEL_SOURCE_DIR) / "data" / name, warnings);
   return scene;
 }
 
@@ -40,6 +42,17 @@ TEST(Deploy, TheShippedSheetSettlesAtItsTarget) {
   EXPECT_LT(result.accuracy.penetrationMax, 1e-6);  // measured 1e-13
   EXPECT_EQ(result.cost.unconvergedSteps, 0);
   EXPECT_TRUE(result.needs.planar.on);
+}
+
+/// There the joints leave the square root of their gap free.
+TEST(Deploy, AClosedSingularTargetIsReached) {
+  for (const ContactFilter contacts : {ContactFilter::None, ContactFilter::All}) {
+    Scene scene = shippedScene("heart");
+    scene.environment.contacts = contacts;
+    const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
+    EXPECT_EQ(result.outcome, Outcome::Settled) << result.reason;
+    EXPECT_LT(result.accuracy.targetErrorEnd, 1e-6);  // measured 5e-13
+  }
 }
 
 TEST(Deploy, BulletSettlesItToo) {
