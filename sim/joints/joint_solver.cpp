@@ -30,7 +30,7 @@ constexpr double kOverlapAccepted = 4e-5;  // at the end of a step
 constexpr int kHalvings = 8;
 constexpr int kContactHalvings = 5;
 constexpr int kMultiplierRounds = 6;
-constexpr int kPatience = 10;  // steps in a row that fail before halving is tried anew
+constexpr int kPatience = 10;  // steps in a row that stand still before halving is tried anew
 constexpr int kClosingRounds = 12;
 constexpr int kOverlapRounds = 3;
 constexpr int kContactRounds = 25;
@@ -122,7 +122,8 @@ class Stepper : public JointSolver {
   std::vector<Row> kept_;      // planes of contacts that carried load at the end of the last step
   std::vector<Row> supports_;  // likewise
   double keptStep_ = 1;        // seconds that these rows' impulses refer to
-  int still_ = 0;              // steps in a row in which the bricks stood still
+  bool stoodStill_ = false;    // the bricks, in a part of this step
+  int stillSteps_ = 0;         // steps in a row in which they did
 };
 
 template <int D>
@@ -132,7 +133,9 @@ StepReport Stepper<D>::advance(Motion& motion, double step, const LoadSource& lo
   contactSource_ = contacts;
   report_ = {};
   const int before = system_.factorizations();
+  stoodStill_ = false;
   advanceHalving(motion, step, 0);
+  stillSteps_ = stoodStill_ ? stillSteps_ + 1 : 0;
   report_.factorizations = system_.factorizations() - before;
   return report_;
 }
@@ -147,7 +150,7 @@ void Stepper<D>::setJointStiffness(double stiffness) {
 template <int D>
 void Stepper<D>::advanceHalving(Motion& motion, double step, int level) {
   jumped_ = false;
-  isShortest_ = level == kHalvings || still_ % kPatience != 0;
+  isShortest_ = level == kHalvings || stoodStill_ || stillSteps_ % kPatience != 0;
   const StepOutcome outcome = tryStep(motion, step, level == 0);
   const bool halve = (outcome == StepOutcome::JointsOpen && level < kHalvings) ||
                      (outcome == StepOutcome::Overlapping && level < kContactHalvings);
@@ -159,10 +162,12 @@ void Stepper<D>::advanceHalving(Motion& motion, double step, int level) {
   }
   ++report_.steps;
   if (outcome != StepOutcome::Good || jumped_) ++report_.unconverged;
-  const bool standing = outcome != StepOutcome::Good && contactSource_;
-  still_ = standing ? still_ + 1 : 0;
-  if (standing) standStill(motion.poses);
-  keepMultipliers(step);
+  if (outcome != StepOutcome::Good && contactSource_) {
+    stoodStill_ = true;
+    standStill(motion.poses);
+  } else {
+    keepMultipliers(step);
+  }
   finishStep(motion);
 }
 
@@ -565,8 +570,8 @@ double Stepper<D>::assemble(Poses& poses) {
 
 template <int D>
 void Stepper<D>::transfer(StateTape& tape) {
-  tape.transfer(jointStiffness_, pinned_, program_.multipliers, kept_, supports_, keptStep_, still_,
-                system_);
+  tape.transfer(jointStiffness_, pinned_, program_.multipliers, kept_, supports_, keptStep_,
+                stillSteps_, system_);
   program_.exactJoints = !std::isfinite(jointStiffness_);
   system_.setPinned(pinned_);
 }
