@@ -21,11 +21,11 @@ constexpr double kContactSpeedTolerance = 1e-7;  // of contact rows, likewise
 constexpr double kChangeTolerance = 1e-6;        // of all rows in a round: the next would gain 1e-4
 constexpr double kSlow = 1e-3;                   // below this speed tolerances shrink no more
 constexpr double kWorkTolerance = 1e-6;          // of impulses, relative to that of the loads
-constexpr double kJumpShare = 0.3;  // closing may move this part of what the step moved
+constexpr double kJumpShare = 0.3;               // of what the step moved: so far may closing move
 constexpr double kJumpFloor = 1e-9;
-constexpr double kBend = 0.01;  // closing by less than this part of a move bends a smooth path
-constexpr double kForeseeable = 0.1;       // largest ratio of closing moves taken for steady
-constexpr double kRecovery = 2e-6;         // overlap taken back in a step
+constexpr double kBend = 0.01;        // closing that moves less than this part bends a smooth path
+constexpr double kForeseeable = 0.1;  // largest ratio of closing moves taken for steady
+constexpr double kRecovery = 2e-6;    // overlap taken back in a step
 constexpr double kOverlapAccepted = 4e-5;  // at the end of a step
 constexpr int kHalvings = 8;
 constexpr int kContactHalvings = 5;
@@ -76,7 +76,7 @@ class Stepper : public JointSolver {
 
   void advanceHalving(Motion& motion, double step, int level);
   StepOutcome tryStep(const Motion& start, double step, bool warm);
-  StepOutcome solveContactRounds(const Motion& motion, double step);
+  StepOutcome solveContactRounds(const Poses& start, double step);
   bool appendRows(const std::vector<Contact>& found, const Poses& start, double step);
   bool boundNewFriction();
   void startRows(const Poses& start, double step, bool warm);
@@ -87,7 +87,7 @@ class Stepper : public JointSolver {
   bool solveVelocities(const Poses& start);
   void forbidWork();
   bool moveAndClose(const Poses& start, double step);
-  void payForClosing(const Motion& start, double step);
+  void payForClosing(const Poses& start, double step);
   void standStill(const Poses& start);
   bool closeJoints(const std::vector<Row>& contacts, double step);
   Vector closingMove(const std::vector<Row>& contacts, bool withOverlaps) const;
@@ -152,9 +152,9 @@ void Stepper<D>::advanceHalving(Motion& motion, double step, int level) {
   jumped_ = false;
   isShortest_ = level == kHalvings || stoodStill_ || stillSteps_ % kPatience != 0;
   const StepOutcome outcome = tryStep(motion, step, level == 0);
-  const bool halve = (outcome == StepOutcome::JointsOpen && level < kHalvings) ||
-                     (outcome == StepOutcome::Overlapping && level < kContactHalvings);
-  if (halve && !isShortest_) {
+  const bool halving = outcome == StepOutcome::JointsOpen ||
+                       (outcome == StepOutcome::Overlapping && level < kContactHalvings);
+  if (halving && !isShortest_) {
     ++report_.halved;
     advanceHalving(motion, 0.5 * step, level + 1);
     advanceHalving(motion, 0.5 * step, level + 1);
@@ -188,19 +188,18 @@ StepOutcome Stepper<D>::tryStep(const Motion& start, double step, bool warm) {
   }
   startRows(start.poses, step, warm);
   startSpeed_ = program_.x;
-  return solveContactRounds(start, step);
+  return solveContactRounds(start.poses, step);
 }
 
 /// Solves the step, looks what it runs into, and solves again with that until nothing is new.
 template <int D>
-StepOutcome Stepper<D>::solveContactRounds(const Motion& motion, double step) {
-  const Poses& start = motion.poses;
+StepOutcome Stepper<D>::solveContactRounds(const Poses& start, double step) {
   for (int round = 0; round < kContactRounds; ++round) {
     if (!solveVelocities(start)) return StepOutcome::JointsOpen;
     if (boundNewFriction() && !solveVelocities(start)) return StepOutcome::JointsOpen;
     forbidWork();
     if (!moveAndClose(start, step)) return StepOutcome::JointsOpen;
-    payForClosing(motion, step);
+    payForClosing(start, step);
     if (!contactSource_) return StepOutcome::Good;
     std::vector<Contact> found;
     const double overlap = contactSource_->appendViolated(poses_, found);
@@ -360,19 +359,19 @@ bool Stepper<D>::moveAndClose(const Poses& start, double step) {
 /// closing costs beyond what the step has lost comes out of the bricks' speed, and where that is
 /// too little they stay where they are. On a smooth path energy comes and goes, and none is taken.
 template <int D>
-void Stepper<D>::payForClosing(const Motion& start, double step) {
+void Stepper<D>::payForClosing(const Poses& start, double step) {
   if (program_.contacts.empty() || !program_.exactJoints) return;
   const Vector move = step * program_.x;
   if (norm(closing_) <= kBend * norm(move)) return;
   const double cost = system_.workAgainst(loads_, move, closing_);
   if (cost <= 0) return;
-  const double before = system_.kineticEnergy(start.poses, startSpeed_);
-  const double after = system_.kineticEnergy(start.poses, program_.x);
+  const double before = system_.kineticEnergy(start, startSpeed_);
+  const double after = system_.kineticEnergy(start, program_.x);
   const double work = system_.workAgainst(loads_, Vector::Zero(move.size()), move);
   const double excess = after + work + cost - before;
   if (excess <= 0) return;
   program_.x *= std::sqrt(std::max(0.0, 1 - excess / after));
-  if (excess > after) standStill(start.poses);
+  if (excess > after) standStill(start);
 }
 
 /// What joints and contacts always allow.

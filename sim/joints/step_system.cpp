@@ -15,9 +15,11 @@ constexpr double kJointWeight = 1e10;
 // many contacts at once; their multipliers do the rest in two or three rounds.
 constexpr double kContactWeight = 1e5;
 
-Matrix3 worldInertia(const Brick& brick, const Pose& pose) {
+/// Mass and inertia of a brick in world axes.
+template <int D>
+typename Coordinates<D>::Block massMatrix(const Brick& brick, const Pose& pose) {
   const Matrix3 R = pose.rotation.toRotationMatrix();
-  return R * brick.inertia * R.transpose();
+  return Coordinates<D>::inertia(brick.mass, R * brick.inertia * R.transpose());
 }
 
 }  // namespace
@@ -65,7 +67,7 @@ template <int D>
 void StepSystem<D>::setMasses(const Poses& poses) {
   double sum = 0;
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
-    A_[i] = Space::inertia(bricks_[i].mass, worldInertia(bricks_[i], poses[i]));
+    A_[i] = massMatrix<D>(bricks_[i], poses[i]);
     sum += A_[i](0, 0);
   }
   f_.setZero();
@@ -78,7 +80,7 @@ void StepSystem<D>::setStep(const Motion& motion, const std::vector<Load>& loads
                             double jointStiffness) {
   double sum = 0;
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
-    const Block M = Space::inertia(bricks_[i].mass, worldInertia(bricks_[i], motion.poses[i]));
+    const Block M = massMatrix<D>(bricks_[i], motion.poses[i]);
     if (pinned_[i]) {
       // No joint row touches it, so that nothing but zero solves its equations.
       f_.segment<D>(D * i).setZero();
@@ -187,8 +189,8 @@ template <int D>
 double StepSystem<D>::kineticEnergy(const Poses& poses, const Vector& x) const {
   double sum = 0;
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
-    const Block M = Space::inertia(bricks_[i].mass, worldInertia(bricks_[i], poses[i]));
-    sum += 0.5 * x.segment<D>(D * i).dot(M * x.segment<D>(D * i));
+    const typename Space::Vector velocity = x.segment<D>(D * i);
+    sum += 0.5 * velocity.dot(massMatrix<D>(bricks_[i], poses[i]) * velocity);
   }
   return sum;
 }
