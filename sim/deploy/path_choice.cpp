@@ -28,7 +28,7 @@ constexpr double kPatience = 2;
 constexpr double kOverlapShare = 1e-4;
 // A trial with contacts is given up after so many factorizations times tiles: where bricks wedge,
 // steps are halved again and again.
-constexpr long kContactEffort = 1'300'000;
+constexpr long kContactEffort = 650'000;
 
 // Where bricks wedge, so much thinner ones are tried, on the first few paths.
 constexpr std::array kThinner = {0.25, 0.0625};
