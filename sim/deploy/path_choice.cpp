@@ -69,7 +69,7 @@ const std::vector<PathSettings>& candidatesAmongBricks() {
       {PathKind::Led, 0, 2, 50, kExact},
       {PathKind::Led, 0, 4, 200, kExact},
       {PathKind::Led, 0, 1, 200, kExact},
-      {PathKind::Led, 0, 0.5, 1000, kExact},
+      {PathKind::Led, 0, 2, 200, kExact},
   };
   return paths;
 }

@@ -74,7 +74,7 @@ class Stepper : public JointSolver {
   using Vector = Eigen::VectorXd;
   using Row = ContactRow<D>;
 
-  void advanceHalving(Motion& motion, double step, int level);
+  void advanceHalving(Motion& motion, double step, int level, bool warm);
   StepOutcome tryStep(const Motion& start, double step, bool warm);
   StepOutcome solveContactRounds(const Poses& start, double step);
   bool appendRows(const std::vector<Contact>& found, const Poses& start, double step);
@@ -134,7 +134,7 @@ StepReport Stepper<D>::advance(Motion& motion, double step, const LoadSource& lo
   report_ = {};
   const int before = system_.factorizations();
   stoodStill_ = false;
-  advanceHalving(motion, step, 0);
+  advanceHalving(motion, step, 0, true);
   stillSteps_ = stoodStill_ ? stillSteps_ + 1 : 0;
   report_.factorizations = system_.factorizations() - before;
   return report_;
@@ -147,17 +147,19 @@ void Stepper<D>::setJointStiffness(double stiffness) {
   program_.multipliers.setZero();
 }
 
+/// `warm`: whether to begin with the contacts of the part before. Those that a step failed with may
+/// have been the wrong ones: its first half begins without.
 template <int D>
-void Stepper<D>::advanceHalving(Motion& motion, double step, int level) {
+void Stepper<D>::advanceHalving(Motion& motion, double step, int level, bool warm) {
   jumped_ = false;
   isShortest_ = level == kHalvings || stoodStill_ || stillSteps_ % kPatience != 0;
-  const StepOutcome outcome = tryStep(motion, step, level == 0);
+  const StepOutcome outcome = tryStep(motion, step, warm);
   const bool halving = outcome == StepOutcome::JointsOpen ||
                        (outcome == StepOutcome::Overlapping && level < kContactHalvings);
   if (halving && !isShortest_) {
     ++report_.halved;
-    advanceHalving(motion, 0.5 * step, level + 1);
-    advanceHalving(motion, 0.5 * step, level + 1);
+    advanceHalving(motion, 0.5 * step, level + 1, false);
+    advanceHalving(motion, 0.5 * step, level + 1, true);
     return;
   }
   ++report_.steps;
@@ -171,8 +173,6 @@ void Stepper<D>::advanceHalving(Motion& motion, double step, int level) {
   finishStep(motion);
 }
 
-/// `warm`: whether to begin with the contacts of the last step; where that failed they may have
-/// been the wrong ones.
 template <int D>
 StepOutcome Stepper<D>::tryStep(const Motion& start, double step, bool warm) {
   (*loadSource_)(start.poses, loads_);
