@@ -2,6 +2,7 @@
 #pragma once
 
 #include "sim/base/geometry.h"
+#include "sim/base/state_tape.h"
 
 namespace kirireel {
 
@@ -13,6 +14,8 @@ struct Load {
   Vector6 force = Vector6::Zero();      ///< (N, N m) at zero velocity
   Matrix6 stiffness = Matrix6::Zero();  ///< minus the derivative by position, indefinite part cut
   Matrix6 damping = Matrix6::Zero();    ///< minus the derivative by velocity
+
+  void transfer(StateTape& tape) { tape.transfer(force, stiffness, damping); }
 };
 
 }  // namespace kirireel

@@ -7,6 +7,7 @@
 #include <map>
 #include <utility>
 
+#include "sim/joints/standstill.h"
 #include "sim/joints/step_program.h"
 
 namespace kirireel {
@@ -30,7 +31,6 @@ constexpr double kOverlapAccepted = 4e-5;  // at the end of a step
 constexpr int kHalvings = 8;
 constexpr int kContactHalvings = 5;
 constexpr int kMultiplierRounds = 6;
-constexpr int kPatience = 10;  // steps in a row that stand still before halving is tried anew
 constexpr int kClosingRounds = 12;
 constexpr int kOverlapRounds = 3;
 constexpr int kContactRounds = 25;
@@ -122,8 +122,7 @@ class Stepper : public JointSolver {
   std::vector<Row> kept_;      // planes of contacts that carried load at the end of the last step
   std::vector<Row> supports_;  // likewise
   double keptStep_ = 1;        // seconds that these rows' impulses refer to
-  bool stoodStill_ = false;    // the bricks, in a part of this step
-  int stillSteps_ = 0;         // steps in a row in which they did
+  Standstill standstill_;
 };
 
 template <int D>
@@ -132,10 +131,11 @@ StepReport Stepper<D>::advance(Motion& motion, double step, const LoadSource& lo
   loadSource_ = &loads;
   contactSource_ = contacts;
   report_ = {};
+  if (standstill_.isWhole()) loads(motion.poses, loads_);
+  if (!standstill_.beginStep(motion.poses, loads_, step)) return {.steps = 1, .unconverged = 1};
   const int before = system_.factorizations();
-  stoodStill_ = false;
   advanceHalving(motion, step, 0, true);
-  stillSteps_ = stoodStill_ ? stillSteps_ + 1 : 0;
+  standstill_.endStep(motion.poses, loads_);
   report_.factorizations = system_.factorizations() - before;
   return report_;
 }
@@ -145,6 +145,7 @@ void Stepper<D>::setJointStiffness(double stiffness) {
   jointStiffness_ = stiffness;
   program_.exactJoints = !std::isfinite(stiffness);
   program_.multipliers.setZero();
+  standstill_.forget();
 }
 
 /// `warm`: whether to begin with the contacts of the part before. Those that a step failed with may
@@ -152,7 +153,7 @@ void Stepper<D>::setJointStiffness(double stiffness) {
 template <int D>
 void Stepper<D>::advanceHalving(Motion& motion, double step, int level, bool warm) {
   jumped_ = false;
-  isShortest_ = level == kHalvings || stoodStill_ || stillSteps_ % kPatience != 0;
+  isShortest_ = level == kHalvings || !standstill_.mayHalve();
   const StepOutcome outcome = tryStep(motion, step, warm);
   const bool halving = outcome == StepOutcome::JointsOpen ||
                        (outcome == StepOutcome::Overlapping && level < kContactHalvings);
@@ -165,9 +166,10 @@ void Stepper<D>::advanceHalving(Motion& motion, double step, int level, bool war
   ++report_.steps;
   if (outcome != StepOutcome::Good || jumped_) ++report_.unconverged;
   if (outcome != StepOutcome::Good && contactSource_) {
-    stoodStill_ = true;
+    standstill_.noteStanding();
     standStill(motion.poses);
   } else {
+    standstill_.noteMoving();
     keepMultipliers(step);
   }
   finishStep(motion);
@@ -529,6 +531,7 @@ template <int D>
 void Stepper<D>::setPinned(const std::vector<bool>& pinned) {
   pinned_ = pinned;
   system_.setPinned(pinned);
+  standstill_.forget();
 }
 
 template <int D>
@@ -570,7 +573,7 @@ double Stepper<D>::assemble(Poses& poses) {
 template <int D>
 void Stepper<D>::transfer(StateTape& tape) {
   tape.transfer(jointStiffness_, pinned_, program_.multipliers, kept_, supports_, keptStep_,
-                stillSteps_, system_);
+                standstill_, system_);
   program_.exactJoints = !std::isfinite(jointStiffness_);
   system_.setPinned(pinned_);
 }

@@ -64,9 +64,9 @@ class JointSolver {
   /// Advances the motion by `step` seconds under the loads; `contacts` may be null. A step that
   /// would jump between branches, cannot close its joints or leaves bricks overlapping is redone as
   /// two halves, at most 8 levels deep; with contacts, bricks whose shortest step fails stand still
-  /// in it, as they always may, and after that are tried in halves only every tenth step. Joints
-  /// and contacts do no work: what closing costs is taken from the speed. Loads are taken at the
-  /// start of each (half) step and implicit in it.
+  /// in it, as they always may, and after that are tried in halves only every tenth step, and not
+  /// again while nothing changes. Joints and contacts do no work: what closing costs is taken from
+  /// the speed. Loads are taken at the start of each (half) step and implicit in it.
   virtual StepReport advance(Motion& motion, double step, const LoadSource& loads,
                              ContactSource* contacts) = 0;
 

@@ -1,0 +1,87 @@
+#include "sim/joints/standstill.h"
+
+#include <gtest/gtest.h>
+
+namespace kirireel {
+namespace {
+
+constexpr double kStep = 1.0 / 240;
+
+class StandstillTest : public testing::Test {
+ protected:
+  /// One step in which bricks stand still, and moved before that or not. Returns whether it is
+  /// tried.
+  bool stand(bool movedBefore = false) {
+    if (!standstill_.beginStep(poses_, loads_, kStep)) return false;
+    if (movedBefore) standstill_.noteMoving();
+    standstill_.noteStanding();
+    standstill_.endStep(poses_, loads_);
+    return true;
+  }
+
+  /// How many of so many steps are tried.
+  int tried(int steps) {
+    int count = 0;
+    for (int step = 0; step < steps; ++step) count += stand() ? 1 : 0;
+    return count;
+  }
+
+  Standstill standstill_;
+  Poses poses_ = Poses(2);
+  std::vector<Load> loads_ = std::vector<Load>(2);
+};
+
+TEST_F(StandstillTest, WhatFailedInHalvesIsNotTriedAgain) {
+  EXPECT_TRUE(standstill_.mayHalve());
+  EXPECT_TRUE(stand());
+  EXPECT_TRUE(standstill_.isWhole());
+  EXPECT_EQ(tried(100), 0);
+}
+
+TEST_F(StandstillTest, WhatFailedWholeIsTriedInHalvesAtTheTenthStep) {
+  EXPECT_TRUE(stand(true));
+  EXPECT_FALSE(standstill_.isWhole());
+  EXPECT_TRUE(stand());  // in one piece
+  EXPECT_FALSE(standstill_.mayHalve());
+  EXPECT_EQ(tried(8), 0);
+  EXPECT_TRUE(standstill_.beginStep(poses_, loads_, kStep));
+  EXPECT_TRUE(standstill_.mayHalve());
+}
+
+TEST_F(StandstillTest, OnePartThatStandsStillEndsHalving) {
+  standstill_.beginStep(poses_, loads_, kStep);
+  EXPECT_TRUE(standstill_.mayHalve());
+  standstill_.noteStanding();
+  EXPECT_FALSE(standstill_.mayHalve());
+}
+
+TEST_F(StandstillTest, AnyChangeIsTried) {
+  stand();
+  loads_[1].force[2] = 1e-12;
+  EXPECT_TRUE(stand());
+  EXPECT_FALSE(stand());
+  poses_[0].position.x() = 1e-12;
+  EXPECT_TRUE(stand());
+  EXPECT_FALSE(stand());
+  EXPECT_TRUE(standstill_.beginStep(poses_, loads_, 0.5 * kStep));
+}
+
+TEST_F(StandstillTest, WhatItForgetsIsTriedInHalves) {
+  stand();
+  standstill_.forget();
+  EXPECT_TRUE(stand());
+}
+
+TEST_F(StandstillTest, ComesBackFromATape) {
+  stand();
+  StateTape tape;
+  tape.transfer(standstill_);
+  StateTape played(tape.numbers());
+  Standstill other;
+  played.transfer(other);
+  EXPECT_TRUE(played.isOver());
+  EXPECT_FALSE(other.beginStep(poses_, loads_, kStep));
+}
+
+}  // namespace
+}  // namespace kirireel
