@@ -25,6 +25,8 @@ constexpr double kStuckShare = 1e-3;
 constexpr double kNoOverlap = 1e-6;
 // Of the contacts that hold a run up, so many are named.
 constexpr std::size_t kPairsNamed = 3;
+// Closing joints at the end of a path may make bricks overlap by this part of a tile.
+constexpr double kPushedShare = 1e-4;
 // Initial speeds, in model sizes a second, that let a run leave an unstable equilibrium.
 constexpr double kNudge = 1e-6;
 // Stiffness of joints that do not give.
@@ -78,14 +80,19 @@ Run::Run(const Scene& scene, double sampleInterval, double assembledFloor,
   };
 }
 
+/// Whether joints give from the start on.
+bool Run::jointsGive() const {
+  return std::isfinite(scene_.path.jointStiffness);
+}
+
 /// Joints that give while the tiles are led close again; on a straight path they stay as they are.
 bool Run::jointsGiveThroughout() const {
-  return scene_.path.kind == PathKind::Straight && std::isfinite(scene_.path.jointStiffness);
+  return scene_.path.kind == PathKind::Straight && jointsGive();
 }
 
 /// Holds the joints as the start of the run does. They give a little where tiles do not fit.
 void Run::holdJoints() {
-  if (jointsGiveThroughout()) {
+  if (jointsGive()) {
     dynamics_->setJointStiffness(scene_.path.jointStiffness);
   } else if (misfit_) {
     dynamics_->setJointStiffness(kMisfitStiffness);
@@ -176,7 +183,10 @@ bool Run::followTimeline(bool atRest) {
 
 void Run::start() {
   const std::vector<Tile> before = bottomTiles(bricks_, motion_.poses);
-  misfit_ = !dynamics_->assemble(motion_.poses);
+  overlaps_.emplace(bricks_, pivots_, scene_.environment.pivotZone, motion_.poses,
+                    kNoOverlap * tileSize_);
+  // Joints that give need not be closed first, which can push bricks into each other.
+  misfit_ = !jointsGive() && !dynamics_->assemble(motion_.poses);
   holdJoints();
   goTo(nullptr);
   motion_.velocities = nudge(bricks_.size(), kNudge * size_, scene_.solver.seed);
@@ -191,8 +201,6 @@ void Run::start() {
   result_.assembledFloor = assembledFloor_;
   static_cast<Subject&>(result_.trajectory) = subjectOf(scene_);
   startPoses_ = motion_.poses;
-  overlaps_.emplace(bricks_, pivots_, scene_.environment.pivotZone, startPoses_,
-                    kNoOverlap * tileSize_);
 }
 
 void Run::takeSample() {
@@ -237,7 +245,7 @@ void Run::transfer(StateTape& tape) {
   auto number = std::find(targets.begin(), targets.end(), target_) - targets.begin();
   bool isLed = follower_.has_value();
   tape.transfer(motion_, number, targetStartError_, targetFloor_, departure_, departureTime_,
-                openedAt_, isLed, stiffness_, timeline_, restTime_, misfit_, jamStart_,
+                openedAt_, isLed, stiffness_, timeline_, restTime_, misfit_, heldOpen_, jamStart_,
                 result_.trajectory.events, spent, *dynamics_);
   if (!tape.isPlaying()) return;
   earlierSeconds_ = spent;
@@ -282,6 +290,18 @@ double Run::spentSeconds() const {
   return earlierSeconds_ + threadCpuSeconds() - startSeconds_;
 }
 
+/// Closes the joints, unless that pushes bricks into each other. Returns whether they are closed.
+bool Run::closeJoints() {
+  const Poses open = motion_.poses;
+  if (!dynamics_->assemble(motion_.poses)) return false;
+  if (!needs_.contacts.on) return true;
+  const double before = overlaps_->at(open).grown;
+  const double after = overlaps_->at(motion_.poses).grown;
+  heldOpen_ = after > std::max(before, kPushedShare * tileSize_);
+  if (heldOpen_) motion_.poses = open;
+  return !heldOpen_;
+}
+
 /// Leads the tiles on, or lets them go once the path is done.
 void Run::followPath() {
   if (isOpening()) return;
@@ -291,7 +311,7 @@ void Run::followPath() {
     tieSprings();
   }
   if (!follower_ || follower_->prepareStep(time() + step_, *dynamics_)) return;
-  const bool closed = dynamics_->assemble(motion_.poses);
+  const bool closed = closeJoints();
   if (follower_->jointsGive()) dynamics_->setJointStiffness(closed ? kExact : kMisfitStiffness);
   misfit_ = misfit_ || !closed;
   follower_.reset();
@@ -333,8 +353,8 @@ bool Run::isStuck() const {
 void Run::observeStep() {
   Accuracy& accuracy = result_.accuracy;
   const JointGap gap = jointGap(pivots_, motion_.poses);
-  const bool jointsGive = follower_ ? follower_->jointsGive() : jointsGiveThroughout();
-  double& largest = jointsGive ? accuracy.jointOpeningMax : accuracy.jointGapMax;
+  const bool giveNow = isOnPath() ? jointsGive() : jointsGiveThroughout();
+  double& largest = giveNow ? accuracy.jointOpeningMax : accuracy.jointGapMax;
   largest = std::max(largest, gap.max);
   gapSum_ += gap.mean;
   accuracy.targetErrorMin = std::min(accuracy.targetErrorMin, finalTargetError());
@@ -448,9 +468,10 @@ DeploymentResult Run::finish() {
     end(Outcome::OutOfTime, fmt::format("still moving after {:.4g} s", scene_.stop.duration));
   if (stepCount_ > 0) result_.accuracy.jointGapMean = gapSum_ / static_cast<double>(stepCount_);
   if (misfit_) {
-    result_.pathReason =
-        fmt::format("the tiles do not quite fit each other, so joints give a little, with {:g} N/m",
-                    kMisfitStiffness);
+    result_.pathReason = fmt::format("{}, so joints give a little, with {:g} N/m",
+                                     heldOpen_ ? "bricks are in the way of closing joints"
+                                               : "the tiles do not quite fit each other",
+                                     kMisfitStiffness);
   }
   result_.cost.cpuSeconds = spentSeconds();
   return std::move(result_);

@@ -31,6 +31,10 @@ class Run : private TimelineStage {
 
   /// What it has cost so far.
   const DeployCost& cost() const { return result_.cost; }
+  /// How well it has gone so far; of overlaps, as far as samples have seen them.
+  const Accuracy& accuracy() const { return result_.accuracy; }
+  /// Whether bricks keep joints that gave from closing.
+  bool isHeldOpen() const { return heldOpen_; }
 
  private:
   void start();
@@ -45,6 +49,7 @@ class Run : private TimelineStage {
   void advanceSample();
   void advanceStep();
   void followPath();
+  bool closeJoints();
   bool isOpening() const { return time() < openedAt_; }
   /// Whether something else drives the tiles than the scene's own actuation.
   bool isOnPath() const { return isOpening() || follower_.has_value(); }
@@ -53,6 +58,7 @@ class Run : private TimelineStage {
   void watchJam(const StepReport& report);
   bool isStuck() const;
   bool isLost() const;
+  bool jointsGive() const;
   bool jointsGiveThroughout() const;
   void holdJoints();
   void takeSample();
@@ -104,6 +110,7 @@ class Run : private TimelineStage {
   double gapSum_ = 0;
   double restTime_ = 0;
   bool misfit_ = false;        // joints could not be closed
+  bool heldOpen_ = false;      // for bricks that are in the way
   Poses jamStart_;             // where steps began to fail however short; empty while they do not
   double earlierSeconds_ = 0;  // of CPU time, in the processes before this one
   double startSeconds_ = 0;    // CPU time of the thread when this one began

@@ -177,6 +177,42 @@ TEST(Path, JointsDoNotGiveAmongBricksThatBlock) {
             "other");
 }
 
+/// Two squares side by side, 0.1 apart, that are joined at their right corners: closing the joint
+/// pushes one into the other.
+Scene joinedThroughEachOther() {
+  Scene scene = pulledApart(0);
+  for (Vector3& vertex : scene.model.tiles[1].vertices) vertex.x() += 0.1;
+  scene.model.joints = {{.a = {0, 1}, .b = {1, 1}}};
+  return scene;
+}
+
+TEST(Path, BricksInTheWayKeepJointsThatGaveOpen) {
+  Scene scene = joinedThroughEachOther();
+  scene.environment.contacts = ContactFilter::All;
+  scene.path = {.kind = PathKind::Led, .ledTime = 1, .jointStiffness = 1e4};
+  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_THAT(result.pathReason, HasSubstr("bricks are in the way of closing joints"));
+  // Of a tile of 1 m. Measured 8.0e-5 and 2.4e-4.
+  EXPECT_LT(result.accuracy.penetrationGrownMax, 1e-4);
+  EXPECT_GT(result.accuracy.jointGapEnd, 1e-10);
+}
+
+TEST(Path, WhatClosingTheStartPushesIntoEachOtherCounts) {
+  Scene scene = joinedThroughEachOther();
+  scene.path.kind = PathKind::Straight;
+  const DeploymentResult closed = deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_GT(closed.accuracy.penetrationGrownMax, 0.01);  // measured 0.02
+}
+
+TEST(Path, JointsThatGiveAreNotClosedFirst) {
+  Scene scene = joinedThroughEachOther();
+  scene.path = {.kind = PathKind::Led, .jointStiffness = 1e4};
+  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_EQ(result.accuracy.assemblyMove, 0);
+  EXPECT_GT(result.accuracy.jointOpeningMax, 0.5);  // measured 0.76
+  EXPECT_LT(result.accuracy.jointGapEnd, 1e-10);    // measured 1.0e-12
+}
+
 /// Moves every vertex by up to `size` along x, by `move` of -1 to 1.
 void disturb(std::vector<Tile>& tiles, double size,
              const std::function<double(const Vector3&)>& move) {
