@@ -26,6 +26,8 @@ constexpr double kPatience = 2;
 
 // Overlap beyond that of the start that a path with contacts may reach, in tiles.
 constexpr double kOverlapShare = 1e-4;
+// How far joints may open on such a path, in tiles: farther, bricks could slip past each other.
+constexpr double kOpeningShare = 1e-2;
 // A trial with contacts is given up after so many factorizations times tiles: where bricks wedge,
 // steps are halved again and again.
 constexpr long kContactEffort = 650'000;
@@ -33,6 +35,9 @@ constexpr long kContactEffort = 650'000;
 // Where bricks wedge, so much thinner ones are tried, on the first few paths.
 constexpr std::array kThinner = {0.25, 0.0625};
 constexpr std::size_t kThinPaths = 2;
+
+// By this factor a later path has to come nearer than an earlier one to be taken instead.
+constexpr double kNearer = 0.99;
 
 // Whether exact joints jam is looked at for so many seconds.
 constexpr double kJamTime = 0.5;
@@ -59,7 +64,7 @@ const std::vector<PathSettings>& candidates() {
 }
 
 /// The paths to try with contacts, in this order. Where bricks lie flush from the start on, room is
-/// made first.
+/// made first, or joints give a little.
 const std::vector<PathSettings>& candidatesAmongBricks() {
   static const std::vector<PathSettings> paths = {
       {PathKind::Straight},
@@ -70,6 +75,22 @@ const std::vector<PathSettings>& candidatesAmongBricks() {
       {PathKind::Led, 0, 4, 200, kExact},
       {PathKind::Led, 0, 1, 200, kExact},
       {PathKind::Led, 0, 2, 200, kExact},
+      {PathKind::Led, 0, 4, 200, 1e8},
+      {PathKind::Led, 0, 2, 50, 1e7},
+      {PathKind::Led, 0, 4, 200, 1e7},
+      {PathKind::Led, 0, 2, 50, 1e6},
+  };
+  return paths;
+}
+
+/// The paths to try where bricks would overlap at the target, so that none arrives: the one that
+/// comes nearest is taken.
+const std::vector<PathSettings>& candidatesToBlocked() {
+  static const std::vector<PathSettings> paths = {
+      {PathKind::Straight},
+      {PathKind::Led, 0, 4, 200, kExact},
+      {PathKind::Led, 0, 4, 200, 1e8},
+      {PathKind::Led, 0, 4, 200, 1e7},
   };
   return paths;
 }
@@ -127,6 +148,11 @@ bool isJammed(const DeployCost& cost) {
   return cost.unconvergedSteps > kJammedSteps && 2 * cost.unconvergedSteps > cost.steps;
 }
 
+/// Whether bricks kept out of each other.
+bool staysClear(const Accuracy& accuracy, double tile) {
+  return accuracy.penetrationGrownMax <= kOverlapShare * tile;
+}
+
 /// Runs a scene as the deployment itself would, so that what arrives here arrives there, for as
 /// long as `goesOn` says so.
 TrialEnd tryPath(const Scene& scene, double sampleInterval, double assembledFloor,
@@ -134,24 +160,32 @@ TrialEnd tryPath(const Scene& scene, double sampleInterval, double assembledFloo
   StallWatch stalls(scene);
   const Run* running = nullptr;
   const long mostEffort = kContactEffort / static_cast<long>(scene.model.tiles.size());
-  const bool isLimited = scene.environment.contacts != ContactFilter::None;
+  const double tile = tileSize(scene.model);
+  const bool isAmongBricks = scene.environment.contacts != ContactFilter::None;
   const SampleObserver watch = [&](const Sample& sample) {
-    if (!goesOn()) return false;
-    if (isLimited) return stalls(sample) && running->cost().factorizations <= mostEffort;
-    return stalls(sample) && !isJammed(running->cost());
+    if (!goesOn() || !stalls(sample)) return false;
+    if (!isAmongBricks) return !isJammed(running->cost());
+    return running->cost().factorizations <= mostEffort && staysClear(running->accuracy(), tile);
   };
   Run run(scene, sampleInterval, assembledFloor, watch);
   running = &run;
   const DeploymentResult result = run.finish();
-  const bool jams = !isLimited && isJammed(result.cost);
-  const double tile = tileSize(scene.model);
-  const double near = std::max(kArrivedFactor * assembledFloor, kArrivedShare * tile);
   const Accuracy& accuracy = result.accuracy;
-  return {result.outcome != Outcome::Diverged && !jams && accuracy.targetErrorEnd <= near, jams,
-          accuracy.penetrationGrownMax <= kOverlapShare * tile};
+  TrialEnd end;
+  end.jams = !isAmongBricks && isJammed(result.cost);
+  end.error = accuracy.targetErrorEnd;
+  end.opening = accuracy.jointOpeningMax;
+  const double near = std::max(kArrivedFactor * assembledFloor, kArrivedShare * tile);
+  end.arrives = result.outcome != Outcome::Diverged && !end.jams && end.error <= near;
+  // Joints that give may yet open where a trial was cut short.
+  const bool isOpenEnded = std::isfinite(scene.path.jointStiffness) &&
+                           result.outcome == Outcome::Interrupted && !end.arrives;
+  end.keepsClear = staysClear(accuracy, tile) && !run.isHeldOpen() && !isOpenEnded;
+  return end;
 }
 
-/// Joints that give are of no use against bricks: a straight pull then takes the path's place.
+/// Where bricks are in the way all the same, joints are not to give in vain: a straight pull then
+/// takes the path's place.
 PathSettings withExactJoints(const PathSettings& path) {
   return std::isfinite(path.jointStiffness) ? PathSettings{PathKind::Straight} : path;
 }
@@ -171,11 +205,15 @@ class PathSearch {
     PathChoice choice = findWithoutContacts();
     const bool contacts = scene_.environment.contacts != ContactFilter::None;
     if (isOver_ || !contacts || !last_.arrives || last_.keepsClear) return choice;
-    if (roomAtTarget) return findAmongBricks(choice);
-    return {withExactJoints(choice.path), choice.reason + " where bricks pass through each other"};
+    return findAmongBricks(choice, roomAtTarget);
   }
 
  private:
+  struct Attempt {
+    PathSettings path;
+    TrialEnd end;
+  };
+
   /// Whether a path arrives; not when the search ends before that is known.
   bool arrives(const PathSettings& path, const Environment& environment, const std::string& what,
                double stepFactor = 1) {
@@ -216,18 +254,22 @@ class PathSearch {
   }
 
   /// Where bricks meet on the way, other ways are tried with contacts.
-  PathChoice findAmongBricks(const PathChoice& first) {
-    if (const auto path = pathAmongBricks(candidatesAmongBricks(), "touching bricks")) {
+  PathChoice findAmongBricks(const PathChoice& first, bool roomAtTarget) {
+    const auto& paths = roomAtTarget ? candidatesAmongBricks() : candidatesToBlocked();
+    if (const auto path = pathAmongBricks(paths, "touching bricks")) {
       return {*path, describe(*path) + " among touching bricks arrives"};
     }
-    return {withExactJoints(first.path),
-            first.reason +
-                " where bricks pass through each other; no path that was tried arrives "
-                "among bricks that touch" +
-                thinnerBricks()};
+    std::string reason = first.reason + " where bricks pass through each other";
+    if (roomAtTarget) {
+      reason += "; no path that was tried arrives among bricks that touch" + widerJoints() +
+                thinnerBricks();
+    }
+    if (!nearest_) return {withExactJoints(first.path), reason};
+    return {nearest_->path, fmt::format("{}; {} comes nearest among bricks that touch", reason,
+                                        describe(nearest_->path))};
   }
 
-  /// The first path on which bricks arrive without overlap.
+  /// The first path on which bricks arrive without overlap, joints hardly open.
   std::optional<PathSettings> pathAmongBricks(std::span<const PathSettings> paths,
                                               const std::string& which) {
     Environment bricks = scene_.environment;
@@ -236,9 +278,23 @@ class PathSearch {
     for (const PathSettings& path : paths) {
       const std::string what = fmt::format("{} among {}", describe(path), which);
       if (!mayTry(what)) return {};
-      if (arrives(path, bricks, what) && last_.keepsClear) return path;
+      const bool found = arrives(path, bricks, what);
+      if (isOver_ || !last_.keepsClear) continue;
+      if (last_.opening > kOpeningShare * tileSize(scene_.model)) {
+        if (found && !wide_) wide_ = {path, last_};
+        continue;
+      }
+      if (found) return path;
+      if (!nearest_ || last_.error < kNearer * nearest_->end.error) nearest_ = {path, last_};
     }
     return {};
+  }
+
+  /// Which joints arrive that open too far, for the summary; empty when none do.
+  std::string widerJoints() const {
+    if (!wide_) return "";
+    return fmt::format("; {} does, but joints open by {:.2g} m", describe(wide_->path),
+                       wide_->end.opening);
   }
 
   /// Which thinner bricks arrive, for the summary; empty when none was found.
@@ -267,6 +323,8 @@ class PathSearch {
   std::size_t count_ = 0;  // of trials so far
   bool isOver_ = false;    // the observer said so
   TrialEnd last_;
+  std::optional<Attempt> nearest_;  // of those among bricks that do not arrive
+  std::optional<Attempt> wide_;     // arrives, but joints open too far
 };
 
 }  // namespace

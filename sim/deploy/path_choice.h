@@ -18,11 +18,14 @@ struct PathChoice {
 
 /// How a trial ended.
 struct TrialEnd {
-  bool arrives = false;     ///< at the assembled floor
-  bool jams = false;        ///< exact joints could not be held on the way
-  bool keepsClear = false;  ///< no bricks overlap on the way more than at the start
+  bool arrives = false;  ///< at the assembled floor
+  bool jams = false;     ///< exact joints could not be held on the way
+  /// No bricks overlap on the way more than at the start, or keep joints that gave from closing.
+  bool keepsClear = false;
+  double error = 0;    ///< target error at its end, metres
+  double opening = 0;  ///< how far joints that give opened, metres
 
-  void transfer(StateTape& tape) { tape.transfer(arrives, jams, keepsClear); }
+  void transfer(StateTape& tape) { tape.transfer(arrives, jams, keepsClear, error, opening); }
 };
 
 /// Called with what is tried, at each sample of a trial; return false to stop looking.
@@ -37,13 +40,14 @@ struct TargetRoom {
 /// Chooses the scene's path where that is left to the program. Tries paths without contacts, ground
 /// and gravity first (a path that joints forbid is no path with them either), from the simplest on,
 /// exact joints before joints that give, stiff ones before soft ones, and takes the first that
-/// arrives at the assembled floor. Where bricks run into each other on it, although they have room
-/// at the target, paths are tried with contacts. Where none arrives, the first found stays, or else
-/// the straight one, and the reason says whether thinner bricks would arrive. A path that the scene
-/// names is kept. Where nothing pulls to a target and the tiles' misfit makes exact joints jam,
-/// joints give throughout. Trials are as the run itself, sampled every `sampleInterval` seconds.
-/// `observer` may be empty. `trials` holds how the first trials ended, which are not made again,
-/// and gets the others, but not one that was stopped.
+/// arrives at the assembled floor. Where bricks run into each other on it, paths are tried with
+/// contacts: fewer where bricks have no room at the target. Where none arrives with joints that
+/// open by at most a hundredth of a tile, the one that comes nearest without overlaps is taken, and
+/// where that does not arrive at all, the reason says whether thinner bricks would. A path that the
+/// scene names is kept. Where nothing pulls to a target and the tiles' misfit makes exact joints
+/// jam, joints give throughout. Trials are as the run itself, sampled every `sampleInterval`
+/// seconds. `observer` may be empty. `trials` holds how the first trials ended, which are not made
+/// again, and gets the others, but not one that was stopped.
 PathChoice choosePath(const Scene& scene, double sampleInterval, const TargetRoom& room,
                       const TrialObserver& observer, std::vector<TrialEnd>& trials);
 

@@ -154,7 +154,7 @@ TEST(Path, ThinnerBricksAreNamedWhereThickOnesWedge) {
   scene.environment.contacts = ContactFilter::All;
   scene.brick.thickness = 0.08;
   // As if thick bricks had wedged on every path: one arrives, but through each other.
-  std::vector<TrialEnd> trials(8);
+  std::vector<TrialEnd> trials(13);
   trials.front().arrives = true;
   std::vector<std::string> tried;
   const PathChoice choice =
@@ -164,17 +164,97 @@ TEST(Path, ThinnerBricksAreNamedWhereThickOnesWedge) {
   EXPECT_TRUE(trials.back().arrives);
 }
 
-TEST(Path, JointsDoNotGiveAmongBricksThatBlock) {
-  Scene scene = flatToCap();
-  // As if the first way to arrive had been the fifth candidate, with joints that give.
+/// How a path with contacts ended.
+TrialEnd endAmongBricks(double error, bool keepsClear) {
+  TrialEnd end;
+  end.keepsClear = keepsClear;
+  end.error = error;
+  return end;
+}
+
+TEST(Path, WhatComesNearestIsTakenAmongBricksThatBlock) {
+  const Scene scene = flatToCap();
+  // As if the first way to arrive had been the fifth candidate, with joints that give, and then
+  // four had not, the third for overlaps.
   std::vector<TrialEnd> trials(6);
   trials.back().arrives = true;
+  for (const auto& [error, keepsClear] :
+       {std::pair(0.5, true), {0.2, true}, {0.1, false}, {0.1999, true}}) {
+    trials.push_back(endAmongBricks(error, keepsClear));
+  }
   const PathChoice choice = choosePath(scene, 1.0 / 60, {0, true}, {}, trials);
-  EXPECT_THAT(trials, SizeIs(6));
+  EXPECT_THAT(trials, SizeIs(10));
+  EXPECT_EQ(choice.path.ledStiffness, 200);
+  EXPECT_EQ(choice.path.jointStiffness, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(choice.reason,
+            "led for 4 s with 10 N/m, joints of 1e+08 N/m arrives where bricks pass through each "
+            "other; led for 4 s with 200 N/m, exact joints comes nearest among bricks that touch");
+}
+
+TEST(Path, JointsThatOpenFarAreNamedButNotTaken) {
+  const Scene scene = flatToCap();
+  const double tile = tileSize(scene.model);
+  // As if one way had arrived among bricks, and another come near, and none among thinner ones.
+  std::vector<TrialEnd> trials(17);
+  trials.front().arrives = true;
+  trials[10] = endAmongBricks(0, true);
+  trials[10].arrives = true;
+  trials[10].opening = 0.02 * tile;
+  trials[12] = endAmongBricks(0.3, true);
+  trials[12].opening = 0.009 * tile;
+  const PathChoice near = choosePath(scene, 1.0 / 60, {0, false}, {}, trials);
+  EXPECT_EQ(near.path.jointStiffness, 1e6);
+  EXPECT_EQ(near.reason,
+            "a straight pull arrives where bricks pass through each other; no path that was tried "
+            "arrives among bricks that touch; led for 2 s with 50 N/m, joints of 1e+07 N/m does, "
+            "but joints open by 0.012 m; led for 2 s with 50 N/m, joints of 1e+06 N/m comes "
+            "nearest among bricks that touch");
+  trials[12].arrives = true;
+  const PathChoice found = choosePath(scene, 1.0 / 60, {0, false}, {}, trials);
+  EXPECT_EQ(found.reason,
+            "led for 2 s with 50 N/m, joints of 1e+06 N/m among touching bricks arrives");
+  EXPECT_THAT(trials, SizeIs(17));
+}
+
+TEST(Path, JointsDoNotGiveInVainAmongBricksThatBlock) {
+  // As above, but no way keeps bricks apart.
+  std::vector<TrialEnd> trials(10);
+  trials[5].arrives = true;
+  const PathChoice choice = choosePath(flatToCap(), 1.0 / 60, {0, true}, {}, trials);
+  EXPECT_THAT(trials, SizeIs(10));
   EXPECT_EQ(choice.path.kind, PathKind::Straight);
   EXPECT_EQ(choice.reason,
             "led for 4 s with 10 N/m, joints of 1e+08 N/m arrives where bricks pass through each "
             "other");
+}
+
+/// A cube of bricks that lie flush, from which exact joints hardly let them out.
+Scene cubeToSphere() {
+  Scene scene;
+  scene.model = makeCubeToSphere({.size = 4});
+  scene.environment.contacts = ContactFilter::All;
+  return scene;
+}
+
+TEST(Path, JointsGiveWhereBricksWedge) {
+  const Scene scene = cubeToSphere();
+  // As if all ways with exact joints had wedged.
+  std::vector<TrialEnd> trials(9);
+  trials.front().arrives = true;
+  const PathChoice choice = choosePath(scene, 1.0 / 60, {0, false}, {}, trials);
+  EXPECT_EQ(choice.reason,
+            "led for 4 s with 200 N/m, joints of 1e+08 N/m among touching bricks arrives");
+  Scene chosen = scene;
+  chosen.path = choice.path;
+  const DeploymentResult result = deploy(chosen, 1.0 / 60, nullptr);
+  const double tile = tileSize(scene.model);
+  EXPECT_EQ(result.outcome, Outcome::Settled) << result.reason;
+  // Measured 2.5e-14, 9.0e-15, 3.6e-4 and 1.3e-5.
+  EXPECT_LT(result.accuracy.targetErrorEnd, 1e-6 * tile);
+  EXPECT_LT(result.accuracy.jointGapEnd, 1e-10 * tile);
+  EXPECT_LT(result.accuracy.jointOpeningMax, 1e-2 * tile);
+  EXPECT_LT(result.accuracy.penetrationGrownMax, 1e-4 * tile);
+  EXPECT_EQ(result.cost.unconvergedSteps, 0);
 }
 
 /// Two squares side by side, 0.1 apart, that are joined at their right corners: closing the joint
