@@ -17,7 +17,8 @@ namespace {
 // A trial arrives when it ends within this factor of the floor, or this part of a tile.
 constexpr double kArrivedFactor = 1.05;
 constexpr double kArrivedShare = 1e-6;
-// The first look at the straight path takes longer steps: models that need no search are most.
+// In the plane the first look at the straight path takes longer steps: models that need no search
+// are most. In space steps decide too often in which local minimum a pull ends.
 constexpr double kCoarseSteps = 4;
 
 // A trial that has not come nearer to the target by this factor in so many seconds is given up.
@@ -241,14 +242,18 @@ class PathSearch {
     PathSettings straight = scene_.path;
     straight.kind = PathKind::Straight;
     const Environment empty;
-    if (arrives(straight, empty, describe(straight), kCoarseSteps))
-      return {straight, "a straight pull arrives"};
-    const bool jams = last_.jams;
+    bool jams = false;
+    if (sceneNeeds(scene_).planar.on) {
+      if (arrives(straight, empty, describe(straight), kCoarseSteps))
+        return {straight, "straight pull arrives"};
+      jams = last_.jams;
+    }
     for (const PathSettings& path : candidates()) {
       if (jams && !std::isfinite(path.jointStiffness)) continue;
       const std::string what = describe(path);
       if (!mayTry(what)) break;
       if (arrives(path, empty, what)) return {path, what + " arrives"};
+      if (path.kind == PathKind::Straight) jams = last_.jams;
     }
     return {straight, "no path that was tried arrives"};
   }

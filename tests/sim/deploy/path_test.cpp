@@ -72,7 +72,7 @@ TEST(Path, AStraightPullIsKeptWhereItArrives) {
   scene.model = makeTessellation({});
   const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
   EXPECT_EQ(result.path.kind, PathKind::Straight);
-  EXPECT_EQ(result.pathReason, "a straight pull arrives");
+  EXPECT_EQ(result.pathReason, "straight pull arrives");
   EXPECT_EQ(result.accuracy.jointOpeningMax, 0);
 }
 
@@ -100,6 +100,16 @@ TEST(Path, ALockedModelIsLedWithExactJoints) {
   EXPECT_LT(led.accuracy.targetErrorEnd, 1e-6);  // measured 1e-9
   EXPECT_LT(led.accuracy.jointGapMax, 1e-10);    // measured 1e-12
   EXPECT_EQ(led.accuracy.jointOpeningMax, 0);
+}
+
+TEST(Path, WhatArrivesInATrialArrivesInTheRun) {
+  // In which local minimum a straight pull ends depends on the steps.
+  Scene scene;
+  scene.model = makeSphereToSaddle({.columns = 6, .rows = 6});
+  scene.brick.thickness = 0.001;
+  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_EQ(result.outcome, Outcome::Settled) << result.reason;
+  EXPECT_LT(result.accuracy.targetErrorEnd, 1e-6);  // measured 4.4e-9
 }
 
 TEST(Path, JointsThatGiveCloseAgain) {
@@ -176,14 +186,14 @@ TEST(Path, WhatComesNearestIsTakenAmongBricksThatBlock) {
   const Scene scene = flatToCap();
   // As if the first way to arrive had been the fifth candidate, with joints that give, and then
   // four had not, the third for overlaps.
-  std::vector<TrialEnd> trials(6);
+  std::vector<TrialEnd> trials(5);
   trials.back().arrives = true;
   for (const auto& [error, keepsClear] :
        {std::pair(0.5, true), {0.2, true}, {0.1, false}, {0.1999, true}}) {
     trials.push_back(endAmongBricks(error, keepsClear));
   }
   const PathChoice choice = choosePath(scene, 1.0 / 60, {0, true}, {}, trials);
-  EXPECT_THAT(trials, SizeIs(10));
+  EXPECT_THAT(trials, SizeIs(9));
   EXPECT_EQ(choice.path.ledStiffness, 200);
   EXPECT_EQ(choice.path.jointStiffness, std::numeric_limits<double>::infinity());
   EXPECT_EQ(choice.reason,
@@ -205,7 +215,7 @@ TEST(Path, JointsThatOpenFarAreNamedButNotTaken) {
   const PathChoice near = choosePath(scene, 1.0 / 60, {0, false}, {}, trials);
   EXPECT_EQ(near.path.jointStiffness, 1e6);
   EXPECT_EQ(near.reason,
-            "a straight pull arrives where bricks pass through each other; no path that was tried "
+            "straight pull arrives where bricks pass through each other; no path that was tried "
             "arrives among bricks that touch; led for 2 s with 50 N/m, joints of 1e+07 N/m does, "
             "but joints open by 0.012 m; led for 2 s with 50 N/m, joints of 1e+06 N/m comes "
             "nearest among bricks that touch");
@@ -218,10 +228,10 @@ TEST(Path, JointsThatOpenFarAreNamedButNotTaken) {
 
 TEST(Path, JointsDoNotGiveInVainAmongBricksThatBlock) {
   // As above, but no way keeps bricks apart.
-  std::vector<TrialEnd> trials(10);
-  trials[5].arrives = true;
+  std::vector<TrialEnd> trials(9);
+  trials[4].arrives = true;
   const PathChoice choice = choosePath(flatToCap(), 1.0 / 60, {0, true}, {}, trials);
-  EXPECT_THAT(trials, SizeIs(10));
+  EXPECT_THAT(trials, SizeIs(9));
   EXPECT_EQ(choice.path.kind, PathKind::Straight);
   EXPECT_EQ(choice.reason,
             "led for 4 s with 10 N/m, joints of 1e+08 N/m arrives where bricks pass through each "
