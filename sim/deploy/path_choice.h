@@ -41,13 +41,13 @@ struct TargetRoom {
 /// and gravity first (a path that joints forbid is no path with them either), from the simplest on,
 /// exact joints before joints that give, stiff ones before soft ones, and takes the first that
 /// arrives at the assembled floor. Where bricks run into each other on it, paths are tried with
-/// contacts: fewer where bricks have no room at the target. Where none arrives with joints that
-/// open by at most a hundredth of a tile, the one that comes nearest without overlaps is taken, and
-/// where that does not arrive at all, the reason says whether thinner bricks would. A path that the
-/// scene names is kept. Where nothing pulls to a target and the tiles' misfit makes exact joints
-/// jam, joints give throughout. Trials are as the run itself, sampled every `sampleInterval`
-/// seconds. `observer` may be empty. `trials` holds how the first trials ended, which are not made
-/// again, and gets the others, but not one that was stopped.
+/// contacts, joints opening by at most a hundredth of a tile; fewer where bricks have no room at
+/// the target. Where none arrives, the one that comes nearest without overlaps is taken, and the
+/// reason says whether wider joints or thinner bricks would arrive. A path that the scene names is
+/// kept. Where nothing pulls to a target and the tiles' misfit makes exact joints jam, joints give
+/// throughout. Trials are as the run itself, sampled every `sampleInterval` seconds. `observer` may
+/// be empty. `trials` holds how the first trials ended, which are not made again, and gets the
+/// others, but not one that was stopped.
 PathChoice choosePath(const Scene& scene, double sampleInterval, const TargetRoom& room,
                       const TrialObserver& observer, std::vector<TrialEnd>& trials);
 

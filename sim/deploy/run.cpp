@@ -25,7 +25,7 @@ constexpr double kStuckShare = 1e-3;
 constexpr double kNoOverlap = 1e-6;
 // Of the contacts that hold a run up, so many are named.
 constexpr std::size_t kPairsNamed = 3;
-// Closing joints at the end of a path may make bricks overlap by this part of a tile.
+// Closing joints may make bricks overlap by this part of a tile.
 constexpr double kPushedShare = 1e-4;
 // Initial speeds, in model sizes a second, that let a run leave an unstable equilibrium.
 constexpr double kNudge = 1e-6;
@@ -187,6 +187,7 @@ void Run::start() {
                     kNoOverlap * tileSize_);
   // Joints that give need not be closed first, which can push bricks into each other.
   misfit_ = !jointsGive() && !dynamics_->assemble(motion_.poses);
+  if (needs_.contacts.on) pushedAtStart_ = overlaps_->at(motion_.poses).grown;
   holdJoints();
   goTo(nullptr);
   motion_.velocities = nudge(bricks_.size(), kNudge * size_, scene_.solver.seed);
@@ -417,6 +418,21 @@ std::string Run::holdup() const {
   return text;
 }
 
+/// What keeps the joints from being as asked for; empty when nothing does.
+std::string Run::jointTrouble() const {
+  if (misfit_) {
+    return fmt::format("{}, so joints give a little, with {:g} N/m",
+                       heldOpen_ ? "bricks are in the way of closing joints"
+                                 : "the tiles do not quite fit each other",
+                       kMisfitStiffness);
+  }
+  if (pushedAtStart_ <= kPushedShare * tileSize_) return "";
+  return fmt::format(
+      "closing the joints at the start pushes bricks {:.2g} m into each other, joints "
+      "that give would not (--path led --joint-stiffness {:g})",
+      pushedAtStart_, kMisfitStiffness);
+}
+
 /// Steps to the next sample, unless the run diverges on the way.
 void Run::advanceSample() {
   for (int i = 0; i < stepsPerSample_; ++i) {
@@ -467,12 +483,7 @@ DeploymentResult Run::finish() {
   if (!ended_)
     end(Outcome::OutOfTime, fmt::format("still moving after {:.4g} s", scene_.stop.duration));
   if (stepCount_ > 0) result_.accuracy.jointGapMean = gapSum_ / static_cast<double>(stepCount_);
-  if (misfit_) {
-    result_.pathReason = fmt::format("{}, so joints give a little, with {:g} N/m",
-                                     heldOpen_ ? "bricks are in the way of closing joints"
-                                               : "the tiles do not quite fit each other",
-                                     kMisfitStiffness);
-  }
+  result_.pathReason = jointTrouble();
   result_.cost.cpuSeconds = spentSeconds();
   return std::move(result_);
 }

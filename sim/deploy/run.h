@@ -72,6 +72,7 @@ class Run : private TimelineStage {
   void interrupt() { end(Outcome::Interrupted, "ended early by the caller"); }
   void endAtRest();
   std::string holdup() const;
+  std::string jointTrouble() const;
   double time() const { return static_cast<double>(stepCount_) * step_; }
   bool pullsToTarget() const { return scene_.actuation.drive == Drive::Target && target_; }
   double finalTargetError() const;
@@ -111,6 +112,7 @@ class Run : private TimelineStage {
   double restTime_ = 0;
   bool misfit_ = false;        // joints could not be closed
   bool heldOpen_ = false;      // for bricks that are in the way
+  double pushedAtStart_ = 0;   // metres that closing the joints pushed bricks into each other
   Poses jamStart_;             // where steps began to fail however short; empty while they do not
   double earlierSeconds_ = 0;  // of CPU time, in the processes before this one
   double startSeconds_ = 0;    // CPU time of the thread when this one began
