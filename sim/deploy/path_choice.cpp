@@ -47,54 +47,46 @@ constexpr long kJammedSteps = 512;
 
 constexpr double kExact = std::numeric_limits<double>::infinity();
 
-/// The paths to try, in this order.
-const std::vector<PathSettings>& candidates() {
-  static const std::vector<PathSettings> paths = {
-      {PathKind::Straight},
-      {PathKind::Led, 0, 4, 200, kExact},
-      {PathKind::Led, 0, 2, 50, kExact},
-      {PathKind::Led, 0, 8, 1000, kExact},
-      {PathKind::Led, 0, 4, 10, 1e8},
-      {PathKind::Led, 0, 8, 10, 1e7},
-      {PathKind::Led, 0, 8, 10, 1e6},
-      {PathKind::Led, 0, 4, 10, 1e5},
-      {PathKind::Led, 0, 4, 10, 1e4},
-      {PathKind::Led, 0, 4, 200, 1e4},
-  };
-  return paths;
-}
+/// The paths to try, in this order: how; seconds of opening and of leading; N/m that lead, and of
+/// each joint.
+constexpr auto kCandidates = std::to_array<PathSettings>({
+    {PathKind::Straight},
+    {PathKind::Led, 0, 4, 200, kExact},
+    {PathKind::Led, 0, 2, 50, kExact},
+    {PathKind::Led, 0, 8, 1000, kExact},
+    {PathKind::Led, 0, 4, 10, 1e8},
+    {PathKind::Led, 0, 8, 10, 1e7},
+    {PathKind::Led, 0, 8, 10, 1e6},
+    {PathKind::Led, 0, 4, 10, 1e5},
+    {PathKind::Led, 0, 4, 10, 1e4},
+    {PathKind::Led, 0, 4, 200, 1e4},
+});
 
 /// The paths to try with contacts, in this order. Where bricks lie flush from the start on, room is
 /// made first, or joints give a little.
-const std::vector<PathSettings>& candidatesAmongBricks() {
-  static const std::vector<PathSettings> paths = {
-      {PathKind::Straight},
-      {PathKind::Led, 1, 2, 50, kExact},
-      {PathKind::Led, 1, 4, 200, kExact},
-      {PathKind::Led, 3, 4, 200, kExact},
-      {PathKind::Led, 0, 2, 50, kExact},
-      {PathKind::Led, 0, 4, 200, kExact},
-      {PathKind::Led, 0, 1, 200, kExact},
-      {PathKind::Led, 0, 2, 200, kExact},
-      {PathKind::Led, 0, 4, 200, 1e8},
-      {PathKind::Led, 0, 2, 50, 1e7},
-      {PathKind::Led, 0, 4, 200, 1e7},
-      {PathKind::Led, 0, 2, 50, 1e6},
-  };
-  return paths;
-}
+constexpr auto kAmongBricks = std::to_array<PathSettings>({
+    {PathKind::Straight},
+    {PathKind::Led, 1, 2, 50, kExact},
+    {PathKind::Led, 1, 4, 200, kExact},
+    {PathKind::Led, 3, 4, 200, kExact},
+    {PathKind::Led, 0, 2, 50, kExact},
+    {PathKind::Led, 0, 4, 200, kExact},
+    {PathKind::Led, 0, 1, 200, kExact},
+    {PathKind::Led, 0, 2, 200, kExact},
+    {PathKind::Led, 0, 4, 200, 1e8},
+    {PathKind::Led, 0, 2, 50, 1e7},
+    {PathKind::Led, 0, 4, 200, 1e7},
+    {PathKind::Led, 0, 2, 50, 1e6},
+});
 
 /// The paths to try where bricks would overlap at the target, so that none arrives: the one that
 /// comes nearest is taken.
-const std::vector<PathSettings>& candidatesToBlocked() {
-  static const std::vector<PathSettings> paths = {
-      {PathKind::Straight},
-      {PathKind::Led, 0, 4, 200, kExact},
-      {PathKind::Led, 0, 4, 200, 1e8},
-      {PathKind::Led, 0, 4, 200, 1e7},
-  };
-  return paths;
-}
+constexpr auto kToBlocked = std::to_array<PathSettings>({
+    {PathKind::Straight},
+    {PathKind::Led, 0, 4, 200, kExact},
+    {PathKind::Led, 0, 4, 200, 1e8},
+    {PathKind::Led, 0, 4, 200, 1e7},
+});
 
 std::string describe(const PathSettings& path) {
   if (path.kind == PathKind::Straight) return "straight pull";
@@ -210,6 +202,8 @@ class PathSearch {
   }
 
  private:
+  using Paths = std::span<const PathSettings>;
+
   struct Attempt {
     PathSettings path;
     TrialEnd end;
@@ -248,7 +242,7 @@ class PathSearch {
         return {straight, "straight pull arrives"};
       jams = last_.jams;
     }
-    for (const PathSettings& path : candidates()) {
+    for (const PathSettings& path : kCandidates) {
       if (jams && !std::isfinite(path.jointStiffness)) continue;
       const std::string what = describe(path);
       if (!mayTry(what)) break;
@@ -260,7 +254,7 @@ class PathSearch {
 
   /// Where bricks meet on the way, other ways are tried with contacts.
   PathChoice findAmongBricks(const PathChoice& first, bool roomAtTarget) {
-    const auto& paths = roomAtTarget ? candidatesAmongBricks() : candidatesToBlocked();
+    const Paths paths = roomAtTarget ? Paths(kAmongBricks) : Paths(kToBlocked);
     if (const auto path = pathAmongBricks(paths, "touching bricks")) {
       return {*path, describe(*path) + " among touching bricks arrives"};
     }
@@ -275,8 +269,7 @@ class PathSearch {
   }
 
   /// The first path on which bricks arrive without overlap, joints hardly open.
-  std::optional<PathSettings> pathAmongBricks(std::span<const PathSettings> paths,
-                                              const std::string& which) {
+  std::optional<PathSettings> pathAmongBricks(Paths paths, const std::string& which) {
     Environment bricks = scene_.environment;
     bricks.ground.reset();
     bricks.gravity.setZero();
@@ -311,8 +304,7 @@ class PathSearch {
       const std::string which = fmt::format("bricks {:.2g} m thick", thin.brick.thickness);
       PathSearch search(thin, interval_, assembleAtTarget(thin).error, observer_, trials_);
       search.count_ = count_;
-      const auto path =
-          search.pathAmongBricks(std::span(candidatesAmongBricks()).first(kThinPaths), which);
+      const auto path = search.pathAmongBricks(Paths(kAmongBricks).first(kThinPaths), which);
       count_ = search.count_;
       isOver_ = search.isOver_;
       if (path) return fmt::format("; {} do ({})", which, describe(*path));
