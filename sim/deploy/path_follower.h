@@ -13,8 +13,9 @@ namespace kirireel {
 /// they stiffen until hardly anything of their openings is left.
 class PathFollower {
  public:
-  /// `bricks` must outlive this. `start`: where the path begins, joints closed; `beginTime`: when,
-  /// seconds. `target`: where it leads, one tile a brick. The scene has PathKind::Led.
+  /// `bricks` must outlive this. `start`: where the path begins, joints closed unless they give;
+  /// `beginTime`: when, seconds. `target`: where it leads, one tile a brick. The scene has
+  /// PathKind::Led.
   PathFollower(const Scene& scene, const std::vector<Brick>& bricks, const Poses& start,
                const std::vector<Tile>& target, double beginTime);
 
@@ -26,10 +27,9 @@ class PathFollower {
   /// The springs that lead.
   const TargetSprings& springs() const { return springs_; }
 
-  /// Whether joints are springs on this path.
+ private:
   bool jointsGive() const;
 
- private:
   PathSettings path_;
   double beginTime_;
   TargetGuide guide_;

@@ -313,7 +313,7 @@ void Run::followPath() {
   }
   if (!follower_ || follower_->prepareStep(time() + step_, *dynamics_)) return;
   const bool closed = closeJoints();
-  if (follower_->jointsGive()) dynamics_->setJointStiffness(closed ? kExact : kMisfitStiffness);
+  if (jointsGive()) dynamics_->setJointStiffness(closed ? kExact : kMisfitStiffness);
   misfit_ = misfit_ || !closed;
   follower_.reset();
 }

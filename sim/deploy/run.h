@@ -86,7 +86,7 @@ class Run : private TimelineStage {
   std::vector<Brick> bricks_;
   std::vector<Pivot> pivots_;
   Motion motion_;
-  Poses startPoses_;  // joints closed
+  Poses startPoses_;  // joints closed unless they give
   std::optional<PenetrationGrowth> overlaps_;
   const std::vector<Tile>* target_;  // the one headed for at present; null when there is none
   double targetStartError_ = 0;      // when it was set
