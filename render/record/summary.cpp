@@ -47,13 +47,12 @@ Json accuracyJson(const RunSummary& summary, bool hasTarget) {
 
 Json pathJson(const PathSettings& path, const std::string& reason) {
   const bool isLed = path.kind == PathKind::Led;
-  const bool jointsGive = std::isfinite(path.jointStiffness);
   return {{"kind", isLed ? "led" : "straight"},
           {"reason", reason},
           {"open_time", onlyIf(isLed && path.openTime > 0, path.openTime)},
           {"led_time", onlyIf(isLed, path.ledTime)},
           {"led_stiffness", onlyIf(isLed, path.ledStiffness)},
-          {"joint_stiffness", onlyIf(jointsGive, path.jointStiffness)}};
+          {"joint_stiffness", onlyIf(path.jointsGive(), path.jointStiffness)}};
 }
 
 Json blockingJson(const std::vector<BlockingPair>& blocking) {

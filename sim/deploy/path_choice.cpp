@@ -92,9 +92,8 @@ std::string describe(const PathSettings& path) {
   if (path.kind == PathKind::Straight) return "straight pull";
   std::string way = fmt::format("led for {:g} s with {:g} N/m", path.ledTime, path.ledStiffness);
   if (path.openTime > 0) way = fmt::format("opened for {:g} s, {}", path.openTime, way);
-  return std::isfinite(path.jointStiffness)
-             ? fmt::format("{}, joints of {:g} N/m", way, path.jointStiffness)
-             : way + ", exact joints";
+  return path.jointsGive() ? fmt::format("{}, joints of {:g} N/m", way, path.jointStiffness)
+                           : way + ", exact joints";
 }
 
 /// Ends a trial that gets no nearer to the target any more.
@@ -171,8 +170,8 @@ TrialEnd tryPath(const Scene& scene, double sampleInterval, double assembledFloo
   const double near = std::max(kArrivedFactor * assembledFloor, kArrivedShare * tile);
   end.arrives = result.outcome != Outcome::Diverged && !end.jams && end.error <= near;
   // Joints that give may yet open where a trial was cut short.
-  const bool isOpenEnded = std::isfinite(scene.path.jointStiffness) &&
-                           result.outcome == Outcome::Interrupted && !end.arrives;
+  const bool isOpenEnded =
+      scene.path.jointsGive() && result.outcome == Outcome::Interrupted && !end.arrives;
   end.keepsClear = staysClear(accuracy, tile) && !run.isHeldOpen() && !isOpenEnded;
   return end;
 }
@@ -180,7 +179,7 @@ TrialEnd tryPath(const Scene& scene, double sampleInterval, double assembledFloo
 /// Where bricks are in the way all the same, joints are not to give in vain: a straight pull then
 /// takes the path's place.
 PathSettings withExactJoints(const PathSettings& path) {
-  return std::isfinite(path.jointStiffness) ? PathSettings{PathKind::Straight} : path;
+  return path.jointsGive() ? PathSettings{PathKind::Straight} : path;
 }
 
 /// Looks for a path of one scene.
@@ -243,7 +242,7 @@ class PathSearch {
       jams = last_.jams;
     }
     for (const PathSettings& path : kCandidates) {
-      if (jams && !std::isfinite(path.jointStiffness)) continue;
+      if (jams && !path.jointsGive()) continue;
       const std::string what = describe(path);
       if (!mayTry(what)) break;
       if (arrives(path, empty, what)) return {path, what + " arrives"};

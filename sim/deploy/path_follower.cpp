@@ -37,15 +37,11 @@ PathFollower::PathFollower(const Scene& scene, const std::vector<Brick>& bricks,
       guide_(bottomTiles(bricks, start), target),
       springs_(bricks, target, scene.model.pulledTiles, leadingSprings(scene)) {}
 
-bool PathFollower::jointsGive() const {
-  return std::isfinite(path_.jointStiffness);
-}
-
 bool PathFollower::prepareStep(double time, Dynamics& dynamics) {
   const double elapsed = time - beginTime_;
   springs_.setTarget(guide_.at(std::min(1.0, elapsed / path_.ledTime)));
   const double late = elapsed - path_.ledTime - kCatchUp;
-  if (!jointsGive()) return late <= 0;
+  if (!path_.jointsGive()) return late <= 0;
   const double part = std::clamp(late / kStiffening, 0.0, 1.0);
   const double range = std::max(1.0, kClosingStiffness / path_.jointStiffness);
   dynamics.setJointStiffness(path_.jointStiffness * std::pow(range, part));

@@ -28,8 +28,6 @@ class PathFollower {
   const TargetSprings& springs() const { return springs_; }
 
  private:
-  bool jointsGive() const;
-
   PathSettings path_;
   double beginTime_;
   TargetGuide guide_;

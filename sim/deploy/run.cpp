@@ -80,19 +80,14 @@ Run::Run(const Scene& scene, double sampleInterval, double assembledFloor,
   };
 }
 
-/// Whether joints give from the start on.
-bool Run::jointsGive() const {
-  return std::isfinite(scene_.path.jointStiffness);
-}
-
 /// Joints that give while the tiles are led close again; on a straight path they stay as they are.
 bool Run::jointsGiveThroughout() const {
-  return scene_.path.kind == PathKind::Straight && jointsGive();
+  return scene_.path.kind == PathKind::Straight && scene_.path.jointsGive();
 }
 
 /// Holds the joints as the start of the run does. They give a little where tiles do not fit.
 void Run::holdJoints() {
-  if (jointsGive()) {
+  if (scene_.path.jointsGive()) {
     dynamics_->setJointStiffness(scene_.path.jointStiffness);
   } else if (misfit_) {
     dynamics_->setJointStiffness(kMisfitStiffness);
@@ -186,7 +181,7 @@ void Run::start() {
   overlaps_.emplace(bricks_, pivots_, scene_.environment.pivotZone, motion_.poses,
                     kNoOverlap * tileSize_);
   // Joints that give need not be closed first, which can push bricks into each other.
-  misfit_ = !jointsGive() && !dynamics_->assemble(motion_.poses);
+  misfit_ = !scene_.path.jointsGive() && !dynamics_->assemble(motion_.poses);
   if (needs_.contacts.on) pushedAtStart_ = overlaps_->at(motion_.poses).grown;
   holdJoints();
   goTo(nullptr);
@@ -313,7 +308,7 @@ void Run::followPath() {
   }
   if (!follower_ || follower_->prepareStep(time() + step_, *dynamics_)) return;
   const bool closed = closeJoints();
-  if (jointsGive()) dynamics_->setJointStiffness(closed ? kExact : kMisfitStiffness);
+  if (scene_.path.jointsGive()) dynamics_->setJointStiffness(closed ? kExact : kMisfitStiffness);
   misfit_ = misfit_ || !closed;
   follower_.reset();
 }
@@ -354,7 +349,7 @@ bool Run::isStuck() const {
 void Run::observeStep() {
   Accuracy& accuracy = result_.accuracy;
   const JointGap gap = jointGap(pivots_, motion_.poses);
-  const bool giveNow = isOnPath() ? jointsGive() : jointsGiveThroughout();
+  const bool giveNow = isOnPath() ? scene_.path.jointsGive() : jointsGiveThroughout();
   double& largest = giveNow ? accuracy.jointOpeningMax : accuracy.jointGapMax;
   largest = std::max(largest, gap.max);
   gapSum_ += gap.mean;

@@ -58,7 +58,6 @@ class Run : private TimelineStage {
   void watchJam(const StepReport& report);
   bool isStuck() const;
   bool isLost() const;
-  bool jointsGive() const;
   bool jointsGiveThroughout() const;
   void holdJoints();
   void takeSample();

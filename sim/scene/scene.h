@@ -1,6 +1,7 @@
 /// The scene: a model plus everything that decides how it deploys.
 #pragma once
 
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <string>
@@ -90,6 +91,9 @@ struct PathSettings {
   /// Of each pivot, N/m: while led joints give and are closed at the end, on a straight path they
   /// give throughout. Infinity: exact.
   double jointStiffness = std::numeric_limits<double>::infinity();
+
+  /// Whether joints are springs from the start on.
+  bool jointsGive() const { return std::isfinite(jointStiffness); }
 };
 
 /// Which solver holds the joints.
