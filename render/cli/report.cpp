@@ -11,7 +11,7 @@ namespace {
 std::string describeTarget(const Accuracy& accuracy) {
   return fmt::format(
       "target error {:.3g} m at the end ({:.3g} at the start; rigid tiles can reach {:.3g})\n",
-      accuracy.targetErrorEnd, accuracy.targetErrorStart, accuracy.rigidFloor);
+      accuracy.targetErrorEnd, accuracy.targetErrorStart, accuracy.rigidBound);
 }
 
 std::string describePath(const RunSummary& summary, bool hasTarget) {

@@ -122,8 +122,8 @@ Inspection inspect(const Scene& scene) {
   if (!model.target) return inspection;
   inspection.target = inspectState(scene, *model.target);
   inspection.shapeChange = largestShapeChange(model.tiles, *model.target);
-  inspection.rigidFloor = rigidFloor(model.tiles, *model.target);
-  inspection.assembledFloor = assembleAtTarget(scene).error;
+  inspection.rigidBound = rigidBound(model.tiles, *model.target);
+  inspection.assembledError = assembleAtTarget(scene).error;
   return inspection;
 }
 
@@ -137,9 +137,9 @@ std::string inspectionText(const Inspection& inspection) {
   if (inspection.target) {
     text += stateText("target", *inspection.target);
     text += fmt::format(
-        "congruence: lengths change by {:.3g} m at most; rigid floor {:.3g} m, "
-        "assembled floor {:.3g} m\n",
-        *inspection.shapeChange, *inspection.rigidFloor, *inspection.assembledFloor);
+        "congruence: lengths change by {:.3g} m at most; rigid bound {:.3g} m, "
+        "assembled error {:.3g} m\n",
+        *inspection.shapeChange, *inspection.rigidBound, *inspection.assembledError);
   } else {
     text += "target: none\n";
   }
@@ -161,8 +161,8 @@ std::string inspectionJson(const Inspection& inspection) {
   json["start"] = stateJson(inspection.start);
   json["target"] = inspection.target ? stateJson(*inspection.target) : Json();
   json["shape_change_max"] = inspection.shapeChange ? Json(*inspection.shapeChange) : Json();
-  json["rigid_floor"] = inspection.rigidFloor ? Json(*inspection.rigidFloor) : Json();
-  json["assembled_floor"] = inspection.assembledFloor ? Json(*inspection.assembledFloor) : Json();
+  json["rigid_bound"] = inspection.rigidBound ? Json(*inspection.rigidBound) : Json();
+  json["assembled_error"] = inspection.assembledError ? Json(*inspection.assembledError) : Json();
   json["needs"] = {{"planar", needJson(inspection.needs.planar)},
                    {"contacts", needJson(inspection.needs.contacts)},
                    {"ground", needJson(inspection.needs.ground)}};

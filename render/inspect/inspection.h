@@ -33,8 +33,8 @@ struct Inspection {
   StateInspection start;
   std::optional<StateInspection> target;
   std::optional<double> shapeChange;     ///< largest change of a length in a tile, metres
-  std::optional<double> rigidFloor;      ///< least target error of rigid tiles, metres
-  std::optional<double> assembledFloor;  ///< the same with bricks whose joints are closed, metres
+  std::optional<double> rigidBound;      ///< no rigid tiles come nearer to the target, metres
+  std::optional<double> assembledError;  ///< the least found with joints closed, metres
   Needs needs;                           ///< what a run would switch on
 };
 

@@ -141,7 +141,7 @@ void summarize(const RunEnd& end, RunSummary& summary) {
   summary.accuracy = end.result.accuracy;
   summary.path = end.result.path;
   summary.pathReason = end.result.pathReason;
-  summary.assembledFloor = end.result.assembledFloor;
+  summary.assembledError = end.result.assembledError;
   summary.blocking = end.result.blocking;
   summary.deployCost = end.result.cost;
   summary.events = end.result.trajectory.events;

@@ -101,7 +101,7 @@ struct RunSummary : PictureReport {
   PathSettings path;       ///< that was taken
   std::string pathReason;  ///< one short phrase: why
   Accuracy accuracy;
-  double assembledFloor = -1;          ///< metres; negative when not computed
+  double assembledError = -1;          ///< metres; negative when not computed
   std::vector<BlockingPair> blocking;  ///< bricks in each other's way at the target
   std::vector<Event> events;           ///< what the timeline did, and how the run ended
   DeployCost deployCost;

@@ -38,8 +38,8 @@ Json accuracyJson(const RunSummary& summary, bool hasTarget) {
           {"target_error_start", onlyIf(hasTarget, accuracy.targetErrorStart)},
           {"target_error_end", onlyIf(hasTarget, accuracy.targetErrorEnd)},
           {"target_error_min", onlyIf(hasTarget, accuracy.targetErrorMin)},
-          {"rigid_floor", onlyIf(hasTarget, accuracy.rigidFloor)},
-          {"assembled_floor", onlyIf(summary.assembledFloor >= 0, summary.assembledFloor)},
+          {"rigid_bound", onlyIf(hasTarget, accuracy.rigidBound)},
+          {"assembled_error", onlyIf(summary.assembledError >= 0, summary.assembledError)},
           {"penetration_max", accuracy.penetrationMax},
           {"penetration_outside_pivots_max", accuracy.penetrationOutsidePivotsMax},
           {"penetration_grown_max", accuracy.penetrationGrownMax}};

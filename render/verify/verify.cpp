@@ -158,8 +158,8 @@ class Verifier {
     compare(kSummary, "target_error_start", stated.at("target_error_start"),
             figures.first.targetError);
     compare(kSummary, "target_error_end", stated.at("target_error_end"), figures.last.targetError);
-    compare(kSummary, "rigid_floor", stated.at("rigid_floor"),
-            rigidFloor(model.tiles, *model.target));
+    compare(kSummary, "rigid_bound", stated.at("rigid_bound"),
+            rigidBound(model.tiles, *model.target));
     const double least = stated.at("target_error_min");
     if (figures.errorMin < least) compare(kSummary, "target_error_min", least, figures.errorMin);
   }

@@ -13,8 +13,8 @@ struct AssembledState {
 
 /// The joint-closed state nearest to the target: every tile is put where it fits its target best,
 /// the joints are closed from there, and the scene's springs pull until nothing moves, joints
-/// exact. Its error is the assembled floor, zero where the target's own data close. Contacts,
-/// ground and gravity are left out.
+/// exact. Its error is the assembled error, an upper bound of the least error with closed joints,
+/// and zero where the target's own data close. Contacts, ground and gravity are left out.
 AssembledState assembleAtTarget(const Scene& scene);
 
 }  // namespace kirireel

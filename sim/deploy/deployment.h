@@ -37,14 +37,14 @@ struct Accuracy {
   double targetErrorStart = 0;
   double targetErrorEnd = 0;
   double targetErrorMin = 0;
-  double rigidFloor = 0;
+  double rigidBound = 0;
   double penetrationMax = 0;               ///< over the samples
   double penetrationOutsidePivotsMax = 0;  ///< the same without the corners that bricks share
   double penetrationGrownMax = 0;          ///< of that, what any pair has beyond its start
 
   void transfer(StateTape& tape) {
     tape.transfer(jointGapMax, jointGapMean, jointGapEnd, jointOpeningMax, assemblyMove,
-                  targetErrorStart, targetErrorEnd, targetErrorMin, rigidFloor, penetrationMax,
+                  targetErrorStart, targetErrorEnd, targetErrorMin, rigidBound, penetrationMax,
                   penetrationOutsidePivotsMax, penetrationGrownMax);
   }
 };
@@ -56,7 +56,7 @@ struct DeployCost {
   long unconvergedSteps = 0;    ///< steps that failed at their shortest: see StepReport
   long factorizations = 0;      ///< of the system matrix
   double cpuSeconds = 0;        ///< of the deploying thread, the search for a path apart
-  double cpuSecondsSearch = 0;  ///< of finding the assembled floor and a path
+  double cpuSecondsSearch = 0;  ///< of finding the assembled error and a path
 
   void transfer(StateTape& tape) {
     tape.transfer(steps, halvedSteps, unconvergedSteps, factorizations);
@@ -73,7 +73,7 @@ struct DeploymentResult {
   Needs needs;
   PathSettings path;                   ///< that was taken, never Auto
   std::string pathReason;              ///< one short phrase: why
-  double assembledFloor = -1;          ///< metres; negative without a target
+  double assembledError = -1;          ///< metres; negative without a target
   std::vector<BlockingPair> blocking;  ///< bricks in each other's way at the target
 };
 

@@ -14,7 +14,7 @@
 namespace kirireel {
 namespace {
 
-// A trial arrives when it ends within this factor of the floor, or this part of a tile.
+// A trial arrives when it ends within this factor of the assembled error, or this part of a tile.
 constexpr double kArrivedFactor = 1.05;
 constexpr double kArrivedShare = 1e-6;
 // In the plane the first look at the straight path takes longer steps: models that need no search
@@ -147,7 +147,7 @@ bool staysClear(const Accuracy& accuracy, double tile) {
 
 /// Runs a scene as the deployment itself would, so that what arrives here arrives there, for as
 /// long as `goesOn` says so.
-TrialEnd tryPath(const Scene& scene, double sampleInterval, double assembledFloor,
+TrialEnd tryPath(const Scene& scene, double sampleInterval, double assembledError,
                  const std::function<bool()>& goesOn) {
   StallWatch stalls(scene);
   const Run* running = nullptr;
@@ -159,7 +159,7 @@ TrialEnd tryPath(const Scene& scene, double sampleInterval, double assembledFloo
     if (!isAmongBricks) return !isJammed(running->cost());
     return running->cost().factorizations <= mostEffort && staysClear(running->accuracy(), tile);
   };
-  Run run(scene, sampleInterval, assembledFloor, watch);
+  Run run(scene, sampleInterval, assembledError, watch);
   running = &run;
   const DeploymentResult result = run.finish();
   const Accuracy& accuracy = result.accuracy;
@@ -167,7 +167,7 @@ TrialEnd tryPath(const Scene& scene, double sampleInterval, double assembledFloo
   end.jams = !isAmongBricks && isJammed(result.cost);
   end.error = accuracy.targetErrorEnd;
   end.opening = accuracy.jointOpeningMax;
-  const double near = std::max(kArrivedFactor * assembledFloor, kArrivedShare * tile);
+  const double near = std::max(kArrivedFactor * assembledError, kArrivedShare * tile);
   end.arrives = result.outcome != Outcome::Diverged && !end.jams && end.error <= near;
   // Joints that give may yet open where a trial was cut short.
   const bool isOpenEnded =
@@ -185,11 +185,11 @@ PathSettings withExactJoints(const PathSettings& path) {
 /// Looks for a path of one scene.
 class PathSearch {
  public:
-  PathSearch(const Scene& scene, double sampleInterval, double assembledFloor,
+  PathSearch(const Scene& scene, double sampleInterval, double assembledError,
              const TrialObserver& observer, std::vector<TrialEnd>& trials)
       : scene_(scene),
         interval_(sampleInterval),
-        floor_(assembledFloor),
+        least_(assembledError),
         observer_(observer),
         trials_(trials) {}
 
@@ -217,7 +217,7 @@ class PathSearch {
     trial.path = path;
     trial.solver.timestep = stepFactor * scene_.solver.timestep;
     if (count_ == trials_.size()) {
-      const TrialEnd end = tryPath(trial, std::max(interval_, trial.solver.timestep), floor_,
+      const TrialEnd end = tryPath(trial, std::max(interval_, trial.solver.timestep), least_,
                                    [&] { return mayTry(what); });
       if (isOver_) return false;
       trials_.push_back(end);
@@ -313,7 +313,7 @@ class PathSearch {
 
   const Scene& scene_;
   double interval_;  // seconds between samples
-  double floor_;
+  double least_;     // target error found with joints closed, metres
   const TrialObserver& observer_;
   std::vector<TrialEnd>& trials_;
   std::size_t count_ = 0;  // of trials so far
@@ -343,7 +343,7 @@ PathChoice choosePath(const Scene& scene, double sampleInterval, const TargetRoo
   }
   if (!scene.model.target) return {straight, "there is no target"};
   if (drive != Drive::Target) return {straight, "nothing pulls to the target"};
-  return PathSearch(scene, sampleInterval, room.assembledFloor, watch, trials)
+  return PathSearch(scene, sampleInterval, room.assembledError, watch, trials)
       .find(!room.isBlocked);
 }
 

@@ -18,7 +18,7 @@ struct PathChoice {
 
 /// How a trial ended.
 struct TrialEnd {
-  bool arrives = false;  ///< at the assembled floor
+  bool arrives = false;  ///< at the assembled error
   bool jams = false;     ///< exact joints could not be held on the way
   /// No bricks overlap on the way more than at the start, or keep joints that gave from closing.
   bool keepsClear = false;
@@ -33,14 +33,14 @@ using TrialObserver = std::function<bool(const std::string& what)>;
 
 /// What is known of the target before the search.
 struct TargetRoom {
-  double assembledFloor = -1;  ///< metres; see assembleAtTarget()
+  double assembledError = -1;  ///< metres; see assembleAtTarget()
   bool isBlocked = false;      ///< bricks would overlap there; see blockingPairs()
 };
 
 /// Chooses the scene's path where that is left to the program. Tries paths without contacts, ground
 /// and gravity first (a path that joints forbid is no path with them either), from the simplest on,
 /// exact joints before joints that give, stiff ones before soft ones, and takes the first that
-/// arrives at the assembled floor. Where bricks run into each other on it, paths are tried with
+/// arrives at the assembled error. Where bricks run into each other on it, paths are tried with
 /// contacts, joints opening by at most a hundredth of a tile; fewer where bricks have no room at
 /// the target. Where none arrives, the one that comes nearest without overlaps is taken, and the
 /// reason says whether wider joints or thinner bricks would arrive. A path that the scene names is

@@ -15,7 +15,7 @@ namespace {
 
 // A run has diverged once a brick is this many model sizes away from where it started.
 constexpr double kLostDistance = 1e3;
-// At rest but farther from the target than its assembled floor plus this part of a tile: locked.
+// At rest but farther from the target than its assembled error plus this part of a tile: locked.
 constexpr double kLockedShare = 0.02;
 // So much of the model's size from the target is arrived: a stiffer pull is not tried.
 constexpr double kArrivedShare = 1e-9;
@@ -52,7 +52,7 @@ std::vector<Velocity> nudge(std::size_t count, double speed, unsigned seed) {
 
 }  // namespace
 
-Run::Run(const Scene& scene, double sampleInterval, double assembledFloor,
+Run::Run(const Scene& scene, double sampleInterval, double assembledError,
          const SampleObserver& observer, Checkpoints* checkpoints)
     : scene_(scene),
       observer_(observer),
@@ -69,7 +69,7 @@ Run::Run(const Scene& scene, double sampleInterval, double assembledFloor,
       step_(sampleInterval / stepsPerSample_),
       size_(modelSize(scene.model)),
       tileSize_(tileSize(scene.model)),
-      assembledFloor_(assembledFloor) {
+      assembledError_(assembledError) {
   if (scene.actuation.drive == Drive::Boundary) {
     boundary_.emplace(scene.model, bricks_, scene.springs, scene.actuation.boundary);
   }
@@ -121,7 +121,7 @@ double Run::currentTargetError() const {
 
 /// What counts as having arrived.
 double Run::reachableError() const {
-  return targetFloor_ + kLockedShare * tileSize_;
+  return leastError_ + kLockedShare * tileSize_;
 }
 
 void Run::goTo(const std::vector<Tile>* target) {
@@ -130,7 +130,7 @@ void Run::goTo(const std::vector<Tile>* target) {
   if (!target_) return;
   targetStartError_ = currentTargetError();
   const bool isFinal = scene_.model.target && target_ == &*scene_.model.target;
-  targetFloor_ = isFinal ? assembledFloor_ : rigidFloor(scene_.model.tiles, *target_);
+  leastError_ = isFinal ? assembledError_ : rigidBound(scene_.model.tiles, *target_);
   departure_ = motion_.poses;
   departureTime_ = time();
   if (!pullsToTarget()) return;
@@ -190,11 +190,11 @@ void Run::start() {
   accuracy.assemblyMove = targetError(before, bricks_, motion_.poses);
   accuracy.targetErrorStart = accuracy.targetErrorMin = finalTargetError();
   if (scene_.model.target) {
-    accuracy.rigidFloor = rigidFloor(scene_.model.tiles, *scene_.model.target);
+    accuracy.rigidBound = rigidBound(scene_.model.tiles, *scene_.model.target);
   }
   result_.needs = needs_;
   result_.path = scene_.path;
-  result_.assembledFloor = assembledFloor_;
+  result_.assembledError = assembledError_;
   static_cast<Subject&>(result_.trajectory) = subjectOf(scene_);
   startPoses_ = motion_.poses;
 }
@@ -240,7 +240,7 @@ void Run::transfer(StateTape& tape) {
   double spent = spentSeconds();
   auto number = std::find(targets.begin(), targets.end(), target_) - targets.begin();
   bool isLed = follower_.has_value();
-  tape.transfer(motion_, number, targetStartError_, targetFloor_, departure_, departureTime_,
+  tape.transfer(motion_, number, targetStartError_, leastError_, departure_, departureTime_,
                 openedAt_, isLed, stiffness_, timeline_, restTime_, misfit_, heldOpen_, jamStart_,
                 result_.trajectory.events, spent, *dynamics_);
   if (!tape.isPlaying()) return;

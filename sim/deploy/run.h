@@ -19,10 +19,10 @@ namespace kirireel {
 /// Steps a scene from its start until it rests, locks, diverges, or its time is up.
 class Run : private TimelineStage {
  public:
-  /// `assembledFloor`: see assembleAtTarget(); negative where there is no target. The scene's path
+  /// `assembledError`: see assembleAtTarget(); negative where there is no target. The scene's path
   /// must be chosen (not Auto). Scene, observer and checkpoints must outlive the run; the last may
   /// be null.
-  Run(const Scene& scene, double sampleInterval, double assembledFloor,
+  Run(const Scene& scene, double sampleInterval, double assembledError,
       const SampleObserver& observer, Checkpoints* checkpoints = nullptr);
 
   /// Runs to the end, from the checkpoint that was found if there is one. The trajectory holds no
@@ -89,7 +89,7 @@ class Run : private TimelineStage {
   std::optional<PenetrationGrowth> overlaps_;
   const std::vector<Tile>* target_;  // the one headed for at present; null when there is none
   double targetStartError_ = 0;      // when it was set
-  double targetFloor_ = 0;           // how near the tiles can come
+  double leastError_ = 0;            // how near the tiles can come
   Poses departure_;                  // where the bricks were when it was set
   double departureTime_ = 0;
   Needs needs_;
@@ -105,7 +105,7 @@ class Run : private TimelineStage {
   double step_;
   double size_;
   double tileSize_;
-  double assembledFloor_;
+  double assembledError_;
   long stepCount_ = 0;
   double gapSum_ = 0;
   double restTime_ = 0;

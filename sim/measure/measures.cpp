@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include "sim/model/alignment.h"
-
 namespace kirireel {
 namespace {
 
@@ -32,18 +30,6 @@ double targetError(const std::vector<Tile>& target, const std::vector<Brick>& br
   for (size_t i = 0; i < bricks.size(); ++i) {
     for (size_t k = 0; k < bricks[i].bottom.size(); ++k) {
       const Vector3 vertex = poses[i].apply(bricks[i].bottom[k]);
-      largest = largerOf(largest, (vertex - target[i].vertices[k]).norm());
-    }
-  }
-  return largest;
-}
-
-double rigidFloor(const std::vector<Tile>& tiles, const std::vector<Tile>& target) {
-  double largest = 0;
-  for (size_t i = 0; i < tiles.size(); ++i) {
-    const RigidMotion motion = bestRigidMotion(tiles[i].vertices, target[i].vertices);
-    for (size_t k = 0; k < tiles[i].vertices.size(); ++k) {
-      const Vector3 vertex = motion.apply(tiles[i].vertices[k]);
       largest = largerOf(largest, (vertex - target[i].vertices[k]).norm());
     }
   }

@@ -25,9 +25,10 @@ JointGap jointGap(std::span<const Pivot> pivots, const Poses& poses);
 double targetError(const std::vector<Tile>& target, const std::vector<Brick>& bricks,
                    const Poses& poses);
 
-/// The least target error that rigid tiles can reach: each tile by itself moved by its best rigid
-/// fit (in the sum of squares) to its target; the largest vertex distance left over.
-double rigidFloor(const std::vector<Tile>& tiles, const std::vector<Tile>& target);
+/// A true lower bound of the target error of rigid tiles, metres: the largest of the tiles' own
+/// minimax errors, each tile moved by itself (never mirrored) so that its farthest vertex is as
+/// near as can be. See rigid_bound.cpp. 0 for no tiles.
+double rigidBound(const std::vector<Tile>& tiles, const std::vector<Tile>& target);
 
 /// Two bricks that overlap.
 struct Penetration {

@@ -9,37 +9,48 @@
 namespace kirireel {
 namespace {
 
-Vector3 meanOf(std::span<const Vector3> points) {
+Vector3 meanOf(std::span<const Vector3> points, std::span<const double> weights) {
   Vector3 sum = Vector3::Zero();
-  for (const Vector3& point : points) sum += point;
-  return sum / static_cast<double>(points.size());
-}
-
-/// Sum of (from - mean) (to - mean)^T.
-Matrix3 crossCovariance(std::span<const Vector3> from, std::span<const Vector3> to) {
-  const Vector3 fromMean = meanOf(from);
-  const Vector3 toMean = meanOf(to);
-  Matrix3 sum = Matrix3::Zero();
-  for (size_t i = 0; i < from.size(); ++i) {
-    sum += (from[i] - fromMean) * (to[i] - toMean).transpose();
+  double total = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    sum += weights[i] * points[i];
+    total += weights[i];
   }
-  return sum;
+  return sum / total;
 }
 
-/// The motion with this rotation that brings mean onto mean.
-RigidMotion aboutMeans(const Matrix3& rotation, std::span<const Vector3> from,
-                       std::span<const Vector3> to) {
-  return {rotation, meanOf(to) - rotation * meanOf(from)};
+/// Two point sets with their weighted means, and the sum of weight (from - mean) (to - mean)^T.
+struct Comparison {
+  Vector3 fromMean;
+  Vector3 toMean;
+  Matrix3 covariance = Matrix3::Zero();
+
+  Comparison(std::span<const Vector3> from, std::span<const Vector3> to,
+             std::span<const double> weights)
+      : fromMean(meanOf(from, weights)), toMean(meanOf(to, weights)) {
+    for (std::size_t i = 0; i < from.size(); ++i) {
+      covariance += weights[i] * (from[i] - fromMean) * (to[i] - toMean).transpose();
+    }
+  }
+
+  /// The motion with this rotation that brings mean onto mean.
+  RigidMotion withRotation(const Matrix3& rotation) const {
+    return {rotation, toMean - rotation * fromMean};
+  }
+};
+
+std::vector<double> evenWeights(std::size_t count) {
+  return std::vector<double>(count, 1.0);
 }
 
 /// The best turn about the z axis: for sets in horizontal planes the best motion in space may flip
 /// the sheet over, which no sheet on a table can do.
 RigidMotion bestPlanarMotion(std::span<const Vector3> from, std::span<const Vector3> to) {
-  const Matrix3 covariance = crossCovariance(from, to);
+  const Comparison sets(from, to, evenWeights(from.size()));
+  const Matrix3& covariance = sets.covariance;
   const double angle =
       std::atan2(covariance(0, 1) - covariance(1, 0), covariance(0, 0) + covariance(1, 1));
-  const Matrix3 rotation = Eigen::AngleAxisd(angle, Vector3::UnitZ()).toRotationMatrix();
-  return aboutMeans(rotation, from, to);
+  return sets.withRotation(Eigen::AngleAxisd(angle, Vector3::UnitZ()).toRotationMatrix());
 }
 
 std::vector<Vector3> allVertices(const std::vector<Tile>& tiles) {
@@ -59,15 +70,19 @@ bool isHorizontal(std::span<const Vector3> points, double tolerance) {
 
 }  // namespace
 
-RigidMotion bestRigidMotion(std::span<const Vector3> from, std::span<const Vector3> to) {
+RigidMotion bestRigidMotion(std::span<const Vector3> from, std::span<const Vector3> to,
+                            std::span<const double> weights) {
   // Kabsch 1976: with covariance = U S V^T the rotation is V diag(1, 1, +-1) U^T; the sign, on the
   // weakest axis, rules out a reflection.
-  const Eigen::JacobiSVD<Matrix3> svd(crossCovariance(from, to),
-                                      Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Comparison sets(from, to, weights);
+  const Eigen::JacobiSVD<Matrix3> svd(sets.covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Vector3 signs = Vector3::Ones();
   signs.z() = (svd.matrixU() * svd.matrixV()).determinant() < 0 ? -1 : 1;
-  const Matrix3 rotation = svd.matrixV() * signs.asDiagonal() * svd.matrixU().transpose();
-  return aboutMeans(rotation, from, to);
+  return sets.withRotation(svd.matrixV() * signs.asDiagonal() * svd.matrixU().transpose());
+}
+
+RigidMotion bestRigidMotion(std::span<const Vector3> from, std::span<const Vector3> to) {
+  return bestRigidMotion(from, to, evenWeights(from.size()));
 }
 
 RigidMotion alignStartToTarget(Model& model) {

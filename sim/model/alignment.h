@@ -20,6 +20,10 @@ struct RigidMotion {
 /// Same length, at least one point.
 RigidMotion bestRigidMotion(std::span<const Vector3> from, std::span<const Vector3> to);
 
+/// The same with squares that count by weights, one a point, from 0 and not all 0.
+RigidMotion bestRigidMotion(std::span<const Vector3> from, std::span<const Vector3> to,
+                            std::span<const double> weights);
+
 /// Moves the start tiles of a model with a target onto the target by the best rigid motion of all
 /// vertices together, as PyKirigami does. A start and target that each lie in a horizontal plane
 /// are turned about the vertical alone (never flipped over). Returns the motion applied; identity

@@ -9,7 +9,7 @@ namespace kirireel::bench {
 void printGapTable(const std::vector<NamedScene>& models) {
   fmt::print("\nJoint gap over whole deployments, contacts on (gap/size: largest of any step)\n");
   fmt::print("{:<28}{:>6}{:>10}{:>12}{:>10}{:>10}{:>10}{:>10}{:>9}{:>9}{:>9}\n", "model", "tiles",
-             "gap/size", "outcome", "error", "floor", "pen/tile", "ms/step", "steps", "halved",
+             "gap/size", "outcome", "error", "bound", "pen/tile", "ms/step", "steps", "halved",
              "unconv");
   for (const auto& [name, scene] : models) {
     const double start = threadCpuSeconds();
@@ -19,7 +19,7 @@ void printGapTable(const std::vector<NamedScene>& models) {
     const double steps = 240 * result.trajectory.samples.back().time;
     fmt::print("{:<28}{:>6}{:>10.1e}{:>12}{:>10.2e}{:>10.1e}{:>10.1e}{:>10.3f}{:>9}{:>9}{:>9}\n",
                name, scene.model.tiles.size(), accuracy.jointGapMax / modelSize(scene.model),
-               toString(result.outcome), accuracy.targetErrorEnd, accuracy.rigidFloor,
+               toString(result.outcome), accuracy.targetErrorEnd, accuracy.rigidBound,
                accuracy.penetrationMax / tileSize(scene.model),
                1e3 * result.cost.cpuSeconds / steps, result.cost.steps, result.cost.halvedSteps,
                result.cost.unconvergedSteps);

@@ -94,7 +94,7 @@ TEST_F(Recording, MeshesHoldEveryBrick) {
 TEST_F(Recording, SummaryHasTheKeysThatScriptsRelyOn) {
   for (const char* key : {"joint_gap_max", "joint_gap_mean", "joint_gap_end", "joint_opening_max",
                           "target_error_start", "target_error_end", "target_error_min",
-                          "rigid_floor", "assembled_floor", "penetration_max"}) {
+                          "rigid_bound", "assembled_error", "penetration_max"}) {
     EXPECT_TRUE(summary_["accuracy"].contains(key)) << key;
   }
   for (const char* key : {"steps", "cpu_seconds_deploy", "cpu_seconds_render", "cpu_seconds_encode",

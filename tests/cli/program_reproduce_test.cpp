@@ -25,7 +25,7 @@ TEST(Reproduce, LeavesAVideoARowAndATable) {
     EXPECT_GT(std::filesystem::file_size(scratch / row / "deployment.mp4"), 1000u) << row;
   }
   EXPECT_THAT(readText(scratch / "table.csv"),
-              StartsWith("row,outcome,error_end,assembled_floor,joint_gap,joint_opening,"
+              StartsWith("row,outcome,error_end,assembled_error,joint_gap,joint_opening,"
                          "penetration,cpu_seconds\nquad_tessellation,settled,"));
   EXPECT_THAT(end.out, HasSubstr("\n| demo_nonrigid | settled | "));
 }

@@ -166,7 +166,7 @@ TEST_F(RecordTest, ErrorsThatDoNotExistAreNull) {
   const RunSummary summary = record(scene, settings_, proceed_);
   const std::string json = summaryJson(scene, settings_, summary);
   EXPECT_THAT(json, HasSubstr("\"target_error_end\": null"));
-  EXPECT_THAT(json, HasSubstr("\"rigid_floor\": null"));
+  EXPECT_THAT(json, HasSubstr("\"rigid_bound\": null"));
 }
 
 TEST_F(RecordTest, DivergedRunLeavesItsFilesAndSaysSo) {

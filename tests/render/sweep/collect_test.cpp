@@ -38,7 +38,7 @@ class CollectTest : public testing::Test {
 
 constexpr const char* kSummary =
     "{\"settings\": {\"thickness\": 0.3}, \"outcome\": \"settled\", \"accuracy\": "
-    "{\"joint_gap_max\": 0.5, \"rigid_floor\": null},"
+    "{\"joint_gap_max\": 0.5, \"rigid_bound\": null},"
     " \"cost\": {\"steps\": 7, \"wall_seconds\": 1.5}}";
 
 TEST_F(CollectTest, PutsFailedRunsBesideDoneOnes) {
@@ -54,7 +54,7 @@ TEST_F(CollectTest, PutsFailedRunsBesideDoneOnes) {
   EXPECT_EQ(gathered.runs[1].thickness, 0.3);
   EXPECT_EQ(csvText(gathered.results),
             "run,k,status,reason,outcome,end_time,tile_count,joint_count,path_kind,joint_gap_max,"
-            "rigid_floor,steps,halved_steps,unconverged_steps\n"
+            "rigid_bound,steps,halved_steps,unconverged_steps\n"
             "a,1,failed,\"no such \"\"sheet\"\", sorry\",,,,,,,,,,\n"
             "c,3,done,,settled,,,,,0.5,,7,,\n");
   EXPECT_EQ(csvText(gathered.costs),

@@ -75,7 +75,7 @@ TEST(Deploy, AccuracyDescribesTheSamples) {
   EXPECT_LE(accuracy.targetErrorMin, samples.back().targetError);
   EXPECT_LE(accuracy.jointGapMean, accuracy.jointGapMax);
   EXPECT_LE(samples.back().jointGap, accuracy.jointGapMax);
-  EXPECT_LT(accuracy.rigidFloor, 1e-14);
+  EXPECT_LT(accuracy.rigidBound, 1e-14);
   EXPECT_EQ(result.trajectory.bricks.size(), 9U);
   for (const Sample& sample : samples) EXPECT_EQ(sample.poses.size(), 9U);
   EXPECT_GT(result.cost.cpuSeconds, 0);
@@ -114,8 +114,8 @@ TEST(Deploy, AnUnreachableTargetIsReachedAsNearAsJointsAllow) {
   }
   const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
   EXPECT_EQ(result.outcome, Outcome::Settled) << result.reason;
-  EXPECT_GT(result.accuracy.targetErrorEnd, result.accuracy.rigidFloor);
-  EXPECT_NEAR(result.accuracy.targetErrorEnd / result.assembledFloor, 1, 1e-3);  // measured 1e-5
+  EXPECT_GT(result.accuracy.targetErrorEnd, result.accuracy.rigidBound);
+  EXPECT_NEAR(result.accuracy.targetErrorEnd / result.assembledError, 1, 1e-3);  // measured 1e-5
 }
 
 TEST(Deploy, WithoutTargetItSettlesWhereItStands) {

@@ -45,23 +45,23 @@ Scene pulledApart(double distance) {
   return scene;
 }
 
-TEST(AssembledFloor, IsZeroWhereTheTargetCloses) {
+TEST(AssembledError, IsZeroWhereTheTargetCloses) {
   EXPECT_LT(assembleAtTarget(closedToClosed()).error, 1e-12);  // measured 3e-15
 }
 
-TEST(AssembledFloor, SharesTheDistanceOfTargetsThatDoNotMeet) {
+TEST(AssembledError, SharesTheDistanceOfTargetsThatDoNotMeet) {
   // Along the line between the middles alone both move by half the distance; the joint is at a
-  // corner, so that they also turn a little: the floor lies somewhat below.
+  // corner, so that they also turn a little: the least error lies somewhat below.
   Scene scene = pulledApart(0.1);
-  const double floor = assembleAtTarget(scene).error;
-  EXPECT_GT(floor, 0.03);
-  EXPECT_LT(floor, 0.06);  // measured 0.05
-  // Whatever the run, it ends at the floor.
+  const double least = assembleAtTarget(scene).error;
+  EXPECT_GT(least, 0.03);
+  EXPECT_LT(least, 0.06);  // measured 0.05
+  // Whatever the run, it ends there.
   const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
-  EXPECT_NEAR(result.accuracy.targetErrorEnd, floor, 1e-4 * floor);  // measured 4e-7
+  EXPECT_NEAR(result.accuracy.targetErrorEnd, least, 1e-4 * least);  // measured 4e-7
 }
 
-TEST(AssembledFloor, IsNegativeWithoutTarget) {
+TEST(AssembledError, IsNegativeWithoutTarget) {
   Scene scene = closedToClosed();
   scene.model.target.reset();
   EXPECT_LT(assembleAtTarget(scene).error, 0);

@@ -2,9 +2,11 @@
 
 #include <cmath>
 #include <limits>
+#include <random>
 
 #include <gtest/gtest.h>
 
+#include "sim/model/alignment.h"
 #include "sim/model/tessellation.h"
 
 namespace kirireel {
@@ -55,15 +57,148 @@ TEST(TargetError, IsTheLargestVertexDistance) {
   EXPECT_NEAR(targetError(sheet.model.tiles, sheet.bricks, sheet.poses), 2, 1e-14);
 }
 
-TEST(RigidFloor, IsZeroForMovedTiles) {
+TEST(RigidBound, IsZeroForMovedTiles) {
   const Sheet sheet;
-  EXPECT_LT(rigidFloor(sheet.model.tiles, *sheet.model.target), 1e-14);  // measured 5e-16
+  EXPECT_LT(rigidBound(sheet.model.tiles, *sheet.model.target), 1e-14);  // measured 5e-16
 }
 
-TEST(RigidFloor, OfAStretchedTileIsHalfTheStretch) {
+TEST(RigidBound, OfAStretchedTileIsHalfTheStretch) {
   const std::vector<Tile> square{{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}};
   const std::vector<Tile> longer{{{{3, 0, 0}, {3, 1.2, 0}, {2, 1.2, 0}, {2, 0, 0}}}};
-  EXPECT_NEAR(rigidFloor(square, longer), 0.1, 1e-15);
+  EXPECT_NEAR(rigidBound(square, longer), 0.1, 1e-15);
+}
+
+/// The least largest residual over plane motions, by search: turns in steps that are refined about
+/// the best one, for each turn the smallest circle round the vertices' misfits.
+class PlaneSearch {
+ public:
+  PlaneSearch(const Tile& tile, const Tile& target) : tile_(tile), target_(target) {}
+
+  double least() const {
+    double best = 0;
+    double width = 3.2;
+    double error = std::numeric_limits<double>::infinity();
+    for (int round = 0; round < 12; ++round) {
+      const double middle = best;
+      for (int i = -100; i <= 100; ++i) {
+        const double angle = middle + width * i / 100;
+        const double found = circleRound(misfits(angle));
+        if (found >= error) continue;
+        error = found;
+        best = angle;
+      }
+      width /= 20;
+    }
+    return error;
+  }
+
+ private:
+  std::vector<Vector3> misfits(double angle) const {
+    const Matrix3 turn = rotationFromVector({0, 0, angle}).toRotationMatrix();
+    std::vector<Vector3> gaps;
+    for (std::size_t k = 0; k < tile_.vertices.size(); ++k) {
+      gaps.push_back(target_.vertices[k] - turn * tile_.vertices[k]);
+    }
+    return gaps;
+  }
+
+  /// The radius of the smallest circle: of those through two or three points, the least that holds
+  /// all.
+  static double circleRound(const std::vector<Vector3>& points) {
+    double least = std::numeric_limits<double>::infinity();
+    const auto tryCentre = [&](const Vector3& centre) {
+      double radius = 0;
+      for (const Vector3& point : points) radius = std::max(radius, (point - centre).norm());
+      least = std::min(least, radius);
+    };
+    for (const Vector3& a : points) {
+      for (const Vector3& b : points) {
+        tryCentre(0.5 * (a + b));
+        for (const Vector3& c : points) {
+          const Vector3 u = b - a, v = c - a;
+          const double area = 2 * (u.x() * v.y() - u.y() * v.x());
+          if (std::abs(area) < 1e-14) continue;
+          tryCentre(a + Vector3(v.y() * u.squaredNorm() - u.y() * v.squaredNorm(),
+                                u.x() * v.squaredNorm() - v.x() * u.squaredNorm(), 0) /
+                            area);
+        }
+      }
+    }
+    return least;
+  }
+
+  const Tile& tile_;
+  const Tile& target_;
+};
+
+/// A regular polygon with every coordinate off by up to `noise`.
+Tile roughPolygon(int corners, double noise, bool flat, std::mt19937& random) {
+  std::uniform_real_distribution<double> off(-noise, noise);
+  Tile tile;
+  for (int k = 0; k < corners; ++k) {
+    const double angle = 2 * 3.14159265358979323846 * k / corners;
+    tile.vertices.emplace_back(std::cos(angle) + off(random), std::sin(angle) + off(random),
+                               flat ? 0 : off(random));
+  }
+  return tile;
+}
+
+TEST(RigidBound, AgreesWithASearchInThePlane) {
+  std::mt19937 random(4);
+  for (int trial = 0; trial < 12; ++trial) {
+    const int corners = 3 + trial % 4;
+    const Tile tile = roughPolygon(corners, 0.1, true, random);
+    const Tile target = roughPolygon(corners, 0.1, true, random);
+    const double least = PlaneSearch(tile, target).least();
+    EXPECT_NEAR(rigidBound({tile}, {target}), least, 1e-7 * least);
+  }
+}
+
+TEST(RigidBound, NoMotionInSpaceGoesBelow) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  const auto vector = [&] { return Vector3(normal(random), normal(random), normal(random)); };
+  for (int trial = 0; trial < 10; ++trial) {
+    const Tile tile = roughPolygon(4, 0.2, false, random);
+    const Tile target = roughPolygon(4, 0.2, false, random);
+    const double bound = rigidBound({tile}, {target});
+    for (int i = 0; i < 3000; ++i) {
+      const double size = std::pow(10, -i % 5);
+      const RigidMotion best = bestRigidMotion(tile.vertices, target.vertices);
+      const Matrix3 turn = rotationFromVector(size * vector()).toRotationMatrix() * best.rotation;
+      const Vector3 move = best.translation + size * vector();
+      double largest = 0;
+      for (int k = 0; k < 4; ++k) {
+        largest = std::max(largest, (turn * tile.vertices[k] + move - target.vertices[k]).norm());
+      }
+      EXPECT_GE(largest, bound);
+    }
+  }
+}
+
+TEST(RigidBound, LiesBelowTheBestFitInSquares) {
+  // One corner of a square stands off: the best fit in squares leaves most of that to this corner,
+  // the minimax fit shares it among all.
+  const Tile square{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}};
+  Tile bent = square;
+  bent.vertices[2] += Vector3(0.2, 0.2, 0);
+  const RigidMotion fit = bestRigidMotion(square.vertices, bent.vertices);
+  const double ofSquares = (fit.apply(square.vertices[2]) - bent.vertices[2]).norm();
+  const double bound = rigidBound({square}, {bent});
+  EXPECT_LT(bound / ofSquares, 0.7);  // measured 0.667
+  EXPECT_NEAR(bound, PlaneSearch(square, bent).least(), 1e-9);
+}
+
+TEST(RigidBound, IsThatOfTheWorstTile) {
+  std::mt19937 random(6);
+  std::vector<Tile> tiles, targets;
+  double largest = 0;
+  for (int i = 0; i < 30; ++i) {
+    tiles.push_back(roughPolygon(3 + i % 4, 0.1, false, random));
+    targets.push_back(roughPolygon(3 + i % 4, 0.1, false, random));
+    largest = std::max(largest, rigidBound({tiles.back()}, {targets.back()}));
+  }
+  EXPECT_NEAR(rigidBound(tiles, targets), largest, 1e-11 * largest);
 }
 
 TEST(KineticEnergy, OfABoxHasTheClosedForm) {
