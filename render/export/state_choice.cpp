@@ -76,7 +76,7 @@ std::size_t sampleAtAngle(const TrajectoryReader& trajectory, double degrees,
 std::size_t sampleAtEvent(const TrajectoryReader& trajectory, const std::string& text,
                           const std::string& name) {
   std::string known;
-  for (const Event& event : trajectory.events()) {
+  for (const Event& event : trajectory.end().events) {
     if (event.text.find(text) != std::string::npos) {
       return nearestSample(trajectory.times(), event.time);
     }

@@ -20,10 +20,10 @@ void Scribe::writeAll() {
   while (const std::optional<SharedSample> sample = samples_.pop()) writer_.append(**sample);
 }
 
-void Scribe::finish(const std::vector<Event>& events) {
+void Scribe::finish(const TrajectoryEnd& end) {
   samples_.close();
   crew_.finish();
-  writer_.finish(events);
+  writer_.finish(end);
 }
 
 }  // namespace kirireel

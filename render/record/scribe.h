@@ -21,7 +21,7 @@ class Scribe {
   bool take(const SharedSample& sample);
 
   /// Waits for the last sample and puts the file in place. Throws OutputError.
-  void finish(const std::vector<Event>& events);
+  void finish(const TrajectoryEnd& end);
 
  private:
   void writeAll();

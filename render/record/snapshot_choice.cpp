@@ -98,7 +98,7 @@ std::vector<int> chooseFrames(const TrajectoryReader& run, const std::vector<Fra
 std::vector<std::size_t> samplesOf(const std::string& event, const TrajectoryReader& run) {
   std::vector<std::size_t> found;
   const std::vector<double>& times = run.times();
-  for (const Event& happened : run.events()) {
+  for (const Event& happened : run.end().events) {
     if (happened.text != event) continue;
     const auto at = std::lower_bound(times.begin(), times.end() - 1, happened.time - 1e-9);
     found.push_back(static_cast<std::size_t>(at - times.begin()));

@@ -88,15 +88,16 @@ DeploymentResult deployUnkept(const Scene& scene, double sampleInterval,
     return goOn;
   };
   std::vector<TrialEnd> trials;
-  PathChoice choice = choosePath(scene, sampleInterval, {nearest.error, !blocking.empty()},
-                                 watchSearch, checkpoints ? checkpoints->trials() : trials);
+  PathChoice choice = choosePath(scene, {nearest, !blocking.empty()}, watchSearch,
+                                 checkpoints ? checkpoints->trials() : trials);
   Scene chosen = scene;
   chosen.path = choice.path;
   const double searchSeconds = threadCpuSeconds() - startSeconds;
   // A search that was ended early ends the run with its start, on a path that may be another's.
   if (!goOn) checkpoints = nullptr;
-  const SampleObserver watch = [&](const Sample& sample) { return observer(sample) && goOn; };
-  DeploymentResult result = Run(chosen, sampleInterval, nearest.error, watch, checkpoints).finish();
+  const RunObservers watch{
+      sampleInterval, [&](const Sample& sample) { return observer(sample) && goOn; }, {}};
+  DeploymentResult result = Run(chosen, nearest, watch, checkpoints).finish();
   if (!result.pathReason.empty()) choice.reason += "; " + result.pathReason;
   result.pathReason = std::move(choice.reason);
   result.blocking = std::move(blocking);

@@ -29,8 +29,8 @@ std::string toString(Outcome outcome);
 
 /// How accurate a run was. Lengths in metres.
 struct Accuracy {
-  double jointGapMax = 0;      ///< largest of any pivot at the end of any step with exact joints
-  double jointGapMean = 0;     ///< mean over pivots and steps
+  double jointGapMax = 0;      ///< largest of any pivot at the start and the end of any step
+  double jointGapMean = 0;     ///< mean over pivots, of the start and all steps
   double jointGapEnd = 0;      ///< largest at the end
   double jointOpeningMax = 0;  ///< largest while joints gave on purpose; 0 when always exact
   double assemblyMove = 0;     ///< largest move of a vertex when an open start was closed
@@ -38,7 +38,7 @@ struct Accuracy {
   double targetErrorEnd = 0;
   double targetErrorMin = 0;
   double rigidBound = 0;
-  double penetrationMax = 0;               ///< over the samples
+  double penetrationMax = 0;               ///< deepest at the start and the end of any step
   double penetrationOutsidePivotsMax = 0;  ///< the same without the corners that bricks share
   double penetrationGrownMax = 0;          ///< of that, what any pair has beyond its start
 
@@ -77,14 +77,16 @@ struct DeploymentResult {
   std::vector<BlockingPair> blocking;  ///< bricks in each other's way at the target
 };
 
-/// Called with each sample, the last included; return false to end the run early.
+/// Called with each sample, the last included; return false to end the run early. Samples that are
+/// due then, and the last one, follow all the same.
 using SampleObserver = std::function<bool(const Sample&)>;
 
 /// Runs the scene along its path (see choosePath) and samples it every `sampleInterval` simulated
-/// seconds (the start and the end included). The step divides the interval, so that samples are
-/// steps, not interpolations. Throws InputError when the scene makes no sense; a run that diverges
-/// is reported, not thrown. `searching` is told of each trial while a path is sought, and may end
-/// the run. Either observer may be empty.
+/// seconds from the start on, and at the end. Nothing else depends on that interval: the steps are
+/// the scene's, and a sample between two of them is made from their poses. Throws InputError when
+/// the scene makes no sense; a run that diverges is reported, not thrown, and ends with its last
+/// step that left no brick behind. `searching` is told of each trial while a path is sought, and
+/// may end the run. Either observer may be empty.
 DeploymentResult deploy(const Scene& scene, double sampleInterval, const SampleObserver& observer,
                         const TrialObserver& searching = {});
 

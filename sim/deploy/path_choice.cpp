@@ -104,12 +104,12 @@ class StallWatch {
                                    ? scene.path.openTime + scene.path.ledTime
                                    : 0)) {}
 
-  bool operator()(const Sample& sample) {
-    if (best_ < 0 || sample.targetError < kImprovement * best_) {
-      best_ = sample.targetError;
-      bestTime_ = sample.time;
+  bool operator()(const StepRecord& step) {
+    if (best_ < 0 || step.targetError < kImprovement * best_) {
+      best_ = step.targetError;
+      bestTime_ = step.time;
     }
-    return sample.time - bestTime_ < patience_;
+    return step.time - bestTime_ < patience_;
   }
 
  private:
@@ -120,17 +120,18 @@ class StallWatch {
 
 /// Whether joints cannot be held exactly on the way: with redundant joints the least misfit of the
 /// tiles forbids any motion, and most steps are halved in vain.
-bool exactJointsJam(const Scene& scene, double sampleInterval, const TrialObserver& observer) {
+bool exactJointsJam(const Scene& scene, const TrialObserver& observer) {
   Scene trial = scene;
   trial.environment = Environment{};
   trial.stop.duration = kJamTime;
   trial.path = {PathKind::Straight};
   const Run* running = nullptr;
   const long mostEffort = kContactEffort / static_cast<long>(scene.model.tiles.size());
-  const SampleObserver watch = [&](const Sample&) {
+  RunObservers watch;
+  watch.step = [&](const StepRecord&) {
     return observer("exact joints") && (!running || running->cost().factorizations <= mostEffort);
   };
-  Run run(trial, sampleInterval, -1, watch);
+  Run run(trial, {}, watch);
   running = &run;
   const DeployCost cost = run.finish().cost;
   return 2 * cost.halvedSteps > cost.steps;
@@ -147,19 +148,20 @@ bool staysClear(const Accuracy& accuracy, double tile) {
 
 /// Runs a scene as the deployment itself would, so that what arrives here arrives there, for as
 /// long as `goesOn` says so.
-TrialEnd tryPath(const Scene& scene, double sampleInterval, double assembledError,
+TrialEnd tryPath(const Scene& scene, const AssembledState& nearest,
                  const std::function<bool()>& goesOn) {
   StallWatch stalls(scene);
   const Run* running = nullptr;
   const long mostEffort = kContactEffort / static_cast<long>(scene.model.tiles.size());
   const double tile = tileSize(scene.model);
   const bool isAmongBricks = scene.environment.contacts != ContactFilter::None;
-  const SampleObserver watch = [&](const Sample& sample) {
-    if (!goesOn() || !stalls(sample)) return false;
+  RunObservers watch;
+  watch.step = [&](const StepRecord& step) {
+    if (!goesOn() || !stalls(step)) return false;
     if (!isAmongBricks) return !isJammed(running->cost());
     return running->cost().factorizations <= mostEffort && staysClear(running->accuracy(), tile);
   };
-  Run run(scene, sampleInterval, assembledError, watch);
+  Run run(scene, nearest, watch);
   running = &run;
   const DeploymentResult result = run.finish();
   const Accuracy& accuracy = result.accuracy;
@@ -167,7 +169,7 @@ TrialEnd tryPath(const Scene& scene, double sampleInterval, double assembledErro
   end.jams = !isAmongBricks && isJammed(result.cost);
   end.error = accuracy.targetErrorEnd;
   end.opening = accuracy.jointOpeningMax;
-  const double near = std::max(kArrivedFactor * assembledError, kArrivedShare * tile);
+  const double near = std::max(kArrivedFactor * nearest.error, kArrivedShare * tile);
   end.arrives = result.outcome != Outcome::Diverged && !end.jams && end.error <= near;
   // Joints that give may yet open where a trial was cut short.
   const bool isOpenEnded =
@@ -185,13 +187,9 @@ PathSettings withExactJoints(const PathSettings& path) {
 /// Looks for a path of one scene.
 class PathSearch {
  public:
-  PathSearch(const Scene& scene, double sampleInterval, double assembledError,
-             const TrialObserver& observer, std::vector<TrialEnd>& trials)
-      : scene_(scene),
-        interval_(sampleInterval),
-        least_(assembledError),
-        observer_(observer),
-        trials_(trials) {}
+  PathSearch(const Scene& scene, AssembledState nearest, const TrialObserver& observer,
+             std::vector<TrialEnd>& trials)
+      : scene_(scene), nearestState_(std::move(nearest)), observer_(observer), trials_(trials) {}
 
   PathChoice find(bool roomAtTarget) {
     PathChoice choice = findWithoutContacts();
@@ -217,8 +215,7 @@ class PathSearch {
     trial.path = path;
     trial.solver.timestep = stepFactor * scene_.solver.timestep;
     if (count_ == trials_.size()) {
-      const TrialEnd end = tryPath(trial, std::max(interval_, trial.solver.timestep), least_,
-                                   [&] { return mayTry(what); });
+      const TrialEnd end = tryPath(trial, nearestState_, [&] { return mayTry(what); });
       if (isOver_) return false;
       trials_.push_back(end);
     }
@@ -301,7 +298,7 @@ class PathSearch {
       Scene thin = scene_;
       thin.brick.thickness *= share;
       const std::string which = fmt::format("bricks {:.2g} m thick", thin.brick.thickness);
-      PathSearch search(thin, interval_, assembleAtTarget(thin).error, observer_, trials_);
+      PathSearch search(thin, assembleAtTarget(thin), observer_, trials_);
       search.count_ = count_;
       const auto path = search.pathAmongBricks(Paths(kAmongBricks).first(kThinPaths), which);
       count_ = search.count_;
@@ -312,8 +309,7 @@ class PathSearch {
   }
 
   const Scene& scene_;
-  double interval_;  // seconds between samples
-  double least_;     // target error found with joints closed, metres
+  AssembledState nearestState_;  // to the target, joints closed
   const TrialObserver& observer_;
   std::vector<TrialEnd>& trials_;
   std::size_t count_ = 0;  // of trials so far
@@ -325,8 +321,8 @@ class PathSearch {
 
 }  // namespace
 
-PathChoice choosePath(const Scene& scene, double sampleInterval, const TargetRoom& room,
-                      const TrialObserver& observer, std::vector<TrialEnd>& trials) {
+PathChoice choosePath(const Scene& scene, const TargetRoom& room, const TrialObserver& observer,
+                      std::vector<TrialEnd>& trials) {
   const TrialObserver watch = observer ? observer : [](const std::string&) { return true; };
   if (scene.path.kind != PathKind::Auto) return {scene.path, "asked for"};
   PathSettings straight = scene.path;
@@ -334,8 +330,7 @@ PathChoice choosePath(const Scene& scene, double sampleInterval, const TargetRoo
   if (scene.solver.kind == SolverKind::Bullet) return {straight, "the baseline tries no others"};
   if (!scene.timeline.empty()) return {straight, "the timeline leads"};
   const Drive drive = scene.actuation.drive;
-  if ((drive == Drive::Expansion || drive == Drive::Boundary) &&
-      exactJointsJam(scene, sampleInterval, watch)) {
+  if ((drive == Drive::Expansion || drive == Drive::Boundary) && exactJointsJam(scene, watch)) {
     straight.jointStiffness = kMisfitStiffness;
     return {straight, fmt::format("exact joints jam, the tiles fit each other in no open state; "
                                   "joints of {:g} N/m",
@@ -343,8 +338,7 @@ PathChoice choosePath(const Scene& scene, double sampleInterval, const TargetRoo
   }
   if (!scene.model.target) return {straight, "there is no target"};
   if (drive != Drive::Target) return {straight, "nothing pulls to the target"};
-  return PathSearch(scene, sampleInterval, room.assembledError, watch, trials)
-      .find(!room.isBlocked);
+  return PathSearch(scene, room.nearest, watch, trials).find(!room.isBlocked);
 }
 
 }  // namespace kirireel

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sim/base/state_tape.h"
+#include "sim/deploy/assembled_state.h"
 #include "sim/scene/scene.h"
 
 namespace kirireel {
@@ -28,13 +29,13 @@ struct TrialEnd {
   void transfer(StateTape& tape) { tape.transfer(arrives, jams, keepsClear, error, opening); }
 };
 
-/// Called with what is tried, at each sample of a trial; return false to stop looking.
+/// Called with what is tried, at each step of a trial; return false to stop looking.
 using TrialObserver = std::function<bool(const std::string& what)>;
 
 /// What is known of the target before the search.
 struct TargetRoom {
-  double assembledError = -1;  ///< metres; see assembleAtTarget()
-  bool isBlocked = false;      ///< bricks would overlap there; see blockingPairs()
+  AssembledState nearest;  ///< see assembleAtTarget()
+  bool isBlocked = false;  ///< bricks would overlap there; see blockingPairs()
 };
 
 /// Chooses the scene's path where that is left to the program. Tries paths without contacts, ground
@@ -45,10 +46,9 @@ struct TargetRoom {
 /// the target. Where none arrives, the one that comes nearest without overlaps is taken, and the
 /// reason says whether wider joints or thinner bricks would arrive. A path that the scene names is
 /// kept. Where nothing pulls to a target and the tiles' misfit makes exact joints jam, joints give
-/// throughout. Trials are as the run itself, sampled every `sampleInterval` seconds. `observer` may
-/// be empty. `trials` holds how the first trials ended, which are not made again, and gets the
-/// others, but not one that was stopped.
-PathChoice choosePath(const Scene& scene, double sampleInterval, const TargetRoom& room,
-                      const TrialObserver& observer, std::vector<TrialEnd>& trials);
+/// throughout. Trials are as the run itself. `observer` may be empty. `trials` holds how the first
+/// trials ended, which are not made again, and gets the others, but not one that was stopped.
+PathChoice choosePath(const Scene& scene, const TargetRoom& room, const TrialObserver& observer,
+                      std::vector<TrialEnd>& trials);
 
 }  // namespace kirireel

@@ -21,14 +21,18 @@ constexpr double kLockedShare = 0.02;
 constexpr double kArrivedShare = 1e-9;
 // Steps that fail, and bring no brick farther than this part of a tile, are no motion.
 constexpr double kStuckShare = 1e-3;
-// Overlaps at the start below this part of a tile are rounding.
-constexpr double kNoOverlap = 1e-6;
 // Of the contacts that hold a run up, so many are named.
 constexpr std::size_t kPairsNamed = 3;
 // Closing joints may make bricks overlap by this part of a tile.
 constexpr double kPushedShare = 1e-4;
 // Initial speeds, in model sizes a second, that let a run leave an unstable equilibrium.
 constexpr double kNudge = 1e-6;
+// Joints with gaps below this part of a tile are closed.
+constexpr double kClosedShare = 1e-9;
+// Times closer than this part of a step are the same.
+constexpr double kSameTime = 1e-6;
+// Of a state that is none of the run's.
+constexpr double kNoTime = -1;
 // Stiffness of joints that do not give.
 constexpr double kExact = std::numeric_limits<double>::infinity();
 
@@ -52,10 +56,10 @@ std::vector<Velocity> nudge(std::size_t count, double speed, unsigned seed) {
 
 }  // namespace
 
-Run::Run(const Scene& scene, double sampleInterval, double assembledError,
-         const SampleObserver& observer, Checkpoints* checkpoints)
+Run::Run(const Scene& scene, const AssembledState& nearest, const RunObservers& observers,
+         Checkpoints* checkpoints)
     : scene_(scene),
-      observer_(observer),
+      observers_(observers),
       checkpoints_(checkpoints),
       bricks_(makeBricks(scene.model.tiles, scene.brick)),
       pivots_(makePivots(scene.model.joints, bricks_)),
@@ -65,11 +69,10 @@ Run::Run(const Scene& scene, double sampleInterval, double assembledError,
       dynamics_(makeDynamics(scene, needs_, bricks_, motion_.poses)),
       timeline_(scene.timeline, bricks_),
       stiffness_(false),
-      stepsPerSample_(static_cast<int>(std::ceil(sampleInterval / scene.solver.timestep - 1e-9))),
-      step_(sampleInterval / stepsPerSample_),
+      step_(scene.solver.timestep),
       size_(modelSize(scene.model)),
       tileSize_(tileSize(scene.model)),
-      assembledError_(assembledError) {
+      nearest_(nearest) {
   if (scene.actuation.drive == Drive::Boundary) {
     boundary_.emplace(scene.model, bricks_, scene.springs, scene.actuation.boundary);
   }
@@ -130,7 +133,7 @@ void Run::goTo(const std::vector<Tile>* target) {
   if (!target_) return;
   targetStartError_ = currentTargetError();
   const bool isFinal = scene_.model.target && target_ == &*scene_.model.target;
-  leastError_ = isFinal ? assembledError_ : rigidBound(scene_.model.tiles, *target_);
+  leastError_ = isFinal ? nearest_.error : rigidBound(scene_.model.tiles, *target_);
   departure_ = motion_.poses;
   departureTime_ = time();
   if (!pullsToTarget()) return;
@@ -179,7 +182,7 @@ bool Run::followTimeline(bool atRest) {
 void Run::start() {
   const std::vector<Tile> before = bottomTiles(bricks_, motion_.poses);
   overlaps_.emplace(bricks_, pivots_, scene_.environment.pivotZone, motion_.poses,
-                    kNoOverlap * tileSize_);
+                    kRoundingOverlap * tileSize_);
   // Joints that give need not be closed first, which can push bricks into each other.
   misfit_ = !scene_.path.jointsGive() && !dynamics_->assemble(motion_.poses);
   if (needs_.contacts.on) pushedAtStart_ = overlaps_->at(motion_.poses).grown;
@@ -194,29 +197,73 @@ void Run::start() {
   }
   result_.needs = needs_;
   result_.path = scene_.path;
-  result_.assembledError = assembledError_;
+  result_.assembledError = nearest_.error;
+  if (scene_.model.target) {
+    result_.trajectory.figureStates.push_back({"assembled_error", kNoTime, nearest_.poses});
+  }
   static_cast<Subject&>(result_.trajectory) = subjectOf(scene_);
   startPoses_ = motion_.poses;
+  observeStep({});
 }
 
-void Run::takeSample() {
+/// Takes the samples that became due with this step.
+void Run::takeSamples() {
+  for (;;) {
+    const double due = static_cast<double>(sampleCount_) * observers_.sampleInterval;
+    if (!(due <= time() + kSameTime * step_)) return;  // also when not a number
+    const bool isAtStep = due >= time() - kSameTime * step_;
+    takeSample(isAtStep ? time() : due, isAtStep ? motion_.poses : posesAt(due));
+  }
+}
+
+/// A run ends with a step, and its last sample shows that.
+void Run::takeLastSample() {
+  if (lastSampleTime_ < time()) takeSample(time(), motion_.poses);
+}
+
+void Run::takeSample(double time, Poses poses) {
+  ++sampleCount_;
+  lastSampleTime_ = time;
   Sample sample;
-  sample.time = time();
-  sample.poses = motion_.poses;
+  sample.time = time;
+  sample.poses = std::move(poses);
   sample.pinned = timeline_.pinnedTiles();
-  sample.jointGap = jointGap(pivots_, motion_.poses).max;
-  sample.targetError = finalTargetError();
-  Accuracy& accuracy = result_.accuracy;
-  accuracy.jointGapEnd = sample.jointGap;
-  accuracy.targetErrorEnd = sample.targetError;
-  sample.penetration = deepestPenetration(bricks_, motion_.poses).depth;
-  accuracy.penetrationMax = std::max(accuracy.penetrationMax, sample.penetration);
-  const PenetrationGrowth::Depths overlaps = overlaps_->at(motion_.poses);
-  accuracy.penetrationOutsidePivotsMax =
-      std::max(accuracy.penetrationOutsidePivotsMax, overlaps.deepest);
-  accuracy.penetrationGrownMax = std::max(accuracy.penetrationGrownMax, overlaps.grown);
+  sample.jointGap = jointGap(pivots_, sample.poses).max;
+  if (scene_.model.target) {
+    sample.targetError = targetError(*scene_.model.target, bricks_, sample.poses);
+  }
+  sample.penetration = deepestPenetration(bricks_, sample.poses).depth;
+  const auto later =
+      std::ranges::find_if(steps_, [&](const StepRecord& step) { return step.time > time; });
+  sample.steps.assign(steps_.begin(), later);
+  steps_.erase(steps_.begin(), later);
   if (checkpoints_) note(sample);
-  isAskedToEnd_ = !observer_(sample);
+  if (observers_.sample && !observers_.sample(sample)) isAskedToEnd_ = true;
+}
+
+/// The poses at a time within the last step: positions go straight and rotations by the shortest
+/// turn; then the joints are closed, where those of the step's two ends are.
+Poses Run::posesAt(double time) {
+  const double share = 1 - (this->time() - time) / step_;
+  Poses poses;
+  for (std::size_t i = 0; i < bricks_.size(); ++i) {
+    const Pose& from = before_.poses[i];
+    const Pose& to = motion_.poses[i];
+    poses.push_back({from.position + share * (to.position - from.position),
+                     from.rotation.slerp(share, to.rotation)});
+  }
+  const bool closed = std::max(gapBefore_, gapNow_) <= kClosedShare * tileSize_;
+  if (!closed || scene_.solver.kind != SolverKind::Direct) return poses;
+  if (!projection_) {
+    Scene alone = scene_;
+    alone.environment = Environment{};
+    projection_ = makeDynamics(alone, Needs{.planar = needs_.planar}, bricks_, startPoses_);
+  }
+  std::vector<bool> pinned(bricks_.size(), false);
+  for (const int tile : timeline_.pinnedTiles()) pinned[static_cast<std::size_t>(tile)] = true;
+  projection_->setPinned(pinned);
+  projection_->assemble(poses);
+  return poses;
 }
 
 /// Keeps a sample with the figures so far, for the next checkpoint.
@@ -226,7 +273,8 @@ void Run::note(Sample& sample) {
 }
 
 void Run::transferFigures(StateTape& tape) {
-  tape.transfer(stepCount_, gapSum_, result_.accuracy, result_.cost);
+  tape.transfer(stepCount_, measuredSteps_, gapSum_, sampleCount_, lastSampleTime_,
+                result_.accuracy, result_.assembledError, result_.cost);
 }
 
 /// What the run goes on from, apart from its figures.
@@ -240,9 +288,11 @@ void Run::transfer(StateTape& tape) {
   double spent = spentSeconds();
   auto number = std::find(targets.begin(), targets.end(), target_) - targets.begin();
   bool isLed = follower_.has_value();
+  transferFigures(tape);
   tape.transfer(motion_, number, targetStartError_, leastError_, departure_, departureTime_,
                 openedAt_, isLed, stiffness_, timeline_, restTime_, misfit_, heldOpen_, jamStart_,
-                result_.trajectory.events, spent, *dynamics_);
+                result_.trajectory.events, result_.trajectory.figureStates, steps_, before_,
+                gapBefore_, gapNow_, spent, *dynamics_);
   if (!tape.isPlaying()) return;
   earlierSeconds_ = spent;
   target_ = targets.at(static_cast<std::size_t>(number));
@@ -258,23 +308,36 @@ void Run::saveState() {
 
 /// Shows the samples of the processes before this one, then takes over where they ended.
 void Run::goOnFrom(const RunState& state) {
-  checkpoints_->playSamples([this](StateTape& tape) {
-    Sample sample;
-    tape.transfer(sample);
-    transferFigures(tape);
-    isAskedToEnd_ = !observer_(sample);
-    return !isAskedToEnd_;
-  });
   StateTape tape(state.numbers);
   transfer(tape);
-  if (time() == state.time) return;
-  // Ended on the way there: the checkpoint stays as it is.
+  StateTape figures;
+  transferFigures(figures);
+  Sample shown;
+  checkpoints_->playSamples([&](StateTape& samples) {
+    samples.transfer(shown);
+    transferFigures(samples);
+    isAskedToEnd_ = observers_.sample && !observers_.sample(shown);
+    return !isAskedToEnd_;
+  });
+  if (isAskedToEnd_ && shown.time < state.time) return endWith(shown);
+  StateTape latest(figures.numbers());
+  transferFigures(latest);
+}
+
+/// Ends a run on the way to its checkpoint, which stays as it is. Which states the figures so far
+/// were reached in is not known here.
+void Run::endWith(const Sample& shown) {
+  isReplayed_ = true;
+  motion_.poses = shown.poses;
+  result_.accuracy.jointGapEnd = shown.jointGap;
+  result_.accuracy.targetErrorEnd = shown.targetError;
+  result_.trajectory.figureStates.clear();
   std::erase_if(result_.trajectory.events,
-                [this](const Event& event) { return event.time > time(); });
+                [&](const Event& event) { return event.time > shown.time; });
   interrupt();
 }
 
-/// Looks between two samples whether the run is to go on.
+/// Looks between two steps whether the run is to go on.
 bool Run::goesOn() {
   if (ended_) return false;
   if (checkpoints_ && (isAskedToEnd_ || checkpoints_->isDue())) saveState();
@@ -313,15 +376,12 @@ void Run::followPath() {
   follower_.reset();
 }
 
-void Run::advanceStep() {
+StepReport Run::advanceStep() {
   followPath();
   const StepReport report = dynamics_->advance(motion_, step_, actuation_);
-  result_.cost.steps += report.steps;
-  result_.cost.halvedSteps += report.halved;
-  result_.cost.unconvergedSteps += report.unconverged;
-  result_.cost.factorizations += report.factorizations;
   ++stepCount_;
   watchJam(report);
+  return report;
 }
 
 /// Notes where the bricks are when steps begin to fail at their shortest.
@@ -346,17 +406,70 @@ bool Run::isStuck() const {
   return farthest < kStuckShare * tileSize_;
 }
 
-void Run::observeStep() {
-  Accuracy& accuracy = result_.accuracy;
+/// The state of the bricks now is the one that the figure stands for.
+void Run::keepState(const char* name) {
+  std::vector<FigureState>& states = result_.trajectory.figureStates;
+  auto state = std::ranges::find(states, name, &FigureState::figure);
+  if (state == states.end()) state = states.insert(state, FigureState{name, 0, {}});
+  state->time = time();
+  state->poses = motion_.poses;
+}
+
+void Run::raise(double Accuracy::*figure, const char* name, double value) {
+  const bool isFirst = measuredSteps_ == 0;
+  if (!isFirst && !(value > result_.accuracy.*figure)) return;
+  result_.accuracy.*figure = value;
+  keepState(name);
+}
+
+void Run::lower(double& figure, const char* name, double value) {
+  if (measuredSteps_ > 0 && !(value < figure)) return;
+  figure = value;
+  keepState(name);
+}
+
+void Run::measureOverlaps() {
+  const Accuracy& known = result_.accuracy;
+  const PenetrationDepths depths = overlaps_->atLeast(
+      {known.penetrationMax, known.penetrationOutsidePivotsMax, known.penetrationGrownMax},
+      motion_.poses);
+  raise(&Accuracy::penetrationMax, "penetration_max", depths.whole);
+  raise(&Accuracy::penetrationOutsidePivotsMax, "penetration_outside_pivots_max",
+        depths.outsidePivots);
+  raise(&Accuracy::penetrationGrownMax, "penetration_grown_max", depths.grown);
+}
+
+/// Measures the state that a step leads to.
+void Run::observeStep(const StepReport& report) {
   const JointGap gap = jointGap(pivots_, motion_.poses);
-  const bool giveNow = isOnPath() ? scene_.path.jointsGive() : jointsGiveThroughout();
-  double& largest = giveNow ? accuracy.jointOpeningMax : accuracy.jointGapMax;
-  largest = std::max(largest, gap.max);
+  const double error = finalTargetError();
+  result_.cost.steps += report.steps;
+  result_.cost.halvedSteps += report.halved;
+  result_.cost.unconvergedSteps += report.unconverged;
+  result_.cost.factorizations += report.factorizations;
+  gapBefore_ = gapNow_;
+  gapNow_ = gap.max;
   gapSum_ += gap.mean;
-  accuracy.targetErrorMin = std::min(accuracy.targetErrorMin, finalTargetError());
-  if (pullsToTarget() && !isOnPath() && timeline_.forcesAreOn()) {
-    stiffness_.observe(currentTargetError(), step_);
+  raise(&Accuracy::jointGapMax, "joint_gap_max", gap.max);
+  const bool giveNow = isOnPath() ? scene_.path.jointsGive() : jointsGiveThroughout();
+  if (giveNow) raise(&Accuracy::jointOpeningMax, "joint_opening_max", gap.max);
+  measureOverlaps();
+  Accuracy& accuracy = result_.accuracy;
+  accuracy.jointGapEnd = gap.max;
+  accuracy.targetErrorEnd = error;
+  if (scene_.model.target) {
+    lower(accuracy.targetErrorMin, "target_error_min", error);
+    const bool closed = gap.max <= kClosedShare * tileSize_;
+    if (closed && error < result_.assembledError) {
+      result_.assembledError = error;
+      keepState("assembled_error");
+    }
   }
+  ++measuredSteps_;
+  steps_.push_back({time(), gap.max, gap.mean, error, static_cast<double>(report.steps),
+                    static_cast<double>(report.halved), static_cast<double>(report.unconverged),
+                    static_cast<double>(report.factorizations)});
+  if (observers_.step && !observers_.step(steps_.back())) isAskedToEnd_ = true;
 }
 
 void Run::updateRest() {
@@ -373,6 +486,7 @@ bool Run::isLost() const {
   for (std::size_t i = 0; i < startPoses_.size(); ++i) {
     const double distance = (motion_.poses[i].position - startPoses_[i].position).norm();
     if (!(distance <= kLostDistance * size_)) return true;  // also when not a number
+    if (!motion_.poses[i].rotation.coeffs().allFinite()) return true;
   }
   return false;
 }
@@ -428,29 +542,32 @@ std::string Run::jointTrouble() const {
       pushedAtStart_, kMisfitStiffness);
 }
 
-/// Steps to the next sample, unless the run diverges on the way.
-void Run::advanceSample() {
-  for (int i = 0; i < stepsPerSample_; ++i) {
-    followTimeline(false);
-    // A run that is to end goes on to the next sample, so that samples stay equally spaced.
-    if (ended_ && i == 0) return;
-    if (timeline_.isPaused(time())) {
-      ++stepCount_;
-      continue;
-    }
-    advanceStep();
-    if (isLost()) {
-      end(Outcome::Diverged,
-          fmt::format(
-              "a brick left all bounds at {:.4g} s; try a shorter --timestep or more damping",
-              time()));
-      return;
-    }
-    observeStep();
-    updateRest();
+/// Goes on by one step. One that loses a brick is not counted: the run ends where it began.
+void Run::advance() {
+  followTimeline(false);
+  if (ended_) return;
+  before_ = motion_;
+  if (timeline_.isPaused(time())) {
+    ++stepCount_;
+    return takeSamples();
   }
-  takeSample();
-  if (!ended_ && restTime_ >= scene_.stop.settleTime) restOrGoOn();
+  const StepReport report = advanceStep();
+  if (isLost()) {
+    const double lostAt = time();
+    --stepCount_;
+    motion_ = before_;
+    return end(Outcome::Diverged,
+               fmt::format("a brick left all bounds at {:.4g} s; try a shorter --timestep or more "
+                           "damping",
+                           lostAt));
+  }
+  observeStep(report);
+  if (pullsToTarget() && !isOnPath() && timeline_.forcesAreOn()) {
+    stiffness_.observe(currentTargetError(), step_);
+  }
+  updateRest();
+  takeSamples();
+  if (restTime_ >= scene_.stop.settleTime) restOrGoOn();
 }
 
 /// Nothing moves: a stiffer pull or the timeline may change that, else the run is over.
@@ -472,12 +589,13 @@ DeploymentResult Run::finish() {
   if (checkpoints_ && checkpoints_->run()) {
     goOnFrom(*checkpoints_->run());
   } else {
-    takeSample();
+    takeSample(0, motion_.poses);
   }
-  while (goesOn()) advanceSample();
+  while (goesOn()) advance();
   if (!ended_)
     end(Outcome::OutOfTime, fmt::format("still moving after {:.4g} s", scene_.stop.duration));
-  if (stepCount_ > 0) result_.accuracy.jointGapMean = gapSum_ / static_cast<double>(stepCount_);
+  if (!isReplayed_) takeLastSample();
+  result_.accuracy.jointGapMean = gapSum_ / static_cast<double>(measuredSteps_);
   result_.pathReason = jointTrouble();
   result_.cost.cpuSeconds = spentSeconds();
   return std::move(result_);

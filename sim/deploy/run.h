@@ -1,6 +1,8 @@
 /// One deployment in progress.
 #pragma once
 
+#include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -8,6 +10,7 @@
 
 #include "sim/actuation/boundary_springs.h"
 #include "sim/actuation/target_springs.h"
+#include "sim/deploy/assembled_state.h"
 #include "sim/deploy/deployment.h"
 #include "sim/deploy/dynamics.h"
 #include "sim/deploy/path_follower.h"
@@ -16,14 +19,25 @@
 
 namespace kirireel {
 
-/// Steps a scene from its start until it rests, locks, diverges, or its time is up.
+/// What is shown of a run while it goes on. Either function may be empty; one that returns false
+/// ends the run.
+struct RunObservers {
+  /// Seconds between the samples: these do not need to be whole steps. Infinity: the start and the
+  /// end alone.
+  double sampleInterval = std::numeric_limits<double>::infinity();
+  SampleObserver sample;
+  std::function<bool(const StepRecord&)> step;  ///< the start counts as one
+};
+
+/// Steps a scene from its start until it rests, locks, diverges, or its time is up. All that it
+/// does and measures depends on the steps alone, not on who looks at it and how often: a sample
+/// between two steps is made from their poses, its joints closed where theirs are.
 class Run : private TimelineStage {
  public:
-  /// `assembledError`: see assembleAtTarget(); negative where there is no target. The scene's path
-  /// must be chosen (not Auto). Scene, observer and checkpoints must outlive the run; the last may
-  /// be null.
-  Run(const Scene& scene, double sampleInterval, double assembledError,
-      const SampleObserver& observer, Checkpoints* checkpoints = nullptr);
+  /// `nearest`: see assembleAtTarget(). The scene's path must be chosen (not Auto). Scene
+  /// and checkpoints must outlive the run; the latter may be null.
+  Run(const Scene& scene, const AssembledState& nearest, const RunObservers& observers,
+      Checkpoints* checkpoints = nullptr);
 
   /// Runs to the end, from the checkpoint that was found if there is one. The trajectory holds no
   /// samples: they go to the observer.
@@ -31,7 +45,7 @@ class Run : private TimelineStage {
 
   /// What it has cost so far.
   const DeployCost& cost() const { return result_.cost; }
-  /// How well it has gone so far; of overlaps, as far as samples have seen them.
+  /// How well it has gone so far.
   const Accuracy& accuracy() const { return result_.accuracy; }
   /// Whether bricks keep joints that gave from closing.
   bool isHeldOpen() const { return heldOpen_; }
@@ -46,26 +60,34 @@ class Run : private TimelineStage {
   void quit() override;
   bool followTimeline(bool atRest);
   void restOrGoOn();
-  void advanceSample();
-  void advanceStep();
+  void advance();
+  StepReport advanceStep();
   void followPath();
   bool closeJoints();
   bool isOpening() const { return time() < openedAt_; }
   /// Whether something else drives the tiles than the scene's own actuation.
   bool isOnPath() const { return isOpening() || follower_.has_value(); }
-  void observeStep();
+  void observeStep(const StepReport& report);
+  void measureOverlaps();
+  void raise(double Accuracy::*figure, const char* name, double value);
+  void lower(double& figure, const char* name, double value);
+  void keepState(const char* name);
   void updateRest();
   void watchJam(const StepReport& report);
   bool isStuck() const;
   bool isLost() const;
   bool jointsGiveThroughout() const;
   void holdJoints();
-  void takeSample();
+  void takeSamples();
+  void takeLastSample();
+  void takeSample(double time, Poses poses);
+  Poses posesAt(double time);
   void note(Sample& sample);
   void transfer(StateTape& tape);
   void transferFigures(StateTape& tape);
   void saveState();
   void goOnFrom(const RunState& state);
+  void endWith(const Sample& shown);
   bool goesOn();
   void end(Outcome outcome, std::string reason);
   void interrupt() { end(Outcome::Interrupted, "ended early by the caller"); }
@@ -80,13 +102,13 @@ class Run : private TimelineStage {
   double spentSeconds() const;
 
   const Scene& scene_;
-  const SampleObserver& observer_;
+  RunObservers observers_;
   Checkpoints* checkpoints_;
   std::vector<Brick> bricks_;
   std::vector<Pivot> pivots_;
   Motion motion_;
   Poses startPoses_;  // joints closed unless they give
-  std::optional<PenetrationGrowth> overlaps_;
+  std::optional<PenetrationMeter> overlaps_;
   const std::vector<Tile>* target_;  // the one headed for at present; null when there is none
   double targetStartError_ = 0;      // when it was set
   double leastError_ = 0;            // how near the tiles can come
@@ -101,13 +123,20 @@ class Run : private TimelineStage {
   TimelineRunner timeline_;
   AdaptiveStiffness stiffness_;
   LoadSource actuation_;
-  int stepsPerSample_;
-  double step_;
+  double step_;  // seconds
   double size_;
   double tileSize_;
-  double assembledError_;
-  long stepCount_ = 0;
-  double gapSum_ = 0;
+  AssembledState nearest_;
+  long stepCount_ = 0;                    // pauses included
+  long measuredSteps_ = 0;                // the start included
+  double gapSum_ = 0;                     // of the mean gaps of measured steps
+  long sampleCount_ = 0;                  // samples taken
+  double lastSampleTime_ = 0;             // seconds
+  std::vector<StepRecord> steps_;         // since the last sample
+  Motion before_;                         // at the start of the step
+  double gapBefore_ = 0;                  // the largest, there
+  double gapNow_ = 0;                     // likewise at its end
+  std::unique_ptr<Dynamics> projection_;  // closes joints of states between steps
   double restTime_ = 0;
   bool misfit_ = false;        // joints could not be closed
   bool heldOpen_ = false;      // for bricks that are in the way
@@ -116,6 +145,7 @@ class Run : private TimelineStage {
   double earlierSeconds_ = 0;  // of CPU time, in the processes before this one
   double startSeconds_ = 0;    // CPU time of the thread when this one began
   bool isAskedToEnd_ = false;
+  bool isReplayed_ = false;  // ended among the samples of the processes before this one
   bool ended_ = false;
   DeploymentResult result_;
 };

@@ -1,9 +1,8 @@
 /// How accurate a state is: figures that every summary states. Nothing here knows a solver.
 #pragma once
 
-#include <map>
+#include <memory>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "sim/base/geometry.h"
@@ -53,28 +52,38 @@ std::vector<Penetration> penetrationsOutsidePivots(const std::vector<Brick>& bri
                                                    std::span<const Pivot> pivots, double zone,
                                                    const Poses& poses, double least);
 
-/// How much deeper bricks overlap than at the start of a run, where some models' bricks do: what
-/// contacts have to prevent.
-class PenetrationGrowth {
+/// Depths of overlaps in a state, or the largest of several states. Metres, from 0.
+struct PenetrationDepths {
+  double whole = 0;          ///< of any two bricks
+  double outsidePivots = 0;  ///< the same, joined bricks without the corners that they share
+  double grown = 0;          ///< of that, what any pair has beyond its own depth at the start
+};
+
+/// Overlaps at the start of a run that are no deeper than this part of a tile are rounding: what
+/// comes on top of them counts from zero.
+inline constexpr double kRoundingOverlap = 1e-6;
+
+/// Measures the overlaps of one run's states, one after the other. It remembers which axis kept
+/// each pair apart best and looks there first, so that states that follow each other closely cost
+/// little. The figures do not depend on what it remembers.
+class PenetrationMeter {
  public:
-  /// Deepest, and how much deeper than at the start, of any pairs, metres, from 0.
-  struct Depths {
-    double deepest = 0;
-    double grown = 0;
-  };
+  /// Joined bricks as in penetrationsOutsidePivots(); overlaps at the start of `least` metres or
+  /// less count as none there. Bricks must outlive this.
+  PenetrationMeter(const std::vector<Brick>& bricks, std::span<const Pivot> pivots, double zone,
+                   const Poses& start, double least);
+  ~PenetrationMeter();
+  PenetrationMeter(const PenetrationMeter&) = delete;
+  PenetrationMeter& operator=(const PenetrationMeter&) = delete;
 
-  /// As penetrationsOutsidePivots(), whose `least` is for overlaps at the start. Bricks and pivots
-  /// must outlive this.
-  PenetrationGrowth(const std::vector<Brick>& bricks, std::span<const Pivot> pivots, double zone,
-                    const Poses& start, double least);
-
-  Depths at(const Poses& poses) const;
+  /// The depths in a state.
+  PenetrationDepths at(const Poses& poses) { return atLeast({}, poses); }
+  /// The larger of each: the depth given, and that in a state.
+  PenetrationDepths atLeast(const PenetrationDepths& known, const Poses& poses);
 
  private:
-  const std::vector<Brick>& bricks_;
-  std::span<const Pivot> pivots_;
-  double zone_;
-  std::map<std::pair<int, int>, double> atStart_;  // metres
+  struct Internals;
+  std::unique_ptr<Internals> internals_;
 };
 
 /// Kinetic energy of all bricks, joules.

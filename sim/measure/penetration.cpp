@@ -1,4 +1,21 @@
+// How deep bricks overlap.
+//
+// Two convex bodies A and B overlap by the depth
+//
+//     depth(A, B) = min over unit axes n of min(high_A(n) - low_B(n), high_B(n) - low_A(n)),
+//
+// where low and high bound the projections on the axis: the shortest move that separates them. For
+// polyhedra the minimum stands on one of finitely many axes: the normals of the faces of both, and
+// the products of an edge of one with an edge of the other (Gottschalk, Lin and Manocha, OBBTree,
+// SIGGRAPH 1996). A prism's faces and edges follow from its bottom and its normal, so its top need
+// not be projected. Any axis gives an upper bound of the depth: the search for a pair stops as soon
+// as that bound is not above what is known already.
+//
+// Pairs are found by sweep and prune: sorted by the low sides of their boxes along the axis on
+// which the bricks are spread most, a brick can only meet those that begin before it ends.
+
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <numeric>
@@ -13,233 +30,270 @@ namespace {
 // Below this sine two directions count as parallel: they give the same separating axes.
 constexpr double kParallel = 1e-9;
 
-/// A brick at its pose, in world axes: the prism that its bottom sweeps along `rise`.
-struct PlacedBrick {
-  std::vector<Vector3> bottom;
-  std::vector<Vector3> edges;  ///< unit directions of the bottom's edges, parallel ones once
-  Vector3 normal;              ///< unit
-  Vector3 rise;                ///< from bottom to top
-  Eigen::AlignedBox3d box;
-};
-
-/// An interval of projections on an axis.
-struct Extent {
-  double low;
-  double high;
-};
-
 bool isParallel(const Vector3& a, const Vector3& b) {
   return a.cross(b).squaredNorm() < kParallel * kParallel;
 }
 
-PlacedBrick placeBrick(const Brick& brick, const Pose& pose) {
-  PlacedBrick placed;
-  placed.normal = pose.rotation * brick.normal;
-  placed.rise = brick.thickness * placed.normal;
-  placed.bottom.reserve(brick.bottom.size());
-  for (const Vector3& point : brick.bottom) {
-    placed.bottom.push_back(pose.apply(point));
-    placed.box.extend(placed.bottom.back());
-    placed.box.extend(placed.bottom.back() + placed.rise);
-  }
-  placed.edges.reserve(brick.bottom.size());
-  for (size_t k = 0; k < placed.bottom.size(); ++k) {
-    const Vector3& next = placed.bottom[(k + 1) % placed.bottom.size()];
-    const Vector3 edge = (next - placed.bottom[k]).normalized();
-    const bool known = std::any_of(placed.edges.begin(), placed.edges.end(),
+/// What of a brick decides its overlaps, in brick axes.
+struct Prism {
+  std::vector<Vector3> bottom;
+  std::vector<Vector3> directions;  ///< the normal, then those of the edges, parallel ones once
+  double thickness = 0;
+};
+
+Prism prismOf(const Brick& brick) {
+  Prism prism{brick.bottom, {brick.normal}, brick.thickness};
+  for (std::size_t k = 0; k < brick.bottom.size(); ++k) {
+    const Vector3& next = brick.bottom[(k + 1) % brick.bottom.size()];
+    const Vector3 edge = (next - brick.bottom[k]).normalized();
+    const bool known = std::any_of(prism.directions.begin() + 1, prism.directions.end(),
                                    [&](const Vector3& other) { return isParallel(edge, other); });
-    if (!known) placed.edges.push_back(edge);
+    if (!known) prism.directions.push_back(edge);
   }
-  return placed;
+  return prism;
 }
 
-/// The top needs no projections of its own: it is the bottom moved by `rise`.
-Extent project(const PlacedBrick& brick, const Vector3& axis) {
-  Extent extent{brick.bottom[0].dot(axis), brick.bottom[0].dot(axis)};
-  for (const Vector3& point : brick.bottom) {
+std::vector<Prism> prismsOf(const std::vector<Brick>& bricks) {
+  std::vector<Prism> prisms;
+  prisms.reserve(bricks.size());
+  for (const Brick& brick : bricks) prisms.push_back(prismOf(brick));
+  return prisms;
+}
+
+/// A prism at its pose, in world axes.
+struct PlacedPrism {
+  std::vector<Vector3> bottom;
+  std::vector<Vector3> directions;
+  Vector3 rise;  ///< from bottom to top
+  Eigen::AlignedBox3d box;
+
+  const Vector3& normal() const { return directions.front(); }
+
+  void place(const Prism& prism, const Pose& pose) {
+    const Matrix3 turn = pose.rotation.toRotationMatrix();
+    directions.clear();
+    for (const Vector3& direction : prism.directions) directions.push_back(turn * direction);
+    rise = prism.thickness * normal();
+    bottom.clear();
+    box.setEmpty();
+    for (const Vector3& point : prism.bottom) {
+      bottom.push_back(pose.position + turn * point);
+      box.extend(bottom.back());
+      box.extend(bottom.back() + rise);
+    }
+  }
+};
+
+/// An interval of projections on an axis.
+struct Projection {
+  double low;
+  double high;
+};
+
+Projection project(const PlacedPrism& prism, const Vector3& axis) {
+  Projection interval{prism.bottom[0].dot(axis), prism.bottom[0].dot(axis)};
+  for (const Vector3& point : prism.bottom) {
     const double projection = point.dot(axis);
-    extent.low = std::min(extent.low, projection);
-    extent.high = std::max(extent.high, projection);
+    interval.low = std::min(interval.low, projection);
+    interval.high = std::max(interval.high, projection);
   }
-  const double rise = brick.rise.dot(axis);
-  return {extent.low + std::min(rise, 0.0), extent.high + std::max(rise, 0.0)};
+  const double rise = prism.rise.dot(axis);
+  return {interval.low + std::min(rise, 0.0), interval.high + std::max(rise, 0.0)};
 }
 
-/// How far one brick must move along a unit axis, one way or the other, to be clear of the other;
+/// How far one prism must move along a unit axis, one way or the other, to be clear of the other;
 /// negative when it is clear already. The least over all unit axes is the depth.
-double overlapAlong(const PlacedBrick& a, const PlacedBrick& b, const Vector3& axis) {
-  const Extent extentA = project(a, axis);
-  const Extent extentB = project(b, axis);
-  return std::min(extentA.high - extentB.low, extentB.high - extentA.low);
+double overlapAlong(const PlacedPrism& a, const PlacedPrism& b, const Vector3& axis) {
+  const Projection intervalA = project(a, axis);
+  const Projection intervalB = project(b, axis);
+  return std::min(intervalA.high - intervalB.low, intervalB.high - intervalA.low);
 }
 
 double overlapOfBoxes(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b) {
   return (a.max().cwiseMin(b.max()) - a.min().cwiseMax(b.min())).minCoeff();
 }
 
-/// The least overlap of a pair of bricks over the axes tried so far. Trying stops as soon as the
-/// pair cannot be deeper than what was found before.
-class PairDepth {
+/// The axes that can separate two prisms, by number: faces of the first, faces of the second,
+/// products of a direction of each.
+class SeparatingAxes {
  public:
-  PairDepth(const PlacedBrick& a, const PlacedBrick& b, double deepest)
-      : a_(a), b_(b), deepest_(deepest) {}
+  SeparatingAxes(const PlacedPrism& a, const PlacedPrism& b)
+      : a_(a), b_(b), facesA_(a.directions.size()), facesB_(b.directions.size()) {
+    // Products of directions of parallel tiles are the faces' normals again.
+    const bool parallel = isParallel(a.normal(), b.normal());
+    count_ = facesA_ + facesB_ + (parallel ? 0 : facesA_ * facesB_);
+  }
 
-  /// The depth, or something not above `deepest`.
-  double find() {
-    if (tryFaces(a_) && tryFaces(b_)) tryEdges();
-    return depth_;
+  std::size_t count() const { return count_; }
+
+  /// The overlap along an axis; infinite where the number means no axis.
+  double overlap(std::size_t number) const {
+    Vector3 axis;
+    if (number < facesA_) {
+      axis = face(a_, number);
+    } else if (number < facesA_ + facesB_) {
+      axis = face(b_, number - facesA_);
+    } else {
+      const std::size_t product = number - facesA_ - facesB_;
+      const Vector3& ofA = a_.directions[product / facesB_];
+      const Vector3& ofB = b_.directions[product % facesB_];
+      if (isParallel(ofA, ofB)) return std::numeric_limits<double>::infinity();
+      axis = ofA.cross(ofB).normalized();
+    }
+    return overlapAlong(a_, b_, axis);
   }
 
  private:
-  /// False when no further axis matters.
-  bool tryAxis(const Vector3& axis) {
-    depth_ = std::min(depth_, overlapAlong(a_, b_, axis));
-    return depth_ > deepest_;
+  static Vector3 face(const PlacedPrism& prism, std::size_t number) {
+    return number == 0 ? prism.normal() : prism.directions[number].cross(prism.normal());
   }
 
-  bool tryFaces(const PlacedBrick& brick) {
-    if (!tryAxis(brick.normal)) return false;
-    for (const Vector3& edge : brick.edges) {
-      if (!tryAxis(edge.cross(brick.normal))) return false;
-    }
-    return true;
+  const PlacedPrism& a_;
+  const PlacedPrism& b_;
+  std::size_t facesA_;
+  std::size_t facesB_;
+  std::size_t count_;
+};
+
+/// The depth of a pair, or something not above `known`. The axis numbered `hint` is tried first;
+/// it becomes the one that decided.
+double pairDepth(const PlacedPrism& a, const PlacedPrism& b, double known, std::size_t& hint) {
+  const SeparatingAxes axes(a, b);
+  if (hint < axes.count()) {
+    const double overlap = axes.overlap(hint);
+    if (overlap <= known) return overlap;
+  }
+  double depth = std::numeric_limits<double>::infinity();
+  for (std::size_t number = 0; number < axes.count() && depth > known; ++number) {
+    const double overlap = axes.overlap(number);
+    if (overlap >= depth) continue;
+    depth = overlap;
+    hint = number;
+  }
+  return depth;
+}
+
+double pairDepth(const PlacedPrism& a, const PlacedPrism& b, double known) {
+  std::size_t hint = std::numeric_limits<std::size_t>::max();
+  return pairDepth(a, b, known, hint);
+}
+
+/// All bricks of a state, and the pairs among them that may overlap.
+class PlacedPrisms {
+ public:
+  void place(const std::vector<Prism>& prisms, const Poses& poses) {
+    placed_.resize(prisms.size());
+    for (std::size_t i = 0; i < prisms.size(); ++i) placed_[i].place(prisms[i], poses[i]);
+    sort();
   }
 
-  bool tryProduct(const Vector3& edgeA, const Vector3& edgeB) {
-    return isParallel(edgeA, edgeB) || tryAxis(edgeA.cross(edgeB).normalized());
+  const PlacedPrism& operator[](int brick) const {
+    return placed_[static_cast<std::size_t>(brick)];
   }
 
-  bool tryEdges() {
-    // Products of edges of parallel tiles are the faces' normals again.
-    if (isParallel(a_.normal, b_.normal)) return true;
-    if (!tryProduct(a_.normal, b_.normal)) return false;
-    for (const Vector3& edgeA : a_.edges) {
-      if (!tryProduct(edgeA, b_.normal)) return false;
-    }
-    for (const Vector3& edgeB : b_.edges) {
-      if (!tryProduct(a_.normal, edgeB)) return false;
-      for (const Vector3& edgeA : a_.edges) {
-        if (!tryProduct(edgeA, edgeB)) return false;
+  /// Visits the numbers of all pairs whose boxes overlap by more than `least()`, the smaller first,
+  /// in an order that is the same everywhere.
+  template <typename Least, typename Visit>
+  void visitNearPairs(const Least& least, const Visit& visit) const {
+    for (std::size_t i = 0; i < order_.size(); ++i) {
+      const PlacedPrism& first = (*this)[order_[i]];
+      for (std::size_t j = i + 1; j < order_.size(); ++j) {
+        const PlacedPrism& second = (*this)[order_[j]];
+        if (second.box.min()[axis_] >= first.box.max()[axis_]) break;
+        if (overlapOfBoxes(first.box, second.box) <= least()) continue;
+        const auto [a, b] = std::minmax(order_[i], order_[j]);
+        visit(a, b);
       }
     }
-    return true;
-  }
-
-  const PlacedBrick& a_;
-  const PlacedBrick& b_;
-  const double deepest_;
-  double depth_ = std::numeric_limits<double>::infinity();
-};
-
-/// The axis along which the bricks are spread most: sorted along it, fewest boxes overlap.
-int sweepAxis(const std::vector<PlacedBrick>& bricks) {
-  Eigen::AlignedBox3d all;
-  for (const PlacedBrick& brick : bricks) all.extend(brick.box);
-  int axis = 0;
-  all.diagonal().maxCoeff(&axis);
-  return axis;
-}
-
-/// Two placed bricks and their numbers.
-struct PlacedPair {
-  int brickA;
-  int brickB;
-  const PlacedBrick& a;
-  const PlacedBrick& b;
-};
-
-/// Visits all pairs whose boxes overlap by more than `least()`, in an order that is the same
-/// everywhere.
-template <typename Least, typename Visit>
-void visitNearPairs(const std::vector<Brick>& bricks, const Poses& poses, const Least& least,
-                    const Visit& visit) {
-  if (bricks.empty()) return;
-  std::vector<PlacedBrick> placed;
-  placed.reserve(bricks.size());
-  for (size_t i = 0; i < bricks.size(); ++i) placed.push_back(placeBrick(bricks[i], poses[i]));
-
-  // Sweep and prune: in order of their low sides, a brick can only meet those that start before it
-  // ends.
-  const int axis = sweepAxis(placed);
-  std::vector<int> order(placed.size());
-  std::iota(order.begin(), order.end(), 0);
-  // The stable sort keeps the result the same everywhere, and survives poses that are no numbers.
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
-    return placed[a].box.min()[axis] < placed[b].box.min()[axis];
-  });
-  for (size_t i = 0; i < order.size(); ++i) {
-    const PlacedBrick& first = placed[order[i]];
-    for (size_t j = i + 1; j < order.size(); ++j) {
-      const PlacedBrick& second = placed[order[j]];
-      if (second.box.min()[axis] >= first.box.max()[axis]) break;
-      if (overlapOfBoxes(first.box, second.box) <= least()) continue;
-      visit(PlacedPair{order[i], order[j], first, second});
-    }
-  }
-}
-
-/// The depth of pairs that share corners is that without them.
-class DepthOutsidePivots {
- public:
-  DepthOutsidePivots(const std::vector<Brick>& bricks, std::span<const Pivot> pivots, double zone,
-                     const Poses& poses)
-      : bricks_(bricks), joined_(sharedCorners(pivots)), zone_(zone), poses_(poses) {}
-
-  /// The depth, or something not above `deepest`.
-  double operator()(const PlacedPair& pair, double deepest) const {
-    const auto [a, b] = std::minmax(pair.brickA, pair.brickB);
-    const auto corners = joined_.find({a, b});
-    if (corners == joined_.end()) return PairDepth(pair.a, pair.b, deepest).find();
-    const auto [cutA, cutB] = withoutSharedCorners(bricks_[a], bricks_[b], corners->second, zone_);
-    return PairDepth(placeBrick(cutA, poses_[a]), placeBrick(cutB, poses_[b]), deepest).find();
   }
 
  private:
-  const std::vector<Brick>& bricks_;
-  std::map<std::pair<int, int>, SharedCorners> joined_;
-  double zone_;
-  const Poses& poses_;
+  void sort() {
+    Eigen::AlignedBox3d all;
+    for (const PlacedPrism& prism : placed_) all.extend(prism.box);
+    if (placed_.empty()) return;
+    all.diagonal().maxCoeff(&axis_);
+    order_.resize(placed_.size());
+    std::iota(order_.begin(), order_.end(), 0);
+    // The stable sort keeps the result the same everywhere, and survives poses that are no numbers.
+    std::ranges::stable_sort(order_, [&](int a, int b) {
+      return (*this)[a].box.min()[axis_] < (*this)[b].box.min()[axis_];
+    });
+  }
+
+  std::vector<PlacedPrism> placed_;
+  std::vector<int> order_;  // by the low sides of their boxes
+  int axis_ = 0;
 };
 
-/// `depthOf(pair, deepest)` gives the depth of a pair, or something not above `deepest`.
-template <typename DepthOf>
-Penetration deepestOverlap(const std::vector<Brick>& bricks, const Poses& poses,
-                           const DepthOf& depthOf) {
-  Penetration deepest;
-  const auto least = [&] { return deepest.depth; };
-  visitNearPairs(bricks, poses, least, [&](const PlacedPair& pair) {
-    const double depth = depthOf(pair, deepest.depth);
-    if (depth > deepest.depth) deepest = {depth, pair.brickA, pair.brickB};
-  });
-  return deepest;
+/// Two joined bricks without the corners that they share, and what was seen of them before.
+struct JoinedPair {
+  int a = 0;  ///< the smaller number
+  int b = 0;
+  Prism cutA;
+  Prism cutB;
+  double atStart = 0;       ///< depth of the cut pair, metres
+  std::size_t hint = 0;     ///< axis of the whole pair
+  std::size_t hintCut = 0;  ///< axis of the cut pair
+};
+
+std::vector<JoinedPair> joinedPairs(const std::vector<Brick>& bricks, std::span<const Pivot> pivots,
+                                    double zone) {
+  std::vector<JoinedPair> pairs;
+  for (const auto& [numbers, corners] : sharedCorners(pivots)) {
+    const auto [a, b] = numbers;
+    const auto [cutA, cutB] = withoutSharedCorners(
+        bricks[static_cast<std::size_t>(a)], bricks[static_cast<std::size_t>(b)], corners, zone);
+    pairs.push_back({a, b, prismOf(cutA), prismOf(cutB)});
+  }
+  return pairs;
 }
 
 }  // namespace
 
 Penetration deepestPenetration(const std::vector<Brick>& bricks, const Poses& poses) {
-  return deepestOverlap(bricks, poses, [](const PlacedPair& pair, double deepest) {
-    return PairDepth(pair.a, pair.b, deepest).find();
-  });
+  PlacedPrisms placed;
+  placed.place(prismsOf(bricks), poses);
+  Penetration deepest;
+  placed.visitNearPairs([&] { return deepest.depth; },
+                        [&](int a, int b) {
+                          const double depth = pairDepth(placed[a], placed[b], deepest.depth);
+                          if (depth > deepest.depth) deepest = {depth, a, b};
+                        });
+  return deepest;
 }
 
 Penetration deepestPenetrationOutsidePivots(const std::vector<Brick>& bricks,
                                             std::span<const Pivot> pivots, double zone,
                                             const Poses& poses) {
-  return deepestOverlap(bricks, poses, DepthOutsidePivots(bricks, pivots, zone, poses));
+  const std::vector<Penetration> all = penetrationsOutsidePivots(bricks, pivots, zone, poses, 0);
+  return all.empty() ? Penetration{} : all.front();
 }
 
 std::vector<Penetration> penetrationsOutsidePivots(const std::vector<Brick>& bricks,
                                                    std::span<const Pivot> pivots, double zone,
                                                    const Poses& poses, double least) {
-  const DepthOutsidePivots depthOf(bricks, pivots, zone, poses);
+  PlacedPrisms placed;
+  placed.place(prismsOf(bricks), poses);
+  const auto joined = sharedCorners(pivots);
   std::vector<Penetration> all;
-  visitNearPairs(
-      bricks, poses, [least] { return least; },
-      [&](const PlacedPair& pair) {
-        const double depth = depthOf(pair, least);
-        const auto [a, b] = std::minmax(pair.brickA, pair.brickB);
-        if (depth > least) all.push_back({depth, a, b});
-      });
+  PlacedPrism cutA;
+  PlacedPrism cutB;
+  const auto depthOf = [&](int a, int b) {
+    const auto corners = joined.find({a, b});
+    if (corners == joined.end()) return pairDepth(placed[a], placed[b], least);
+    const auto i = static_cast<std::size_t>(a);
+    const auto j = static_cast<std::size_t>(b);
+    const auto [brickA, brickB] = withoutSharedCorners(bricks[i], bricks[j], corners->second, zone);
+    cutA.place(prismOf(brickA), poses[i]);
+    cutB.place(prismOf(brickB), poses[j]);
+    return pairDepth(cutA, cutB, least);
+  };
+  placed.visitNearPairs([least] { return least; },
+                        [&](int a, int b) {
+                          const double depth = depthOf(a, b);
+                          if (depth > least) all.push_back({depth, a, b});
+                        });
   std::ranges::sort(all, [](const Penetration& one, const Penetration& other) {
     return std::tuple(-one.depth, one.brickA, one.brickB) <
            std::tuple(-other.depth, other.brickA, other.brickB);
@@ -247,27 +301,79 @@ std::vector<Penetration> penetrationsOutsidePivots(const std::vector<Brick>& bri
   return all;
 }
 
-PenetrationGrowth::PenetrationGrowth(const std::vector<Brick>& bricks,
-                                     std::span<const Pivot> pivots, double zone, const Poses& start,
-                                     double least)
-    : bricks_(bricks), pivots_(pivots), zone_(zone) {
-  for (const Penetration& pair : penetrationsOutsidePivots(bricks, pivots, zone, start, least)) {
-    atStart_[{pair.brickA, pair.brickB}] = pair.depth;
+struct PenetrationMeter::Internals {
+  std::vector<Prism> prisms;
+  std::vector<JoinedPair> joined;                 // by their numbers
+  std::vector<std::vector<int>> partners;         // of each brick: joined ones with larger numbers
+  std::map<std::pair<int, int>, double> atStart;  // metres, of pairs that are not joined
+  PlacedPrisms placed;
+  PlacedPrism cutA;
+  PlacedPrism cutB;
+
+  bool isJoined(int a, int b) const {
+    const std::vector<int>& others = partners[static_cast<std::size_t>(a)];
+    return std::ranges::find(others, b) != others.end();
   }
+
+  double keptBy(int a, int b) const {
+    const auto found = atStart.find({a, b});
+    return found == atStart.end() ? 0 : found->second;
+  }
+
+  void measureJoined(JoinedPair& pair, const Poses& poses, PenetrationDepths& depths) {
+    const PlacedPrism& a = placed[pair.a];
+    const PlacedPrism& b = placed[pair.b];
+    const double most = overlapOfBoxes(a.box, b.box);
+    if (most > depths.whole)
+      depths.whole = std::max(depths.whole, pairDepth(a, b, depths.whole, pair.hint));
+    const double known = std::min(depths.outsidePivots, depths.grown + pair.atStart);
+    if (most <= known) return;
+    cutA.place(pair.cutA, poses[static_cast<std::size_t>(pair.a)]);
+    cutB.place(pair.cutB, poses[static_cast<std::size_t>(pair.b)]);
+    const double depth = pairDepth(cutA, cutB, known, pair.hintCut);
+    depths.outsidePivots = std::max(depths.outsidePivots, depth);
+    depths.grown = std::max(depths.grown, depth - pair.atStart);
+  }
+
+  void measureUnjoined(PenetrationDepths& depths) const {
+    const auto known = [&] {
+      // What overlapped at the start may count less, never more.
+      const double least = std::min(depths.whole, depths.outsidePivots);
+      return std::min(least, depths.grown);
+    };
+    placed.visitNearPairs(known, [&](int a, int b) {
+      if (isJoined(a, b)) return;
+      const double depth = pairDepth(placed[a], placed[b], known());
+      depths.whole = std::max(depths.whole, depth);
+      depths.outsidePivots = std::max(depths.outsidePivots, depth);
+      if (depth > depths.grown) depths.grown = std::max(depths.grown, depth - keptBy(a, b));
+    });
+  }
+};
+
+PenetrationMeter::PenetrationMeter(const std::vector<Brick>& bricks, std::span<const Pivot> pivots,
+                                   double zone, const Poses& start, double least)
+    : internals_(std::make_unique<Internals>()) {
+  Internals& in = *internals_;
+  in.prisms = prismsOf(bricks);
+  in.joined = joinedPairs(bricks, pivots, zone);
+  in.partners.resize(bricks.size());
+  for (const JoinedPair& pair : in.joined)
+    in.partners[static_cast<std::size_t>(pair.a)].push_back(pair.b);
+  for (const Penetration& pair : penetrationsOutsidePivots(bricks, pivots, zone, start, least)) {
+    in.atStart[{pair.brickA, pair.brickB}] = pair.depth;
+  }
+  for (JoinedPair& pair : in.joined) pair.atStart = in.keptBy(pair.a, pair.b);
 }
 
-PenetrationGrowth::Depths PenetrationGrowth::at(const Poses& poses) const {
-  if (atStart_.empty()) {
-    const double depth = deepestPenetrationOutsidePivots(bricks_, pivots_, zone_, poses).depth;
-    return {depth, depth};
-  }
-  Depths depths;
-  for (const Penetration& pair : penetrationsOutsidePivots(bricks_, pivots_, zone_, poses, 0)) {
-    const auto before = atStart_.find({pair.brickA, pair.brickB});
-    const double kept = before == atStart_.end() ? 0 : before->second;
-    depths.deepest = std::max(depths.deepest, pair.depth);
-    depths.grown = std::max(depths.grown, pair.depth - kept);
-  }
+PenetrationMeter::~PenetrationMeter() = default;
+
+PenetrationDepths PenetrationMeter::atLeast(const PenetrationDepths& known, const Poses& poses) {
+  Internals& in = *internals_;
+  PenetrationDepths depths = known;
+  in.placed.place(in.prisms, poses);
+  for (JoinedPair& pair : in.joined) in.measureJoined(pair, poses, depths);
+  in.measureUnjoined(depths);
   return depths;
 }
 

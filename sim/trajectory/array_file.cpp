@@ -109,11 +109,11 @@ std::vector<hsize_t> withRows(std::size_t count, const Shape& rowShape) {
   return lengths;
 }
 
-/// Selects one row of an array.
-bool selectRow(hid_t space, std::size_t index, const Shape& rowShape) {
+/// Selects rows of an array that follow each other.
+bool selectRows(hid_t space, std::size_t first, std::size_t rows, const Shape& rowShape) {
   std::vector<hsize_t> start(rowShape.size() + 1, 0);
-  start.front() = index;
-  const std::vector<hsize_t> count = withRows(1, rowShape);
+  start.front() = first;
+  const std::vector<hsize_t> count = withRows(rows, rowShape);
   return H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr) >=
          0;
 }
@@ -252,17 +252,19 @@ void ArrayWriter::addSeries(const std::string& name, const Shape& rowShape) {
                               0};
 }
 
-void ArrayWriter::append(const std::string& name, std::span<const double> row) {
+void ArrayWriter::append(const std::string& name, std::span<const double> rows) {
   Internals::Series& series = internals_->series.at(name);
+  const std::size_t count = rows.size() / std::max<std::size_t>(1, entryCount(series.rowShape));
+  if (count == 0) return;
   errno = 0;
-  const std::vector<hsize_t> lengths = withRows(series.rows + 1, series.rowShape);
+  const std::vector<hsize_t> lengths = withRows(series.rows + count, series.rowShape);
   internals_->check(H5Dset_extent(series.array.id(), lengths.data()) >= 0);
   const Handle inFile(H5Dget_space(series.array.id()), H5Sclose);
-  const Handle inMemory = spaceOf({row.size()});
-  internals_->check(selectRow(inFile.id(), series.rows, series.rowShape) &&
+  const Handle inMemory = spaceOf({rows.size()});
+  internals_->check(selectRows(inFile.id(), series.rows, count, series.rowShape) &&
                     H5Dwrite(series.array.id(), H5T_NATIVE_DOUBLE, inMemory.id(), inFile.id(),
-                             H5P_DEFAULT, row.data()) >= 0);
-  ++series.rows;
+                             H5P_DEFAULT, rows.data()) >= 0);
+  series.rows += count;
 }
 
 void ArrayWriter::setAttribute(const std::string& object, const std::string& name,
@@ -531,7 +533,7 @@ std::vector<double> ArrayReader::row(const std::string& name, std::size_t index)
   std::vector<double> entries(entryCount(rowShape));
   const Handle inFile(H5Dget_space(array.id()), H5Sclose);
   const Handle inMemory = spaceOf({entries.size()});
-  selectRow(inFile.id(), index, rowShape);
+  selectRows(inFile.id(), index, 1, rowShape);
   internals_->requireRead(H5Dread(array.id(), H5T_NATIVE_DOUBLE, inMemory.id(), inFile.id(),
                                   H5P_DEFAULT, entries.data()),
                           name);

@@ -41,8 +41,8 @@ class ArrayWriter {
 
   /// Makes an array of doubles that grows along its first dimension, compressed in chunks.
   void addSeries(const std::string& name, const Shape& rowShape);
-  /// Adds one row to the end of a series.
-  void append(const std::string& name, std::span<const double> row);
+  /// Adds rows to the end of a series, one after the other.
+  void append(const std::string& name, std::span<const double> rows);
 
   /// Notes a property of a group or an array ("/" is the file itself).
   void setAttribute(const std::string& object, const std::string& name, const std::string& text);

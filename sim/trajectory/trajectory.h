@@ -13,6 +13,23 @@
 
 namespace kirireel {
 
+/// What was measured at the end of one step of a run, and what the step took. Lengths in metres.
+struct StepRecord {
+  double time = 0;          ///< simulated seconds from the start
+  double jointGap = 0;      ///< largest
+  double jointGapMean = 0;  ///< over all pivots
+  double targetError = 0;   ///< largest; 0 without a target
+  double solverSteps = 0;   ///< see DeployCost, this and the following
+  double halvedSteps = 0;
+  double unconvergedSteps = 0;
+  double factorizations = 0;
+
+  void transfer(StateTape& tape) {
+    tape.transfer(time, jointGap, jointGapMean, targetError, solverSteps, halvedSteps,
+                  unconvergedSteps, factorizations);
+  }
+};
+
 /// The state at one time, with its measures. Lengths in metres.
 struct Sample {
   double time = 0;          ///< simulated seconds from the start
@@ -21,10 +38,21 @@ struct Sample {
   double targetError = 0;   ///< largest; 0 without a target
   double penetration = 0;   ///< deepest
   std::vector<int> pinned;  ///< tiles fixed to the world at this time, ascending
+  /// The steps since the sample before, this one's included; the start counts as one.
+  std::vector<StepRecord> steps;
 
   void transfer(StateTape& tape) {
-    tape.transfer(time, poses, jointGap, targetError, penetration, pinned);
+    tape.transfer(time, poses, jointGap, targetError, penetration, pinned, steps);
   }
+};
+
+/// The state in which a figure of the summary was reached, so that it can be computed again.
+struct FigureState {
+  std::string figure;  ///< its name in summary.json, such as "penetration_max"
+  double time = 0;     ///< simulated seconds from the start
+  Poses poses;         ///< one a brick
+
+  void transfer(StateTape& tape) { tape.transfer(figure, time, poses); }
 };
 
 /// Something that happened during a run.
@@ -48,10 +76,16 @@ struct Subject {
   std::string settings;          ///< of the run, as JSON; may be empty
 };
 
-/// One run: samples equally spaced in time from 0 to the end.
-struct Trajectory : Subject {
+/// What is known once a run is over.
+struct TrajectoryEnd {
+  std::vector<Event> events;              ///< in order of time
+  std::vector<FigureState> figureStates;  ///< one for each figure that a single state decides
+  std::string findings;                   ///< of the run about its scene, as JSON; may be empty
+};
+
+/// One run: samples equally spaced in time from 0 on, and one at the end.
+struct Trajectory : Subject, TrajectoryEnd {
   std::vector<Sample> samples;  ///< at least the start
-  std::vector<Event> events;    ///< in order of time
 };
 
 /// What a trajectory of the scene shows, its settings left empty.

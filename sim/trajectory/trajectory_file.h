@@ -21,7 +21,16 @@
 ///     position                samples x bricks x 3   m, of the centres of mass
 ///     rotation                samples x bricks x 4   unit quaternions w x y z, brick axes to world
 ///     measures/NAME           samples          m; joint_gap, target_error, penetration
+///     steps/NAME              steps            the start and the end of each step: time (s),
+///                                              joint_gap, joint_gap_mean, target_error (m), and
+///                                              what the step took: solver_steps, halved_steps, ...
 ///     events/time, text       events           s
+///     figures/name, time      figures          s; figures of summary.json that one state decides
+///     figures/position        figures x bricks x 3   m, that state, as above
+///     figures/rotation        figures x bricks x 4
+///     findings                what the run found out about its scene, JSON (one text)
+///
+/// Files of version 1 have no steps, figures and findings.
 #pragma once
 
 #include <filesystem>
@@ -45,8 +54,8 @@ class TrajectoryWriter {
   /// Adds a sample later than those before, with a pose for each brick.
   void append(const Sample& sample);
 
-  /// Puts the file in place with the events of the whole run. Call it once.
-  void finish(const std::vector<Event>& events);
+  /// Puts the file in place with what is known once the run is over. Call it once.
+  void finish(const TrajectoryEnd& end);
 
  private:
   struct Internals;
@@ -64,10 +73,11 @@ class TrajectoryReader {
   TrajectoryReader& operator=(const TrajectoryReader&) = delete;
 
   const Subject& subject() const;
-  const std::vector<double>& times() const;  ///< of all samples, rising, seconds; at least one
-  const std::vector<Event>& events() const;
+  const std::vector<double>& times() const;      ///< of all samples, rising, seconds; at least one
+  const std::vector<StepRecord>& steps() const;  ///< of the whole run; none in version 1
+  const TrajectoryEnd& end() const;              ///< events alone in version 1
 
-  /// One sample, its index from 0 to times().size() - 1.
+  /// One sample, its index from 0 to times().size() - 1, with its steps.
   Sample sample(std::size_t index) const;
 
  private:

@@ -9,7 +9,8 @@
 namespace kirireel::layout {
 
 inline constexpr const char* kFormat = "kirireel trajectory";
-inline constexpr double kFormatVersion = 1;
+inline constexpr double kFormatVersion = 2;
+inline constexpr double kFirstVersion = 1;  ///< had neither steps nor figures
 inline constexpr std::size_t kJointColumns = 6;
 
 /// A figure that each sample has.
@@ -20,5 +21,21 @@ struct Measure {
 inline constexpr std::array kMeasures = {Measure{"measures/joint_gap", &Sample::jointGap},
                                          Measure{"measures/target_error", &Sample::targetError},
                                          Measure{"measures/penetration", &Sample::penetration}};
+
+/// What each step has.
+struct StepColumn {
+  const char* name;  ///< of its array
+  double StepRecord::*field;
+  const char* unit;
+};
+inline constexpr std::array kStepColumns = {
+    StepColumn{"steps/time", &StepRecord::time, "s"},
+    StepColumn{"steps/joint_gap", &StepRecord::jointGap, "m"},
+    StepColumn{"steps/joint_gap_mean", &StepRecord::jointGapMean, "m"},
+    StepColumn{"steps/target_error", &StepRecord::targetError, "m"},
+    StepColumn{"steps/solver_steps", &StepRecord::solverSteps, "1"},
+    StepColumn{"steps/halved_steps", &StepRecord::halvedSteps, "1"},
+    StepColumn{"steps/unconverged_steps", &StepRecord::unconvergedSteps, "1"},
+    StepColumn{"steps/factorizations", &StepRecord::factorizations, "1"}};
 
 }  // namespace kirireel::layout

@@ -13,6 +13,7 @@ namespace kirireel {
 namespace {
 
 using layout::kMeasures;
+using layout::kStepColumns;
 
 constexpr double kUnitTolerance = 1e-6;  // of the length of normals and quaternions
 
@@ -45,9 +46,9 @@ class SubjectReader {
       file_.refuse("this HDF5 file is not a trajectory");
     }
     const double version = file_.numberAttribute("/", "format_version");
-    if (version != layout::kFormatVersion) {
-      file_.refuse(fmt::format("the format's version is {:g}, but this program reads {:g}", version,
-                               layout::kFormatVersion));
+    if (version != layout::kFormatVersion && version != layout::kFirstVersion) {
+      file_.refuse(fmt::format("the format's version is {:g}, but this program reads {:g} and {:g}",
+                               version, layout::kFirstVersion, layout::kFormatVersion));
     }
   }
 
@@ -200,6 +201,11 @@ struct TrajectoryReader::Internals {
     readTimes();
     readMeasures();
     readEvents();
+    if (file.numberAttribute("/", "format_version") == layout::kFirstVersion) return;
+    readSteps();
+    readFigureStates();
+    const std::vector<std::string> texts = file.texts("findings");
+    if (!texts.empty()) end.findings = texts.front();
   }
 
   void requireShape(const std::string& name, const Shape& shape) const {
@@ -228,7 +234,58 @@ struct TrajectoryReader::Internals {
     const std::vector<std::string> texts = file.texts("events/text");
     if (eventTimes.size() != texts.size())
       file.refuse("events/time and events/text differ in length");
-    for (std::size_t k = 0; k < texts.size(); ++k) events.push_back({eventTimes[k], texts[k]});
+    for (std::size_t k = 0; k < texts.size(); ++k) end.events.push_back({eventTimes[k], texts[k]});
+  }
+
+  void readSteps() {
+    steps.resize(file.doubles(kStepColumns.front().name).size());
+    for (const layout::StepColumn& column : kStepColumns) {
+      const std::vector<double> entries = file.doubles(column.name);
+      if (entries.size() != steps.size()) {
+        file.refuse(fmt::format("the array {} does not have an entry for each step", column.name));
+      }
+      for (std::size_t k = 0; k < steps.size(); ++k) steps[k].*column.field = entries[k];
+    }
+    const auto later = [](const StepRecord& one, const StepRecord& next) {
+      return !(one.time < next.time);  // also where one is no number
+    };
+    if (std::ranges::adjacent_find(steps, later) != steps.end()) {
+      file.refuse("the steps' times do not rise");
+    }
+  }
+
+  void readFigureStates() {
+    const std::vector<std::string> names = file.texts("figures/name");
+    const std::vector<double> stateTimes = file.doubles("figures/time");
+    if (stateTimes.size() != names.size())
+      file.refuse("figures/name and figures/time differ in length");
+    requireShape("figures/position", {names.size(), subject.bricks.size(), 3});
+    requireShape("figures/rotation", {names.size(), subject.bricks.size(), 4});
+    for (std::size_t k = 0; k < names.size(); ++k) {
+      end.figureStates.push_back({names[k], stateTimes[k], poses("figures", k)});
+    }
+  }
+
+  /// The poses in a row of a group's position and rotation; "" is the file itself.
+  Poses poses(const std::string& group, std::size_t row) const {
+    const std::string prefix = group.empty() ? "" : group + "/";
+    const std::vector<double> positions = file.row(prefix + "position", row);
+    const std::vector<double> rotations = file.row(prefix + "rotation", row);
+    Poses poses;
+    for (std::size_t i = 0; i < subject.bricks.size(); ++i) {
+      poses.push_back(pose(&positions[3 * i], &rotations[4 * i]));
+    }
+    return poses;
+  }
+
+  /// The steps after the sample before this one, up to its time.
+  std::vector<StepRecord> stepsOf(std::size_t sample) const {
+    const auto upTo = [&](double time) {
+      return std::partition_point(steps.begin(), steps.end(),
+                                  [&](const StepRecord& step) { return step.time <= time; });
+    };
+    const auto first = sample == 0 ? steps.begin() : upTo(times[sample - 1]);
+    return {first, upTo(times[sample])};
   }
 
   Pose pose(const double* position, const double* turn) const {
@@ -244,7 +301,8 @@ struct TrajectoryReader::Internals {
   Subject subject;
   std::vector<double> times;
   std::array<std::vector<double>, kMeasures.size()> measures;
-  std::vector<Event> events;
+  std::vector<StepRecord> steps;
+  TrajectoryEnd end;
 };
 
 TrajectoryReader::TrajectoryReader(const std::filesystem::path& path)
@@ -260,8 +318,12 @@ const std::vector<double>& TrajectoryReader::times() const {
   return internals_->times;
 }
 
-const std::vector<Event>& TrajectoryReader::events() const {
-  return internals_->events;
+const std::vector<StepRecord>& TrajectoryReader::steps() const {
+  return internals_->steps;
+}
+
+const TrajectoryEnd& TrajectoryReader::end() const {
+  return internals_->end;
 }
 
 Sample TrajectoryReader::sample(std::size_t index) const {
@@ -271,17 +333,14 @@ Sample TrajectoryReader::sample(std::size_t index) const {
   for (std::size_t k = 0; k < kMeasures.size(); ++k) {
     sample.*kMeasures[k].field = in.measures[k][index];
   }
-  const std::vector<double> positions = in.file.row("position", index);
-  const std::vector<double> rotations = in.file.row("rotation", index);
-  for (std::size_t i = 0; i < in.subject.bricks.size(); ++i) {
-    sample.poses.push_back(in.pose(&positions[3 * i], &rotations[4 * i]));
-  }
+  sample.poses = in.poses("", index);
+  sample.steps = in.stepsOf(index);
   return sample;
 }
 
 Trajectory readTrajectory(const std::filesystem::path& path) {
   const TrajectoryReader reader(path);
-  Trajectory trajectory{reader.subject(), {}, reader.events()};
+  Trajectory trajectory{reader.subject(), reader.end(), {}};
   for (std::size_t i = 0; i < reader.times().size(); ++i) {
     trajectory.samples.push_back(reader.sample(i));
   }

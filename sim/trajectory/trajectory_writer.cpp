@@ -112,6 +112,46 @@ void writeObstacles(ArrayWriter& file, const std::vector<Tile>& faces) {
   writePoints(file, "obstacles/vertices", flatten(faces));
 }
 
+/// Appends poses to two lists of numbers.
+void appendPoses(const Poses& poses, std::vector<double>& positions,
+                 std::vector<double>& rotations) {
+  for (const Pose& pose : poses) {
+    append(positions, pose.position);
+    const Quaternion& turn = pose.rotation;
+    rotations.insert(rotations.end(), {turn.w(), turn.x(), turn.y(), turn.z()});
+  }
+}
+
+void writeEvents(ArrayWriter& file, const std::vector<Event>& events) {
+  std::vector<double> times;
+  std::vector<std::string> texts;
+  for (const Event& event : events) {
+    times.push_back(event.time);
+    texts.push_back(event.text);
+  }
+  file.addGroup("events");
+  writeArray(file, "events/time", times, {times.size()}, "s");
+  file.write("events/text", texts);
+}
+
+void writeFigureStates(ArrayWriter& file, const std::vector<FigureState>& states,
+                       std::size_t bricks) {
+  std::vector<std::string> names;
+  std::vector<double> times;
+  std::vector<double> positions;
+  std::vector<double> rotations;
+  for (const FigureState& state : states) {
+    names.push_back(state.figure);
+    times.push_back(state.time);
+    appendPoses(state.poses, positions, rotations);
+  }
+  file.addGroup("figures");
+  file.write("figures/name", names);
+  writeArray(file, "figures/time", times, {states.size()}, "s");
+  writeArray(file, "figures/position", positions, {states.size(), bricks, 3}, "m");
+  writeArray(file, "figures/rotation", rotations, {states.size(), bricks, 4}, "1");
+}
+
 void addSeries(ArrayWriter& file, const std::string& name, const Shape& rowShape,
                const char* unit) {
   file.addSeries(name, rowShape);
@@ -149,6 +189,9 @@ TrajectoryWriter::TrajectoryWriter(const std::filesystem::path& path, const Subj
   file.setAttribute("rotation", "columns", std::string("w, x, y, z"));
   file.addGroup("measures");
   for (const layout::Measure& measure : layout::kMeasures) addSeries(file, measure.name, {}, "m");
+  file.addGroup("steps");
+  for (const layout::StepColumn& column : layout::kStepColumns)
+    addSeries(file, column.name, {}, column.unit);
 }
 
 TrajectoryWriter::~TrajectoryWriter() = default;
@@ -159,29 +202,24 @@ void TrajectoryWriter::append(const Sample& sample) {
   std::vector<double> rotations;
   positions.reserve(3 * sample.poses.size());
   rotations.reserve(4 * sample.poses.size());
-  for (const Pose& pose : sample.poses) {
-    kirireel::append(positions, pose.position);
-    const Quaternion& turn = pose.rotation;
-    rotations.insert(rotations.end(), {turn.w(), turn.x(), turn.y(), turn.z()});
-  }
+  appendPoses(sample.poses, positions, rotations);
   file.append("time", {&sample.time, 1});
   file.append("position", positions);
   file.append("rotation", rotations);
   for (const layout::Measure& measure : layout::kMeasures)
     file.append(measure.name, {&(sample.*measure.field), 1});
+  for (const layout::StepColumn& column : layout::kStepColumns) {
+    std::vector<double> entries;
+    for (const StepRecord& step : sample.steps) entries.push_back(step.*column.field);
+    file.append(column.name, entries);
+  }
 }
 
-void TrajectoryWriter::finish(const std::vector<Event>& events) {
+void TrajectoryWriter::finish(const TrajectoryEnd& end) {
   ArrayWriter& file = internals_->file;
-  std::vector<double> times;
-  std::vector<std::string> texts;
-  for (const Event& event : events) {
-    times.push_back(event.time);
-    texts.push_back(event.text);
-  }
-  file.addGroup("events");
-  writeArray(file, "events/time", times, {times.size()}, "s");
-  file.write("events/text", texts);
+  writeEvents(file, end.events);
+  writeFigureStates(file, end.figureStates, internals_->brickCount);
+  file.write("findings", {end.findings});
   file.close();
   internals_->pending.commit();
 }
@@ -189,7 +227,7 @@ void TrajectoryWriter::finish(const std::vector<Event>& events) {
 void writeTrajectory(const Trajectory& trajectory, const std::filesystem::path& path) {
   TrajectoryWriter writer(path, trajectory);
   for (const Sample& sample : trajectory.samples) writer.append(sample);
-  writer.finish(trajectory.events);
+  writer.finish(trajectory);
 }
 
 }  // namespace kirireel

@@ -19,8 +19,8 @@ struct ContactRun {
 ContactRun runContacts(Scene scene, SolverKind kind, double seconds) {
   scene.solver.kind = kind;
   SteppedScene run(scene);
-  const PenetrationGrowth growth(run.bricks(), run.pivots(), scene.environment.pivotZone,
-                                 run.motion().poses, 0);
+  PenetrationMeter growth(run.bricks(), run.pivots(), scene.environment.pivotZone,
+                          run.motion().poses, 0);
   ContactRun result;
   const int steps = static_cast<int>(std::lround(seconds / scene.solver.timestep));
   int done = 0;

@@ -1,5 +1,6 @@
 #include "sim/deploy/deployment.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
@@ -81,21 +82,97 @@ TEST(Deploy, AccuracyDescribesTheSamples) {
   EXPECT_GT(result.cost.cpuSeconds, 0);
 }
 
-TEST(Deploy, SamplesAreEquallySpacedAndStepsDivideThem) {
+/// All figures of a run, and its end, as numbers.
+std::vector<double> figuresOf(DeploymentResult& result) {
+  StateTape tape;
+  tape.transfer(result.outcome, result.reason, result.accuracy, result.assembledError, result.cost,
+                result.path.kind, result.trajectory.events, result.trajectory.figureStates,
+                result.trajectory.samples.back().poses);
+  return tape.numbers();
+}
+
+// Metamorphic: how often a run is looked at changes neither its steps nor its figures.
+TEST(Deploy, NothingButTheSamplesDependsOnTheirRate) {
+  Scene scene = smallScene();
+  scene.environment.contacts = ContactFilter::All;
+  scene.environment.gravity = Vector3(0, 0, -9.81);
+  DeploymentResult usual = deploy(scene, 1.0 / 60, nullptr);
+  const std::vector<double> figures = figuresOf(usual);
+  for (const double rate : {1.0, 7.0, 24.0, 25.0, 30.0, 50.0, 240.0, 1000.0}) {
+    DeploymentResult result = deploy(scene, 1 / rate, nullptr);
+    EXPECT_EQ(figuresOf(result), figures) << rate;
+    std::vector<StepRecord> steps;
+    for (const Sample& sample : result.trajectory.samples) {
+      steps.insert(steps.end(), sample.steps.begin(), sample.steps.end());
+    }
+    EXPECT_EQ(static_cast<double>(steps.size()), 1 + std::round(steps.back().time * 240)) << rate;
+    EXPECT_EQ(steps.back().time, result.trajectory.samples.back().time);
+  }
+}
+
+TEST(Deploy, SamplesAreEquallySpacedUpToTheLast) {
   for (const double rate : {60.0, 25.0, 7.0, 1000.0}) {
     Scene scene = smallScene();
     scene.stop.duration = 0.5;
-    const DeploymentResult result = deploy(scene, 1 / rate, nullptr);
-    const std::vector<Sample>& samples = result.trajectory.samples;
-    ASSERT_GE(samples.size(), 2U);
-    for (std::size_t i = 0; i < samples.size(); ++i) {
+    const std::vector<Sample> samples = deploy(scene, 1 / rate, nullptr).trajectory.samples;
+    ASSERT_EQ(samples.size(), 1 + static_cast<std::size_t>(std::ceil(0.5 * rate))) << rate;
+    for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
       EXPECT_NEAR(samples[i].time, static_cast<double>(i) / rate, 1e-13);
     }
-    // The longest step up to 1/240 s that goes into the interval a whole number of times.
-    const long stepsPerSample = std::lround(std::ceil(240 / rate - 1e-9));
-    const long plain = stepsPerSample * (static_cast<long>(samples.size()) - 1);
-    EXPECT_EQ(result.cost.steps - result.cost.halvedSteps, plain) << rate;
+    EXPECT_NEAR(samples.back().time, 0.5, 1e-13);
   }
+}
+
+TEST(Deploy, SamplesBetweenStepsHaveClosedJoints) {
+  const std::vector<Sample> steps = deploy(smallScene(), 1.0 / 240, nullptr).trajectory.samples;
+  const std::vector<Sample> samples = deploy(smallScene(), 1.0 / 700, nullptr).trajectory.samples;
+  for (const Sample& sample : samples) {
+    EXPECT_LT(sample.jointGap, 1e-11) << sample.time;  // measured 4e-13
+    const auto after =
+        std::min(steps.size() - 1, static_cast<std::size_t>(std::ceil(sample.time * 240 - 1e-6)));
+    const auto before = std::max<std::size_t>(after, 1) - 1;
+    const double share = sample.time * 240 - static_cast<double>(before);
+    for (std::size_t i = 0; i < sample.poses.size(); ++i) {
+      const Vector3& from = steps[before].poses[i].position;
+      const Vector3 move = steps[after].poses[i].position - from;
+      // Closing the joints hardly leaves the straight way between two steps.
+      const double aside = (sample.poses[i].position - from - share * move).norm();
+      EXPECT_LT(aside, 5e-4) << sample.time;  // edges of 1 m; measured 1.8e-4
+    }
+  }
+}
+
+TEST(Deploy, EachFigureOfAStateCanBeComputedFromIt) {
+  Scene scene = smallScene();
+  scene.model.target->front().vertices.front().x() += 0.1;
+  const DeploymentResult result = deploy(scene, 0.1, nullptr);
+  const std::vector<Brick>& bricks = result.trajectory.bricks;
+  const std::vector<Pivot> pivots = makePivots(scene.model.joints, bricks);
+  const auto poses = [&](const char* name) {
+    const auto& states = result.trajectory.figureStates;
+    const auto state = std::ranges::find(states, name, &FigureState::figure);
+    EXPECT_NE(state, states.end()) << name;
+    return state->poses;
+  };
+  const Accuracy& accuracy = result.accuracy;
+  EXPECT_EQ(jointGap(pivots, poses("joint_gap_max")).max, accuracy.jointGapMax);
+  EXPECT_EQ(deepestPenetration(bricks, poses("penetration_max")).depth, accuracy.penetrationMax);
+  const std::vector<Tile>& target = *scene.model.target;
+  EXPECT_EQ(targetError(target, bricks, poses("target_error_min")), accuracy.targetErrorMin);
+  EXPECT_EQ(targetError(target, bricks, poses("assembled_error")), result.assembledError);
+  EXPECT_LE(result.assembledError, accuracy.targetErrorEnd);
+}
+
+TEST(Deploy, ARunThatDivergesEndsWithItsLastStepInBounds) {
+  Scene scene = smallScene();
+  scene.solver.kind = SolverKind::Bullet;
+  scene.springs.springStiffness = scene.springs.torqueStiffness = 1e9;
+  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
+  ASSERT_EQ(result.outcome, Outcome::Diverged);
+  const Sample& last = result.trajectory.samples.back();
+  EXPECT_EQ(last.time, result.trajectory.events.back().time);
+  EXPECT_EQ(last.targetError, result.accuracy.targetErrorEnd);
+  for (const Pose& pose : last.poses) EXPECT_TRUE(pose.position.allFinite());
 }
 
 TEST(Deploy, RunsForItsDuration) {

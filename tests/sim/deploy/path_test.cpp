@@ -168,7 +168,7 @@ TEST(Path, ThinnerBricksAreNamedWhereThickOnesWedge) {
   trials.front().arrives = true;
   std::vector<std::string> tried;
   const PathChoice choice =
-      choosePath(scene, 1.0 / 60, {assembleAtTarget(scene).error, false}, noteOnce(tried), trials);
+      choosePath(scene, {assembleAtTarget(scene), false}, noteOnce(tried), trials);
   EXPECT_THAT(choice.reason, HasSubstr("among bricks that touch; bricks 0.02 m thick do ("));
   EXPECT_THAT(tried.back(), EndsWith("among bricks 0.02 m thick"));
   EXPECT_TRUE(trials.back().arrives);
@@ -192,7 +192,7 @@ TEST(Path, WhatComesNearestIsTakenAmongBricksThatBlock) {
        {std::pair(0.5, true), {0.2, true}, {0.1, false}, {0.1999, true}}) {
     trials.push_back(endAmongBricks(error, keepsClear));
   }
-  const PathChoice choice = choosePath(scene, 1.0 / 60, {0, true}, {}, trials);
+  const PathChoice choice = choosePath(scene, {{0, {}}, true}, {}, trials);
   EXPECT_THAT(trials, SizeIs(9));
   EXPECT_EQ(choice.path.ledStiffness, 200);
   EXPECT_EQ(choice.path.jointStiffness, std::numeric_limits<double>::infinity());
@@ -212,7 +212,7 @@ TEST(Path, JointsThatOpenFarAreNamedButNotTaken) {
   trials[10].opening = 0.02 * tile;
   trials[12] = endAmongBricks(0.3, true);
   trials[12].opening = 0.009 * tile;
-  const PathChoice near = choosePath(scene, 1.0 / 60, {0, false}, {}, trials);
+  const PathChoice near = choosePath(scene, {{0, {}}, false}, {}, trials);
   EXPECT_EQ(near.path.jointStiffness, 1e6);
   EXPECT_EQ(near.reason,
             "straight pull arrives where bricks pass through each other; no path that was tried "
@@ -220,7 +220,7 @@ TEST(Path, JointsThatOpenFarAreNamedButNotTaken) {
             "but joints open by 0.012 m; led for 2 s with 50 N/m, joints of 1e+06 N/m comes "
             "nearest among bricks that touch");
   trials[12].arrives = true;
-  const PathChoice found = choosePath(scene, 1.0 / 60, {0, false}, {}, trials);
+  const PathChoice found = choosePath(scene, {{0, {}}, false}, {}, trials);
   EXPECT_EQ(found.reason,
             "led for 2 s with 50 N/m, joints of 1e+06 N/m among touching bricks arrives");
   EXPECT_THAT(trials, SizeIs(17));
@@ -230,7 +230,7 @@ TEST(Path, JointsDoNotGiveInVainAmongBricksThatBlock) {
   // As above, but no way keeps bricks apart.
   std::vector<TrialEnd> trials(9);
   trials[4].arrives = true;
-  const PathChoice choice = choosePath(flatToCap(), 1.0 / 60, {0, true}, {}, trials);
+  const PathChoice choice = choosePath(flatToCap(), {{0, {}}, true}, {}, trials);
   EXPECT_THAT(trials, SizeIs(9));
   EXPECT_EQ(choice.path.kind, PathKind::Straight);
   EXPECT_EQ(choice.reason,
@@ -251,7 +251,7 @@ TEST(Path, JointsGiveWhereBricksWedge) {
   // As if all ways with exact joints had wedged.
   std::vector<TrialEnd> trials(9);
   trials.front().arrives = true;
-  const PathChoice choice = choosePath(scene, 1.0 / 60, {0, false}, {}, trials);
+  const PathChoice choice = choosePath(scene, {{0, {}}, false}, {}, trials);
   EXPECT_EQ(choice.reason,
             "led for 4 s with 200 N/m, joints of 1e+08 N/m among touching bricks arrives");
   Scene chosen = scene;
@@ -359,14 +359,14 @@ TEST(Path, AsksNobodyWhereThereIsNoChoice) {
   std::vector<TrialEnd> trials;
   Scene bullet = closedToClosed();
   bullet.solver.kind = SolverKind::Bullet;
-  EXPECT_EQ(choosePath(bullet, 1.0 / 60, {0, false}, unasked, trials).reason,
+  EXPECT_EQ(choosePath(bullet, {{0, {}}, false}, unasked, trials).reason,
             "the baseline tries no others");
   Scene aimless = closedToClosed();
   aimless.model.target.reset();
-  EXPECT_EQ(choosePath(aimless, 1.0 / 60, {}, unasked, trials).reason, "there is no target");
+  EXPECT_EQ(choosePath(aimless, {}, unasked, trials).reason, "there is no target");
   Scene asked = closedToClosed();
   asked.path.kind = PathKind::Led;
-  EXPECT_EQ(choosePath(asked, 1.0 / 60, {0, false}, unasked, trials).reason, "asked for");
+  EXPECT_EQ(choosePath(asked, {{0, {}}, false}, unasked, trials).reason, "asked for");
 }
 
 TEST(Path, ASearchThatIsEndedEndsTheRun) {
@@ -379,7 +379,7 @@ TEST(Path, ASearchThatIsEndedEndsTheRun) {
 TEST(Path, ASearchCanBeStopped) {
   std::vector<TrialEnd> trials;
   const PathChoice choice = choosePath(
-      closedToClosed(), 1.0 / 60, {0, false}, [](const std::string&) { return false; }, trials);
+      closedToClosed(), {{0, {}}, false}, [](const std::string&) { return false; }, trials);
   EXPECT_EQ(choice.path.kind, PathKind::Straight);
   EXPECT_EQ(choice.reason, "no path that was tried arrives");
 }

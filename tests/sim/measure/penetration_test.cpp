@@ -233,15 +233,63 @@ TEST(Penetration, GrowsFromWhatEachPairHadAtTheStart) {
   }
   const std::vector<Brick> bricks = makeBricks(tiles, {.thickness = 1});
   Poses poses = startPoses(tiles, bricks);
-  const PenetrationGrowth growth(bricks, {}, 0.05, poses, 1e-9);
-  EXPECT_NEAR(growth.at(poses).deepest, 0.1, 1e-12);
-  EXPECT_NEAR(growth.at(poses).grown, 0, 1e-12);
+  PenetrationMeter meter(bricks, {}, 0.05, poses, 1e-9);
+  EXPECT_NEAR(meter.at(poses).outsidePivots, 0.1, 1e-12);
+  EXPECT_NEAR(meter.at(poses).grown, 0, 1e-12);
   poses[1].position.x() += 0.13;  // the first pair parts, the second meets
-  EXPECT_NEAR(growth.at(poses).deepest, 0.03, 1e-12);
-  EXPECT_NEAR(growth.at(poses).grown, 0.03, 1e-12);
+  EXPECT_NEAR(meter.at(poses).outsidePivots, 0.03, 1e-12);
+  EXPECT_NEAR(meter.at(poses).grown, 0.03, 1e-12);
   poses[1].position.x() -= 0.25;
-  EXPECT_NEAR(growth.at(poses).deepest, 0.22, 1e-12);
-  EXPECT_NEAR(growth.at(poses).grown, 0.12, 1e-12);
+  EXPECT_NEAR(meter.at(poses).outsidePivots, 0.22, 1e-12);
+  EXPECT_NEAR(meter.at(poses).grown, 0.12, 1e-12);
+}
+
+/// The same figures from the functions that look at one state alone.
+PenetrationDepths depthsOf(const std::vector<Brick>& bricks, const std::vector<Pivot>& pivots,
+                           double zone, const Poses& start, const Poses& poses) {
+  PenetrationDepths depths{deepestPenetration(bricks, poses).depth};
+  const auto before = penetrationsOutsidePivots(bricks, pivots, zone, start, 0);
+  for (const Penetration& pair : penetrationsOutsidePivots(bricks, pivots, zone, poses, 0)) {
+    double kept = 0;
+    for (const Penetration& other : before) {
+      if (other.brickA == pair.brickA && other.brickB == pair.brickB) kept = other.depth;
+    }
+    depths.outsidePivots = std::max(depths.outsidePivots, pair.depth);
+    depths.grown = std::max(depths.grown, pair.depth - kept);
+  }
+  return depths;
+}
+
+// Second method: what the meter remembers of earlier states must not change a bit of its figures.
+TEST(PenetrationMeter, AgreesWithLooksAtSingleStates) {
+  const Model model = makeTessellation({.columns = 4, .rows = 3});
+  const std::vector<Brick> bricks = makeBricks(model.tiles, {.thickness = 0.2});
+  const std::vector<Pivot> pivots = makePivots(model.joints, bricks);
+  const Poses start = startPoses(model.tiles, bricks);
+  PenetrationMeter meter(bricks, pivots, 0.05, start, 0);
+  std::mt19937_64 generator(7);
+  std::normal_distribution<double> normal(0, 0.05);
+  const auto vector = [&] {
+    return Vector3(normal(generator), normal(generator), normal(generator));
+  };
+  Poses poses = start;
+  PenetrationDepths largest;
+  for (int state = 0; state < 60; ++state) {
+    for (Pose& pose : poses) {
+      pose.position += vector();
+      pose.rotation = (rotationFromVector(vector()) * pose.rotation).normalized();
+    }
+    const PenetrationDepths expected = depthsOf(bricks, pivots, 0.05, start, poses);
+    const PenetrationDepths found = meter.at(poses);
+    EXPECT_EQ(found.whole, expected.whole) << state;
+    EXPECT_EQ(found.outsidePivots, expected.outsidePivots) << state;
+    EXPECT_EQ(found.grown, expected.grown) << state;
+    const PenetrationDepths record = meter.atLeast(largest, poses);
+    EXPECT_EQ(record.whole, std::max(largest.whole, expected.whole));
+    EXPECT_EQ(record.outsidePivots, std::max(largest.outsidePivots, expected.outsidePivots));
+    EXPECT_EQ(record.grown, std::max(largest.grown, expected.grown));
+    largest = record;
+  }
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "sim/base/error.h"
 #include "sim/model/tessellation.h"
 #include "sim/trajectory/array_file.h"
+#include "sim/trajectory/trajectory_layout.h"
 #include "tests/support/files.h"
 #include "tests/support/program.h"
 
@@ -46,8 +47,16 @@ Trajectory randomTrajectory(int samples) {
     sample.jointGap = uniform(generator);
     sample.targetError = uniform(generator);
     sample.penetration = uniform(generator);
+    for (int step = std::max(0, 4 * k - 3); step <= 4 * k; ++step) {
+      sample.steps.push_back({step == 4 * k ? sample.time : step / 240.0, uniform(generator),
+                              uniform(generator), uniform(generator), 2, 1, 0, 7});
+    }
     trajectory.samples.push_back(sample);
   }
+  for (const char* name : {"joint_gap_max", "penetration_max"}) {
+    trajectory.figureStates.push_back({name, 0.125, trajectory.samples.back().poses});
+  }
+  trajectory.findings = "{\"path\": \"straight\"}";
   trajectory.events = {{0.25, "paused"}, {1.5, "settled: came to rest 1e-7 from the target"}};
   return trajectory;
 }
@@ -107,6 +116,25 @@ void expectSameSample(const Sample& a, const Sample& b) {
     EXPECT_EQ(a.poses[i].position, b.poses[i].position);
     EXPECT_EQ(a.poses[i].rotation.coeffs(), b.poses[i].rotation.coeffs());
   }
+  ASSERT_EQ(a.steps.size(), b.steps.size()) << a.time;
+  for (std::size_t k = 0; k < a.steps.size(); ++k) {
+    for (const layout::StepColumn& column : layout::kStepColumns) {
+      EXPECT_EQ(a.steps[k].*column.field, b.steps[k].*column.field) << column.name;
+    }
+  }
+}
+
+void expectSameFigureStates(const std::vector<FigureState>& a, const std::vector<FigureState>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    EXPECT_EQ(a[k].figure, b[k].figure);
+    EXPECT_EQ(a[k].time, b[k].time);
+    ASSERT_EQ(a[k].poses.size(), b[k].poses.size());
+    for (std::size_t i = 0; i < a[k].poses.size(); ++i) {
+      EXPECT_EQ(a[k].poses[i].position, b[k].poses[i].position);
+      EXPECT_EQ(a[k].poses[i].rotation.coeffs(), b[k].poses[i].rotation.coeffs());
+    }
+  }
 }
 
 /// What a call throws, as its message.
@@ -136,8 +164,29 @@ TEST(TrajectoryFile, KeepsEveryBit) {
   EXPECT_EQ(read.ground->height, -0.25);
   EXPECT_EQ(read.ground->friction, 0.125);
   EXPECT_EQ(read.events, written.events);
+  EXPECT_EQ(read.findings, written.findings);
+  expectSameFigureStates(read.figureStates, written.figureStates);
   ASSERT_EQ(read.samples.size(), 7U);
   for (std::size_t k = 0; k < 7; ++k) expectSameSample(read.samples[k], written.samples[k]);
+}
+
+// The format of release 0.1, from before steps were stored.
+TEST(TrajectoryFile, OpensVersionOne) {
+  const TrajectoryReader reader(KIRIREEL_SOURCE_DIR "/tests/fuzz/corpus/trajectory/tessellation");
+  EXPECT_GT(reader.times().size(), 1U);
+  EXPECT_GT(reader.sample(1).poses.size(), 1U);
+  EXPECT_TRUE(reader.sample(1).steps.empty());
+  EXPECT_TRUE(reader.steps().empty());
+  EXPECT_TRUE(reader.end().figureStates.empty());
+}
+
+TEST(TrajectoryFile, RefusesStepsThatDoNotFit) {
+  const TemporaryFolder folder;
+  Trajectory written = randomTrajectory(3);
+  std::swap(written.samples[1].steps[0], written.samples[1].steps[1]);
+  writeTrajectory(written, folder / "run.h5");
+  EXPECT_THAT(messageOf<InputError>([&] { readTrajectory(folder / "run.h5"); }),
+              HasSubstr("the steps' times do not rise"));
 }
 
 TEST(TrajectoryFile, LeavesOutWhatIsAbsent) {
@@ -199,7 +248,7 @@ print(f["settings"].asstr()[0])
 )";
   const std::string text = outputOf("/usr/bin/python3 '" + (folder / "read.py").string() + "' '" +
                                     (folder / "run.h5").string() + "'");
-  EXPECT_THAT(text, HasSubstr("kirireel trajectory 1.0 " + written.model.name + "\n"));
+  EXPECT_THAT(text, HasSubstr("kirireel trajectory 2.0 " + written.model.name + "\n"));
   EXPECT_THAT(text, HasSubstr("(50, 16, 3) float64 m\n(50, 16, 4) (24, 6) paused\n"));
   // Python's hex() of a double reads back exactly; strtod reads it.
   const std::size_t at = text.find("paused\n") + 7;

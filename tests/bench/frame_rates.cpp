@@ -1,0 +1,92 @@
+// Whether anything but the samples depends on how often a run is looked at: every model of a
+// folder, deployed at eight rates, contacts none and all. Prints a row for each model, and ends
+// with 1 where a run differs from the one at 60 samples a second.
+//
+//     build/release/tests/bench/frame_rates [MODELS] [--duration SECONDS]
+
+#include <algorithm>
+#include <filesystem>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "sim/base/error.h"
+#include "sim/base/state_tape.h"
+#include "sim/deploy/deployment.h"
+#include "sim/model/alignment.h"
+#include "sim/model/read_model.h"
+
+namespace kirireel {
+namespace {
+
+constexpr double kRates[] = {1, 7, 24, 25, 30, 50, 240};
+
+/// Everything that must be the same, as numbers.
+std::vector<double> figuresOf(const Scene& scene, double rate, DeploymentResult& result) {
+  result = deploy(scene, 1 / rate, nullptr);
+  StateTape tape;
+  tape.transfer(result.outcome, result.reason, result.accuracy, result.assembledError, result.cost,
+                result.path.kind, result.path.openTime, result.path.ledTime,
+                result.path.ledStiffness, result.path.jointStiffness, result.trajectory.events,
+                result.trajectory.figureStates, result.trajectory.samples.back().poses);
+  return tape.numbers();
+}
+
+/// Returns whether all runs agree.
+bool compareRates(const std::string& name, const Scene& scene, const char* contacts) {
+  DeploymentResult usual;
+  const std::vector<double> figures = figuresOf(scene, 60, usual);
+  std::string differing;
+  for (const double rate : kRates) {
+    DeploymentResult result;
+    if (figuresOf(scene, rate, result) != figures) differing += fmt::format(" {:g}", rate);
+  }
+  fmt::print("{:<32} {:<5} {:<12} {:>6} steps  {}\n", name, contacts, toString(usual.outcome),
+             usual.cost.steps, differing.empty() ? "same" : "differs at" + differing);
+  std::fflush(stdout);
+  return differing.empty();
+}
+
+std::vector<std::filesystem::path> modelsIn(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> models;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (std::filesystem::exists(entry.path() / "vertices.txt")) models.push_back(entry.path());
+  }
+  std::ranges::sort(models);
+  return models;
+}
+
+int compareModels(const std::filesystem::path& folder, double duration) {
+  bool same = true;
+  for (const std::filesystem::path& path : modelsIn(folder)) {
+    Scene scene;
+    std::vector<std::string> warnings;
+    scene.model = readModel(path, std::nullopt, warnings);
+    alignStartToTarget(scene.model);
+    scene.stop.duration = duration;
+    for (const bool contacts : {false, true}) {
+      scene.environment.contacts = contacts ? ContactFilter::All : ContactFilter::None;
+      same = compareRates(path.filename().string(), scene, contacts ? "all" : "none") && same;
+    }
+  }
+  return same ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace kirireel
+
+int main(int count, char** arguments) {
+  CLI::App program{"Runs every model of a folder at eight sample rates and compares the runs"};
+  std::string folder = KIRIREEL_SOURCE_DIR "/data";
+  double duration = 20;
+  program.add_option("models", folder, "a folder of model folders");
+  program.add_option("--duration", duration, "simulated seconds at most");
+  CLI11_PARSE(program, count, arguments);
+  try {
+    return kirireel::compareModels(folder, duration);
+  } catch (const kirireel::Error& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return 1;
+  }
+}
