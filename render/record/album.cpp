@@ -138,7 +138,7 @@ void Album::encode(FrameQueue& frames) {
 bool Album::isInSight(const Sample& sample) const {
   const Camera camera = studio_.stage().camera({sample.time, sample.poses, {}});
   const Eigen::Matrix4d clip = clipFromWorld(camera, settings_.size.aspect());
-  const std::vector<Vector3> corners = brickCorners(studio_.stage().motif().bricks, sample.poses);
+  const std::vector<Vector3> corners = shownCorners(studio_.stage().motif(), sample.poses);
   return std::ranges::all_of(corners, [&](const Vector3& corner) {
     const Eigen::Vector4d point = clip * corner.homogeneous();
     return point.head<2>().cwiseAbs().maxCoeff() <= kBorder * point.w();

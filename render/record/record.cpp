@@ -25,10 +25,6 @@
 namespace kirireel {
 namespace {
 
-/// Poses farther than this many model sizes from the start are not drawn: the rest would shrink to
-/// a dot. Only diverged runs get there.
-constexpr double kFarthestDrawn = 20;
-
 void requireWithin(double value, double least, double most, const char* option,
                    const char* meaning) {
   if (value >= least && value <= most) return;
@@ -49,15 +45,6 @@ void requireValidSettings(const PictureSettings& settings) {
   requireWithin(settings.hold, 0, 60, "--hold", "seconds");
 }
 
-bool isDrawable(const Sample& sample, const Sample& start, double reach) {
-  for (std::size_t i = 0; i < sample.poses.size(); ++i) {
-    const double moved = (sample.poses[i].position - start.poses[i].position).norm();
-    // Written so that NaN fails.
-    if (!(moved <= reach) || !sample.poses[i].rotation.coeffs().allFinite()) return false;
-  }
-  return true;
-}
-
 bool leavesTrajectory(const RecordSettings& settings) {
   return settings.trajectory || settings.meshes || settings.paints() ||
          !settings.exports.formats.empty();
@@ -67,10 +54,11 @@ bool leavesTrajectory(const RecordSettings& settings) {
 struct RunEnd {
   DeploymentResult result;
   SharedSample first;
-  SharedSample last;  ///< that can be drawn
+  SharedSample last;
+  std::optional<double> leftOutFrom;  ///< see RunSummary
 };
 
-/// One run into trajectory.h5 and, as far as samples can be drawn, to a taker.
+/// One run into trajectory.h5 and to a taker.
 class LiveRun {
  public:
   /// The folder must be locked.
@@ -78,7 +66,8 @@ class LiveRun {
       : scene_(scene),
         settings_(settings),
         observer_(observer),
-        reach_(kFarthestDrawn * modelSize(scene.model)),
+        subject_(subjectOf(scene)),
+        start_(motifOf(subject_)),
         checkpoints_(settings.folder / output::kCheckpoint, settings.order) {
     if (settings.resume) {
       remark_ = checkpoints_.find();
@@ -90,12 +79,12 @@ class LiveRun {
   void feed(const SampleTaker& take) {
     std::optional<Scribe> scribe;
     if (leavesTrajectory(settings_)) {
-      Subject subject = subjectOf(scene_);
-      subject.settings = settingsText(scene_, settings_);
-      scribe.emplace(settings_.folder / output::kTrajectory, subject);
+      subject_.settings = settingsText(scene_, settings_);
+      scribe.emplace(settings_.folder / output::kTrajectory, subject_);
     }
     const SampleObserver watch = [&](const Sample& sample) {
-      const bool taken = !keep(sample) || ((!scribe || scribe->take(end_.last)) && take(end_.last));
+      keep(sample);
+      const bool taken = (!scribe || scribe->take(end_.last)) && take(end_.last);
       return taken && tell("deploying", std::min(1.0, sample.time / scene_.stop.duration));
     };
     const TrialObserver searching = [&](const std::string&) {
@@ -103,7 +92,8 @@ class LiveRun {
     };
     end_.result = deployUnkept(scene_, settings_.frameInterval(), watch, searching,
                                settings_.order.empty() ? nullptr : &checkpoints_);
-    if (scribe) scribe->finish(end_.result.trajectory.events);
+    end_.result.trajectory.findings = findingsText(end_.result);
+    if (scribe) scribe->finish(end_.result.trajectory);
   }
 
   const RunEnd& end() const { return end_; }
@@ -115,21 +105,19 @@ class LiveRun {
     return observer_({stage, share, std::exchange(remark_, {})});
   }
 
-  /// False from the first sample on that cannot be drawn.
-  bool keep(const Sample& sample) {
-    if (!end_.first) end_.first = end_.last = std::make_shared<const Sample>(sample);
-    drawable_ = drawable_ && isDrawable(sample, *end_.first, reach_);
-    if (drawable_) end_.last = std::make_shared<const Sample>(sample);
-    return drawable_;
+  void keep(const Sample& sample) {
+    end_.last = std::make_shared<const Sample>(sample);
+    if (!end_.first) end_.first = end_.last;
+    if (!end_.leftOutFrom && !showsAllBricks(start_, sample.poses)) end_.leftOutFrom = sample.time;
   }
 
   const Scene& scene_;
   const RecordSettings& settings_;
   const ProgressObserver& observer_;
-  double reach_;
+  Subject subject_;
+  Motif start_;
   Checkpoints checkpoints_;
   std::string remark_;  // not told yet
-  bool drawable_ = true;
   RunEnd end_;
 };
 
@@ -137,6 +125,7 @@ void summarize(const RunEnd& end, RunSummary& summary) {
   summary.outcome = end.result.outcome;
   summary.reason = end.result.reason;
   summary.endTime = end.last->time;
+  summary.leftOutFrom = end.leftOutFrom;
   summary.needs = end.result.needs;
   summary.accuracy = end.result.accuracy;
   summary.path = end.result.path;

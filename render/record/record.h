@@ -97,6 +97,9 @@ struct RunSummary : PictureReport {
   Outcome outcome = Outcome::OutOfTime;
   std::string reason;  ///< one line: why it ended so
   double endTime = 0;  ///< simulated seconds
+  /// When the first brick was farther away than pictures show (see kFarthestShown), simulated
+  /// seconds; its data go on.
+  std::optional<double> leftOutFrom;
   Needs needs;
   PathSettings path;       ///< that was taken
   std::string pathReason;  ///< one short phrase: why

@@ -73,6 +73,7 @@ Json costJson(const RunSummary& summary) {
   return {{"steps", summary.deployCost.steps},
           {"halved_steps", summary.deployCost.halvedSteps},
           {"unconverged_steps", summary.deployCost.unconvergedSteps},
+          {"factorizations", summary.deployCost.factorizations},
           {"cpu_seconds_search", summary.deployCost.cpuSecondsSearch},
           {"cpu_seconds_deploy", summary.deployCost.cpuSeconds},
           {"cpu_seconds_render", summary.recordCost.cpuSecondsRender},
@@ -129,6 +130,7 @@ Json environmentJson(const Environment& environment) {
           {"ground", groundJson(environment.ground)},
           {"obstacles", obstaclesJson(environment.obstacles)},
           {"contacts", contactsWord(environment.contacts)},
+          {"pivot_zone", environment.pivotZone},
           {"brick_friction", environment.brickFriction},
           {"linear_damping", environment.linearDamping},
           {"angular_damping", environment.angularDamping}};
@@ -255,24 +257,33 @@ Json versionsJson(const std::string& graphics) {
   return versions;
 }
 
+/// What a run found out about its scene.
+Json findingsJson(const Needs& needs, const PathSettings& path, const std::string& pathReason,
+                  const std::vector<BlockingPair>& blocking) {
+  return {{"path", pathJson(path, pathReason)},
+          {"blocking", blockingJson(blocking)},
+          {"needs",
+           {{"planar", needJson(needs.planar)},
+            {"contacts", needJson(needs.contacts)},
+            {"ground", needJson(needs.ground)},
+            {"obstacles", needJson(needs.obstacles)}}}};
+}
+
 }  // namespace
 
 std::string summaryJson(const Scene& scene, const RecordSettings& settings,
                         const RunSummary& summary) {
-  const Json json = {
+  Json json = {
       {"outcome", toString(summary.outcome)},
       {"reason", summary.reason},
       {"end_time", summary.endTime},
       {"video_frames", summary.videoFrames},
+      {"bricks_left_out_from", summary.leftOutFrom ? Json(*summary.leftOutFrom) : Json(nullptr)},
       {"model", modelJson(scene.model)},
       {"accuracy", accuracyJson(summary, scene.model.target.has_value())},
-      {"path", pathJson(summary.path, summary.pathReason)},
-      {"blocking", blockingJson(summary.blocking)},
-      {"needs",
-       {{"planar", needJson(summary.needs.planar)},
-        {"contacts", needJson(summary.needs.contacts)},
-        {"ground", needJson(summary.needs.ground)},
-        {"obstacles", needJson(summary.needs.obstacles)}}},
+  };
+  json.update(findingsJson(summary.needs, summary.path, summary.pathReason, summary.blocking));
+  json.update(Json{
       {"events", eventsJson(summary.events)},
       {"settings", settingsJson(scene, settings)},
       {"order", settings.order.empty() ? Json(nullptr) : Json(settings.order)},
@@ -280,8 +291,12 @@ std::string summaryJson(const Scene& scene, const RecordSettings& settings,
       {"contents", contentsJson(summary.digests)},
       {"cost", costJson(summary)},
       {"versions", versionsJson(summary.graphics)},
-  };
+  });
   return sealed(json.dump(2) + "\n");
+}
+
+std::string findingsText(const DeploymentResult& result) {
+  return findingsJson(result.needs, result.path, result.pathReason, result.blocking).dump(2) + "\n";
 }
 
 std::string settingsText(const Scene& scene, const RecordSettings& settings) {

@@ -20,6 +20,7 @@ struct Motif {
   std::optional<std::vector<Tile>> target;  ///< one tile a brick, world axes
   std::optional<double> groundHeight;       ///< z of the scene's ground, if it has one, metres
   std::vector<Tile> obstacles;              ///< faces of what stays where it is, world axes
+  double size = 0;                          ///< of the model, metres
   std::vector<Vector3> points;              ///< what cameras must hold in sight, world axes
   double endTime = 0;                       ///< simulated seconds at the end of the run
 };

@@ -67,6 +67,11 @@ Style styleFor(const Look& look, const Motif& motif, FrameSize size) {
   return style;
 }
 
+bool isShown(const Motif& motif, std::size_t brick, const Pose& pose) {
+  const double moved = (pose.position - motif.start[brick].position).norm();
+  return moved <= kFarthestShown * motif.size;
+}
+
 /// Refuses a bad size before anything is made of it.
 FrameSize validated(FrameSize size) {
   requireValidSize(size);
@@ -77,6 +82,7 @@ FrameSize validated(FrameSize size) {
 
 Motif makeMotif(const Model& model, const BrickRule& rule, const std::optional<Ground>& ground) {
   Motif motif;
+  motif.size = modelSize(model);
   motif.bricks = makeBricks(model.tiles, rule);
   motif.start = startPoses(model.tiles, motif.bricks);
   motif.pivots = makePivots(model.joints, motif.bricks);
@@ -91,7 +97,24 @@ Motif makeMotif(const Model& model, const BrickRule& rule, const std::optional<G
 }
 
 void keepInSight(Motif& motif, const Poses& poses) {
-  append(motif.points, brickCorners(motif.bricks, poses));
+  append(motif.points, shownCorners(motif, poses));
+}
+
+bool showsAllBricks(const Motif& motif, const Poses& poses) {
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (!isShown(motif, i, poses[i])) return false;
+  }
+  return true;
+}
+
+std::vector<Vector3> shownCorners(const Motif& motif, const Poses& poses) {
+  std::vector<Vector3> corners;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (!isShown(motif, i, poses[i])) continue;
+    for (const Vector3& point : motif.bricks[i].bottom) corners.push_back(poses[i].apply(point));
+    for (const Vector3& point : motif.bricks[i].top) corners.push_back(poses[i].apply(point));
+  }
+  return corners;
 }
 
 Stage::Stage(const Look& look, Motif motif, FrameSize size)

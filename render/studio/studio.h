@@ -25,7 +25,17 @@ struct Moment {
 /// Cameras hold the start and the target in sight; add to its points what else they should.
 Motif makeMotif(const Model& model, const BrickRule& rule, const std::optional<Ground>& ground);
 
-/// Adds the corners of the motif's bricks at these poses to what cameras must hold in sight.
+/// A brick farther from its start than this many model sizes is not held in sight: the others would
+/// shrink to a dot.
+inline constexpr double kFarthestShown = 20;
+
+/// Whether all bricks are near enough to be held in sight.
+bool showsAllBricks(const Motif& motif, const Poses& poses);
+
+/// The corners of the motif's bricks at these poses, metres, but for those too far away.
+std::vector<Vector3> shownCorners(const Motif& motif, const Poses& poses);
+
+/// Adds the same corners to what cameras must hold in sight.
 void keepInSight(Motif& motif, const Poses& poses);
 
 /// Everything that decides a picture but the painter: shots, style and cameras. Needs no graphics

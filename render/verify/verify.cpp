@@ -2,12 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
+#include <memory>
 #include <system_error>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "render/digest/digest.h"
+#include "render/video/video.h"
 #include "sim/base/error.h"
 #include "sim/base/text_file.h"
 #include "sim/measure/measures.h"
@@ -21,7 +25,8 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kSummary = "summary.json";
 constexpr const char* kTrajectory = "trajectory.h5";
-// Other processors round differently in the last bits: this part of the model's size.
+// Figures are computed again from the same numbers by the same arithmetic, so they agree to the
+// last bit. This part of a figure is left to compilers that add in another order.
 constexpr double kRounding = 1e-12;
 
 std::string readSummary(const fs::path& folder) {
@@ -54,13 +59,10 @@ std::string difference(const fs::path& folder, const std::string& name, const Js
                                                                 : "other bytes than the run left";
 }
 
-/// The figures of a run that its samples alone decide.
-struct Figures {
-  double jointGapMax = 0;
-  double penetrationMax = 0;
-  double errorMin = 0;
-  Sample first;
-  Sample last;
+/// A figure of the summary that a single state decides, computed again from that state.
+struct StateFigure {
+  const char* name;
+  std::function<double(const Poses&)> compute;
 };
 
 class Verifier {
@@ -78,7 +80,7 @@ class Verifier {
     try {
       compareFiles(summary.at("contents"));
       if (report_.complaints.empty()) compareFigures(summary);
-    } catch (const Json::exception& error) {
+    } catch (const Json::exception&) {
       complain(kSummary, "its entries are not those of a run");
     }
     return report_;
@@ -99,73 +101,177 @@ class Verifier {
 
   void compare(const std::string& place, const std::string& figure, double stated,
                double computed) {
-    if (std::abs(stated - computed) <= kRounding * size_) return;
+    const double larger = std::max(std::abs(stated), std::abs(computed));
+    if (std::abs(stated - computed) <= kRounding * larger) return;
     complain(place,
              fmt::format("{} is {:.17g}, yet the poses give {:.17g}", figure, stated, computed));
   }
 
-  Sample recompute(const TrajectoryReader& run, const std::vector<Pivot>& pivots,
-                   std::size_t index) {
-    const Subject& subject = run.subject();
-    const Sample stored = run.sample(index);
-    Sample sample = stored;
-    sample.jointGap = jointGap(pivots, stored.poses).max;
-    sample.penetration = deepestPenetration(subject.bricks, stored.poses).depth;
-    if (subject.model.target) {
-      sample.targetError = targetError(*subject.model.target, subject.bricks, stored.poses);
-    }
-    const std::string at = fmt::format(" at {:.4g} s", stored.time);
-    compare(kTrajectory, "joint_gap" + at, stored.jointGap, sample.jointGap);
-    compare(kTrajectory, "target_error" + at, stored.targetError, sample.targetError);
-    compare(kTrajectory, "penetration" + at, stored.penetration, sample.penetration);
-    ++report_.samples;
-    return sample;
+  /// An entry of the summary of which trajectory.h5 has a copy.
+  void compareCopy(const std::string& entry, const Json& stated, const Json& copy) {
+    if (stated != copy) complain(kSummary, fmt::format("{} differs from trajectory.h5", entry));
   }
 
-  Figures recompute(const TrajectoryReader& run) {
-    const std::vector<Pivot> pivots = makePivots(run.subject().model.joints, run.subject().bricks);
-    Figures figures;
-    for (std::size_t i = 0; i < run.times().size(); ++i) {
-      Sample sample = recompute(run, pivots, i);
-      figures.jointGapMax = std::max(figures.jointGapMax, sample.jointGap);
-      figures.penetrationMax = std::max(figures.penetrationMax, sample.penetration);
-      figures.errorMin =
-          i == 0 ? sample.targetError : std::min(figures.errorMin, sample.targetError);
-      if (i == 0) figures.first = sample;
-      figures.last = std::move(sample);
+  void recompute(const TrajectoryReader& run, const std::vector<Pivot>& pivots, std::size_t index) {
+    const Subject& subject = run.subject();
+    const Sample stored = run.sample(index);
+    const std::string at = fmt::format(" at {:.4g} s", stored.time);
+    compare(kTrajectory, "joint_gap" + at, stored.jointGap, jointGap(pivots, stored.poses).max);
+    compare(kTrajectory, "penetration" + at, stored.penetration,
+            deepestPenetration(subject.bricks, stored.poses).depth);
+    if (subject.model.target) {
+      compare(kTrajectory, "target_error" + at, stored.targetError,
+              targetError(*subject.model.target, subject.bricks, stored.poses));
     }
-    return figures;
+    ++report_.samples;
   }
 
   void compareFigures(const Json& summary) {
     const TrajectoryReader run(folder_ / kTrajectory);
-    size_ = modelSize(run.subject().model);
-    const Figures figures = recompute(run);
-    compare(kSummary, "end_time", summary.at("end_time"), figures.last.time);
-    // What a run that diverged measured last cannot be drawn and is not in its trajectory.
-    if (summary.at("outcome") == "diverged") return;
-    const Json& stated = summary.at("accuracy");
-    compare(kSummary, "joint_gap_end", stated.at("joint_gap_end"), figures.last.jointGap);
-    compare(kSummary, "penetration_max", stated.at("penetration_max"), figures.penetrationMax);
-    // The summary counts every step, the trajectory has some of them.
-    const double gap = std::max(stated.at("joint_gap_max").get<double>(),
-                                stated.at("joint_opening_max").get<double>());
-    if (figures.jointGapMax > gap) compare(kSummary, "joint_gap_max", gap, figures.jointGapMax);
-    if (run.subject().model.target) compareWithTarget(stated, figures, run.subject().model);
+    const std::vector<Pivot> pivots = makePivots(run.subject().model.joints, run.subject().bricks);
+    for (std::size_t i = 0; i < run.times().size(); ++i) recompute(run, pivots, i);
+    if (run.steps().empty()) {
+      complain(kTrajectory,
+               "an earlier version of the program left it, without the states that "
+               "the summary's figures stand for; record the run again");
+      return;
+    }
+    compareEnd(summary, run);
+    compareModel(summary.at("model"), run.subject().model);
+    compareCopy("events", summary.at("events"), eventsOf(run));
+    compareCopy("settings", summary.at("settings"), Json::parse(run.subject().settings));
+    const Json findings = Json::parse(run.end().findings);
+    for (const auto& [entry, found] : findings.items())
+      compareCopy(entry, summary.at(entry), found);
+    compareSteps(summary, run);
+    compareStates(summary, run, pivots);
+    compareVideo(summary);
   }
 
-  void compareWithTarget(const Json& stated, const Figures& figures, const Model& model) {
-    compare(kSummary, "target_error_start", stated.at("target_error_start"),
-            figures.first.targetError);
-    compare(kSummary, "target_error_end", stated.at("target_error_end"), figures.last.targetError);
-    compare(kSummary, "rigid_bound", stated.at("rigid_bound"),
-            rigidBound(model.tiles, *model.target));
-    const double least = stated.at("target_error_min");
-    if (figures.errorMin < least) compare(kSummary, "target_error_min", least, figures.errorMin);
+  static Json eventsOf(const TrajectoryReader& run) {
+    Json events = Json::array();
+    for (const Event& event : run.end().events) {
+      events.push_back({{"time", event.time}, {"what", event.text}});
+    }
+    return events;
+  }
+
+  void compareEnd(const Json& summary, const TrajectoryReader& run) {
+    compare(kSummary, "end_time", summary.at("end_time"), run.times().back());
+    const std::string outcome = summary.at("outcome");
+    const std::string stated = fmt::format("{}: {}", outcome, summary.at("reason"));
+    // What interrupts the painting comes after the run.
+    if (outcome == "interrupted" || run.end().events.empty()) return;
+    if (run.end().events.back().text != stated) {
+      complain(kSummary, "outcome or reason differ from the last event of trajectory.h5");
+    }
+  }
+
+  void compareModel(const Json& stated, const Model& model) {
+    compareCopy("model.name", stated.at("name"), model.name);
+    compareCopy("model.has_target", stated.at("has_target"), model.target.has_value());
+    compare(kSummary, "model.tiles", stated.at("tiles"), static_cast<double>(model.tiles.size()));
+    compare(kSummary, "model.joints", stated.at("joints"),
+            static_cast<double>(model.joints.size()));
+    compare(kSummary, "model.size", stated.at("size"), modelSize(model));
+    compare(kSummary, "model.tile_size", stated.at("tile_size"), tileSize(model));
+  }
+
+  /// The figures that all steps decide together.
+  void compareSteps(const Json& summary, const TrajectoryReader& run) {
+    StepRecord sum;
+    double largestGap = 0;
+    double leastError = std::numeric_limits<double>::infinity();
+    for (const StepRecord& step : run.steps()) {
+      sum.jointGapMean += step.jointGapMean;
+      sum.solverSteps += step.solverSteps;
+      sum.halvedSteps += step.halvedSteps;
+      sum.unconvergedSteps += step.unconvergedSteps;
+      sum.factorizations += step.factorizations;
+      largestGap = std::max(largestGap, step.jointGap);
+      leastError = std::min(leastError, step.targetError);
+    }
+    const Json& accuracy = summary.at("accuracy");
+    compare(kSummary, "joint_gap_mean", accuracy.at("joint_gap_mean"),
+            sum.jointGapMean / static_cast<double>(run.steps().size()));
+    compare(kSummary, "joint_gap_max", accuracy.at("joint_gap_max"), largestGap);
+    if (run.subject().model.target)
+      compare(kSummary, "target_error_min", accuracy.at("target_error_min"), leastError);
+    const Json& cost = summary.at("cost");
+    compare(kSummary, "steps", cost.at("steps"), sum.solverSteps);
+    compare(kSummary, "halved_steps", cost.at("halved_steps"), sum.halvedSteps);
+    compare(kSummary, "unconverged_steps", cost.at("unconverged_steps"), sum.unconvergedSteps);
+    compare(kSummary, "factorizations", cost.at("factorizations"), sum.factorizations);
+  }
+
+  /// The figures that one state decides: the start, the end, or the one stored for it.
+  void compareStates(const Json& summary, const TrajectoryReader& run,
+                     const std::vector<Pivot>& pivots) {
+    const Subject& subject = run.subject();
+    const Json& stated = summary.at("accuracy");
+    const Sample first = run.sample(0);
+    const Sample last = run.sample(run.times().size() - 1);
+    const Poses asRead = startPoses(subject.model.tiles, subject.bricks);
+    compare(kSummary, "assembly_move", stated.at("assembly_move"),
+            targetError(bottomTiles(subject.bricks, asRead), subject.bricks, first.poses));
+    compare(kSummary, "joint_gap_end", stated.at("joint_gap_end"), last.jointGap);
+    if (subject.model.target) {
+      compare(kSummary, "target_error_start", stated.at("target_error_start"), first.targetError);
+      compare(kSummary, "target_error_end", stated.at("target_error_end"), last.targetError);
+      compare(kSummary, "rigid_bound", stated.at("rigid_bound"),
+              rigidBound(subject.model.tiles, *subject.model.target));
+    }
+    // A run that ended among the samples of an earlier process does not know these states.
+    if (summary.at("outcome") == "interrupted" && run.end().figureStates.empty()) return;
+    for (const StateFigure& figure : stateFigures(summary, subject, pivots, asRead)) {
+      const auto state =
+          std::ranges::find(run.end().figureStates, figure.name, &FigureState::figure);
+      if (state != run.end().figureStates.end()) {
+        compare(kSummary, figure.name, stated.at(figure.name), figure.compute(state->poses));
+      } else if (stated.at(figure.name) != 0 && !stated.at(figure.name).is_null()) {
+        complain(kSummary, fmt::format("{} has no state in trajectory.h5", figure.name));
+      }
+    }
+  }
+
+  /// How each figure is computed from its state. What is passed must outlive the list.
+  static std::vector<StateFigure> stateFigures(const Json& summary, const Subject& subject,
+                                               const std::vector<Pivot>& pivots,
+                                               const Poses& asRead) {
+    const double zone = summary.at("settings").at("environment").at("pivot_zone");
+    const double least = kRoundingOverlap * tileSize(subject.model);
+    const auto overlaps =
+        std::make_shared<PenetrationMeter>(subject.bricks, pivots, zone, asRead, least);
+    const auto gap = [&](const Poses& poses) { return jointGap(pivots, poses).max; };
+    const auto error = [&](const Poses& poses) {
+      return targetError(*subject.model.target, subject.bricks, poses);
+    };
+    std::vector<StateFigure> figures = {
+        {"joint_gap_max", gap},
+        {"joint_opening_max", gap},
+        {"penetration_max", [overlaps](const Poses& poses) { return overlaps->at(poses).whole; }},
+        {"penetration_outside_pivots_max",
+         [overlaps](const Poses& poses) { return overlaps->at(poses).outsidePivots; }},
+        {"penetration_grown_max",
+         [overlaps](const Poses& poses) { return overlaps->at(poses).grown; }}};
+    if (!subject.model.target) return figures;
+    figures.push_back({"target_error_min", error});
+    figures.push_back({"assembled_error", error});
+    return figures;
+  }
+
+  void compareVideo(const Json& summary) {
+    for (const std::string name : summary.at("files")) {
+      // A GIF leaves out what its players could not show.
+      if (!isVideo(name) || fs::path(name).extension() == ".gif") continue;
+      compare(kSummary, "video_frames", summary.at("video_frames"),
+              countVideoFrames(folder_ / name));
+      return;
+    }
+    compare(kSummary, "video_frames", summary.at("video_frames"), 0);
   }
 
   fs::path folder_;
-  double size_ = 0;  ///< of the model, metres
   VerifyReport report_;
 };
 

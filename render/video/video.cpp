@@ -391,6 +391,21 @@ void VideoWriter::finish() {
   in.finished = true;
 }
 
+int countVideoFrames(const std::filesystem::path& file) {
+  AVFormatContext* opened = nullptr;
+  const Owned<AVPacket> packet(av_packet_alloc());
+  if (avformat_open_input(&opened, urlOf(file).c_str(), nullptr, nullptr) < 0) {
+    throw InputError(fmt::format("{}: error: this is no video", file.string()));
+  }
+  const Owned<AVFormatContext> video(opened);
+  int frames = 0;
+  while (av_read_frame(video.get(), packet.get()) >= 0) {
+    ++frames;
+    av_packet_unref(packet.get());
+  }
+  return frames;
+}
+
 std::string encoderLibraryVersion() {
   const unsigned version = avcodec_version();
   return fmt::format("{}.{}.{}", AV_VERSION_MAJOR(version), AV_VERSION_MINOR(version),

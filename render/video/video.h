@@ -49,6 +49,12 @@ void requireEncoder(const std::filesystem::path& file, const VideoSettings& sett
 /// The place of an x264 preset in its list, 0 ("ultrafast") to 9 ("placebo").
 int presetStep(const std::string& preset);
 
+/// Whether a file's ending is one of a video.
+bool isVideo(const std::filesystem::path& file);
+
+/// The number of frames that a video file holds. Throws InputError when it is none.
+int countVideoFrames(const std::filesystem::path& file);
+
 /// Encodes frames as they come. The file appears under its final name in finish(); a writer that
 /// goes without it leaves nothing. The same frames and settings give the same bytes.
 ///

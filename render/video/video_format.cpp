@@ -63,6 +63,11 @@ const std::vector<VideoFormat>& videoFormats() {
   return formats;
 }
 
+bool isVideo(const std::filesystem::path& file) {
+  return std::ranges::find(videoFormats(), file.extension().string(), &VideoFormat::ending) !=
+         videoFormats().end();
+}
+
 const VideoFormat& videoFormatOf(const std::filesystem::path& file) {
   const std::vector<VideoFormat>& formats = videoFormats();
   const std::string ending = file.extension().string();

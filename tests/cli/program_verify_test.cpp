@@ -1,8 +1,10 @@
 // A finished run's files, checked by the program itself.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "render/digest/digest.h"
+#include "render/verify/verify.h"
 #include "sim/trajectory/trajectory_file.h"
 #include "tests/cli/run_program.h"
 
@@ -67,6 +69,44 @@ void falsify(const std::filesystem::path& file, const std::string& from, const s
   std::string text = readText(file);
   text.replace(text.find(from), from.size(), to);
   writeText(file, sealed(text.substr(0, text.rfind(",\n  \"sha256\"")) + "\n}\n"));
+}
+
+using Json = nlohmann::ordered_json;
+
+/// What of a summary cannot be computed again: what the run cost this machine, and the files, whose
+/// hashes prove them.
+bool isOutsideTheRun(const std::string& pointer) {
+  for (const char* part : {"/cost/cpu_seconds", "/cost/wall_seconds", "/cost/peak_memory",
+                           "/contents/", "/versions/"}) {
+    if (pointer.starts_with(part)) return true;
+  }
+  return false;
+}
+
+// Every single figure: changed alone, the seal made anew, it is found.
+TEST_F(Verify, FindsEachFigureThatIsFalsified) {
+  const std::filesystem::path file = folder() / "summary.json";
+  const std::string whole = readText(file);
+  Json summary = Json::parse(whole);
+  summary.erase("sha256");
+  const Json flat = summary.flatten();
+  int figures = 0;
+  for (const auto& [pointer, value] : flat.items()) {
+    if (!value.is_number() || isOutsideTheRun(pointer)) continue;
+    Json falsified = summary;
+    Json& figure = falsified.at(Json::json_pointer(pointer));
+    if (value.is_number_integer()) {
+      figure = value.get<int>() + 1;
+    } else {
+      figure = value == 0 ? 1e-3 : value.get<double>() * 1.000001;
+    }
+    writeText(file, sealed(falsified.dump(2) + "\n"));
+    EXPECT_FALSE(verifyRun(folder()).complaints.empty()) << pointer;
+    ++figures;
+  }
+  writeText(file, whole);
+  EXPECT_GT(figures, 50);
+  EXPECT_EQ(verify().exitCode, 0);
 }
 
 TEST_F(Verify, ComputesTheFiguresAgain) {
