@@ -250,7 +250,7 @@ void writeContactSheet(const Gathered& gathered, const std::vector<std::string>&
                        const fs::path& folder, const fs::path& file) {
   if (gathered.runs.size() == gathered.failed) return;
   std::vector<ContactPicture> pictures;
-  for (const FinishedRun& run : gathered.runs) {
+  for (const SweepRow& run : gathered.runs) {
     const fs::path vertices = folder / "runs" / run.name / output::kFinalVertices;
     pictures.push_back({run.failed ? fs::path() : vertices, run.thickness, run.values});
   }

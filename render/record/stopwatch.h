@@ -4,10 +4,9 @@
 #include <chrono>
 #include <cstdint>
 
-namespace kirireel {
+#include "sim/base/cpu_time.h"
 
-/// CPU seconds that this thread has used.
-double threadCpuSeconds();
+namespace kirireel {
 
 /// Largest resident memory of this process so far, bytes.
 std::int64_t peakMemoryBytes();

@@ -93,10 +93,10 @@ class TableBuilder {
     ++rows_;
   }
 
-  Table take() { return std::move(table_); }
+  SweepTable take() { return std::move(table_); }
 
  private:
-  Table table_;
+  SweepTable table_;
   std::size_t rows_ = 0;
 };
 
@@ -123,7 +123,7 @@ class Gatherer {
   }
 
   /// summary: null when the run failed.
-  void add(const FinishedRun& run, const std::string& reason, const Json& summary) {
+  void add(const SweepRow& run, const std::string& reason, const Json& summary) {
     std::vector<std::string> cells = {run.name};
     cells.insert(cells.end(), run.values.begin(), run.values.end());
     cells.insert(cells.end(), {run.failed ? "failed" : "done", reason});
@@ -140,8 +140,8 @@ class Gatherer {
     results_.addRow(std::move(cells));
   }
 
-  Table takeResults() { return results_.take(); }
-  Table takeCosts() { return costs_.take(); }
+  SweepTable takeResults() { return results_.take(); }
+  SweepTable takeCosts() { return costs_.take(); }
 
  private:
   std::vector<Figure> measures_;  ///< known from the first run that is done
@@ -192,7 +192,7 @@ Gathered gather(const SweepListing& listing) {
   Gathered gathered;
   Gatherer gatherer(listing.keys);
   for (std::uint64_t index = 0; index < listing.count; ++index) {
-    FinishedRun run{listing.name(index), listing.values(index)};
+    SweepRow run{listing.name(index), listing.values(index)};
     const std::optional<RunRecord> record = readRunRecord(listing.runs / run.name);
     if (!record) {
       ++gathered.missing;
@@ -213,7 +213,7 @@ Gathered gather(const SweepListing& listing) {
   return gathered;
 }
 
-std::string csvText(const Table& table) {
+std::string csvText(const SweepTable& table) {
   std::vector<std::string> names;
   for (const TableColumn& column : table) names.push_back(quoted(column.name));
   std::string text = fmt::format("{}\n", fmt::join(names, ","));
@@ -228,7 +228,7 @@ std::string csvText(const Table& table) {
   return text;
 }
 
-void writeTableArrays(const Table& table, const fs::path& file) {
+void writeTableArrays(const SweepTable& table, const fs::path& file) {
   PendingFile pending(file);
   ArrayWriter writer(pending.path(), file);
   std::vector<std::string> names;

@@ -15,7 +15,7 @@ struct TableColumn {
   std::vector<std::string> cells;
 };
 
-using Table = std::vector<TableColumn>;
+using SweepTable = std::vector<TableColumn>;
 
 /// The runs of a sweep, in the order of the table.
 struct SweepListing {
@@ -27,7 +27,7 @@ struct SweepListing {
 };
 
 /// One row of the table, as far as a picture of its end needs it.
-struct FinishedRun {
+struct SweepRow {
   std::string name;
   std::vector<std::string> values;  ///< of the parameters that vary
   bool failed = false;              ///< then it has no end state
@@ -38,9 +38,9 @@ struct FinishedRun {
 struct Gathered {
   /// A row for each finished run: its name, its parameters, its outcome and its measures. Nothing
   /// in it depends on when, where or in which order the runs were made.
-  Table results;
-  Table costs;  ///< a row for each run that is done: seconds and bytes, which differ every time
-  std::vector<FinishedRun> runs;  ///< one for each row of the results
+  SweepTable results;
+  SweepTable costs;  ///< a row for each run that is done: seconds and bytes, which differ every time
+  std::vector<SweepRow> runs;  ///< one for each row of the results
   std::uint64_t failed = 0;       ///< of these
   std::uint64_t missing = 0;      ///< not made yet, or in work
 };
@@ -49,10 +49,10 @@ struct Gathered {
 Gathered gather(const SweepListing& listing);
 
 /// A table as text with commas (RFC 4180), its first line the names.
-std::string csvText(const Table& table);
+std::string csvText(const SweepTable& table);
 
 /// Writes a table as HDF5, each column an array of doubles or, where a cell is no number, of texts;
 /// a missing number is NaN. The attribute "columns" has their order. Throws OutputError.
-void writeTableArrays(const Table& table, const std::filesystem::path& file);
+void writeTableArrays(const SweepTable& table, const std::filesystem::path& file);
 
 }  // namespace kirireel
