@@ -4,9 +4,9 @@
 
 #include <vector>
 
-#include "sim/actuation/load.h"
 #include "sim/actuation/point_spring.h"
 #include "sim/brick/brick.h"
+#include "sim/brick/load.h"
 #include "sim/model/model.h"
 #include "sim/scene/scene.h"
 

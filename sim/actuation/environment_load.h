@@ -1,8 +1,8 @@
 /// Gravity and the damping of free flight.
 #pragma once
 
-#include "sim/actuation/load.h"
 #include "sim/brick/brick.h"
+#include "sim/brick/load.h"
 #include "sim/scene/scene.h"
 
 namespace kirireel {

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "sim/actuation/load.h"
 #include "sim/brick/brick.h"
+#include "sim/brick/load.h"
 #include "sim/scene/scene.h"
 
 namespace kirireel {

@@ -1,7 +1,7 @@
 /// A damped spring between a point of a brick and a point of the world.
 #pragma once
 
-#include "sim/actuation/load.h"
+#include "sim/brick/load.h"
 
 namespace kirireel {
 

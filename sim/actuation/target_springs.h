@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
-#include "sim/actuation/load.h"
 #include "sim/base/state_tape.h"
 #include "sim/brick/brick.h"
+#include "sim/brick/load.h"
 #include "sim/model/model.h"
 #include "sim/scene/scene.h"
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "sim/actuation/load.h"
 #include "sim/base/state_tape.h"
 #include "sim/brick/brick.h"
+#include "sim/brick/load.h"
 #include "sim/scene/timeline.h"
 #include "sim/trajectory/trajectory.h"
 

@@ -7,11 +7,11 @@
 #include <span>
 #include <vector>
 
-#include "sim/actuation/load.h"
 #include "sim/base/geometry.h"
 #include "sim/base/state_tape.h"
 #include "sim/brick/brick.h"
 #include "sim/brick/contact.h"
+#include "sim/brick/load.h"
 
 namespace kirireel {
 

@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "sim/actuation/load.h"
 #include "sim/base/geometry.h"
 #include "sim/base/state_tape.h"
+#include "sim/brick/load.h"
 
 namespace kirireel {
 

@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "sim/actuation/load.h"
 #include "sim/base/state_tape.h"
 #include "sim/brick/brick.h"
+#include "sim/brick/load.h"
 #include "sim/joints/block_cholesky.h"
 #include "sim/joints/contact_rows.h"
 #include "sim/joints/coordinates.h"
