@@ -219,17 +219,18 @@ void BrickPair::givePlane(const SeparatingPlane& plane, std::vector<Contact>& co
   for (std::size_t c = first; c < contacts.size(); ++c) contacts[c].slack = slack_;
 }
 
-bool BrickPair::isCurrent(const Contact& contact, const Pose& startOfB) {
-  placeOutline(outlineB_, startOfB, startB_);
-  return touches(contact) || !isApartOtherwise(contact);
+bool BrickPair::isCurrent(const Contact& contact, const Pose& startOfB) const {
+  PlacedOutline placedB;
+  placeOutline(outlineB_, startOfB, placedB);
+  return touches(contact, placedB) || !isApartOtherwise(contact, placedB);
 }
 
 /// Whether the contact's point lies on the face that it is held against, not beside it.
-bool BrickPair::touches(const Contact& contact) const {
+bool BrickPair::touches(const Contact& contact, const PlacedOutline& placedB) const {
   if (contact.isEdge) return false;
   const bool onA = contact.brickA == a_;
-  const PlacedOutline& other = onA ? startB_ : placedA_;
-  const Vector3 point = (onA ? placedA_ : startB_).pose.apply(contact.pointA);
+  const PlacedOutline& other = onA ? placedB : placedA_;
+  const Vector3 point = (onA ? placedA_ : placedB).pose.apply(contact.pointA);
   for (std::size_t f = 0; f < other.normals.size(); ++f) {
     const Vector3& onFace = other.points[other.outline->facePoints[f]];
     if (other.normals[f].dot(point - onFace) > kTouching * radiusB_) return false;
@@ -238,16 +239,16 @@ bool BrickPair::touches(const Contact& contact) const {
 }
 
 /// Whether another plane than that of the contact keeps the pair apart at the start of the step.
-bool BrickPair::isApartOtherwise(const Contact& contact) const {
+bool BrickPair::isApartOtherwise(const Contact& contact, const PlacedOutline& placedB) const {
   const bool swapped = contact.brickA != a_;
   Contact numbered = contact;
   numbered.brickA = swapped ? 1 : 0;
   numbered.brickB = swapped ? 0 : 1;
-  const Vector3 normal = (swapped ? -1 : 1) * contactNormal(numbered, {Pose{}, startB_.pose});
+  const Vector3 normal = (swapped ? -1 : 1) * contactNormal(numbered, {Pose{}, placedB.pose});
   return std::any_of(planes_.begin(), planes_.end(), [&](const SeparatingPlane& plane) {
     return plane.kind != SeparatingPlane::Kind::Edges &&
-           planeNormal(plane, placedA_, startB_).dot(normal) < kSameDirection &&
-           separationAtStart(plane) >= -tolerance_ - slack_;
+           planeNormal(plane, placedA_, placedB).dot(normal) < kSameDirection &&
+           separation(plane, placedA_, placedB) >= -tolerance_ - slack_;
   });
 }
 

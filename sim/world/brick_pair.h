@@ -40,14 +40,14 @@ class BrickPair {
 
   /// Whether a contact of this pair still is in force at the start of a step: its point touches the
   /// other brick's face, or no other face keeps the two apart.
-  bool isCurrent(const Contact& contact, const Pose& startOfB);
+  bool isCurrent(const Contact& contact, const Pose& startOfB) const;
 
   /// What the next step takes from those before.
   void transfer(StateTape& tape) { tape.transfer(slack_, last_, lookedAt_, clearance_); }
 
  private:
-  bool touches(const Contact& contact) const;
-  bool isApartOtherwise(const Contact& contact) const;
+  bool touches(const Contact& contact, const PlacedOutline& placedB) const;
+  bool isApartOtherwise(const Contact& contact, const PlacedOutline& placedB) const;
   bool isSurelyApart(const PairMove& move) const;
   bool lastPlaneHolds();
   double separationAtStart(const SeparatingPlane& plane) const;

@@ -219,11 +219,12 @@ double ContactFinder::appendViolated(const Poses& end, std::vector<Contact>& con
 
 bool ContactFinder::isCurrent(const Contact& contact) const {
   if (contact.brickB == kFixed) return true;
-  Internals& in = *internals_;
+  const Internals& in = *internals_;
   const auto [a, b] = std::minmax(contact.brickA, contact.brickB);
   const ObstaclePart* part = in.partOf(b);
   if (part && part->radius) return false;
-  return in.pairOf(a, b).isCurrent(contact, seenFrom(in.start[a], in.start[b]));
+  // Its pair has been near, or there would be no such contact.
+  return in.pairs.at(pairKey(a, b)).isCurrent(contact, seenFrom(in.start[a], in.start[b]));
 }
 
 }  // namespace kirireel
