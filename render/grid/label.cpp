@@ -9,9 +9,13 @@
 #include FT_FREETYPE_H
 
 #include "sim/base/error.h"
+#include "sim/base/spelling.h"
 
 namespace kirireel {
 namespace {
+
+/// Stands for a text that cannot be read.
+constexpr const char32_t* kUnknown = U"\ufffd";
 
 /// FreeType counts in 64ths of a pixel.
 constexpr int kPixelUnits = 64;
@@ -71,9 +75,8 @@ struct LabelWriter::Face {
   }
 
   /// The glyph of a letter, drawn when asked for; the font's box when it lacks the letter.
-  FT_GlyphSlot load(char letter, bool drawn) const {
-    FT_Load_Char(face, static_cast<unsigned char>(letter),
-                 drawn ? FT_LOAD_RENDER : FT_LOAD_DEFAULT);
+  FT_GlyphSlot load(char32_t letter, bool drawn) const {
+    FT_Load_Char(face, letter, drawn ? FT_LOAD_RENDER : FT_LOAD_DEFAULT);
     return face->glyph;
   }
 };
@@ -91,14 +94,23 @@ LabelWriter::~LabelWriter() = default;
 
 int LabelWriter::width(const std::string& text) const {
   long units = 0;
-  for (const char letter : text) units += face_->load(letter, false)->advance.x;
+  for (const char32_t letter : codePoints(text).value_or(kUnknown)) {
+    units += face_->load(letter, false)->advance.x;
+  }
   return static_cast<int>((units + kPixelUnits - 1) / kPixelUnits);
+}
+
+std::optional<char32_t> LabelWriter::missingGlyph(const std::u32string& text) const {
+  for (const char32_t letter : text) {
+    if (FT_Get_Char_Index(face_->face, letter) == 0) return letter;
+  }
+  return std::nullopt;
 }
 
 void LabelWriter::draw(Frame& frame, const std::string& text, int x, int baseline,
                        Colour colour) const {
   long units = static_cast<long>(x) * kPixelUnits;
-  for (const char letter : text) {
+  for (const char32_t letter : codePoints(text).value_or(kUnknown)) {
     const FT_GlyphSlot glyph = face_->load(letter, true);
     drawGlyph(frame, glyph, static_cast<int>(units / kPixelUnits), baseline, colour);
     units += glyph->advance.x;

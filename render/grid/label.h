@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "render/picture/frame.h"
@@ -23,11 +24,15 @@ class LabelWriter {
   LabelWriter(const LabelWriter&) = delete;
   LabelWriter& operator=(const LabelWriter&) = delete;
 
-  /// Width of one line of ASCII text, pixels.
+  /// Width of one line of text in UTF-8, pixels. Each character that the font lacks, and any text
+  /// that is not UTF-8, counts and is drawn as the font's box.
   int width(const std::string& text) const;
 
-  /// Draws one line of ASCII text: its pen starts at x, its letters stand on row `baseline`. What
-  /// falls outside the frame is left out.
+  /// The first character that the font lacks; absent when it has them all.
+  std::optional<char32_t> missingGlyph(const std::u32string& text) const;
+
+  /// Draws one line of text in UTF-8: its pen starts at x, its letters stand on row `baseline`.
+  /// What falls outside the frame is left out.
   void draw(Frame& frame, const std::string& text, int x, int baseline, Colour colour) const;
 
  private:

@@ -1,6 +1,7 @@
 #include "sim/base/spelling.h"
 
 #include <algorithm>
+#include <locale>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -49,6 +50,24 @@ std::string shown(std::string_view text, std::size_t most) {
   const auto isForeign = [](unsigned char letter) { return letter > 127; };
   std::replace_if(line.begin(), line.end(), isForeign, '?');
   return text.size() > most ? line + "..." : line;
+}
+
+std::optional<std::u32string> codePoints(std::string_view text) {
+  using Converter = std::codecvt<char32_t, char8_t, std::mbstate_t>;
+  const std::u8string bytes(text.begin(), text.end());
+  std::u32string characters(bytes.size(), U'\0');
+  std::mbstate_t state{};
+  const char8_t* read = bytes.data();
+  char32_t* written = characters.data();
+  const auto result = std::use_facet<Converter>(std::locale::classic())
+                          .in(state, read, bytes.data() + bytes.size(), read, written,
+                              characters.data() + characters.size(), written);
+  if (result != Converter::ok || read != bytes.data() + bytes.size()) return std::nullopt;
+  characters.resize(static_cast<std::size_t>(written - characters.data()));
+  // Halves of UTF-16's pairs are no characters, but some libraries let them pass.
+  const auto isHalf = [](char32_t character) { return character >= 0xd800 && character < 0xe000; };
+  if (std::any_of(characters.begin(), characters.end(), isHalf)) return std::nullopt;
+  return characters;
 }
 
 }  // namespace kirireel

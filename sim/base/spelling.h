@@ -1,6 +1,7 @@
-/// Words in messages: what a mistyped one was meant to be, and how foreign text is shown.
+/// Words in messages: what a mistyped one was meant to be, and how foreign text is shown and read.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,5 +22,8 @@ std::string oneLine(std::string_view text);
 /// A text of unknown origin as a message shows it: at most `most` characters, then "...", with '?'
 /// in place of each byte that is not printable ASCII.
 std::string shown(std::string_view text, std::size_t most = 40);
+
+/// The characters of a text in UTF-8; absent when it is not UTF-8.
+std::optional<std::u32string> codePoints(std::string_view text);
 
 }  // namespace kirireel

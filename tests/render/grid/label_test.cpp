@@ -43,6 +43,26 @@ TEST(LabelWriter, WidensWithTheText) {
   EXPECT_NEAR(LabelWriter(40).width("t = 1.25 s"), 2 * writer.width("t = 1.25 s"), 5);
 }
 
+TEST(LabelWriter, ReadsUtf8) {
+  const LabelWriter writer(20);
+  // In DejaVu Sans capital alpha looks like A, and a letter with an accent is as wide as without.
+  Frame greek = makeFrame({60, 40}, kWhite);
+  Frame latin = greek;
+  writer.draw(greek, "\u0391", 10, 30, kBlack);
+  writer.draw(latin, "A", 10, 30, kBlack);
+  EXPECT_EQ(greek.pixels, latin.pixels);
+  EXPECT_EQ(writer.width("\u00e9\u00fc"), writer.width("eu"));
+  EXPECT_GT(writer.width("30\u00b0"), writer.width("30"));
+  EXPECT_LT(writer.width("30\u00b0"), writer.width("30") + 20);  // one sign, not two bytes
+}
+
+TEST(LabelWriter, KnowsWhichGlyphsItsFontLacks) {
+  const LabelWriter writer(20);
+  EXPECT_FALSE(writer.missingGlyph(U"Caf\u00e9 30\u00b0 \u03b1\u03a9 \u00e4\u00f6\u00fc"));
+  EXPECT_EQ(writer.missingGlyph(U"a\u4e2d\u6587"), U'\u4e2d');
+  EXPECT_NO_THROW(writer.width("\xff"));  // not UTF-8: the font's box
+}
+
 TEST(LabelWriter, CutsTextAtTheFrame) {
   Frame frame = makeFrame({30, 20}, kWhite);
   EXPECT_NO_THROW(LabelWriter(40).draw(frame, "Wide text", -20, 25, kBlack));

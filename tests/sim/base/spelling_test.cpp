@@ -40,6 +40,19 @@ TEST(OneLine, KeepsNoControlCharacter) {
   EXPECT_EQ(oneLine("tiles of \u00c5ngstr\u00f6m"), "tiles of \u00c5ngstr\u00f6m");
 }
 
+TEST(CodePoints, AreThoseOfUtf8) {
+  // Of one, two, three and four bytes.
+  EXPECT_EQ(codePoints("30\u00b0 \u03b1 \u2264 \U0001d400"), U"30\u00b0 \u03b1 \u2264 \U0001d400");
+  EXPECT_EQ(codePoints(""), U"");
+}
+
+TEST(CodePoints, AreNoneOfOtherBytes) {
+  // A lone byte, a text that stops within a character, an overlong slash, half of a pair of UTF-16.
+  for (const char* text : {"\xff", "a\xc3", "\xc0\xaf", "\xed\xa0\x80"}) {
+    EXPECT_FALSE(codePoints(text)) << text;
+  }
+}
+
 TEST(Shown, IsShortAndPlain) {
   EXPECT_EQ(shown("spring_stiffness"), "spring_stiffness");
   EXPECT_EQ(shown("abcdef", 5), "abcde...");
