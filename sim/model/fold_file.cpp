@@ -107,6 +107,13 @@ class FoldReader {
     return tiles;
   }
 
+  /// Joints come of faces that share corners, but a file whose edges are broken may be broken
+  /// elsewhere. `vertexCount`: of frames that have no coordinates of their own.
+  void requireSoundEdges(std::size_t vertexCount) const {
+    requireSoundEdges(whole_, vertexCount);
+    for (const Json* frame : frames()) requireSoundEdges(*frame, vertexCount);
+  }
+
   /// Kirireel's own list of joints; null when there is none.
   const Json* ownJoints() const { return find(whole_, kJoints); }
 
@@ -144,9 +151,45 @@ class FoldReader {
   std::vector<const Json*> frames() const {
     std::vector<const Json*> found;
     const Json* frames = find(whole_, "file_frames");
-    if (frames == nullptr || !frames->is_array()) return found;
-    for (const Json& frame : *frames) found.push_back(&frame);
+    if (frames == nullptr) return found;
+    if (!frames->is_array()) throw fault("file_frames is no list of frames; correct or delete it");
+    for (const Json& frame : *frames) {
+      if (!frame.is_object()) {
+        throw fault(fmt::format("entry {} of file_frames is no JSON object; correct or delete it",
+                                found.size()));
+      }
+      found.push_back(&frame);
+    }
     return found;
+  }
+
+  void requireSoundEdges(const Json& frame, std::size_t vertexCount) const {
+    const Json* coordinates = find(frame, "vertices_coords");
+    if (coordinates != nullptr && !coordinates->empty()) vertexCount = coordinates->size();
+    const Json* edges = find(frame, "edges_vertices");
+    if (edges == nullptr) return;
+    if (!edges->is_array()) throw fault("edges_vertices is no list of edges; correct or delete it");
+    std::size_t number = 0;
+    for (const Json& edge : *edges) {
+      const std::vector<int> ends = wholeNumbers(edge, number);
+      const auto exists = [&](int end) {
+        return end >= 0 && static_cast<std::size_t>(end) < vertexCount;
+      };
+      if (ends.size() != 2 || !std::ranges::all_of(ends, exists)) {
+        throw fault(
+            fmt::format("edge {} does not join two of the vertices 0-{}; correct it, or "
+                        "delete edges_vertices",
+                        number, vertexCount - 1));
+      }
+      ++number;
+    }
+    const Json* assignment = find(frame, "edges_assignment");
+    if (assignment == nullptr) return;
+    if (assignment->is_array() && assignment->size() == edges->size()) return;
+    throw fault(
+        fmt::format("edges_assignment is no list of {} letters, one for each edge; correct "
+                    "or delete it",
+                    edges->size()));
   }
 
   std::vector<Vector3> points(const Json& coordinates) const {
@@ -238,6 +281,7 @@ Model readFold(const fs::path& file, std::vector<std::string>& warnings) {
   const FoldReader reader(file);
   const CornerNumbers faces = reader.faces();
   const std::vector<std::vector<Vector3>> states = reader.states();
+  reader.requireSoundEdges(states.front().size());
   const TileTable start = tableOf(file, reader.tiles(faces, states.front()));
   checkTiles(start);
   checkOrientation(start, warnings);

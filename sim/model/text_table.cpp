@@ -59,7 +59,10 @@ void TextTable::splitFields(std::string_view text, TextLine& line) const {
     if (line.fields.size() > kMaxFields) {
       throw inputErrorAt(
           at(line, line.fields.back()),
-          fmt::format("this line has more than {} numbers; write one tile a line", kMaxFields));
+          fmt::format(
+              "this line has more than {} numbers, and a tile has at most {} vertices; break "
+              "the line where it holds several rows, or split the tile",
+              kMaxFields, kMaxFields / 3));
     }
     begin = text.find_first_not_of(kBlanks, end);
   }

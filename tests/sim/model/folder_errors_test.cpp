@@ -141,8 +141,8 @@ TEST(FolderErrors, LineTooLong) {
   std::string line;
   for (int k = 0; k < 901; ++k) line += "0 ";
   EXPECT_EQ(forVertices(line),
-            "@/vertices.txt:1:1801: error: this line has more than 900 numbers; write one tile a "
-            "line");
+            "@/vertices.txt:1:1801: error: this line has more than 900 numbers, and a tile has at "
+            "most 300 vertices; break the line where it holds several rows, or split the tile");
 }
 
 TEST(FolderErrors, UnfinishedVertex) {

@@ -288,6 +288,33 @@ std::string messageForFold(const std::string& faces, const std::string& more = "
                     "a.fold");
 }
 
+TEST(FormatErrors, FoldEdgesAndFramesThatAreBroken) {
+  const std::string one = "[[0,1,2]]";
+  for (const char* ends : {"[0,99]", "[-1,0]", "[0]", "[0,1,2]"}) {
+    EXPECT_EQ(
+        messageForFold(one, std::string(R"(,"edges_vertices": [[0,1],)") + ends + "]"),
+        "@/a.fold: error: edge 1 does not join two of the vertices 0-2; correct it, or delete "
+        "edges_vertices");
+  }
+  EXPECT_EQ(messageForFold(one, R"(,"edges_vertices": 7)"),
+            "@/a.fold: error: edges_vertices is no list of edges; correct or delete it");
+  const std::string edges = R"(,"edges_vertices": [[0,1],[1,2],[2,0]], "edges_assignment": )";
+  for (const char* assignment : {"[\"B\"]", "3"}) {
+    EXPECT_EQ(
+        messageForFold(one, edges + assignment),
+        "@/a.fold: error: edges_assignment is no list of 3 letters, one for each edge; correct "
+        "or delete it");
+  }
+  EXPECT_EQ(messageForFold(one, R"(,"file_frames": {"frame_title": "a"})"),
+            "@/a.fold: error: file_frames is no list of frames; correct or delete it");
+  EXPECT_EQ(messageForFold(one, R"(,"file_frames": [{}, 3])"),
+            "@/a.fold: error: entry 1 of file_frames is no JSON object; correct or delete it");
+  // Of a frame, by its own coordinates.
+  EXPECT_EQ(messageForFold(one, R"(,"file_frames": [{"edges_vertices": [[0,3]]}])"),
+            "@/a.fold: error: edge 0 does not join two of the vertices 0-2; correct it, or delete "
+            "edges_vertices");
+}
+
 TEST(FormatErrors, FoldNumbersOfWhatIsNotThere) {
   EXPECT_EQ(messageForFold("[[0,1,2],[]]"),
             "@/a.fold: error: face 1 has 0 vertices; a tile has at least 3: complete it or delete "
@@ -307,7 +334,9 @@ TEST(FormatErrors, FoldNumbersOfWhatIsNotThere) {
 
 TEST(FormatErrors, FoldNestedWithoutEnd) {
   const std::string open(200000, '['), closed(200000, ']');
-  EXPECT_EQ(messageForFold("[[0,1,2]]", ",\"file_frames\": " + open + closed), "");
+  EXPECT_EQ(messageForFold("[[0,1,2]]", ",\"x\": " + open + closed), "");
+  EXPECT_EQ(messageForFold("[[0,1,2]]", ",\"file_frames\": " + open + closed),
+            "@/a.fold: error: entry 0 of file_frames is no JSON object; correct or delete it");
   EXPECT_EQ(messageForFold(open + closed),
             "@/a.fold: error: entry 0 is no list of whole numbers; write vertex numbers, from 0");
 }
