@@ -482,7 +482,7 @@ Shape ArrayReader::shape(const std::string& name) const {
 
 std::vector<double> ArrayReader::doubles(const std::string& name) const {
   const Handle& array = internals_->array(name);
-  internals_->requireType(array, name, isDouble, "numbers");
+  internals_->requireType(array, name, isDouble, "numbers of 64 bits");
   std::vector<double> entries(entryCount(internals_->shapeOf(array)));
   internals_->requireRead(
       H5Dread(array.id(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, entries.data()), name);
@@ -499,7 +499,7 @@ std::vector<double> ArrayReader::checkedDoubles(const std::string& name) const {
 
 std::vector<int> ArrayReader::integers(const std::string& name) const {
   const Handle& array = internals_->array(name);
-  internals_->requireType(array, name, isInt, "whole numbers");
+  internals_->requireType(array, name, isInt, "whole numbers of 32 bits");
   std::vector<int> entries(entryCount(internals_->shapeOf(array)));
   internals_->requireRead(
       H5Dread(array.id(), H5T_NATIVE_INT, H5S_ALL, H5S_ALL, H5P_DEFAULT, entries.data()), name);
@@ -529,7 +529,7 @@ std::vector<double> ArrayReader::row(const std::string& name, std::size_t index)
     internals_->refuse(fmt::format("the array {} has no row {}", name, index));
   }
   rowShape.erase(rowShape.begin());
-  internals_->requireType(array, name, isDouble, "numbers");
+  internals_->requireType(array, name, isDouble, "numbers of 64 bits");
   std::vector<double> entries(entryCount(rowShape));
   const Handle inFile(H5Dget_space(array.id()), H5Sclose);
   const Handle inMemory = spaceOf({entries.size()});

@@ -1,10 +1,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <numeric>
 
 #include <fmt/format.h>
 
+#include "sim/model/text_table.h"
 #include "sim/trajectory/array_file.h"
 #include "sim/trajectory/trajectory_file.h"
 #include "sim/trajectory/trajectory_layout.h"
@@ -16,6 +19,9 @@ using layout::kMeasures;
 using layout::kStepColumns;
 
 constexpr double kUnitTolerance = 1e-6;  // of the length of normals and quaternions
+/// Farther away no brick is drawn or meshed, metres. Runs end at a thousand model sizes, and models
+/// reach as far as kMaxCoordinate.
+constexpr double kFarthest = 1e4 * kMaxCoordinate;
 
 /// Reads what a trajectory shows; every claim of the file is checked before it is used.
 class SubjectReader {
@@ -185,8 +191,32 @@ class SubjectReader {
         file_.refuse(
             fmt::format("the normal of brick {} in bricks/normal is not a unit vector", i));
       }
+      requireSolid(brick, i);
       subject.bricks.push_back(std::move(brick));
     }
+  }
+
+  /// A solid brick has its top above its bottom all over, and its bottom goes round the normal.
+  void requireSolid(const Brick& brick, std::size_t number) const {
+    for (const auto& [value, name] : {std::pair{brick.thickness, "thickness"},
+                                      {brick.volume, "volume"},
+                                      {brick.mass, "mass"}}) {
+      if (value > 0) continue;
+      file_.refuse(fmt::format("the {0} of brick {1} in bricks/{0} is {2:g}, but must be positive",
+                               name, number, value));
+    }
+    double lowest = std::numeric_limits<double>::infinity();
+    Vector3 area = Vector3::Zero();
+    for (std::size_t k = 0; k < brick.bottom.size(); ++k) {
+      const Vector3& next = brick.bottom[(k + 1) % brick.bottom.size()];
+      lowest = std::min(lowest, brick.normal.dot(brick.top[k] - brick.bottom[k]));
+      area += brick.bottom[k].cross(next);
+    }
+    if (lowest > 0 && brick.normal.dot(area) > 0) return;
+    file_.refuse(
+        fmt::format("brick {} is inside out: bricks/bottom, bricks/top and bricks/normal do not "
+                    "agree",
+                    number));
   }
 
   const ArrayReader& file_;
@@ -216,8 +246,11 @@ struct TrajectoryReader::Internals {
   void readTimes() {
     times = file.doubles("time");
     if (times.empty()) file.refuse("there is no sample");
-    const bool rising = std::ranges::adjacent_find(times, std::greater_equal<>()) == times.end();
-    if (!rising || !std::isfinite(times.back())) file.refuse("the samples' times do not rise");
+    // Written so that NaN fails.
+    const auto follows = [](double before, double after) { return before < after; };
+    const bool rising = std::ranges::adjacent_find(times, std::not_fn(follows)) == times.end() &&
+                        std::isfinite(times.front()) && std::isfinite(times.back());
+    if (!rising) file.refuse("the samples' times do not rise");
     requireShape("position", {times.size(), subject.bricks.size(), 3});
     requireShape("rotation", {times.size(), subject.bricks.size(), 4});
   }
@@ -293,6 +326,9 @@ struct TrajectoryReader::Internals {
     // Written so that NaN fails.
     if (!pose.position.allFinite() || !(std::abs(pose.rotation.norm() - 1) <= kUnitTolerance)) {
       file.refuse("a pose in position or rotation is not finite, or no rotation");
+    }
+    if (pose.position.cwiseAbs().maxCoeff() > kFarthest) {
+      file.refuse(fmt::format("a brick in position is more than {:g} m away", kFarthest));
     }
     return pose;
   }

@@ -328,8 +328,34 @@ TEST(TrajectoryFile, RefusesContradictions) {
       "error: the array model/target has 180 entries instead of 192, or another shape" + mend);
   EXPECT_EQ(refusalAfter([](Trajectory& t) { t.bricks[3].normal *= 2; }),
             "error: the normal of brick 3 in bricks/normal is not a unit vector" + mend);
+  for (const std::size_t sample : {0, 1, 2}) {
+    EXPECT_EQ(refusalAfter([&](Trajectory& t) { t.samples[sample].time = NAN; }),
+              "error: the samples' times do not rise" + mend);
+  }
+  EXPECT_EQ(refusalAfter([](Trajectory& t) { t.samples[1].poses[2].position.x() = -1e300; }),
+            "error: a brick in position is more than 1e+10 m away" + mend);
   EXPECT_EQ(refusalAfter([](Trajectory& t) { t.model.tiles[0].vertices.clear(); }),
             "error: a tile in model/tile_sizes has 0 vertices" + mend);
+}
+
+TEST(TrajectoryFile, RefusesBricksThatAreNotSolid) {
+  const std::string mend = "; give a whole trajectory.h5 as kirireel record leaves it";
+  EXPECT_EQ(
+      refusalAfter([](Trajectory& t) { t.bricks[3].thickness = 0; }),
+      "error: the thickness of brick 3 in bricks/thickness is 0, but must be positive" + mend);
+  EXPECT_EQ(
+      refusalAfter([](Trajectory& t) { t.bricks[3].thickness = -0.02; }),
+      "error: the thickness of brick 3 in bricks/thickness is -0.02, but must be positive" + mend);
+  EXPECT_EQ(refusalAfter([](Trajectory& t) { t.bricks[1].mass = 0; }),
+            "error: the mass of brick 1 in bricks/mass is 0, but must be positive" + mend);
+  const std::string insideOut =
+      "error: brick 2 is inside out: bricks/bottom, bricks/top and bricks/normal do not agree" +
+      mend;
+  EXPECT_EQ(refusalAfter([](Trajectory& t) { std::swap(t.bricks[2].bottom, t.bricks[2].top); }),
+            insideOut);
+  EXPECT_EQ(refusalAfter([](Trajectory& t) { t.bricks[2].normal *= -1; }), insideOut);
+  EXPECT_EQ(refusalAfter([](Trajectory& t) { std::ranges::reverse(t.bricks[2].bottom); }),
+            insideOut);
 }
 
 TEST(TrajectoryFile, RefusesTextsThatClaimMoreThanTheFile) {
@@ -405,7 +431,7 @@ TEST(TrajectoryFile, RefusesWhatItsWriterNeverMakes) {
                                "maxshape=(None,), chunks=(10**8,))"),
             "error: the array time is stored in another way" + mend);
   EXPECT_EQ(refusalAfterPython("del f['time']; f.create_dataset('time', (3,), '>f4')"),
-            "error: the array time does not hold numbers" + mend);
+            "error: the array time does not hold numbers of 64 bits" + mend);
   EXPECT_EQ(refusalAfterPython("f['time'].resize((10**9,))"),
             "error: an array claims more entries than the file holds" + mend);
 }
