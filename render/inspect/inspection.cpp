@@ -166,7 +166,8 @@ std::string inspectionJson(const Inspection& inspection) {
   json["needs"] = {{"planar", needJson(inspection.needs.planar)},
                    {"contacts", needJson(inspection.needs.contacts)},
                    {"ground", needJson(inspection.needs.ground)}};
-  return json.dump(2) + "\n";
+  // A folder's name may hold bytes that are not UTF-8.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace kirireel

@@ -143,7 +143,8 @@ std::string foldText(const Model& model, const std::vector<SheetState>& states) 
                       {"vertices_coords", coordinates(shared, states[k].tiles)}});
   }
   fold["file_frames"] = std::move(frames);
-  return fold.dump() + "\n";
+  // The model's name may hold bytes that are not UTF-8.
+  return fold.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace kirireel

@@ -48,7 +48,8 @@ std::string recordText(const RunRecord& record) {
   for (const auto& [key, value] : record.inputs) inputs[key] = value;
   const Json json = {
       {"status", record.failed ? "failed" : "done"}, {"reason", record.reason}, {"inputs", inputs}};
-  return json.dump(2) + "\n";
+  // A reason may name a file whose name is not UTF-8.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace
