@@ -337,7 +337,8 @@ PathChoice choosePath(const Scene& scene, const TargetRoom& room, const TrialObs
                                   kMisfitStiffness)};
   }
   if (!scene.model.target) return {straight, "there is no target"};
-  if (drive != Drive::Target) return {straight, "nothing pulls to the target"};
+  if (drive != Drive::Target || !scene.springs.pull())
+    return {straight, "nothing pulls to the target"};
   return PathSearch(scene, room.nearest, watch, trials).find(!room.isBlocked);
 }
 

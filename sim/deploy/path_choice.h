@@ -45,9 +45,10 @@ struct TargetRoom {
 /// contacts, joints opening by at most a hundredth of a tile; fewer where bricks have no room at
 /// the target. Where none arrives, the one that comes nearest without overlaps is taken, and the
 /// reason says whether wider joints or thinner bricks would arrive. A path that the scene names is
-/// kept. Where nothing pulls to a target and the tiles' misfit makes exact joints jam, joints give
-/// throughout. Trials are as the run itself. `observer` may be empty. `trials` holds how the first
-/// trials ended, which are not made again, and gets the others, but not one that was stopped.
+/// kept. Springs without stiffness pull to nothing. Where nothing pulls to a target and the tiles'
+/// misfit makes exact joints jam, joints give throughout. Trials are as the run itself. `observer`
+/// may be empty. `trials` holds how the first trials ended, which are not made again, and gets the
+/// others, but not one that was stopped.
 PathChoice choosePath(const Scene& scene, const TargetRoom& room, const TrialObserver& observer,
                       std::vector<TrialEnd>& trials);
 

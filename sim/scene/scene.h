@@ -50,6 +50,9 @@ struct TargetSpringSettings {
   double forceDamping = 50;      ///< mu_v, N s/m, from 0
   double torqueDamping = 2;      ///< mu_omega, N m s, from 0
   bool adaptive = true;          ///< double both stiffnesses when the error stalls, up to 16 times
+
+  /// Whether they pull at all; without stiffness they only damp.
+  bool pull() const { return springStiffness > 0 || torqueStiffness > 0; }
 };
 
 /// What drives the bricks.
