@@ -152,10 +152,17 @@ const std::vector<std::pair<std::string, ExportFormat>>& exportFormatNames() {
   return names;
 }
 
-void requireExportable(const Model& model, const ExportSettings& settings) {
+void requireExportable(const Model& model, const BrickRule& rule, const ExportSettings& settings) {
   requireDifferent(settings.formats);
   const bool isPattern = wants(settings, ExportFormat::Svg) || wants(settings, ExportFormat::Dxf);
   if (isPattern) patternOf(model, settings);
+  const bool isDivided = wants(settings, ExportFormat::Inp) || wants(settings, ExportFormat::Msh);
+  if (!isDivided) return;
+  ElementRule elements = settings.elements;
+  // How well corners meet that share a node is known of the run's own states alone.
+  if (elements.joints == JointStyle::Shared) elements.joints = JointStyle::Equation;
+  const std::vector<Brick> bricks = makeBricks(model.tiles, rule);
+  makeElementMesh(bricks, model.joints, startPoses(model.tiles, bricks), elements);
 }
 
 std::vector<std::string> exportStates(const TrajectoryReader& trajectory,

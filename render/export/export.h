@@ -39,8 +39,8 @@ struct ExportSettings {
 };
 
 /// Throws what exportStates would of this model whatever its run is like: InputError for formats
-/// given twice and cut patterns that the model cannot have.
-void requireExportable(const Model& model, const ExportSettings& settings);
+/// given twice, and for cut patterns, elements and joint patches that it cannot have.
+void requireExportable(const Model& model, const BrickRule& rule, const ExportSettings& settings);
 
 /// Writes the files into the folder, which is made if need be. Returns their names in order. Either
 /// all of them appear or none. Throws InputError for states that are not there, formats given
