@@ -1,6 +1,8 @@
 #include "render/cli/command_line.h"
 
 #include <algorithm>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <regex>
 
@@ -84,6 +86,31 @@ std::optional<PrintOrder> parseInto(CLI::App& program, const std::vector<std::st
   return std::nullopt;
 }
 
+/// A command of the program.
+struct Command {
+  CLI::App* app = nullptr;
+  std::function<Order()> completeOrder;  ///< checks what was read, after parsing
+};
+
+/// A command with its order, which its options fill.
+template <typename Wanted>
+Command addCommand(CLI::App& program, CLI::App* (*add)(CLI::App&, Wanted&)) {
+  const auto order = std::make_shared<Wanted>();
+  CLI::App* app = add(program, *order);
+  return {app, [app, order]() -> Order {
+            completeOrder(*app, *order);
+            return *order;
+          }};
+}
+
+std::vector<Command> addCommands(CLI::App& program) {
+  return {addCommand(program, addRecordCommand),   addCommand(program, addSimulateCommand),
+          addCommand(program, addRenderCommand),   addCommand(program, addExportCommand),
+          addCommand(program, addGenerateCommand), addCommand(program, addInspectCommand),
+          addCommand(program, addConvertCommand),  addCommand(program, addStudyCommand),
+          addCommand(program, addSweepCommand),    addCommand(program, addVerifyCommand)};
+}
+
 }  // namespace
 
 int carryOut(const PrintOrder& order) {
@@ -92,75 +119,19 @@ int carryOut(const PrintOrder& order) {
 }
 
 Order parseCommandLine(const std::vector<std::string>& arguments) {
-  RecordOrder record;
-  RecordOrder simulate;
-  RenderOrder render;
-  ExportOrder exportation;
-  GenerateOrder generate;
-  InspectOrder inspect;
-  ConvertOrder convert;
-  StudyOrder study;
-  SweepOrder sweep;
-  VerifyOrder verify;
   CLI::App program("Records kirigami deployments off screen.", "kirireel");
   program.allow_extras();
   program.set_version_flag("--version", versionText());
-  CLI::App* recordCommand = addRecordCommand(program, record);
-  CLI::App* simulateCommand = addSimulateCommand(program, simulate);
-  const CLI::App* renderCommand = addRenderCommand(program, render);
-  const CLI::App* exportCommand = addExportCommand(program, exportation);
-  const CLI::App* generateCommand = addGenerateCommand(program, generate);
-  const CLI::App* inspectCommand = addInspectCommand(program, inspect);
-  const CLI::App* convertCommand = addConvertCommand(program, convert);
-  const CLI::App* studyCommand = addStudyCommand(program, study);
-  const CLI::App* sweepCommand = addSweepCommand(program, sweep);
-  const CLI::App* verifyCommand = addVerifyCommand(program, verify);
-  program.footer("kirireel COMMAND --help explains a command.");
+  const std::vector<Command> commands = addCommands(program);
+  program.footer(fmt::format("kirireel COMMAND --help explains a command.\n\n{}", kExitCodesHelp));
 
   if (const std::optional<PrintOrder> page = parseInto(program, arguments)) return *page;
   requireNothingLeft(program);
-  record.arguments = simulate.arguments = arguments;
-  if (recordCommand->parsed()) {
-    completeOrder(*recordCommand, record);
-    return record;
-  }
-  if (simulateCommand->parsed()) {
-    completeOrder(*simulateCommand, simulate);
-    return simulate;
-  }
-  if (renderCommand->parsed()) {
-    requireGiven(render.trajectory, "TRAJECTORY", *renderCommand);
-    return render;
-  }
-  if (exportCommand->parsed()) {
-    requireGiven(exportation.trajectory, "TRAJECTORY", *exportCommand);
-    return exportation;
-  }
-  if (inspectCommand->parsed()) {
-    requireGiven(inspect.model, "MODEL", *inspectCommand);
-    return inspect;
-  }
-  if (convertCommand->parsed()) {
-    requireGiven(convert.input, "IN", *convertCommand);
-    requireGiven(convert.output, "OUT", *convertCommand);
-    return convert;
-  }
-  if (studyCommand->parsed()) {
-    if (!study.list) requireGiven(study.name, "NAME", *studyCommand);
-    return study;
-  }
-  if (sweepCommand->parsed()) {
-    requireGiven(sweep.sweep, "SWEEP", *sweepCommand);
-    return sweep;
-  }
-  if (verifyCommand->parsed()) {
-    requireGiven(verify.folder, "FOLDER", *verifyCommand);
-    return verify;
-  }
-  if (generateCommand->parsed()) {
-    requireFamily(*generateCommand);
-    requireGiven(generate.folder, "FOLDER", chosenCommand(program));
-    return generate;
+  for (const Command& command : commands) {
+    if (!command.app->parsed()) continue;
+    Order order = command.completeOrder();
+    if (auto* record = std::get_if<RecordOrder>(&order)) record->arguments = arguments;
+    return order;
   }
   throw InputError(fmt::format("error: no command given; choose {}, see kirireel --help",
                                listWords(commandNames(program))));

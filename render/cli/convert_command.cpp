@@ -22,6 +22,11 @@ CLI::App* addConvertCommand(CLI::App& program, ConvertOrder& order) {
   return command;
 }
 
+void completeOrder(const CLI::App& command, ConvertOrder& order) {
+  requireGiven(order.input, "IN", command);
+  requireGiven(order.output, "OUT", command);
+}
+
 int carryOut(const ConvertOrder& order) {
   const Model model = readModelAt(order.input, order.target);
   writeModel(model, order.output);

@@ -19,6 +19,9 @@ struct ConvertOrder {
 /// Adds `convert`. The order must outlive the parsing.
 CLI::App* addConvertCommand(CLI::App& program, ConvertOrder& order);
 
+/// Throws InputError where something is missing. To be called after parsing.
+void completeOrder(const CLI::App& command, ConvertOrder& order);
+
 /// Reads and writes. Returns the exit code.
 int carryOut(const ConvertOrder& order);
 

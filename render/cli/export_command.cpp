@@ -99,12 +99,15 @@ CLI::App* addExportCommand(CLI::App& program, ExportOrder& order) {
   return command;
 }
 
+void completeOrder(const CLI::App& command, ExportOrder& order) {
+  requireGiven(order.trajectory, "TRAJECTORY", command);
+  if (!order.settings.formats.empty()) return;
+  throw InputError(
+      "error: --format is missing, as in kirireel export TRAJECTORY --format obj,inp; "
+      "see kirireel export --help");
+}
+
 int carryOut(const ExportOrder& order) {
-  if (order.settings.formats.empty()) {
-    throw InputError(
-        "error: --format is missing, as in kirireel export TRAJECTORY --format obj,inp; "
-        "see kirireel export --help");
-  }
   const std::filesystem::path file = trajectoryFile(order.trajectory);
   const TrajectoryReader trajectory(file);
   const std::filesystem::path folder = order.folder.empty() ? file.parent_path() : order.folder;

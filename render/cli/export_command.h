@@ -25,6 +25,9 @@ void addExportOptions(CLI::App& command, const std::string& formatOption, Export
 /// Adds `export`. The order must outlive the parsing.
 CLI::App* addExportCommand(CLI::App& program, ExportOrder& order);
 
+/// Throws InputError where something is missing. To be called after parsing.
+void completeOrder(const CLI::App& command, ExportOrder& order);
+
 /// Reads the trajectory, writes the files, prints their names. Returns the exit code.
 int carryOut(const ExportOrder& order);
 

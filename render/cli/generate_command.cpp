@@ -46,11 +46,13 @@ CLI::App* addGenerateCommand(CLI::App& program, GenerateOrder& order) {
   return generate;
 }
 
-void requireFamily(const CLI::App& generate) {
-  if (!generate.get_subcommands().empty()) return;
-  throw InputError(
-      "error: no family given, as in kirireel generate tessellation FOLDER; see kirireel generate "
-      "--help");
+void completeOrder(const CLI::App& generate, GenerateOrder& order) {
+  if (generate.get_subcommands().empty()) {
+    throw InputError(
+        "error: no family given, as in kirireel generate tessellation FOLDER; see kirireel "
+        "generate --help");
+  }
+  requireGiven(order.folder, "FOLDER", chosenCommand(generate));
 }
 
 Model makeModel(const GenerateOrder& order) {

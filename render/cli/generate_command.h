@@ -32,8 +32,8 @@ inline constexpr const char* kShapeGroup = "Shape";
 /// Adds one family with its parameters. The order must outlive the parsing.
 CLI::App* addFamily(CLI::App& generate, const Family& family, GenerateOrder& order);
 
-/// Throws InputError when no family was given.
-void requireFamily(const CLI::App& generate);
+/// Throws InputError when no family or no folder was given. To be called after parsing.
+void completeOrder(const CLI::App& generate, GenerateOrder& order);
 
 /// Makes the model; the order needs no folder. Throws as generateModel().
 Model makeModel(const GenerateOrder& order);

@@ -32,6 +32,10 @@ CLI::App* addInspectCommand(CLI::App& program, InspectOrder& order) {
   return command;
 }
 
+void completeOrder(const CLI::App& command, InspectOrder& order) {
+  requireGiven(order.model, "MODEL", command);
+}
+
 int carryOut(const InspectOrder& order) {
   Scene scene = order.scene;
   scene.model = readModelAt(order.model, order.target);

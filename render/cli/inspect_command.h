@@ -23,6 +23,9 @@ struct InspectOrder {
 /// Adds `inspect`. The order must outlive the parsing.
 CLI::App* addInspectCommand(CLI::App& program, InspectOrder& order);
 
+/// Throws InputError where something is missing. To be called after parsing.
+void completeOrder(const CLI::App& command, InspectOrder& order);
+
 /// Reads the model, prints what it is, paints it if asked. Returns the exit code.
 int carryOut(const InspectOrder& order);
 

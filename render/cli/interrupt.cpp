@@ -6,11 +6,11 @@
 namespace kirireel {
 namespace {
 
-std::atomic<bool> interrupted = false;
-static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may not wait for a lock");
+std::atomic<int> noted = 0;
+static_assert(std::atomic<int>::is_always_lock_free, "a signal handler may not wait for a lock");
 
-extern "C" void noteInterrupt(int /*signal*/) {
-  interrupted = true;
+extern "C" void noteInterrupt(int signal) {
+  noted = signal;
 }
 
 }  // namespace
@@ -18,11 +18,21 @@ extern "C" void noteInterrupt(int /*signal*/) {
 void noteSignals() {
   std::signal(SIGINT, noteInterrupt);
   std::signal(SIGTERM, noteInterrupt);
+  if (std::signal(SIGHUP, noteInterrupt) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
 }
 
-bool takeInterrupt() {
-  return interrupted.exchange(false);
+std::optional<std::string> takeInterrupt() {
+  switch (noted.exchange(0)) {
+    case SIGINT:
+      return "SIGINT";
+    case SIGTERM:
+      return "SIGTERM";
+    case SIGHUP:
+      return "SIGHUP";
+    default:
+      return std::nullopt;
+  }
 }
 
 }  // namespace kirireel

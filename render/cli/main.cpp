@@ -1,5 +1,9 @@
 /// kirireel: reads the order, carries it out, says in one line what went wrong.
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 #include <exception>
+#include <new>
 
 #include <fmt/format.h>
 
@@ -8,16 +12,48 @@
 #include "sim/base/error.h"
 #include "sim/base/spelling.h"
 
-int main(int argumentCount, char** arguments) {
-  using namespace kirireel;
+namespace {
+
+using namespace kirireel;
+
+int complain(int exitCode, const std::string& message) {
+  fmt::print(stderr, "kirireel: {}\n", oneLine(message));
+  return exitCode;
+}
+
+/// What was printed may still wait in a buffer.
+void requirePrinted() {
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return;
+  throw OutputError(
+      fmt::format("error: standard output cannot be written ({}); files are written all the same",
+                  std::strerror(errno)));
+}
+
+int carryOutOrder(const std::vector<std::string>& arguments) {
+  const Order order = parseCommandLine(arguments);
   try {
-    const Order order = parseCommandLine({arguments + 1, arguments + argumentCount});
-    return std::visit([](const auto& wanted) { return carryOut(wanted); }, order);
+    const int exitCode = std::visit([](const auto& wanted) { return carryOut(wanted); }, order);
+    requirePrinted();
+    return exitCode;
+  } catch (const std::system_error&) {
+    // Of printing, where a text is longer than the buffer.
+    requirePrinted();
+    throw;
+  }
+}
+
+}  // namespace
+
+int main(int argumentCount, char** arguments) {
+  try {
+    return carryOutOrder({arguments + 1, arguments + argumentCount});
   } catch (const InputError& error) {
-    fmt::print(stderr, "kirireel: {}\n", oneLine(error.what()));
-    return kExitInputWrong;
+    return complain(kExitInputWrong, error.what());
+  } catch (const std::bad_alloc&) {
+    return complain(kExitFailed,
+                    "error: there is too little memory; allow more, or ask for a smaller --size or "
+                    "--grid. A run that was under way goes on with --resume");
   } catch (const std::exception& error) {
-    fmt::print(stderr, "kirireel: {}\n", oneLine(error.what()));
-    return kExitRunFailed;
+    return complain(kExitFailed, error.what());
   }
 }

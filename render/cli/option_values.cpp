@@ -36,7 +36,8 @@ std::string describe(Range range, const char* kind) {
   const Range all;
   if (range.least == all.least && range.most == all.most) return kind;
   if (range.most == all.most) return fmt::format("{} of at least {:g}", kind, range.least);
-  return fmt::format("{} from {:g} to {:g}", kind, range.least, range.most);
+  return fmt::format("{} from {:g} to {}{:g}", kind, range.least,
+                     range.isMostLeftOut ? "less than " : "", range.most);
 }
 
 std::optional<std::pair<int, int>> readPair(std::string_view text) {
@@ -122,15 +123,14 @@ InputError valueError(const OptionValue& value, const std::string& wanted) {
 
 double parseNumber(const OptionValue& value, Range range) {
   const std::optional<double> number = readWhole<double>(value.text);
-  const bool fits =
-      number && std::isfinite(*number) && *number >= range.least && *number <= range.most;
+  const bool fits = number && std::isfinite(*number) && range.holds(*number);
   if (!fits) throw valueError(value, describe(range, "a number"));
   return *number;
 }
 
 long parseInteger(const OptionValue& value, Range range) {
   const std::optional<long> number = readWhole<long>(value.text);
-  const bool fits = number && *number >= range.least && *number <= range.most;
+  const bool fits = number && range.holds(static_cast<double>(*number));
   if (!fits) throw valueError(value, describe(range, "a whole number"));
   return *number;
 }

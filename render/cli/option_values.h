@@ -24,10 +24,15 @@ struct OptionValue {
   std::string text;
 };
 
-/// The numbers that an option accepts, ends included.
+/// The numbers that an option accepts.
 struct Range {
   double least = -std::numeric_limits<double>::max();
   double most = std::numeric_limits<double>::max();
+  bool isMostLeftOut = false;  ///< all below the most; otherwise both ends are accepted
+
+  bool holds(double number) const {
+    return number >= least && (isMostLeftOut ? number < most : number <= most);
+  }
 };
 
 /// A finite number within the range.

@@ -64,7 +64,7 @@ constexpr const char* kPeerNote =
     "Lengths are metres, times simulated seconds, masses kilograms. PyKirigami's spellings work\n"
     "too: --model, --brick_thickness, --spring_stiffness, --force_damping, --ground_plane,\n"
     "--no_collision (the same as --contacts unjoined), -ss, -fd, -bt, -gp, -gf. --headless is\n"
-    "accepted and does nothing: no window is ever opened.";
+    "accepted and does nothing: no window is ever opened.\n\n";
 
 /// Pins and timelines name tiles, which splitting would give other numbers.
 void requireTilesKeepNumbers(const Scene& scene) {
@@ -72,6 +72,20 @@ void requireTilesKeepNumbers(const Scene& scene) {
   throw InputError(
       "error: --split-tiles gives tiles other numbers than pins, chains of targets and timelines "
       "name; leave one of them out");
+}
+
+/// A thickness for tiles of another size is most often one in another unit of length.
+void checkThickness(const Scene& scene, std::vector<std::string>& warnings) {
+  constexpr double kMost = 0.1;  // of a tile's mean edge
+  constexpr double kLeast = 1e-3;
+  constexpr double kUsual = 0.02;
+  const double edge = tileSize(scene.model);
+  const double thickness = scene.brick.thickness;
+  if (thickness >= kLeast * edge && thickness <= kMost * edge) return;
+  warnings.push_back(
+      fmt::format("{}: warning: bricks are {:.3g} m thick, but a tile's mean edge is {:.3g} m; "
+                  "lengths are in metres, and --thickness {:.2g} would be usual",
+                  scene.model.name, thickness, edge, kUsual * edge));
 }
 
 Scene readScene(const RecordOrder& order) {
@@ -85,16 +99,21 @@ Scene readScene(const RecordOrder& order) {
     scene.model = splitTiles(scene.model, *order.splitTiles);
   }
   if (scene.environment.ground) scene.environment.ground->height = lowestPoint(scene);
+  checkThickness(scene, warnings);
   for (const std::string& warning : warnings) {
     fmt::print(stderr, "kirireel: {}\n", oneLine(warning));
   }
   return scene;
 }
 
-int exitCode(const std::string& outcome) {
-  const bool done =
-      outcome == toString(Outcome::Settled) || outcome == toString(Outcome::OutOfTime);
-  return done ? kExitDone : kExitRunFailed;
+/// The outcome in the words of summary.json, and whether the run ended at its target, if it has
+/// one.
+int exitCode(const std::string& outcome, std::optional<bool> atTarget) {
+  if (outcome == toString(Outcome::Interrupted)) return kExitInterrupted;
+  if (outcome == toString(Outcome::Diverged)) return kExitFailed;
+  if (outcome == toString(Outcome::Locked)) return kExitShort;
+  const bool isShort = outcome == toString(Outcome::OutOfTime) && atTarget == false;
+  return isShort ? kExitShort : kExitDone;
 }
 
 /// The scene and the settings with their folder; nothing has run yet.
@@ -122,8 +141,8 @@ CLI::App* addRecordCommand(CLI::App& program, RecordOrder& order) {
                   "  kirireel record data/tessellation_4x4\n"
                   "  kirireel record data/tessellation_4x4 --out out/figure --grid 2x3 --view top "
                   "--size 800x600\n"
-                  "  kirireel record MODEL --ground --gravity -9.81 --spring-stiffness 25\n\n{}",
-                  kPeerNote));
+                  "  kirireel record MODEL --ground --gravity -9.81 --spring-stiffness 25\n\n{}{}",
+                  kPeerNote, kExitCodesHelp));
   return command;
 }
 
@@ -134,8 +153,8 @@ CLI::App* addSimulateCommand(CLI::App& program, RecordOrder& order) {
   RecordSettings& settings = order.settings;
   settings.video = settings.snapshots = settings.meshes = false;
   command->footer(fmt::format(
-      "Example:\n  kirireel simulate data/tessellation_4x4 --solver bullet --json\n\n{}",
-      kPeerNote));
+      "Example:\n  kirireel simulate data/tessellation_4x4 --solver bullet --json\n\n{}{}",
+      kPeerNote, kExitCodesHelp));
   return command;
 }
 
@@ -165,7 +184,7 @@ int carryOut(const RecordOrder& order) {
                            ? finished->summary
                            : fmt::format("{}: finished already, {}\n",
                                          result.settings.folder.string(), finished->outcome));
-      return exitCode(finished->outcome);
+      return exitCode(finished->outcome, finished->atTarget);
     }
   }
   {
@@ -173,13 +192,13 @@ int carryOut(const RecordOrder& order) {
     result.summary = record(result.scene, result.settings, [&line](const Progress& progress) {
       if (!progress.remark.empty()) fmt::print(stderr, "kirireel: {}\n", progress.remark);
       line.show(progress);
-      return !takeInterrupt();
+      return takeInterrupt();
     });
   }
   const auto& [scene, settings, summary] = result;
   fmt::print("{}", order.printJson ? summaryJson(scene, settings, summary)
                                    : describeRun(scene, settings, summary));
-  return exitCode(toString(summary.outcome));
+  return exitCode(toString(summary.outcome), summary.atTarget);
 }
 
 }  // namespace kirireel

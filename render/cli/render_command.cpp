@@ -31,6 +31,10 @@ CLI::App* addRenderCommand(CLI::App& program, RenderOrder& order) {
   return command;
 }
 
+void completeOrder(const CLI::App& command, RenderOrder& order) {
+  requireGiven(order.trajectory, "TRAJECTORY", command);
+}
+
 int carryOut(const RenderOrder& order) {
   noteSignals();
   PictureSettings settings = order.settings;
@@ -41,11 +45,11 @@ int carryOut(const RenderOrder& order) {
     ProgressLine line;
     report = render(order.trajectory, settings, [&line](const Progress& progress) {
       line.show(progress);
-      return !takeInterrupt();
+      return takeInterrupt();
     });
   }
   fmt::print("{}", describePictures(settings, report));
-  return report.stoppedAt ? kExitRunFailed : kExitDone;
+  return report.stoppedAt ? kExitInterrupted : kExitDone;
 }
 
 }  // namespace kirireel

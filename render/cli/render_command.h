@@ -20,6 +20,9 @@ struct RenderOrder {
 /// Adds `render`. The order must outlive the parsing.
 CLI::App* addRenderCommand(CLI::App& program, RenderOrder& order);
 
+/// Throws InputError where something is missing. To be called after parsing.
+void completeOrder(const CLI::App& command, RenderOrder& order);
+
 /// Paints, and prints what was written. Returns the exit code.
 int carryOut(const RenderOrder& order);
 

@@ -74,7 +74,8 @@ std::string describePictures(const PictureSettings& settings, const PictureRepor
                                  report.videoFrames, cost.cpuSecondsRender, cost.cpuSecondsEncode,
                                  cost.wallSeconds);
   if (report.stoppedAt)
-    text += fmt::format("interrupted: the video ends at {:.4g} s\n", *report.stoppedAt);
+    text += fmt::format("interrupted by {}: the video ends at {:.4g} s\n", report.stoppedBy,
+                        *report.stoppedAt);
   text +=
       fmt::format("in {}: {}\n", settings.folder.string(), fmt::join(shortList(report.files), " "));
   return text;

@@ -87,9 +87,9 @@ void addEnvironmentOptions(CLI::App& command, Environment& environment) {
                               "pairs of bricks that may touch; others pass through each other");
   group.number("--brick-friction", environment.brickFriction, {0, 1e3}, "RATIO",
                "Coulomb friction between bricks");
-  group.number("--linear-damping", environment.linearDamping, {0, 1}, "SHARE",
+  group.number("--linear-damping", environment.linearDamping, {0, 1, true}, "SHARE",
                "part of the velocity lost a second");
-  group.number("--angular-damping", environment.angularDamping, {0, 1}, "SHARE",
+  group.number("--angular-damping", environment.angularDamping, {0, 1, true}, "SHARE",
                "part of the turning lost a second");
 }
 

@@ -60,7 +60,7 @@ bool runOne(const Study& study, const StudySettings& settings) {
         if (isTerminal) {
           fmt::print(stderr, "\r\033[K{} {}/{}: {}", study.name, done, total, name);
         }
-        stopped = takeInterrupt();
+        stopped = takeInterrupt().has_value();
         return !stopped;
       });
   if (isTerminal) fmt::print(stderr, "\r\033[K");
@@ -94,6 +94,10 @@ CLI::App* addStudyCommand(CLI::App& program, StudyOrder& order) {
   return command;
 }
 
+void completeOrder(const CLI::App& command, StudyOrder& order) {
+  if (!order.list) requireGiven(order.name, "NAME", command);
+}
+
 int carryOut(const StudyOrder& order) {
   if (order.list) {
     fmt::print("{}", studyList());
@@ -108,7 +112,7 @@ int carryOut(const StudyOrder& order) {
   for (const Study* study : chosen) {
     if (runOne(*study, settings)) continue;
     fmt::print(stderr, "kirireel: interrupted; --resume goes on after the finished rows\n");
-    return kExitRunFailed;
+    return kExitInterrupted;
   }
   return kExitDone;
 }

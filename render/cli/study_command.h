@@ -22,8 +22,10 @@ struct StudyOrder {
 /// Adds `study`. The order must outlive the parsing.
 CLI::App* addStudyCommand(CLI::App& program, StudyOrder& order);
 
-/// Runs one study or all, and prints what they come down to. Returns the exit code: 1 when
-/// interrupted.
+/// Throws InputError where something is missing. To be called after parsing.
+void completeOrder(const CLI::App& command, StudyOrder& order);
+
+/// Runs one study or all, and prints what they come down to. Returns the exit code.
 int carryOut(const StudyOrder& order);
 
 }  // namespace kirireel

@@ -306,6 +306,10 @@ CLI::App* addSweepCommand(CLI::App& program, SweepOrder& order) {
   return command;
 }
 
+void completeOrder(const CLI::App& command, SweepOrder& order) {
+  requireGiven(order.sweep, "SWEEP", command);
+}
+
 int carryOut(const SweepOrder& order) {
   const SweepRuns runs(readSweepFile(order.sweep));
   requireMeant(runs, order.confirmed);
@@ -313,13 +317,13 @@ int carryOut(const SweepOrder& order) {
       order.folder.empty() ? fs::path("out") / order.sweep.stem() : order.folder;
   if (order.collectOnly) {
     const Gathered gathered = collect(runs, folder);
-    return gathered.failed + gathered.missing == 0 ? kExitDone : kExitRunFailed;
+    return gathered.failed + gathered.missing == 0 ? kExitDone : kExitFailed;
   }
   const MadeRuns made = makeRuns(runs, folder, order);
-  if (!made.isWhole) return kExitRunFailed;
+  if (!made.isWhole) return kExitInterrupted;
   // The other shards may not be through yet. What is missing otherwise is in work elsewhere.
   const std::uint64_t failed = order.shard.count > 1 ? made.failed : collect(runs, folder).failed;
-  return failed == 0 ? kExitDone : kExitRunFailed;
+  return failed == 0 ? kExitDone : kExitFailed;
 }
 
 }  // namespace kirireel

@@ -32,8 +32,11 @@ struct SweepOrder {
 /// Adds `sweep`. The order must outlive the parsing.
 CLI::App* addSweepCommand(CLI::App& program, SweepOrder& order);
 
+/// Throws InputError where something is missing. To be called after parsing.
+void completeOrder(const CLI::App& command, SweepOrder& order);
+
 /// Makes the runs that are missing and, unless it is one shard of several, gathers them all.
-/// Returns the exit code.
+/// Returns the exit code: 1 when a run has failed, but not when one ended short of its target.
 int carryOut(const SweepOrder& order);
 
 }  // namespace kirireel

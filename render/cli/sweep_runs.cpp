@@ -90,7 +90,10 @@ class RunOrders {
     if (!family_.empty()) record_.madeModel = makeModel(generate_);
     // A generated model has no folder where a scene file may stand.
     if (family_.empty() || !record_.request.file.empty()) completeOrder(*run_, record_);
-    runOrder(record_, [](const Progress&) { return true; });
+    runOrder(record_, [](const Progress& progress) {
+      if (!progress.remark.empty()) fmt::print(stderr, "kirireel: {}\n", progress.remark);
+      return Interruption();
+    });
   }
 
  private:

@@ -20,10 +20,14 @@ CLI::App* addVerifyCommand(CLI::App& program, VerifyOrder& order) {
   return command;
 }
 
+void completeOrder(const CLI::App& command, VerifyOrder& order) {
+  requireGiven(order.folder, "FOLDER", command);
+}
+
 int carryOut(const VerifyOrder& order) {
   const VerifyReport report = verifyRun(order.folder);
   for (const std::string& complaint : report.complaints) fmt::print("{}\n", complaint);
-  if (!report.complaints.empty()) return kExitRunFailed;
+  if (!report.complaints.empty()) return kExitFailed;
   fmt::print("{}: {} files and the figures of {} samples agree with the summary\n",
              order.folder.string(), report.files, report.samples);
   return kExitDone;

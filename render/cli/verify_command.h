@@ -17,6 +17,9 @@ struct VerifyOrder {
 /// Adds `verify`. The order must outlive the parsing.
 CLI::App* addVerifyCommand(CLI::App& program, VerifyOrder& order);
 
+/// Throws InputError where something is missing. To be called after parsing.
+void completeOrder(const CLI::App& command, VerifyOrder& order);
+
 /// Checks, and prints what does not agree. Returns the exit code.
 int carryOut(const VerifyOrder& order);
 

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "render/cli/option_group.h"
+#include "sim/base/spelling.h"
 
 namespace kirireel {
 namespace {
@@ -10,7 +11,8 @@ namespace {
 /// A bare name: the folder is --out's.
 std::string parseFileName(const OptionValue& value) {
   const std::filesystem::path name = value.text;
-  if (name.has_filename() && !name.has_parent_path()) return value.text;
+  const bool isName = name.has_filename() && !name.has_parent_path();
+  if (isName && codePoints(value.text)) return value.text;
   throw valueError(value, "the name of a file, for example talk.webm; --out gives its folder");
 }
 

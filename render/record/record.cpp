@@ -18,6 +18,7 @@
 #include "render/record/snapshot_choice.h"
 #include "render/record/stopwatch.h"
 #include "render/record/summary.h"
+#include "render/record/title_card.h"
 #include "sim/base/error.h"
 #include "sim/base/pending_file.h"
 #include "sim/model/folder.h"
@@ -41,6 +42,7 @@ void requireValidSettings(const PictureSettings& settings) {
                                  settings.framesPerSecond));
   }
   if (settings.video) requireEncoder(settings.folder / settings.videoFile, videoSettings(settings));
+  if (settings.video) requireTitle(settings.title);
   requireWithin(settings.speed, 1e-3, 1e3, "--speed", "a factor");
   requireWithin(settings.hold, 0, 60, "--hold", "seconds");
 }
@@ -57,6 +59,14 @@ struct RunEnd {
   SharedSample last;
   std::optional<double> leftOutFrom;  ///< see RunSummary
 };
+
+/// A deployment knows that it was ended early, but not by whom.
+void nameInterruption(const std::string& by, DeploymentResult& result) {
+  if (result.outcome != Outcome::Interrupted) return;
+  result.reason = "interrupted by " + by;
+  result.trajectory.events.back().text =
+      fmt::format("{}: {}", toString(result.outcome), result.reason);
+}
 
 /// One run into trajectory.h5 and to a taker.
 class LiveRun {
@@ -92,6 +102,7 @@ class LiveRun {
     };
     end_.result = deployUnkept(scene_, settings_.frameInterval(), watch, searching,
                                settings_.order.empty() ? nullptr : &checkpoints_);
+    if (interruption_) nameInterruption(*interruption_, end_.result);
     end_.result.trajectory.findings = findingsText(end_.result);
     if (scribe) scribe->finish(end_.result.trajectory);
   }
@@ -102,7 +113,9 @@ class LiveRun {
 
  private:
   bool tell(const char* stage, double share) {
-    return observer_({stage, share, std::exchange(remark_, {})});
+    const Interruption now = observer_({stage, share, std::exchange(remark_, {})});
+    if (now) interruption_ = now;
+    return !now;
   }
 
   void keep(const Sample& sample) {
@@ -118,12 +131,14 @@ class LiveRun {
   Motif start_;
   Checkpoints checkpoints_;
   std::string remark_;  // not told yet
+  Interruption interruption_;
   RunEnd end_;
 };
 
 void summarize(const RunEnd& end, RunSummary& summary) {
   summary.outcome = end.result.outcome;
   summary.reason = end.result.reason;
+  summary.atTarget = end.result.atTarget;
   summary.endTime = end.last->time;
   summary.leftOutFrom = end.leftOutFrom;
   summary.needs = end.result.needs;
@@ -203,7 +218,7 @@ class PictureJob {
   }
 
   void makeFrames(const TrajectoryReader& run) {
-    const SampleFeed feed = replay(run, settings_.frameInterval(), observer_, report_.stoppedAt);
+    const SampleFeed feed = replay(run, settings_.frameInterval(), observer_, report_);
     // An album that lost sight of something is replaced by one that sees all of the run.
     for (const bool whole : {album_.has_value(), true}) {
       album_.reset();
@@ -229,10 +244,15 @@ void noteDigests(const std::filesystem::path& folder, RunSummary& summary) {
   }
 }
 
+/// A state to export may turn out not to be in the run, which is none the worse for it.
 void writeExports(const RecordSettings& settings, RunSummary& summary) {
   const TrajectoryReader trajectory(settings.folder / output::kTrajectory);
-  for (const std::string& file : exportStates(trajectory, settings.exports, settings.folder)) {
-    summary.files.push_back(file);
+  try {
+    for (const std::string& file : exportStates(trajectory, settings.exports, settings.folder)) {
+      summary.files.push_back(file);
+    }
+  } catch (const InputError& error) {
+    summary.leftOut = error.what();
   }
 }
 
@@ -243,7 +263,7 @@ RunSummary record(const Scene& scene, const RecordSettings& settings,
   const Stopwatch stopwatch;
   requireValidSettings(settings);
   requirePaintable(motifOf(subjectOf(scene)), settings);
-  requireExportable(scene.model, settings.exports);
+  requireExportable(scene.model, scene.brick, settings.exports);
   makeFolder(settings.folder);
   const FolderLock lock(settings.folder);
   prepareOutputFolder(settings.folder);
@@ -265,8 +285,8 @@ RunSummary record(const Scene& scene, const RecordSettings& settings,
     pictures.makeTheRest(TrajectoryReader(settings.folder / output::kTrajectory));
   if (summary.stoppedAt) {
     summary.outcome = Outcome::Interrupted;
-    summary.reason =
-        fmt::format("stopped while painting; the video ends at {:.4g} s", *summary.stoppedAt);
+    summary.reason = fmt::format("interrupted by {} while painting; the video ends at {:.4g} s",
+                                 summary.stoppedBy, *summary.stoppedAt);
   }
 
   const auto writeSummary = [&] {
@@ -277,10 +297,12 @@ RunSummary record(const Scene& scene, const RecordSettings& settings,
   };
   summary.files.emplace_back(output::kSummary);
   writeSummary();
-  // What to export may turn out not to exist; all else is in place by then.
   if (!settings.exports.formats.empty()) {
     writeExports(settings, summary);
     writeSummary();
+  }
+  if (!summary.leftOut.empty()) {
+    observer({"exporting", 1, fmt::format("warning: nothing was exported: {}", summary.leftOut)});
   }
   if (summary.outcome != Outcome::Interrupted) run.removeCheckpoint();
   return summary;

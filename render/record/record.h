@@ -42,7 +42,7 @@ struct PictureSettings {
   int framesPerSecond = 60;      ///< of the video, 1 to 240
   double speed = 1;              ///< simulated seconds in a second of video; below 1 is slow motion
   double hold = 0;    ///< seconds that the video shows its first and its last frame longer
-  std::string title;  ///< of a card shown before the video, ASCII; none when empty
+  std::string title;  ///< of a card shown before the video, UTF-8; none when empty
   Look look;          ///< of all pictures
   GridShape grid;
   CaptionParts captions;              ///< under the grid's pictures
@@ -87,6 +87,7 @@ struct RecordCost {
 struct PictureReport {
   int videoFrames = 0;              ///< frames in the video
   std::optional<double> stoppedAt;  ///< where the video ends when the observer ended it, seconds
+  std::string stoppedBy;            ///< who ended it then, as Interruption has it
   RecordCost recordCost;
   std::string graphics;            ///< version of OpenGL and its maker; empty when none was used
   std::vector<std::string> files;  ///< relative to the folder, in the order written
@@ -95,8 +96,9 @@ struct PictureReport {
 /// Everything that summary.json says about a run, beside its settings.
 struct RunSummary : PictureReport {
   Outcome outcome = Outcome::OutOfTime;
-  std::string reason;  ///< one line: why it ended so
-  double endTime = 0;  ///< simulated seconds
+  std::string reason;            ///< one line: why it ended so
+  std::optional<bool> atTarget;  ///< at the end; absent where nothing pulls to a target
+  double endTime = 0;            ///< simulated seconds
   /// When the first brick was farther away than pictures show (see kFarthestShown), simulated
   /// seconds; its data go on.
   std::optional<double> leftOutFrom;
@@ -108,19 +110,23 @@ struct RunSummary : PictureReport {
   std::vector<BlockingPair> blocking;  ///< bricks in each other's way at the target
   std::vector<Event> events;           ///< what the timeline did, and how the run ended
   DeployCost deployCost;
+  std::string leftOut;              ///< why nothing was exported that was to be; mostly empty
   std::vector<FileDigest> digests;  ///< of all files but summary.json
 };
 
 /// How far a run is, for a progress line.
 struct Progress {
-  const char* stage = "";   ///< "looking for a path", "deploying" or "painting"
+  const char* stage = "";   ///< "looking for a path", "deploying", "painting" or "exporting"
   double share = 0;         ///< of this stage, 0 to 1
   std::string remark = {};  ///< a line to be told once; seldom there
 };
 
-/// Called after each sample and each frame; return false to end the stage that is under way. The
-/// run then counts as interrupted, and what exists so far is still written out.
-using ProgressObserver = std::function<bool(const Progress&)>;
+/// Who ends a stage of a run early, for example "SIGTERM"; absent: it goes on.
+using Interruption = std::optional<std::string>;
+
+/// Called after each sample and each frame; may end the stage that is under way. The run then
+/// counts as interrupted, and what exists so far is still written out.
+using ProgressObserver = std::function<Interruption(const Progress&)>;
 
 /// Deploys the scene and writes everything that the settings ask for, then summary.json. Deploying,
 /// painting, encoding and writing go on at the same time, so memory does not grow with the length

@@ -36,8 +36,8 @@ Sample sampleAt(const TrajectoryReader& run, double time) {
 }
 
 SampleFeed replay(const TrajectoryReader& run, double step, const ProgressObserver& observer,
-                  std::optional<double>& stoppedAt) {
-  return [&run, step, &observer, &stoppedAt](const SampleTaker& take) {
+                  PictureReport& report) {
+  return [&run, step, &observer, &report](const SampleTaker& take) {
     const double end = run.times().back();
     // The last frame shows the last sample, a shorter step after the one before.
     const auto steps = static_cast<long>(std::ceil(end / step - kSameTime));
@@ -45,8 +45,10 @@ SampleFeed replay(const TrajectoryReader& run, double step, const ProgressObserv
       const double time = std::min(end, static_cast<double>(k) * step);
       if (!take(std::make_shared<const Sample>(sampleAt(run, time)))) return;
       const double share = static_cast<double>(k + 1) / static_cast<double>(steps + 1);
-      if (!observer({"painting", share}) && k < steps) {
-        stoppedAt = time;
+      const Interruption interruption = observer({"painting", share});
+      if (interruption && k < steps) {
+        report.stoppedAt = time;
+        report.stoppedBy = *interruption;
         return;
       }
     }

@@ -12,8 +12,8 @@ namespace kirireel {
 Sample sampleAt(const TrajectoryReader& run, double time);
 
 /// Gives the state every `step` simulated seconds from the start, and the last sample. The observer
-/// may end it early, which stoppedAt then notes. What is passed must outlive the feed.
+/// may end it early, which the report then notes. What is passed must outlive the feed.
 SampleFeed replay(const TrajectoryReader& run, double step, const ProgressObserver& observer,
-                  std::optional<double>& stoppedAt);
+                  PictureReport& report);
 
 }  // namespace kirireel

@@ -11,8 +11,17 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+/// Names of files may hold anything; bytes that are not UTF-8 become U+FFFD.
+std::string text(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
 Json onlyIf(bool exists, double figure) {
   return exists ? Json(figure) : Json(nullptr);
+}
+
+Json flagJson(std::optional<bool> flag) {
+  return flag ? Json(*flag) : Json(nullptr);
 }
 
 Json needJson(const Need& need) {
@@ -175,7 +184,7 @@ Json solverJson(const SolverSettings& solver) {
           {"timestep", solver.timestep},
           {"substeps", solver.substeps ? Json(*solver.substeps) : Json(nullptr)},
           {"iterations", solver.iterations},
-          {"planar", solver.planar ? Json(*solver.planar) : Json(nullptr)},
+          {"planar", flagJson(solver.planar)},
           {"seed", solver.seed}};
 }
 
@@ -276,6 +285,7 @@ std::string summaryJson(const Scene& scene, const RecordSettings& settings,
   Json json = {
       {"outcome", toString(summary.outcome)},
       {"reason", summary.reason},
+      {"at_target", flagJson(summary.atTarget)},
       {"end_time", summary.endTime},
       {"video_frames", summary.videoFrames},
       {"bricks_left_out_from", summary.leftOutFrom ? Json(*summary.leftOutFrom) : Json(nullptr)},
@@ -287,20 +297,23 @@ std::string summaryJson(const Scene& scene, const RecordSettings& settings,
       {"events", eventsJson(summary.events)},
       {"settings", settingsJson(scene, settings)},
       {"order", settings.order.empty() ? Json(nullptr) : Json(settings.order)},
+      {"left_out", summary.leftOut.empty() ? Json(nullptr) : Json(summary.leftOut)},
       {"files", summary.files},
       {"contents", contentsJson(summary.digests)},
       {"cost", costJson(summary)},
       {"versions", versionsJson(summary.graphics)},
   });
-  return sealed(json.dump(2) + "\n");
+  return sealed(text(json));
 }
 
 std::string findingsText(const DeploymentResult& result) {
-  return findingsJson(result.needs, result.path, result.pathReason, result.blocking).dump(2) + "\n";
+  Json json = {{"at_target", flagJson(result.atTarget)}};
+  json.update(findingsJson(result.needs, result.path, result.pathReason, result.blocking));
+  return text(json);
 }
 
 std::string settingsText(const Scene& scene, const RecordSettings& settings) {
-  return settingsJson(scene, settings).dump(2) + "\n";
+  return text(settingsJson(scene, settings));
 }
 
 }  // namespace kirireel

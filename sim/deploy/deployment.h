@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -68,6 +69,8 @@ struct DeploymentResult {
   Trajectory trajectory;
   Outcome outcome = Outcome::OutOfTime;
   std::string reason;  ///< one line: why it ended so
+  /// Whether it ended at the target that it headed for; absent where nothing pulls to a target.
+  std::optional<bool> atTarget;
   Accuracy accuracy;
   DeployCost cost;
   Needs needs;

@@ -136,7 +136,7 @@ void Run::goTo(const std::vector<Tile>* target) {
   leastError_ = isFinal ? nearest_.error : rigidBound(scene_.model.tiles, *target_);
   departure_ = motion_.poses;
   departureTime_ = time();
-  if (!pullsToTarget()) return;
+  if (!hasSprings()) return;
   openedAt_ = time() + (scene_.path.kind == PathKind::Led ? scene_.path.openTime : 0);
   tieSprings();
   stiffness_ = AdaptiveStiffness(scene_.springs.adaptive);
@@ -296,7 +296,7 @@ void Run::transfer(StateTape& tape) {
   if (!tape.isPlaying()) return;
   earlierSeconds_ = spent;
   target_ = targets.at(static_cast<std::size_t>(number));
-  if (target_ && pullsToTarget()) tieSprings();
+  if (hasSprings()) tieSprings();
   if (!isLed) follower_.reset();
 }
 
@@ -592,6 +592,7 @@ DeploymentResult Run::finish() {
     takeSample(0, motion_.poses);
   }
   while (goesOn()) advance();
+  if (pullsToTarget()) result_.atTarget = currentTargetError() <= reachableError();
   if (!ended_)
     end(Outcome::OutOfTime, fmt::format("still moving after {:.4g} s", scene_.stop.duration));
   if (!isReplayed_) takeLastSample();

@@ -95,7 +95,11 @@ class Run : private TimelineStage {
   std::string holdup() const;
   std::string jointTrouble() const;
   double time() const { return static_cast<double>(stepCount_) * step_; }
-  bool pullsToTarget() const { return scene_.actuation.drive == Drive::Target && target_; }
+  bool hasSprings() const { return scene_.actuation.drive == Drive::Target && target_; }
+  /// Springs without stiffness damp alone, but a led tile is pulled all the same.
+  bool pullsToTarget() const {
+    return hasSprings() && (scene_.springs.pull() || scene_.path.kind == PathKind::Led);
+  }
   double finalTargetError() const;
   double currentTargetError() const;
   double reachableError() const;

@@ -30,6 +30,16 @@ std::string page(const Words& words) {
   return std::get<PrintOrder>(parseCommandLine(words)).text;
 }
 
+TEST(CommandLine, HelpTellsTheExitCodes) {
+  for (const Words& words : {Words{"--help"}, {"record", "--help"}, {"simulate", "--help"}}) {
+    EXPECT_THAT(
+        page(words),
+        HasSubstr("Exit codes: 0 done, a run at its target or without one; 1 failed; 2 input "
+                  "or command line\nwrong; 3 the run ended short of its target; 4 "
+                  "interrupted."));
+  }
+}
+
 TEST(CommandLine, RecordNeedsOnlyAModel) {
   const RecordOrder order = recordOrder({"record", "data/fan"});
   EXPECT_EQ(order.model, "data/fan");

@@ -110,6 +110,48 @@ TEST(BadCommandLine, OddVideoSizeIsRefusedBeforeTheRun) {
   EXPECT_FALSE(std::filesystem::exists(out));
 }
 
+TEST(BadCommandLine, TellsTheRangeThatItKeeps) {
+  for (const char* option : {"--linear-damping", "--angular-damping"}) {
+    expectOneLine(
+        runKirireel({"simulate", "fan", option, "1"}), 2,
+        std::string(option) + ": '1' is not allowed; give a number from 0 to less than 1");
+  }
+}
+
+TEST(BadCommandLine, TitleThatTheFontCannotWrite) {
+  const ScratchFolder scratch;
+  const auto record = [&](const std::string& title) {
+    return runKirireel({"record", shippedModel("tessellation_4x4").string(), "--title", title,
+                        "--out", (scratch / "out").string()});
+  };
+  expectOneLine(
+      record("caf\u00e9 \u4e2d"), 2,
+      "error: --title: the font has no U+4E2D, character 6 of 'caf\u00e9 \u4e2d'; leave it "
+      "out, or set KIRIREEL_FONT to a TrueType file that has it");
+  expectOneLine(record("caf\xe9"), 2,
+                "error: --title: 'caf?' is not UTF-8; give the title in that encoding");
+  EXPECT_FALSE(std::filesystem::exists(scratch / "out"));
+}
+
+TEST(BadModel, ThicknessInAnotherUnit) {
+  const ScratchFolder scratch;
+  const auto complaint = [&](const char* thickness) {
+    return runKirireel({"simulate", shippedModel("tessellation_4x4").string(), "--out",
+                        (scratch / "out").string(), "--duration", "0.01", "--thickness", thickness})
+        .err;
+  };
+  EXPECT_EQ(
+      complaint("0.11"),
+      "kirireel: tessellation_4x4: warning: bricks are 0.11 m thick, but a tile's mean edge is "
+      "1 m; lengths are in metres, and --thickness 0.02 would be usual\n");
+  EXPECT_EQ(
+      complaint("0.0009"),
+      "kirireel: tessellation_4x4: warning: bricks are 0.0009 m thick, but a tile's mean edge "
+      "is 1 m; lengths are in metres, and --thickness 0.02 would be usual\n");
+  EXPECT_EQ(complaint("0.1"), "");
+  EXPECT_EQ(complaint("0.001"), "");
+}
+
 TEST(BadOutput, FolderThatCannotBeMade) {
   const ScratchFolder scratch;
   writeText(scratch / "file", "not a folder");
@@ -211,6 +253,38 @@ TEST(BadSystem, MissingEncoder) {
   words.insert(words.end(), {"--encoder", "libx999"});
   expectOneLine(runKirireel(words), 1, "libavcodec has no encoder libx999 here");
   EXPECT_THAT(filesIn(scratch.path()), IsEmpty());
+}
+
+TEST(BadSystem, TooLittleMemory) {
+  const ScratchFolder scratch;
+  std::vector<std::string> words = recordArguments(scratch.path());
+  words.insert(words.end(), {"--size", "16384x16384", "--no-video"});
+  ProgramSetting setting;
+  setting.mostMemory = 1'000'000'000;
+  expectOneLine(runKirireel(words, setting), 1,
+                "error: there is too little memory; allow more, or");
+}
+
+TEST(BadSystem, StandardOutputThatIsFull) {
+  ProgramSetting setting;
+  setting.output = "/dev/full";
+  const std::string model = shippedModel("tessellation_4x4").string();
+  const std::string part =
+      "error: standard output cannot be written (No space left on device); files are written all "
+      "the same";
+  const ScratchFolder scratch;
+  const std::string out = (scratch / "out").string();
+  expectOneLine(runKirireel({"--help"}, setting), 1, part);
+  expectOneLine(runKirireel({"record", "--help"}, setting), 1, part);
+  expectOneLine(runKirireel({"--version"}, setting), 1, part);
+  expectOneLine(runKirireel({"inspect", model}, setting), 1, part);
+  expectOneLine(runKirireel({"inspect", model, "--json"}, setting), 1, part);
+  expectOneLine(runKirireel({"generate", "tessellation", (scratch / "model").string()}, setting), 1,
+                part);
+  // The run is whole all the same, and its summary is longer than the buffer.
+  expectOneLine(runKirireel({"simulate", model, "--out", out, "--json"}, setting), 1, part);
+  EXPECT_EQ(runKirireel({"verify", out}).exitCode, 0);
+  expectOneLine(runKirireel({"verify", out}, setting), 1, part);
 }
 
 TEST(BadSystem, NoOpenGl) {

@@ -1,5 +1,5 @@
 // Scenes that do not fit their model, through the real program: one line, exit code 2, no files;
-// runs that fail: a summary that says so, exit code 1.
+// runs that lock or diverge: a summary that says so, exit code 3 or 1.
 #include <algorithm>
 
 #include <gmock/gmock.h>
@@ -78,11 +78,12 @@ TEST_F(BadScene, UnknownKeysSuggestTheNearest) {
   expectRefused(simulate("", {"--spring_stifness", "3"}), ", did you mean --spring-stiffness?");
 }
 
-TEST_F(BadScene, ALockedRunSaysSoAndFails) {
+TEST_F(BadScene, ALockedRunSaysSo) {
   // All tiles are held.
   const ProgramEnd end = simulate("", {"--pin", "0,1,2,3,4,5,6,7,8,9,10,11,12,13,14,15"});
-  EXPECT_EQ(end.exitCode, 1) << end.out;
+  EXPECT_EQ(end.exitCode, kEndedShort) << end.out;
   EXPECT_EQ(summary()["outcome"], "locked");
+  EXPECT_EQ(summary()["at_target"], false);
   EXPECT_THAT(summary()["reason"].get<std::string>(), HasSubstr("short of the target"));
 }
 
@@ -93,6 +94,32 @@ TEST_F(BadScene, ADivergedRunSaysSoAndFails) {
   EXPECT_EQ(end.exitCode, 1) << end.out;
   EXPECT_EQ(summary()["outcome"], "diverged");
   EXPECT_THAT(summary()["reason"].get<std::string>(), HasSubstr("a brick left all bounds at "));
+}
+
+TEST_F(BadScene, ARunWhoseTimeIsUpSaysWhetherItIsAtItsTarget) {
+  EXPECT_EQ(simulate("", {"--duration", "0.05"}).exitCode, kEndedShort);
+  EXPECT_EQ(summary()["outcome"], "out_of_time");
+  EXPECT_EQ(summary()["at_target"], false);
+  // After 1 s it is 3e-5 m from its target, and comes to rest after 1.6 s.
+  EXPECT_EQ(simulate("", {"--duration", "1"}).exitCode, 0);
+  EXPECT_EQ(summary()["outcome"], "out_of_time");
+  EXPECT_EQ(summary()["at_target"], true);
+  // Nothing to reach.
+  for (const char* drive : {"none", "expansion"}) {
+    EXPECT_EQ(simulate("", {"--duration", "0.05", "--actuation", drive}).exitCode, 0) << drive;
+    EXPECT_EQ(summary()["outcome"], "out_of_time");
+    EXPECT_TRUE(summary()["at_target"].is_null());
+  }
+}
+
+TEST_F(BadScene, SpringsWithoutStiffnessPullToNothing) {
+  EXPECT_EQ(simulate("", {"--spring-stiffness", "0", "--torque-stiffness", "0"}).exitCode, 0);
+  EXPECT_EQ(summary()["path"]["reason"], "nothing pulls to the target");
+  EXPECT_EQ(summary()["reason"], "everything came to rest; nothing pulls to the target");
+  EXPECT_TRUE(summary()["at_target"].is_null());
+  const double moved = summary()["accuracy"]["target_error_start"].get<double>() -
+                       summary()["accuracy"]["target_error_end"].get<double>();
+  EXPECT_NEAR(moved, 0, 1e-4);  // of 1.39 m
 }
 
 }  // namespace

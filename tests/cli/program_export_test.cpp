@@ -80,6 +80,27 @@ TEST(ProgramRun, RefusesExportsThatTheModelCannotHaveBeforeItStarts) {
               "tile 0; only planar models have a cut pattern\n");
     EXPECT_THAT(filesIn(scratch.path()), ElementsAre());
   }
+  const ProgramEnd patches = runKirireel({"simulate", shippedModel("tessellation_4x4").string(),
+                                          "--out", scratch.path().string(), "--export", "inp",
+                                          "--joints", "patch", "--patch-radius", "5"});
+  EXPECT_EQ(patches.exitCode, 2);
+  EXPECT_THAT(patches.err, HasSubstr("error: joint patches of radius 5 m overlap on tile 0"));
+  EXPECT_THAT(filesIn(scratch.path()), ElementsAre());
+}
+
+TEST(ProgramRun, IsDoneAlsoWhereAStateToExportIsNotInIt) {
+  const ScratchFolder scratch;
+  const ProgramEnd end =
+      runKirireel({"simulate", shippedModel("tessellation_4x4").string(), "--out",
+                   scratch.path().string(), "--export", "obj", "--states", "30s"});
+  EXPECT_EQ(end.exitCode, 0);
+  EXPECT_THAT(end.err,
+              testing::StartsWith("kirireel: warning: nothing was exported: error: state '30s' is "
+                                  "not in the trajectory; it goes from 0 to "));
+  EXPECT_THAT(readText(scratch / "summary.json"), HasSubstr("\"left_out\": \"error: state '30s'"));
+  EXPECT_THAT(filesIn(scratch.path()),
+              ElementsAre("final_vertices.txt", "summary.json", "trajectory.h5"));
+  EXPECT_EQ(runKirireel({"verify", scratch.path().string()}).exitCode, 0);
 }
 
 TEST_F(ProgramExport, NamesAMissingTrajectory) {

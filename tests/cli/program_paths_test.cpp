@@ -45,6 +45,23 @@ TEST(AwkwardNames, OfModelAndOutputAreTakenAsTheyAre) {
             0);
 }
 
+TEST(AwkwardNames, MayBeAnyBytes) {
+  const ScratchFolder scratch;
+  const std::string model = (scratch / "mod\xff\xfe").string();
+  fs::copy(shippedModel("tessellation_4x4"), model);
+  const fs::path out = scratch / "out\xff";
+  const ProgramEnd end = runKirireel(recordArguments(model, out));
+  EXPECT_EQ(end.exitCode, 0) << end.err;
+  EXPECT_THAT(readText(out / "summary.json"), HasSubstr("\"name\": \"mod\ufffd\ufffd\""));
+  EXPECT_EQ(runKirireel({"verify", out.string()}).exitCode, 0);
+  EXPECT_THAT(runKirireel({"inspect", model, "--json"}).out, HasSubstr("mod\ufffd\ufffd"));
+  // A name that the summary could not keep.
+  const ProgramEnd video = runKirireel({"record", model, "--video", "talk\xff.webm"});
+  EXPECT_EQ(video.exitCode, 2);
+  EXPECT_THAT(video.err,
+              HasSubstr("--video: 'talk?.webm' is not allowed; give the name of a file"));
+}
+
 TEST(AwkwardNames, AreShownInOneLine) {
   const ProgramEnd end = runKirireel({"record", "/no/such\n\x1b[31mmodel"});
   EXPECT_EQ(end.exitCode, 2);
@@ -93,7 +110,7 @@ TEST(Links, ToTheOutputFolderAreFollowed) {
   fs::create_symlink(scratch / "disk", scratch / "out");
   const ProgramEnd end = runKirireel({"simulate", shippedModel("tessellation_4x4").string(),
                                       "--out", (scratch / "out").string(), "--duration", "0.1"});
-  EXPECT_EQ(end.exitCode, 0) << end.err;
+  EXPECT_EQ(end.exitCode, kEndedShort) << end.err;
   EXPECT_THAT(filesIn(scratch / "disk"), Contains("summary.json"));
 }
 
@@ -116,7 +133,7 @@ TEST(SceneTexts, AreNeverActedOn) {
   const ProgramEnd titled = runKirireel({"record", shippedModel("tessellation_4x4").string(),
                                          "--out", (scratch / "out").string(), "--duration", "0.1",
                                          "--fps", "10", "--size", "160x120", "--title", command});
-  EXPECT_EQ(titled.exitCode, 0) << titled.err;
+  EXPECT_EQ(titled.exitCode, kEndedShort) << titled.err;
   EXPECT_FALSE(fs::exists(made));
 }
 

@@ -53,7 +53,7 @@ class Resume : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     undisturbed_ = new ScratchFolder;
-    ASSERT_EQ(runKirireel(recordInto(undisturbed_->path(), {})).exitCode, 0);
+    ASSERT_EQ(runKirireel(recordInto(undisturbed_->path(), {})).exitCode, kEndedShort);
   }
   static void TearDownTestSuite() { delete undisturbed_; }
 
@@ -72,7 +72,7 @@ TEST_F(Resume, EndsLikeAnUndisturbedRunWheneverItWasKilled) {
         program.wait();
       }
       const ProgramEnd end = runKirireel(recordInto(scratch_.path(), {"--resume"}));
-      EXPECT_EQ(end.exitCode, 0) << end.err;
+      EXPECT_EQ(end.exitCode, kEndedShort) << end.err;
       expectSameRun(scratch_.path(), undisturbed_->path());
       fs::remove_all(scratch_.path());
     }
@@ -105,7 +105,7 @@ class ResumeOnTheWay : public testing::Test {
     EXPECT_TRUE(waitFor(out_ / "deployment.part.mp4"));
     program.sendSignal(signal);
     const ProgramEnd end = program.wait();
-    EXPECT_EQ(end.exitCode, signal == SIGKILL ? -SIGKILL : 1);
+    EXPECT_EQ(end.exitCode, signal == SIGKILL ? -SIGKILL : 4);
     return end.err;
   }
 
@@ -152,7 +152,7 @@ TEST_F(Resume, LeavesAFinishedRunAsItIs) {
   writeText(scratch_ / ".checkpoint/state.h5", "");
   const std::string summary = readText(scratch_ / "summary.json");
   const ProgramEnd end = runKirireel(recordInto(scratch_.path(), {"--resume"}));
-  EXPECT_EQ(end.exitCode, 0) << end.err;
+  EXPECT_EQ(end.exitCode, kEndedShort) << end.err;
   EXPECT_EQ(end.out, scratch_.path().string() + ": finished already, out_of_time\n");
   EXPECT_EQ(runKirireel(recordInto(scratch_.path(), {"--resume", "--json"})).out, summary);
   EXPECT_EQ(readText(scratch_ / "summary.json"), summary);
@@ -162,7 +162,7 @@ TEST_F(Resume, LeavesAFinishedRunAsItIs) {
 TEST_F(Resume, MakesADamagedRunAgain) {
   fs::copy(undisturbed_->path(), scratch_.path());
   writeText(scratch_ / "final.obj", "damaged");
-  EXPECT_EQ(runKirireel(recordInto(scratch_.path(), {"--resume"})).exitCode, 0);
+  EXPECT_EQ(runKirireel(recordInto(scratch_.path(), {"--resume"})).exitCode, kEndedShort);
   expectSameRun(scratch_.path(), undisturbed_->path());
 }
 
@@ -170,7 +170,7 @@ TEST_F(Resume, MakesTheRunOfAnotherOrderAgain) {
   fs::copy(undisturbed_->path(), scratch_.path());
   const ProgramEnd end =
       runKirireel(recordInto(scratch_.path(), {"--resume", "--thickness", "0.03"}));
-  EXPECT_EQ(end.exitCode, 0) << end.err;
+  EXPECT_EQ(end.exitCode, kEndedShort) << end.err;
   EXPECT_NE(lasting(scratch_.path())["order"], lasting(undisturbed_->path())["order"]);
   EXPECT_EQ(lasting(scratch_.path())["settings"]["thickness"], 0.03);
 }

@@ -1,5 +1,6 @@
 // Requests to end, through the real program.
 #include <csignal>
+#include <cstring>
 #include <thread>
 
 #include <gmock/gmock.h>
@@ -32,10 +33,12 @@ void expectInterruptedVideo(int signal, const std::string& sign,
   ASSERT_TRUE(waitFor(out + sign));
   program.sendSignal(signal);
   const ProgramEnd end = program.wait();
-  EXPECT_EQ(end.exitCode, 1) << end.err;
+  EXPECT_EQ(end.exitCode, 4) << end.err;
   EXPECT_THAT(end.out, testing::HasSubstr("interrupted"));
   const auto summary = nlohmann::json::parse(readText(out + "/summary.json"));
   EXPECT_EQ(summary["outcome"], "interrupted");
+  EXPECT_THAT(summary["reason"].get<std::string>(),
+              testing::StartsWith(std::string("interrupted by SIG") + sigabbrev_np(signal)));
   const ProgramEnd probe =
       runTool("ffprobe", {"-v", "error", "-count_frames", "-show_entries", "stream=nb_read_frames",
                           "-of", "csv=p=0", out + "/deployment.mp4"});
@@ -66,6 +69,24 @@ TEST(Terminate, IsTreatedAsAnInterrupt) {
   expectInterruptedVideo(SIGTERM, "/deployment.part.mp4", kLongPainting);
 }
 
+TEST(Hangup, IsTreatedAsAnInterrupt) {
+  expectInterruptedVideo(SIGHUP, "", kLongTrial);
+}
+
+TEST(Hangup, IsIgnoredWhereItWasIgnoredBefore) {
+  const ScratchFolder scratch;
+  const std::string out = (scratch / "out").string();
+  RunningProgram program({KIRIREEL_PROGRAM, "simulate", shippedModel("tessellation_4x4").string(),
+                          "--timestep", "1e-7", "--out", out},
+                         {.executable = "nohup"});
+  ASSERT_TRUE(waitFor(out));
+  program.sendSignal(SIGHUP);
+  program.sendSignal(SIGTERM);
+  EXPECT_EQ(program.wait().exitCode, 4);
+  EXPECT_EQ(nlohmann::json::parse(readText(out + "/summary.json"))["reason"],
+            "interrupted by SIGTERM");
+}
+
 TEST(Interrupt, OfAStudyKeepsTheFinishedRows) {
   const ScratchFolder scratch;
   RunningProgram program({"study", "tessellation", "--quick", "--out", scratch.path().string()},
@@ -73,7 +94,7 @@ TEST(Interrupt, OfAStudyKeepsTheFinishedRows) {
   ASSERT_TRUE(waitFor(scratch / "tessellation.csv"));
   program.sendSignal(SIGINT);
   const ProgramEnd end = program.wait();
-  EXPECT_EQ(end.exitCode, 1) << end.err;
+  EXPECT_EQ(end.exitCode, 4) << end.err;
   EXPECT_THAT(end.err, testing::HasSubstr("interrupted; --resume goes on after the finished rows"));
   EXPECT_THAT(readText(scratch / "tessellation.csv"),
               testing::HasSubstr("\ndirect 1/240 s plane,"));

@@ -164,7 +164,7 @@ TEST_F(SweepProgram, InterruptEndsItAndSaysHowToGoOn) {
   }
   program.sendSignal(SIGINT);
   const ProgramEnd end = program.wait();
-  EXPECT_EQ(end.exitCode, 1);
+  EXPECT_EQ(end.exitCode, 4);
   EXPECT_THAT(end.out, HasSubstr("interrupted; the same command goes on from here: 0 runs made"));
   EXPECT_THAT(records(), SizeIs(0));
 }

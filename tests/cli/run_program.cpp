@@ -30,11 +30,15 @@ void redirect(int stream, const fs::path& file) {
 /// What the child does between fork and the program.
 [[noreturn]] void becomeProgram(std::vector<char*> words, const ProgramSetting& setting,
                                 const fs::path& prints) {
-  redirect(STDOUT_FILENO, prints / "out");
+  redirect(STDOUT_FILENO, setting.output.empty() ? prints / "out" : setting.output);
   redirect(STDERR_FILENO, prints / "err");
   if (setting.largestFile) {
     const rlimit limit = {*setting.largestFile, *setting.largestFile};
     ::setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  if (setting.mostMemory) {
+    const rlimit limit = {*setting.mostMemory, *setting.mostMemory};
+    ::setrlimit(RLIMIT_AS, &limit);
   }
   if (::chdir(setting.folder.c_str()) == 0) ::execvp(words.front(), words.data());
   ::_exit(127);

@@ -18,10 +18,15 @@ struct ProgramEnd {
   std::string err;
 };
 
+/// The exit code of a run whose time is up before it is at its target, as short runs' is.
+inline constexpr int kEndedShort = 3;
+
 /// How a program is run.
 struct ProgramSetting {
   std::filesystem::path folder = ".";         ///< its current folder
   std::optional<rlim_t> largestFile = {};     ///< bytes; writes beyond fail as on a full disk
+  std::optional<rlim_t> mostMemory = {};      ///< bytes of its address space
+  std::filesystem::path output = {};          ///< where standard output goes; empty: kept
   std::string executable = KIRIREEL_PROGRAM;  ///< or another program, found on the path
 };
 

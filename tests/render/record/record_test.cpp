@@ -15,6 +15,7 @@
 #include "render/record/summary.h"
 #include "sim/base/error.h"
 #include "sim/model/tessellation.h"
+#include "sim/trajectory/trajectory_file.h"
 
 namespace kirireel {
 namespace {
@@ -66,7 +67,7 @@ class RecordTest : public testing::Test {
   }
 
   RecordSettings settings_;
-  ProgressObserver proceed_ = [](const Progress&) { return true; };
+  ProgressObserver proceed_ = [](const Progress&) { return Interruption(); };
 };
 
 TEST_F(RecordTest, PaintsAFrameForEachSample) {
@@ -84,7 +85,7 @@ TEST_F(RecordTest, ReportsProgressOfBothStagesToTheEnd) {
   std::vector<double> painting;
   record(tessellationScene(), settings_, [&](const Progress& progress) {
     (std::string(progress.stage) == "deploying" ? deploying : painting).push_back(progress.share);
-    return true;
+    return Interruption();
   });
   EXPECT_TRUE(std::is_sorted(deploying.begin(), deploying.end()));
   EXPECT_TRUE(std::is_sorted(painting.begin(), painting.end()));
@@ -95,9 +96,13 @@ TEST_F(RecordTest, ReportsProgressOfBothStagesToTheEnd) {
 TEST_F(RecordTest, InterruptedWhileDeployingKeepsWhatWasDone) {
   int samples = 0;
   const RunSummary summary = record(tessellationScene(), settings_, [&](const Progress& progress) {
-    return std::string(progress.stage) != "deploying" || ++samples < 4;
+    const bool goesOn = std::string(progress.stage) != "deploying" || ++samples < 4;
+    return goesOn ? Interruption() : "the test";
   });
   EXPECT_EQ(summary.outcome, Outcome::Interrupted);
+  EXPECT_EQ(summary.reason, "interrupted by the test");
+  EXPECT_EQ(readTrajectory(settings_.folder / "trajectory.h5").events.back().text,
+            "interrupted: interrupted by the test");
   EXPECT_EQ(summary.videoFrames, 4);
   EXPECT_TRUE(fs::exists(settings_.folder / "deployment.mp4"));
 }
@@ -105,10 +110,11 @@ TEST_F(RecordTest, InterruptedWhileDeployingKeepsWhatWasDone) {
 TEST_F(RecordTest, InterruptedWhilePaintingEndsTheVideoThere) {
   settings_.look.fit = FitScope::Run;
   const RunSummary summary = record(tessellationScene(), settings_, [](const Progress& progress) {
-    return std::string(progress.stage) == "deploying" || progress.share < 0.3;
+    const bool goesOn = std::string(progress.stage) == "deploying" || progress.share < 0.3;
+    return goesOn ? Interruption() : "the test";
   });
   EXPECT_EQ(summary.outcome, Outcome::Interrupted);
-  EXPECT_EQ(summary.reason, "stopped while painting; the video ends at 0.1 s");
+  EXPECT_EQ(summary.reason, "interrupted by the test while painting; the video ends at 0.1 s");
   EXPECT_EQ(summary.videoFrames, 3);
 }
 
@@ -118,7 +124,7 @@ TEST_F(RecordTest, RefusesALookThatTheSceneCannotGiveBeforeDeploying) {
   EXPECT_THROW(record(tessellationScene(), settings_,
                       [&calls](const Progress&) {
                         ++calls;
-                        return true;
+                        return Interruption();
                       }),
                InputError);
   EXPECT_EQ(calls, 0);
@@ -206,7 +212,7 @@ TEST_F(RecordTest, BytesDoNotDependOnWhichStageIsSlow) {
   const std::string quick = bytesOf(settings_.folder / "deployment.mp4");
   record(tessellationScene(), settings_, [](const Progress&) {
     std::this_thread::sleep_for(std::chrono::milliseconds(15));  // a slow deployment
-    return true;
+    return Interruption();
   });
   EXPECT_TRUE(quick == bytesOf(settings_.folder / "deployment.mp4"));
 }
@@ -277,7 +283,7 @@ TEST_F(RecordTest, ErrorOfAStageEndsTheOthers) {
 TEST_F(RecordTest, MissesTheEncoderBeforeTheRun) {
   settings_.encoder = "libx999";
   const auto recording = [this] {
-    record(tessellationScene(), settings_, [](const Progress&) -> bool { std::abort(); });
+    record(tessellationScene(), settings_, [](const Progress&) -> Interruption { std::abort(); });
   };
   EXPECT_THROW(recording(), OutputError);
 }

@@ -30,8 +30,10 @@ class ReplayTest : public testing::Test {
   std::vector<double> timesOfReplay(double step, int observed = 1000) {
     const TrajectoryReader run(folder_ / "run.h5");
     std::vector<double> times;
-    const ProgressObserver observer = [&](const Progress&) { return --observed > 0; };
-    replay(run, step, observer, stoppedAt_)([&](const SharedSample& sample) {
+    const ProgressObserver observer = [&](const Progress&) {
+      return --observed > 0 ? Interruption() : "the test";
+    };
+    replay(run, step, observer, report_)([&](const SharedSample& sample) {
       times.push_back(sample->time);
       return true;
     });
@@ -39,7 +41,7 @@ class ReplayTest : public testing::Test {
   }
 
   test::TemporaryFolder folder_;
-  std::optional<double> stoppedAt_;
+  PictureReport report_;
 };
 
 TEST_F(ReplayTest, StatesBetweenSamplesAreInterpolated) {
@@ -57,12 +59,13 @@ TEST_F(ReplayTest, EndsWithTheLastSampleWhateverTheStep) {
   EXPECT_THAT(timesOfReplay(0.4), testing::Pointwise(testing::DoubleEq(), {0.0, 0.4, 0.8, 1.0}));
   EXPECT_EQ(timesOfReplay(0.1).size(), 11U);
   EXPECT_EQ(timesOfReplay(5).size(), 2U);
-  EXPECT_FALSE(stoppedAt_);
+  EXPECT_FALSE(report_.stoppedAt);
 }
 
 TEST_F(ReplayTest, StopsWhereTheObserverSaysSo) {
   EXPECT_EQ(timesOfReplay(0.1, 3).size(), 3U);
-  EXPECT_NEAR(*stoppedAt_, 0.2, 1e-12);
+  EXPECT_NEAR(*report_.stoppedAt, 0.2, 1e-12);
+  EXPECT_EQ(report_.stoppedBy, "the test");
 }
 
 }  // namespace
