@@ -1,7 +1,9 @@
-// The boundaries between rooms, read off the sources themselves.
+// The boundaries between rooms and the rules of the house, read off the sources themselves.
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <regex>
 #include <set>
 #include <sstream>
@@ -170,6 +172,231 @@ TEST(Boundaries, TimeIsMeasuredByClocksThatNeverJump) {
     const std::string text = readText(fs::path(KIRIREEL_SOURCE_DIR) / file.path);
     EXPECT_FALSE(std::regex_search(text, wall)) << file.path;
   }
+}
+
+/// "sim/joints" of "sim/joints/joint_solver.h"; empty for what is in no room.
+std::string roomOf(const std::string& path) {
+  static const std::regex pattern("((sim|render)/[^/]+)/.*");
+  std::smatch match;
+  return std::regex_match(path, match, pattern) ? match[1].str() : "";
+}
+
+/// All rooms, in the order in which CMake takes them.
+std::vector<std::string> rooms() {
+  static const std::regex pattern("add_subdirectory\\((\\w+)\\)");
+  std::vector<std::string> found;
+  for (const std::string floor : {"sim", "render"}) {
+    const std::string text = readText(fs::path(KIRIREEL_SOURCE_DIR) / floor / "CMakeLists.txt");
+    for (std::sregex_iterator match(text.begin(), text.end(), pattern), end; match != end;
+         ++match) {
+      found.push_back(floor + "/" + (*match)[1].str());
+    }
+  }
+  return found;
+}
+
+/// A library of a room, and what it links.
+struct Library {
+  std::string room;
+  std::set<std::string> links;
+};
+
+/// All libraries by their names.
+std::map<std::string, Library> libraries() {
+  static const std::regex module("kirireel_module\\((\\w+)([^)]*)\\)");
+  static const std::regex link("kirireel_(\\w+)");
+  std::map<std::string, Library> found;
+  for (const std::string& room : rooms()) {
+    const std::string text = readText(fs::path(KIRIREEL_SOURCE_DIR) / room / "CMakeLists.txt");
+    for (std::sregex_iterator match(text.begin(), text.end(), module), end; match != end; ++match) {
+      Library& library = found[(*match)[1]];
+      library.room = room;
+      const std::string list = (*match)[2];
+      for (std::sregex_iterator name(list.begin(), list.end(), link); name != end; ++name) {
+        library.links.insert((*name)[1]);
+      }
+    }
+  }
+  return found;
+}
+
+TEST(Boundaries, RoomsIncludeAndLinkOnlyRoomsAboveThem) {
+  const std::vector<std::string> order = rooms();
+  ASSERT_GT(order.size(), 20U);
+  const auto rank = [&order](const std::string& room) {
+    return std::ranges::find(order, room) - order.begin();
+  };
+  for (const SourceFile& file : sources()) {
+    for (const std::string& header : file.includes) {
+      const std::string room = roomOf(header);
+      if (room.empty()) continue;
+      EXPECT_LE(rank(room), rank(roomOf(file.path))) << file.path << " includes " << header;
+    }
+  }
+  const std::map<std::string, Library> all = libraries();
+  for (const auto& [name, library] : all) {
+    for (const std::string& link : library.links) {
+      const auto linked = all.find(link);
+      ASSERT_NE(linked, all.end()) << name << " links " << link;
+      EXPECT_LE(rank(linked->second.room), rank(library.room)) << name << " links " << link;
+    }
+  }
+}
+
+/// The rooms of what a room's libraries link, and of what that links in turn.
+std::set<std::string> roomsWithinReach(const std::string& room) {
+  const std::map<std::string, Library> all = libraries();
+  std::vector<std::string> open;
+  for (const auto& [name, library] : all) {
+    if (library.room == room) open.push_back(name);
+  }
+  std::set<std::string> seen;
+  std::set<std::string> reached;
+  while (!open.empty()) {
+    const std::string name = open.back();
+    open.pop_back();
+    if (!seen.insert(name).second) continue;
+    reached.insert(all.at(name).room);
+    for (const std::string& link : all.at(name).links) open.push_back(link);
+  }
+  return reached;
+}
+
+TEST(Boundaries, RoomsLinkWhatTheyInclude) {
+  std::map<std::string, std::set<std::string>> reach;
+  for (const std::string& room : rooms()) reach[room] = roomsWithinReach(room);
+  for (const SourceFile& file : sources()) {
+    for (const std::string& header : file.includes) {
+      const std::string room = roomOf(header);
+      if (room.empty() || file.path.ends_with("/main.cpp")) continue;
+      EXPECT_TRUE(reach[roomOf(file.path)].contains(room)) << file.path << " includes " << header;
+    }
+  }
+}
+
+/// The text without comments, texts, letters and what the preprocessor reads, as long in lines.
+std::string codeAlone(const std::string& text) {
+  std::string code;
+  std::size_t at = 0;
+  const auto skipPast = [&](const std::string& end, std::size_t from) {
+    const std::size_t found = text.find(end, from);
+    const std::size_t stop = found == text.npos ? text.size() : found + end.size();
+    code.append(static_cast<std::size_t>(std::count(text.begin() + at, text.begin() + stop, '\n')),
+                '\n');
+    at = stop;
+  };
+  while (at < text.size()) {
+    const char letter = text[at];
+    const bool startsLine = at == 0 || text[at - 1] == '\n';
+    // A single quote after a digit groups digits.
+    const bool isQuote = letter == '"' || (letter == '\'' && !std::isalnum(text[at - 1]));
+    if (text.compare(at, 2, "//") == 0 || (startsLine && letter == '#')) {
+      skipPast("\n", at);
+    } else if (text.compare(at, 2, "/*") == 0) {
+      skipPast("*/", at);
+    } else if (text.compare(at, 3, "R\"(") == 0) {
+      skipPast(")\"", at);
+    } else if (isQuote) {
+      std::size_t end = at + 1;
+      while (end < text.size() && text[end] != letter) end += text[end] == '\\' ? 2 : 1;
+      skipPast(std::string(1, letter), end);
+    } else {
+      code += letter;
+      ++at;
+    }
+  }
+  return code;
+}
+
+/// A block between braces, or an alias of a type.
+struct Block {
+  enum Kind { Namespace, Type, Function, Other } kind = Other;
+  std::string name = {};  ///< of a namespace or a type; "" for a namespace without one
+  int firstLine = 0;
+  int lastLine = 0;
+  std::string scope = {};  ///< the names of the blocks around it, with :: after each
+};
+
+/// What a block is, by the words before its brace.
+Block blockAfter(const std::string& words, Block::Kind around) {
+  static const std::regex space("\\s*(inline )?namespace( ?[\\w:]*)\\s*");
+  static const std::regex type(
+      "[^=]*?\\b(struct|class|union|enum class|enum) ([\\w:]+)( final)?\\s*(:[^]*)?\\s*");
+  std::smatch match;
+  Block block;
+  const bool isOpen = around == Block::Namespace || around == Block::Type;
+  if (std::regex_match(words, match, space)) {
+    block.kind = Block::Namespace;
+    block.name = std::regex_replace(match[2].str(), std::regex("\\s"), "");
+  } else if (std::regex_match(words, match, type)) {
+    block.kind = Block::Type;
+    block.name = match[2];
+  } else if (isOpen && words.find('(') != words.npos) {
+    block.kind = Block::Function;
+  }
+  return block;
+}
+
+/// All blocks of a source file but those within functions.
+std::vector<Block> blocksOf(const std::string& text) {
+  const std::string code = codeAlone(text);
+  std::vector<Block> closed;
+  std::vector<Block> open = {{Block::Namespace}};
+  static const std::regex alias("^\\s*using (\\w+) =");
+  std::smatch match;
+  std::string words;
+  int line = 1;
+  for (const char letter : code) {
+    if (letter == '\n') ++line;
+    if (letter == '{') {
+      Block block = blockAfter(words, open.back().kind);
+      block.firstLine = line;
+      block.scope = open.back().scope + open.back().name + "::";
+      open.push_back(block);
+    } else if (letter == '}' && open.size() > 1) {
+      open.back().lastLine = line;
+      closed.push_back(open.back());
+      open.pop_back();
+    } else if (letter == ';' && std::regex_search(words, match, alias)) {
+      closed.push_back(
+          {Block::Type, match[1], line, line, open.back().scope + open.back().name + "::"});
+    }
+    words += letter;
+    if (letter == ';' || letter == '{' || letter == '}') words.clear();
+  }
+  return closed;
+}
+
+TEST(Boundaries, FunctionsStayShort) {
+  constexpr int kMost = 60;
+  int count = 0;
+  int longest = 0;
+  for (const SourceFile& file : sources()) {
+    for (const Block& block : blocksOf(readText(fs::path(KIRIREEL_SOURCE_DIR) / file.path))) {
+      if (block.kind != Block::Function) continue;
+      const int lines = block.lastLine - block.firstLine + 1;
+      EXPECT_LE(lines, kMost) << file.path << ":" << block.firstLine;
+      longest = std::max(longest, lines);
+      ++count;
+    }
+  }
+  EXPECT_GT(count, 1000);
+  EXPECT_GT(longest, 30);  // otherwise they were not measured
+}
+
+TEST(Boundaries, TypesAreDefinedOnce) {
+  // Two definitions of one name are undefined behaviour, which no linker needs to tell.
+  std::map<std::string, std::vector<std::string>> places;
+  for (const SourceFile& file : sources()) {
+    for (const Block& block : blocksOf(readText(fs::path(KIRIREEL_SOURCE_DIR) / file.path))) {
+      const bool isHidden = block.scope.find("::::", 2) != block.scope.npos;  // has no name
+      if (block.kind == Block::Type && !isHidden) {
+        places[block.scope + block.name].push_back(file.path);
+      }
+    }
+  }
+  EXPECT_GT(places.size(), 200U);
+  for (const auto& [name, files] : places) EXPECT_THAT(files, SizeIs(1)) << name;
 }
 
 TEST(Boundaries, SourceFilesStayShort) {
