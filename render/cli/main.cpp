@@ -50,9 +50,10 @@ int main(int argumentCount, char** arguments) {
   } catch (const InputError& error) {
     return complain(kExitInputWrong, error.what());
   } catch (const std::bad_alloc&) {
-    return complain(kExitFailed,
-                    "error: there is too little memory; allow more, or ask for a smaller --size or "
-                    "--grid. A run that was under way goes on with --resume");
+    return complain(
+        kExitFailed,
+        "error: there is too little memory; allow more, or ask for less: fewer tiles, a "
+        "smaller --size or --grid. --resume goes on with a run from its last checkpoint");
   } catch (const std::exception& error) {
     return complain(kExitFailed, error.what());
   }

@@ -256,13 +256,20 @@ TEST(BadSystem, MissingEncoder) {
 }
 
 TEST(BadSystem, TooLittleMemory) {
-  const ScratchFolder scratch;
-  std::vector<std::string> words = recordArguments(scratch.path());
-  words.insert(words.end(), {"--size", "16384x16384", "--no-video"});
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers need an address space without bounds";
+#endif
   ProgramSetting setting;
-  setting.mostMemory = 1'000'000'000;
-  expectOneLine(runKirireel(words, setting), 1,
-                "error: there is too little memory; allow more, or");
+  setting.mostMemory = 570'000'000;  // the program's libraries take 450 MB of it
+  if (runKirireel({"--version"}, setting).exitCode != 0) {
+    GTEST_SKIP() << "the libraries here are too large for this limit";
+  }
+  const ScratchFolder scratch;
+  const std::string model = (scratch / "model").string();
+  expectOneLine(
+      runKirireel({"generate", "tessellation", model, "--columns", "500", "--rows", "500"},
+                  setting),
+      1, "error: there is too little memory; allow more, or ask for less: fewer tiles, a smaller");
 }
 
 TEST(BadSystem, StandardOutputThatIsFull) {
