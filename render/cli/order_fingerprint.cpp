@@ -1,6 +1,6 @@
 #include "render/cli/order_fingerprint.h"
 
-#include <fstream>
+
 #include <iterator>
 #include <variant>
 
@@ -8,6 +8,7 @@
 
 #include "render/digest/digest.h"
 #include "render/record/versions.h"
+#include "sim/base/input_file.h"
 
 namespace kirireel {
 namespace {
@@ -68,7 +69,7 @@ std::string textOf(const Timeline& timeline) {
 
 std::string orderFingerprint(const std::vector<std::string>& arguments,
                              const std::filesystem::path& sceneFile, const Scene& scene) {
-  std::ifstream file(sceneFile, std::ios::binary);
+  std::ifstream file = openInputFile(sceneFile);
   const std::string sceneText{std::istreambuf_iterator<char>(file), {}};
   return sha256(fmt::format("{}\n{}\n{}\n{}\n{}", versionText(), textOf(arguments), sceneText,
                             textOf(scene.model), textOf(scene.timeline)));

@@ -1,10 +1,11 @@
-/// Fingerprints (SHA-256), by which a file is known to be the one that was written. No OpenSSL
-/// header is needed to use them.
+/// Fingerprints (SHA-256), by which a file is known to be the one that was written.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <string>
+
+#include "sim/base/sha256.h"
 
 namespace kirireel {
 
@@ -16,9 +17,6 @@ struct FileDigest {
 
   bool operator==(const FileDigest&) const = default;
 };
-
-/// SHA-256 of a text, 64 hexadecimal digits (FIPS 180-4).
-std::string sha256(const std::string& text);
 
 /// The digest of a file in a folder. Throws InputError when it cannot be read.
 FileDigest digestOf(const std::filesystem::path& folder, const std::string& name);

@@ -2,7 +2,6 @@
 
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <optional>
 
@@ -13,6 +12,7 @@
 #include "render/record/output_folder.h"
 #include "render/sweep/run_folder.h"
 #include "sim/base/error.h"
+#include "sim/base/input_file.h"
 #include "sim/base/pending_file.h"
 #include "sim/trajectory/array_file.h"
 
@@ -63,7 +63,7 @@ const std::vector<Figure>& costFigures() {
 
 Json readSummary(const fs::path& folder) {
   const fs::path file = folder / output::kSummary;
-  std::ifstream stream(file);
+  std::ifstream stream = openInputFile(file);
   Json summary = Json::parse(stream, nullptr, false);
   if (!summary.is_object() || !summary.contains("accuracy") || !summary.contains(kThickness)) {
     throw inputErrorAt({file}, "this is no summary of a run; remove its folder to run it again");

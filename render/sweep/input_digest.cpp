@@ -1,7 +1,6 @@
 #include "render/sweep/input_digest.h"
 
 #include <algorithm>
-#include <fstream>
 #include <iterator>
 #include <utility>
 #include <vector>
@@ -10,6 +9,7 @@
 
 #include "render/digest/digest.h"
 #include "sim/base/error.h"
+#include "sim/base/input_file.h"
 
 namespace kirireel {
 namespace {
@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string contentOf(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
+  std::ifstream stream = openInputFile(file);
   std::string content{std::istreambuf_iterator<char>(stream), {}};
   if (!stream) throw inputErrorAt({file}, "cannot be read; check its permissions");
   return content;

@@ -2,7 +2,6 @@
 
 #include <cerrno>
 #include <cstring>
-#include <fstream>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -12,6 +11,7 @@
 #include <unistd.h>
 
 #include "sim/base/error.h"
+#include "sim/base/input_file.h"
 #include "sim/base/pending_file.h"
 
 namespace kirireel {
@@ -92,7 +92,7 @@ FileLock::~FileLock() {
 
 std::optional<RunRecord> readRunRecord(const fs::path& runFolder) {
   const fs::path file = runFolder / kRecord;
-  std::ifstream stream(file);
+  std::ifstream stream = openInputFile(file);
   if (!stream) return std::nullopt;
   try {
     const Json json = Json::parse(stream);

@@ -13,7 +13,7 @@
 #include "render/digest/digest.h"
 #include "render/video/video.h"
 #include "sim/base/error.h"
-#include "sim/base/text_file.h"
+#include "sim/base/input_file.h"
 #include "sim/measure/measures.h"
 #include "sim/trajectory/trajectory_file.h"
 

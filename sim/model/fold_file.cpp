@@ -11,9 +11,9 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/base/error.h"
+#include "sim/base/input_file.h"
 #include "sim/base/pending_file.h"
 #include "sim/base/spelling.h"
-#include "sim/base/text_file.h"
 #include "sim/model/joint_checks.h"
 #include "sim/model/shared_corners.h"
 #include "sim/model/text_table.h"

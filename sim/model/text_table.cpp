@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "sim/base/input_file.h"
 #include "sim/base/spelling.h"
-#include "sim/base/text_file.h"
 
 namespace kirireel {
 namespace {

@@ -24,7 +24,7 @@
 #include <toml++/toml.h>
 
 #include "sim/base/spelling.h"
-#include "sim/base/text_file.h"
+#include "sim/base/input_file.h"
 
 namespace kirireel {
 namespace {

@@ -1,7 +1,6 @@
 #include "sim/study/run_study.h"
 
 #include <cmath>
-#include <fstream>
 #include <set>
 #include <thread>
 
@@ -10,6 +9,7 @@
 #include <sys/utsname.h>
 
 #include "sim/base/error.h"
+#include "sim/base/input_file.h"
 #include "sim/base/pending_file.h"
 #include "sim/world/bullet_world.h"
 #include "sim/world/chipmunk_world.h"
@@ -20,7 +20,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 std::string processorName() {
-  std::ifstream file("/proc/cpuinfo");
+  std::ifstream file = openInputFile("/proc/cpuinfo");
   std::string line;
   while (std::getline(file, line)) {
     if (line.starts_with("model name")) return line.substr(line.find(':') + 2);

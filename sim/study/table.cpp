@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <limits>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "sim/base/error.h"
+#include "sim/base/input_file.h"
 
 namespace kirireel {
 namespace {
@@ -104,7 +104,7 @@ std::string csvText(const Table& table) {
 }
 
 Table readCsv(const std::filesystem::path& file) {
-  std::ifstream stream(file);
+  std::ifstream stream = openInputFile(file);
   if (!stream) {
     throw InputError(
         fmt::format("{}: error: cannot be read; kirireel study makes it", file.string()));

@@ -5,7 +5,6 @@
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
 #include <functional>
 #include <map>
 #include <numeric>
@@ -396,7 +395,7 @@ struct ArrayReader::Internals {
   /// bytes, its heap, 8 bytes (0 for none), and its number there, 4 bytes.
   void requireSoundTexts(const Handle& array, const std::string& name, std::size_t count) const {
     TextPlaces places(path);
-    std::ifstream stream(path, std::ios::binary);
+    std::ifstream stream = openInputFile(path);
     stream.seekg(static_cast<std::streamoff>(H5Dget_offset(array.id())));
     double bytes = 0;
     for (std::size_t k = 0; k < count; ++k) {
@@ -418,7 +417,7 @@ struct ArrayReader::Internals {
   /// Other versions of the format describe what they hold without checksums.
   bool beginsAsOurs() const {
     std::string beginning(kBeginning.size(), '\0');
-    std::ifstream(path, std::ios::binary).read(beginning.data(), std::ssize(beginning));
+    openInputFile(path).read(beginning.data(), std::ssize(beginning));
     return beginning == kBeginning;
   }
 

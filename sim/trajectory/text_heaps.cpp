@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <fstream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,7 +14,7 @@ constexpr std::uint64_t kHeader = 16;       // the signature and the heap's size
 constexpr std::uint64_t kEntryHeader = 16;  // number, references, 4 bytes, size
 
 /// An unsigned number in `size` bytes, the lowest first; 0 beyond the end of the file.
-std::uint64_t numberAt(std::ifstream& file, std::uint64_t place, int size) {
+std::uint64_t numberAt(std::istream& file, std::uint64_t place, int size) {
   std::string bytes(static_cast<std::size_t>(size), '\0');
   file.clear();
   file.seekg(static_cast<std::streamoff>(place));
@@ -26,7 +25,7 @@ std::uint64_t numberAt(std::ifstream& file, std::uint64_t place, int size) {
 }
 
 /// How far it is from an entry to the next, 0 when it goes beyond `left` bytes.
-std::uint64_t stepAt(std::ifstream& file, std::uint64_t place, std::uint64_t left) {
+std::uint64_t stepAt(std::istream& file, std::uint64_t place, std::uint64_t left) {
   const bool isFreeSpace = numberAt(file, place, 2) == 0;
   const std::uint64_t size = numberAt(file, place + 8, 8);
   if (size > left) return 0;
@@ -34,7 +33,7 @@ std::uint64_t stepAt(std::ifstream& file, std::uint64_t place, std::uint64_t lef
   return step <= left ? step : 0;
 }
 
-bool isWhole(std::ifstream& file, std::uint64_t heap, std::uint64_t fileSize) {
+bool isWhole(std::istream& file, std::uint64_t heap, std::uint64_t fileSize) {
   const std::uint64_t size = numberAt(file, heap + kSignature.size(), 8);
   if (size < kHeader || size > fileSize - heap) return false;
   // What is too short for another entry is not used.
@@ -48,7 +47,7 @@ bool isWhole(std::ifstream& file, std::uint64_t heap, std::uint64_t fileSize) {
 }
 
 /// Where heaps begin. The file is read in blocks that overlap by a signature.
-std::vector<std::uint64_t> heapsIn(std::ifstream& file, std::uint64_t fileSize) {
+std::vector<std::uint64_t> heapsIn(std::istream& file, std::uint64_t fileSize) {
   constexpr std::uint64_t kBlock = 1 << 20;
   std::vector<std::uint64_t> heaps;
   std::string block(std::min(kBlock + kSignature.size() - 1, fileSize), '\0');
@@ -68,7 +67,7 @@ std::vector<std::uint64_t> heapsIn(std::ifstream& file, std::uint64_t fileSize) 
 }  // namespace
 
 bool hasWholeTextHeaps(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
+  std::ifstream stream = openInputFile(file);
   std::error_code error;
   const std::uint64_t size = std::filesystem::file_size(file, error);
   if (!stream || error) return false;

@@ -3,8 +3,9 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <map>
+
+#include "sim/base/input_file.h"
 
 namespace kirireel {
 
@@ -17,7 +18,7 @@ bool hasWholeTextHeaps(const std::filesystem::path& file);
 /// Where the texts of an HDF5 file stand, of which every heap must be whole.
 class TextPlaces {
  public:
-  explicit TextPlaces(const std::filesystem::path& file) : file_(file, std::ios::binary) {}
+  explicit TextPlaces(const std::filesystem::path& file) : file_(openInputFile(file)) {}
 
   /// Whether a heap begins at this byte of the file and has one entry of this number, of just so
   /// many bytes. HDF5 reads beyond its memory where that is not so.

@@ -164,6 +164,32 @@ TEST(Boundaries, NoOtherProgramIsEverStarted) {
   }
 }
 
+// A run is known again by the files that it read, so that none may be read unnoticed.
+TEST(Boundaries, InputFilesAreOpenedInOnePlace) {
+  EXPECT_THAT(usersOf("fstream"),
+              testing::ElementsAre("sim/base/input_file.h", "sim/base/pending_file.cpp"));
+  const std::regex construction("\\b(if|f)stream(\\s+\\w+)?\\s*[({]");
+  const std::regex others(
+      "\\b(fopen|freopen|H5Fopen|parse_file|avformat_open_input|read_from_file|FT_New_Face|mmap)"
+      "\\s*\\("
+      "|[^\\w]::open\\(|begin_read_from_file");
+  std::set<std::string> opening;
+  for (const SourceFile& file : sources()) {
+    const std::string text = readText(fs::path(KIRIREEL_SOURCE_DIR) / file.path);
+    if (std::regex_search(text, construction)) opening.insert(file.path);
+    if (std::regex_search(text, others)) opening.insert(file.path);
+  }
+  EXPECT_THAT(opening, testing::UnorderedElementsAre(
+                           "sim/base/input_file.cpp", "sim/base/input_file.h",
+                           "sim/trajectory/array_file.cpp",    // once it was opened there
+                           "render/cli/sweep_command.cpp",     // to write messages
+                           "render/record/output_folder.cpp",  // to lock a folder
+                           "render/grid/label.cpp",            // the system's font
+                           "render/png/png.cpp",               // to write, and what was written
+                           "render/sweep/run_folder.cpp",      // to lock
+                           "render/video/video.cpp"));         // what it wrote itself
+}
+
 TEST(Boundaries, TimeIsMeasuredByClocksThatNeverJump) {
   const std::regex wall(
       "system_clock|high_resolution_clock|CLOCK_REALTIME|gettimeofday|"
