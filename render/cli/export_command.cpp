@@ -7,7 +7,7 @@
 #include "render/cli/exit_codes.h"
 #include "render/cli/option_group.h"
 #include "render/export/state_choice.h"
-#include "render/record/output_folder.h"
+#include "render/folder/output_folder.h"
 
 namespace kirireel {
 namespace {

@@ -13,7 +13,7 @@
 #include "render/cli/report.h"
 #include "render/cli/run_options.h"
 #include "render/cli/video_options.h"
-#include "render/record/output_folder.h"
+#include "render/folder/file_set.h"
 #include "render/record/summary.h"
 #include "render/verify/verify.h"
 #include "sim/base/error.h"
@@ -125,6 +125,17 @@ RecordResult prepareOrder(const RecordOrder& order) {
   return result;
 }
 
+/// A kill may have come while a whole run was put in place, or just before its checkpoint went.
+std::optional<FinishedRun> findFinished(const RecordSettings& settings) {
+  std::optional<FileSet> files;
+  if (std::filesystem::exists(settings.folder / output::kUnfinished)) {
+    files.emplace(settings.folder, output::kSummary);
+  }
+  std::optional<FinishedRun> finished = findFinishedRun(settings.folder, settings.order);
+  if (files && finished) files->dropCheckpoint();
+  return finished;
+}
+
 }  // namespace
 
 CLI::App* addRecordCommand(CLI::App& program, RecordOrder& order) {
@@ -176,10 +187,8 @@ int carryOut(const RecordOrder& order) {
   result.settings.order = orderFingerprint(
       order.arguments, sceneFileOf(findModel(order.model), order.request), result.scene);
   if (order.settings.resume) {
-    const auto finished = findFinishedRun(result.settings.folder, result.settings.order);
+    const auto finished = findFinished(result.settings);
     if (finished) {
-      // A kill may have come between the last file and this.
-      Checkpoints(result.settings.folder / output::kCheckpoint, "").remove();
       fmt::print("{}", order.printJson
                            ? finished->summary
                            : fmt::format("{}: finished already, {}\n",

@@ -13,8 +13,8 @@
 #include "render/cli/option_group.h"
 #include "render/cli/report.h"
 #include "render/cli/sweep_runs.h"
+#include "render/folder/file_set.h"
 #include "render/png/png.h"
-#include "render/record/output_folder.h"
 #include "render/sweep/collect.h"
 #include "render/sweep/contact_sheet.h"
 #include "render/sweep/run_folder.h"
@@ -126,8 +126,7 @@ class SweepFolder {
   SweepFolder(const SweepRuns& runs, const fs::path& folder, const SweepOrder& order)
       : runs_(runs), folder_(folder / "runs"), order_(order) {
     makeFolder(folder_);
-    // Made and dropped: checks that files can be written.
-    const PendingFile probe(folder_ / "probe");
+    requireWritableFolder(folder_);
   }
 
   /// Makes a run that nobody has made or is making. In a worker.
@@ -270,13 +269,23 @@ Gathered collect(const SweepRuns& runs, const fs::path& folder) {
   const Gathered gathered =
       gather({folder / "runs", runs.sweep().plan.size(), runs.sweep().plan.keys(),
               [&runs](std::uint64_t index) { return runs.name(index); }, values});
-  const std::string stem = (folder / runs.sweep().file.stem()).string();
+  const std::string name = runs.sweep().file.stem().string();
+  std::vector<std::string> names = {name + ".csv", name + ".h5", name + "_costs.csv"};
+  if (gathered.runs.size() > gathered.failed) names.push_back(name + ".png");
+  FileSet files(folder, output::kContents);
+  const auto isWanted = [&names](const std::string& wanted) {
+    return wanted == output::kContents || std::ranges::find(names, wanted) != names.end();
+  };
+  files.requireFree(isWanted);
+  const std::string stem = (files.stage() / name).string();
   writeTextFile(stem + ".csv", csvText(gathered.results));
   writeTableArrays(gathered.results, stem + ".h5");
   writeTextFile(stem + "_costs.csv", csvText(gathered.costs));
   writeContactSheet(gathered, runs.sweep().plan.keys(), folder, stem + ".png");
-  fmt::print("{0}.csv, {0}.h5, {0}.png: {1} runs done, {2} failed, {3} missing\n", stem,
-             gathered.runs.size() - gathered.failed, gathered.failed, gathered.missing);
+  files.commit(names);
+  fmt::print("{0}.csv, {0}.h5, {0}.png: {1} runs done, {2} failed, {3} missing\n",
+             (folder / name).string(), gathered.runs.size() - gathered.failed, gathered.failed,
+             gathered.missing);
   return gathered;
 }
 

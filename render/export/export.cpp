@@ -1,14 +1,17 @@
 #include "render/export/export.h"
 
 #include <algorithm>
+#include <array>
 #include <optional>
+#include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
 
-#include "render/export/file_set.h"
 #include "render/export/state_choice.h"
 #include "render/fea/deck.h"
 #include "render/fea/gmsh.h"
+#include "render/folder/file_set.h"
 #include "render/mesh/animation.h"
 #include "render/mesh/mesh.h"
 #include "render/sheet/cut_pattern.h"
@@ -42,10 +45,63 @@ std::vector<PatternLine> patternOf(const Model& model, const ExportSettings& set
   return cutPattern(model, width != 0 ? width : kHingeOfTile * tileSize(model));
 }
 
-/// Writes one format after the other into a set of files.
+/// A file of a format: one for each state, then `name` is what follows "state_0042", or one for
+/// all.
+struct ExportFile {
+  ExportFormat format;
+  bool ofEachState;
+  const char* name;
+};
+
+constexpr auto kFiles = std::to_array<ExportFile>({
+    {ExportFormat::Obj, true, ".obj"},
+    {ExportFormat::Ply, true, ".ply"},
+    {ExportFormat::Stl, true, ".stl"},
+    {ExportFormat::Planar, true, "_planar.obj"},
+    {ExportFormat::Vertices, true, "_vertices.txt"},
+    {ExportFormat::Inp, true, "_mesh.inp"},
+    {ExportFormat::Inp, true, "_job.inp"},
+    {ExportFormat::Msh, true, ".msh"},
+    {ExportFormat::Vtu, true, ".vtu"},
+    {ExportFormat::Vtu, false, "deployment.pvd"},
+    {ExportFormat::Glb, false, "deployment.glb"},
+    {ExportFormat::Fold, false, "deployment.fold"},
+    {ExportFormat::Svg, false, "cut_pattern.svg"},
+    {ExportFormat::Dxf, false, "cut_pattern.dxf"},
+});
+
+std::string stateName(std::size_t number) {
+  return fmt::format("state_{:04}", number);
+}
+
+/// The files that were written into a folder; without keep() they are removed.
+class WrittenFiles {
+ public:
+  explicit WrittenFiles(std::filesystem::path folder) : folder_(std::move(folder)) {}
+  ~WrittenFiles() {
+    std::error_code ignored;
+    for (const std::string& name : names_) std::filesystem::remove(folder_ / name, ignored);
+  }
+  WrittenFiles(const WrittenFiles&) = delete;
+  WrittenFiles& operator=(const WrittenFiles&) = delete;
+
+  /// Where to write the file of this name.
+  std::filesystem::path add(const std::string& name) {
+    names_.push_back(name);
+    return folder_ / name;
+  }
+
+  std::vector<std::string> keep() { return std::exchange(names_, {}); }
+
+ private:
+  std::filesystem::path folder_;
+  std::vector<std::string> names_;
+};
+
+/// Writes one format after the other.
 class Exporter {
  public:
-  Exporter(const TrajectoryReader& trajectory, const ExportSettings& settings, FileSet& files)
+  Exporter(const TrajectoryReader& trajectory, const ExportSettings& settings, WrittenFiles& files)
       : trajectory_(trajectory),
         subject_(trajectory.subject()),
         settings_(settings),
@@ -59,8 +115,6 @@ class Exporter {
 
  private:
   bool wants(ExportFormat format) const { return kirireel::wants(settings_, format); }
-
-  static std::string stateName(std::size_t number) { return fmt::format("state_{:04}", number); }
 
   void writeState(std::size_t number, const Sample& sample) {
     const std::string name = stateName(number);
@@ -134,7 +188,7 @@ class Exporter {
   const Subject& subject_;
   const ExportSettings& settings_;
   std::vector<std::size_t> samples_;
-  FileSet& files_;
+  WrittenFiles& files_;
   Poses start_;
 };
 
@@ -165,13 +219,35 @@ void requireExportable(const Model& model, const BrickRule& rule, const ExportSe
   makeElementMesh(bricks, model.joints, startPoses(model.tiles, bricks), elements);
 }
 
+bool isExported(const std::string& name, const ExportSettings& settings) {
+  return std::ranges::any_of(kFiles, [&](const ExportFile& file) {
+    if (!wants(settings, file.format)) return false;
+    if (!file.ofEachState) return name == file.name;
+    return isNumbered(
+        name, [&](int number) { return stateName(static_cast<std::size_t>(number)) + file.name; });
+  });
+}
+
 std::vector<std::string> exportStates(const TrajectoryReader& trajectory,
                                       const ExportSettings& settings,
                                       const std::filesystem::path& folder) {
   requireDifferent(settings.formats);
-  FileSet files(folder);
+  FileSet files(folder, output::kContents);
+  files.requireFree([&](const std::string& name) {
+    return name == output::kContents || isExported(name, settings);
+  });
+  std::vector<std::string> names = exportInto(trajectory, settings, files.stage());
+  files.commit(names);
+  return names;
+}
+
+std::vector<std::string> exportInto(const TrajectoryReader& trajectory,
+                                    const ExportSettings& settings,
+                                    const std::filesystem::path& folder) {
+  requireDifferent(settings.formats);
+  WrittenFiles files(folder);
   Exporter(trajectory, settings, files).writeAll();
-  return files.commit();
+  return files.keep();
 }
 
 }  // namespace kirireel

@@ -42,11 +42,21 @@ struct ExportSettings {
 /// given twice, and for cut patterns, elements and joint patches that it cannot have.
 void requireExportable(const Model& model, const BrickRule& rule, const ExportSettings& settings);
 
+/// Whether an export of some run may write a file of this name.
+bool isExported(const std::string& name, const ExportSettings& settings);
+
 /// Writes the files into the folder, which is made if need be. Returns their names in order. Either
-/// all of them appear or none. Throws InputError for states that are not there, formats given
-/// twice, and formats that the model cannot have; OutputError when a file cannot be written.
+/// all of them appear or none; contents.json lists them. Throws InputError for states that are not
+/// there, formats given twice, formats that the model cannot have, and where files of others stand
+/// in the way, see FileSet; OutputError when a file cannot be written.
 std::vector<std::string> exportStates(const TrajectoryReader& trajectory,
                                       const ExportSettings& settings,
                                       const std::filesystem::path& folder);
+
+/// The same into a folder that is being filled anyway: without contents.json, nothing that stands
+/// there is looked at. What was written before an error is removed.
+std::vector<std::string> exportInto(const TrajectoryReader& trajectory,
+                                    const ExportSettings& settings,
+                                    const std::filesystem::path& folder);
 
 }  // namespace kirireel

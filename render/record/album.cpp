@@ -4,12 +4,12 @@
 
 #include <fmt/format.h>
 
+#include "render/folder/output_folder.h"
 #include "render/gl/context.h"
 #include "render/grid/grid.h"
 #include "render/png/png.h"
 #include "render/record/crew.h"
 #include "render/record/frame_sink.h"
-#include "render/record/output_folder.h"
 #include "render/record/snapshot_choice.h"
 #include "render/record/stopwatch.h"
 #include "render/record/title_card.h"
@@ -192,7 +192,7 @@ void Album::writeGrid(const TrajectoryReader& run) {
 }
 
 void Album::writeChosenFrames(const TrajectoryReader& run) {
-  makeFramesFolder(settings_.folder);
+  makeFolder(settings_.folder / output::kFrames);
   for (const int number : chooseFrames(run, settings_.chosenFrames)) {
     const Frame frame = take(run.sample(static_cast<std::size_t>(number)), Studio::Scales::Drawn);
     writePng(frame, settings_.folder / frameFile(number), {.dotsPerInch = settings_.dotsPerInch});

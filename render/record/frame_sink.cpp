@@ -2,9 +2,10 @@
 
 #include <cmath>
 
+#include "render/folder/output_folder.h"
 #include "render/png/png.h"
-#include "render/record/output_folder.h"
 #include "render/record/stopwatch.h"
+#include "sim/base/pending_file.h"
 
 namespace kirireel {
 namespace {
@@ -25,7 +26,7 @@ FrameSink::FrameSink(const PictureSettings& settings, PictureReport& report)
     : settings_(settings),
       report_(report),
       heldFrames_(static_cast<int>(std::lround(settings.hold * settings.framesPerSecond))) {
-  if (settings.frames) makeFramesFolder(settings.folder);
+  if (settings.frames) makeFolder(settings.folder / output::kFrames);
   if (settings.video) video_.emplace(settings.folder / settings.videoFile, videoSettings(settings));
 }
 

@@ -1,6 +1,7 @@
 #include "render/record/record.h"
 
 #include <algorithm>
+#include <exception>
 #include <optional>
 #include <set>
 #include <string>
@@ -8,11 +9,11 @@
 
 #include <fmt/format.h>
 
+#include "render/folder/file_set.h"
 #include "render/gl/context.h"
 #include "render/mesh/mesh.h"
 #include "render/record/album.h"
 #include "render/record/frame_sink.h"
-#include "render/record/output_folder.h"
 #include "render/record/replay.h"
 #include "render/record/scribe.h"
 #include "render/record/snapshot_choice.h"
@@ -248,7 +249,7 @@ void noteDigests(const std::filesystem::path& folder, RunSummary& summary) {
 void writeExports(const RecordSettings& settings, RunSummary& summary) {
   const TrajectoryReader trajectory(settings.folder / output::kTrajectory);
   try {
-    for (const std::string& file : exportStates(trajectory, settings.exports, settings.folder)) {
+    for (const std::string& file : exportInto(trajectory, settings.exports, settings.folder)) {
       summary.files.push_back(file);
     }
   } catch (const InputError& error) {
@@ -256,17 +257,45 @@ void writeExports(const RecordSettings& settings, RunSummary& summary) {
   }
 }
 
+/// Whether pictures of some run may have this name.
+bool isPicture(const std::string& name, const PictureSettings& settings) {
+  const bool hasFrames = settings.frames || !settings.chosenFrames.empty();
+  return (settings.video && name == settings.videoFile) ||
+         (settings.snapshots && name == output::kSnapshots) ||
+         (settings.svg && isNumbered(name, [](int k) { return snapshotDrawing(k).string(); })) ||
+         (hasFrames && name == output::kFrames + std::string("/")) ||
+         (hasFrames && isNumbered(name, [](int k) { return frameFile(k).string(); })) ||
+         isNumbered(name, [](int k) { return momentFile(output::kSnapshotMoment, k, ".png"); });
+}
+
+/// The same of all files.
+bool isOutput(const std::string& name, const RecordSettings& settings) {
+  if (name == output::kSummary || name == output::kFinalVertices) return true;
+  if (leavesTrajectory(settings) && name == output::kTrajectory) return true;
+  if (settings.paints() && isPicture(name, settings)) return true;
+  if (isExported(name, settings.exports)) return true;
+  for (const char* ending : {".obj", ".ply"}) {
+    if (!settings.meshes) break;
+    if (name == output::kInitialMesh + std::string(ending)) return true;
+    if (name == output::kFinalMesh + std::string(ending)) return true;
+    const auto moment = [&](int k) { return momentFile(output::kStateMoment, k, ending); };
+    if (isNumbered(name, moment)) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
-RunSummary record(const Scene& scene, const RecordSettings& settings,
+RunSummary record(const Scene& scene, const RecordSettings& asked,
                   const ProgressObserver& observer) {
   const Stopwatch stopwatch;
-  requireValidSettings(settings);
-  requirePaintable(motifOf(subjectOf(scene)), settings);
-  requireExportable(scene.model, scene.brick, settings.exports);
-  makeFolder(settings.folder);
-  const FolderLock lock(settings.folder);
-  prepareOutputFolder(settings.folder);
+  requireValidSettings(asked);
+  requirePaintable(motifOf(subjectOf(scene)), asked);
+  requireExportable(scene.model, scene.brick, asked.exports);
+  FileSet files(asked.folder, output::kSummary);
+  files.requireFree([&asked](const std::string& name) { return isOutput(name, asked); });
+  RecordSettings settings = asked;
+  settings.folder = files.stage();
 
   RunSummary summary;
   LiveRun run(scene, settings, observer);
@@ -289,22 +318,23 @@ RunSummary record(const Scene& scene, const RecordSettings& settings,
                                  summary.stoppedBy, *summary.stoppedAt);
   }
 
-  const auto writeSummary = [&] {
-    noteDigests(settings.folder, summary);
-    summary.recordCost.wallSeconds = stopwatch.seconds();
-    summary.recordCost.peakMemoryBytes = peakMemoryBytes();
-    writeTextFile(settings.folder / output::kSummary, summaryJson(scene, settings, summary));
-  };
   summary.files.emplace_back(output::kSummary);
-  writeSummary();
-  if (!settings.exports.formats.empty()) {
-    writeExports(settings, summary);
-    writeSummary();
+  // Where an export fails, all else is put in place all the same.
+  std::exception_ptr exportFailure;
+  try {
+    if (!settings.exports.formats.empty()) writeExports(settings, summary);
+  } catch (const OutputError&) {
+    exportFailure = std::current_exception();
   }
   if (!summary.leftOut.empty()) {
     observer({"exporting", 1, fmt::format("warning: nothing was exported: {}", summary.leftOut)});
   }
+  noteDigests(settings.folder, summary);
+  summary.recordCost.wallSeconds = stopwatch.seconds();
+  summary.recordCost.peakMemoryBytes = peakMemoryBytes();
   if (summary.outcome != Outcome::Interrupted) run.removeCheckpoint();
+  files.commit(summaryJson(scene, settings, summary));
+  if (exportFailure) std::rethrow_exception(exportFailure);
   return summary;
 }
 
@@ -313,10 +343,15 @@ PictureReport render(const std::filesystem::path& trajectory, const PictureSetti
   const Stopwatch stopwatch;
   requireValidSettings(settings);
   const TrajectoryReader run(trajectory);
-  makeFolder(settings.folder);
-  const FolderLock lock(settings.folder);
+  FileSet files(settings.folder, output::kContents);
+  files.requireFree([&settings](const std::string& name) {
+    return name == output::kContents || isPicture(name, settings);
+  });
+  PictureSettings aside = settings;
+  aside.folder = files.stage();
   PictureReport report;
-  if (settings.paints()) PictureJob(settings, observer, report).makeTheRest(run);
+  if (settings.paints()) PictureJob(aside, observer, report).makeTheRest(run);
+  if (!report.files.empty()) files.commit(report.files);
   report.recordCost.wallSeconds = stopwatch.seconds();
   report.recordCost.peakMemoryBytes = peakMemoryBytes();
   return report;

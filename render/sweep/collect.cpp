@@ -9,7 +9,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "render/record/output_folder.h"
+#include "render/folder/output_folder.h"
 #include "render/sweep/run_folder.h"
 #include "sim/base/error.h"
 #include "sim/base/input_file.h"

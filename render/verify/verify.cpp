@@ -5,12 +5,12 @@
 #include <functional>
 #include <limits>
 #include <memory>
-#include <system_error>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "render/digest/digest.h"
+#include "render/folder/left_files.h"
+#include "render/folder/output_folder.h"
 #include "render/video/video.h"
 #include "sim/base/error.h"
 #include "sim/base/input_file.h"
@@ -44,24 +44,8 @@ std::string asInJson(const std::string& text) {
   return Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
-/// Whether a name means a file in the folder or below it.
-bool staysInside(const fs::path& name) {
-  return !name.empty() && name.is_relative() &&
-         std::none_of(name.begin(), name.end(), [](const fs::path& part) { return part == ".."; });
-}
-
-/// What is wrong with a file; empty when it is as noted.
-std::string difference(const fs::path& folder, const std::string& name, const Json& noted) {
-  if (!staysInside(name)) return "this is no name of a file in the folder";
-  std::error_code ignored;
-  if (!fs::is_regular_file(folder / name, ignored)) return "the file is missing";
-  const FileDigest digest = digestOf(folder, name);
-  const auto bytes = noted.at("bytes").get<std::uintmax_t>();
-  if (digest.bytes != bytes) {
-    return fmt::format("{} bytes where the run left {}", digest.bytes, bytes);
-  }
-  return digest.sha256 == noted.at("sha256").get<std::string>() ? ""
-                                                                : "other bytes than the run left";
+FileDigest digestIn(const std::string& name, const Json& noted) {
+  return {name, noted.at("bytes").get<std::uintmax_t>(), noted.at("sha256").get<std::string>()};
 }
 
 /// A figure of the summary that a single state decides, computed again from that state.
@@ -96,10 +80,17 @@ class Verifier {
     report_.complaints.push_back(fmt::format("{}: {}", (folder_ / place).string(), what));
   }
 
+  /// What was exported or painted again since counts as contents.json has it.
   void compareFiles(const Json& contents) {
-    for (const auto& [name, noted] : contents.items()) {
+    FileList files = listedFiles(folder_ / output::kContents);
+    if (files.empty() && fs::exists(folder_ / output::kContents)) {
+      complain(output::kContents, "this is not the text that export or render wrote");
+    }
+    for (const auto& [name, noted] : contents.items())
+      files.try_emplace(name, digestIn(name, noted));
+    for (const auto& [name, noted] : files) {
       ++report_.files;
-      const std::string found = difference(folder_, name, noted);
+      const std::string found = difference(folder_, noted);
       if (!found.empty()) complain(name, found);
     }
   }
@@ -290,7 +281,7 @@ std::optional<FinishedRun> findFinishedRun(const fs::path& folder, const std::st
   try {
     if (summary.at("order") != order || summary.at("outcome") == "interrupted") return std::nullopt;
     for (const auto& [name, noted] : summary.at("contents").items()) {
-      if (!difference(folder, name, noted).empty()) return std::nullopt;
+      if (!difference(folder, digestIn(name, noted)).empty()) return std::nullopt;
     }
     const Json& atTarget = summary.at("at_target");
     return FinishedRun{summary.at("outcome"),

@@ -13,28 +13,33 @@
 namespace kirireel {
 namespace {
 
+/// "deployment.part.mp4", or "deployment.part2.mp4" and so on where something of that name is: it
+/// may be anybody's.
 std::filesystem::path pendingName(const std::filesystem::path& finalPath) {
-  std::filesystem::path name = finalPath.stem();
-  name += ".part";
-  name += finalPath.extension();
-  return finalPath.parent_path() / name;
+  std::string number;
+  for (int k = 2;; ++k) {
+    std::filesystem::path name = finalPath.stem();
+    name += ".part" + number;
+    name += finalPath.extension();
+    name = finalPath.parent_path() / name;
+    std::error_code ignored;
+    if (!std::filesystem::exists(std::filesystem::symlink_status(name, ignored))) return name;
+    number = std::to_string(k);
+  }
 }
 
-void requireWritableFolder(const std::filesystem::path& file) {
-  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+}  // namespace
+
+void requireWritableFolder(const std::filesystem::path& folder) {
   if (::access(folder.c_str(), W_OK | X_OK) == 0) return;
   throw OutputError(
       fmt::format("{}: error: cannot write in this folder ({}); choose another with --out",
                   folder.string(), std::strerror(errno)));
 }
 
-}  // namespace
-
 PendingFile::PendingFile(std::filesystem::path finalPath)
     : finalPath_(std::move(finalPath)), path_(pendingName(finalPath_)) {
-  requireWritableFolder(finalPath_);
-  // What stands there is left of a killed run, or a link that must not be written through.
-  ::unlink(path_.c_str());
+  requireWritableFolder(finalPath_.has_parent_path() ? finalPath_.parent_path() : ".");
 }
 
 PendingFile::~PendingFile() {

@@ -7,7 +7,7 @@
 namespace kirireel {
 
 /// Write to path(), then commit(). Without commit the destructor removes what was written, so an
-/// interrupted or failed write leaves nothing under the final name. A link under either name is
+/// interrupted or failed write leaves nothing under the final name. A link under the final name is
 /// replaced, never written through.
 class PendingFile {
  public:
@@ -17,7 +17,8 @@ class PendingFile {
   PendingFile(const PendingFile&) = delete;
   PendingFile& operator=(const PendingFile&) = delete;
 
-  /// Where to write: beside the final name, same extension, e.g. "deployment.part.mp4".
+  /// Where to write: beside the final name, same extension, e.g. "deployment.part.mp4"; under a
+  /// name that nothing has yet.
   const std::filesystem::path& path() const { return path_; }
   const std::filesystem::path& finalPath() const { return finalPath_; }
 
@@ -32,6 +33,9 @@ class PendingFile {
 
 /// Makes a folder and those above it. Throws OutputError with the system's reason.
 void makeFolder(const std::filesystem::path& folder);
+
+/// Throws OutputError, with the system's reason, when no files can be made in a folder.
+void requireWritableFolder(const std::filesystem::path& folder);
 
 /// Writes text whole to finalPath through a PendingFile. Throws OutputError naming the path and the
 /// system's reason (disk full, no permission).

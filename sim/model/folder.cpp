@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/error.h"
+#include "sim/base/input_file.h"
 #include "sim/base/pending_file.h"
 #include "sim/model/joint_checks.h"
 #include "sim/model/text_table.h"
@@ -164,14 +165,29 @@ std::vector<Corner> readHull(const fs::path& file, const std::vector<Tile>& tile
 }
 
 /// A file that an earlier model left would become part of this one.
-void removeStale(const fs::path& file) {
-  std::error_code error;
-  fs::remove(file, error);
-  if (!error) return;
-  throw OutputError(
-      fmt::format("{}: error: the file does not belong to the new model and cannot "
-                  "be removed ({}); choose another folder",
-                  file.string(), error.message()));
+std::string tilesText(const std::vector<Tile>& tiles) {
+  std::string text;
+  for (const Tile& tile : tiles) {
+    const char* separator = "";
+    for (const Vector3& vertex : tile.vertices) {
+      // "{}" writes the shortest digits that read back as the same double.
+      text += fmt::format("{}{} {} {}", separator, vertex.x(), vertex.y(), vertex.z());
+      separator = " ";
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+/// A model may have been drawn by hand: it is never overwritten, nor mixed with another.
+void requireFree(const fs::path& file, const std::string& text) {
+  std::error_code ignored;
+  if (!fs::exists(fs::symlink_status(file, ignored))) return;
+  if (fs::is_regular_file(file, ignored) && !text.empty() && readTextFile(file, "") == text) return;
+  throw InputError(
+      fmt::format("{}: error: this file of another model is in the way; move it away, or choose "
+                  "another folder",
+                  file.string()));
 }
 
 void requirePivots(const Model& model, const fs::path& folder) {
@@ -244,38 +260,23 @@ std::vector<Tile> readTileFile(const fs::path& file) {
 
 void writeModelFolder(const Model& model, const fs::path& folder) {
   requirePivots(model, folder);
+  // An empty text stands for a file that must not be there.
+  const std::vector<std::pair<const char*, std::string>> files = {
+      {"vertices.txt", tilesText(model.tiles)},
+      {"constraints.txt", jointText(model.joints)},
+      {"target.txt", model.target ? tilesText(*model.target) : ""},
+      {"pull.txt",
+       model.pulledTiles ? fmt::format("{}\n", fmt::join(*model.pulledTiles, "\n")) : ""},
+      {"hull.txt", model.hull ? hullText(*model.hull) : ""}};
+  for (const auto& [name, text] : files) requireFree(folder / name, text);
   makeFolder(folder);
-  writeTiles(model.tiles, folder / "vertices.txt");
-  writeTextFile(folder / "constraints.txt", jointText(model.joints));
-  if (model.target) {
-    writeTiles(*model.target, folder / "target.txt");
-  } else {
-    removeStale(folder / "target.txt");
-  }
-  if (model.pulledTiles) {
-    writeTextFile(folder / "pull.txt", fmt::format("{}\n", fmt::join(*model.pulledTiles, "\n")));
-  } else {
-    removeStale(folder / "pull.txt");
-  }
-  if (model.hull) {
-    writeTextFile(folder / "hull.txt", hullText(*model.hull));
-  } else {
-    removeStale(folder / "hull.txt");
+  for (const auto& [name, text] : files) {
+    if (!text.empty()) writeTextFile(folder / name, text);
   }
 }
 
 void writeTiles(const std::vector<Tile>& tiles, const fs::path& file) {
-  std::string text;
-  for (const Tile& tile : tiles) {
-    const char* separator = "";
-    for (const Vector3& vertex : tile.vertices) {
-      // "{}" writes the shortest digits that read back as the same double.
-      text += fmt::format("{}{} {} {}", separator, vertex.x(), vertex.y(), vertex.z());
-      separator = " ";
-    }
-    text += '\n';
-  }
-  writeTextFile(file, text);
+  writeTextFile(file, tilesText(tiles));
 }
 
 }  // namespace kirireel

@@ -32,8 +32,8 @@ std::vector<Tile> readTargetFile(const std::filesystem::path& file, const Model&
 std::vector<Tile> readTileFile(const std::filesystem::path& file);
 
 /// Writes the model as such a folder, numbers so that reading gives the same doubles. The folder is
-/// made if need be; a target.txt, pull.txt or hull.txt in it that the model lacks is removed.
-/// Throws InputError for a model with links or fixed joints, OutputError when writing fails.
+/// made if need be. Throws InputError for a model with links or fixed joints, and where one of
+/// these files is there and says anything else; OutputError when writing fails.
 void writeModelFolder(const Model& model, const std::filesystem::path& folder);
 
 /// Writes tiles alone in the format of vertices.txt, so that a run's end can be another's target.

@@ -240,7 +240,7 @@ TEST(BadOutput, FolderOfARunThatIsUnderWay) {
   std::vector<std::string> slow = recordArguments(scratch.path());
   slow.insert(slow.end(), {"--solver", "bullet", "--substeps", "10000"});
   const RunningProgram first(slow, {});
-  while (!std::filesystem::exists(scratch / "trajectory.part.h5")) ::usleep(10000);
+  while (!std::filesystem::exists(scratch / ".unfinished/trajectory.part.h5")) ::usleep(10000);
   expectOneLine(runKirireel(recordArguments(scratch.path())), 1,
                 scratch.path().string() +
                     ": error: another run is writing into this folder; wait "

@@ -34,8 +34,9 @@ class ProgramExport : public testing::Test {
 TEST_F(ProgramExport, WritesStatesAndPrintsTheirNames) {
   const ProgramEnd end = exported({"--format", "obj,vertices", "--states", "0%,50%"});
   EXPECT_EQ(end.exitCode, 0) << end.err;
-  EXPECT_THAT(filesIn(out()), ElementsAre("state_0000.obj", "state_0000_vertices.txt",
-                                          "state_0005.obj", "state_0005_vertices.txt"));
+  EXPECT_THAT(filesIn(out()),
+              ElementsAre("contents.json", "state_0000.obj", "state_0000_vertices.txt",
+                          "state_0005.obj", "state_0005_vertices.txt"));
   EXPECT_THAT(end.out, HasSubstr("state_0005.obj\n"));
 }
 

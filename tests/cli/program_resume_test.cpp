@@ -100,9 +100,9 @@ class ResumeOnTheWay : public testing::Test {
   /// Runs until the first pictures are there, then ends it by a signal. Returns what it printed on
   /// the error stream.
   std::string endBy(int signal, const std::vector<std::string>& words) const {
-    fs::remove(out_ / "deployment.part.mp4");
+    fs::remove(out_ / ".unfinished/deployment.part.mp4");
     RunningProgram program(words, {});
-    EXPECT_TRUE(waitFor(out_ / "deployment.part.mp4"));
+    EXPECT_TRUE(waitFor(out_ / ".unfinished/deployment.part.mp4"));
     program.sendSignal(signal);
     const ProgramEnd end = program.wait();
     EXPECT_EQ(end.exitCode, signal == SIGKILL ? -SIGKILL : 4);
@@ -116,9 +116,9 @@ class ResumeOnTheWay : public testing::Test {
 
 TEST_F(ResumeOnTheWay, GoesOnFromTheLastCheckpoint) {
   ASSERT_EQ(runKirireel(recordLongInto(scratch_ / "whole")).exitCode, 0);
-  EXPECT_FALSE(fs::exists(scratch_ / "whole/.checkpoint"));
+  EXPECT_FALSE(fs::exists(scratch_ / "whole/.unfinished"));
   EXPECT_EQ(endBy(SIGTERM, recordLongInto(out_)), "");
-  EXPECT_TRUE(fs::exists(out_ / ".checkpoint/state.h5"));
+  EXPECT_TRUE(fs::exists(out_ / ".unfinished/checkpoint/state.h5"));
   // A kill takes nothing away.
   const auto goesOn =
       testing::MatchesRegex("kirireel: goes on at .* s, from the checkpoint in .*\n");
@@ -132,24 +132,27 @@ TEST_F(ResumeOnTheWay, GoesOnFromTheLastCheckpoint) {
 TEST_F(ResumeOnTheWay, StartsAnewFromAnotherOrdersCheckpoint) {
   endBy(SIGTERM, recordLongInto(out_));
   const ProgramEnd end = runKirireel(recordLongInto(out_, {"--fps", "10", "--resume"}));
-  EXPECT_EQ(end.err, "kirireel: the checkpoint in " + (out_ / ".checkpoint").string() +
+  EXPECT_EQ(end.err, "kirireel: the checkpoint in " + (out_ / ".unfinished/checkpoint").string() +
                          " is of another order or program; the run starts anew\n");
   EXPECT_EQ(end.exitCode, 0);
-  EXPECT_FALSE(fs::exists(out_ / ".checkpoint"));
+  EXPECT_FALSE(fs::exists(out_ / ".unfinished"));
 }
 
 TEST_F(ResumeOnTheWay, OnlyWhenAsked) {
   endBy(SIGTERM, recordLongInto(out_));
   const ProgramEnd end = runKirireel(recordLongInto(out_, {"--fps", "10"}));
   EXPECT_EQ(end.err, "");
-  EXPECT_FALSE(fs::exists(out_ / ".checkpoint"));
+  EXPECT_FALSE(fs::exists(out_ / ".unfinished"));
 }
 
 TEST_F(Resume, LeavesAFinishedRunAsItIs) {
   fs::copy(undisturbed_->path(), scratch_.path());
   // Killed just before its end.
-  fs::create_directory(scratch_ / ".checkpoint");
-  writeText(scratch_ / ".checkpoint/state.h5", "");
+  fs::create_directories(scratch_ / ".unfinished/checkpoint");
+  writeText(scratch_ / ".unfinished/checkpoint/state.h5", "");
+  writeText(scratch_ / ".unfinished/kirireel.txt",
+            "Kirireel works here. It moves whole files out of this folder and removes all "
+            "others.\n");
   const std::string summary = readText(scratch_ / "summary.json");
   const ProgramEnd end = runKirireel(recordInto(scratch_.path(), {"--resume"}));
   EXPECT_EQ(end.exitCode, kEndedShort) << end.err;
@@ -159,11 +162,22 @@ TEST_F(Resume, LeavesAFinishedRunAsItIs) {
   EXPECT_EQ(filesIn(scratch_.path()), filesIn(undisturbed_->path()));
 }
 
-TEST_F(Resume, MakesADamagedRunAgain) {
+TEST_F(Resume, MakesARunAgainThatLacksAFile) {
   fs::copy(undisturbed_->path(), scratch_.path());
-  writeText(scratch_ / "final.obj", "damaged");
+  fs::remove(scratch_ / "final.obj");
   EXPECT_EQ(runKirireel(recordInto(scratch_.path(), {"--resume"})).exitCode, kEndedShort);
   expectSameRun(scratch_.path(), undisturbed_->path());
+}
+
+TEST_F(Resume, LeavesAChangedFileToItsOwner) {
+  fs::copy(undisturbed_->path(), scratch_.path());
+  writeText(scratch_ / "final.obj", "edited by hand");
+  const ProgramEnd end = runKirireel(recordInto(scratch_.path(), {"--resume"}));
+  EXPECT_EQ(end.exitCode, 2);
+  EXPECT_EQ(end.err, "kirireel: " + scratch_.path().string() +
+                         ": error: final.obj would be overwritten, but no earlier run left it so; "
+                         "move it away, or choose another folder with --out\n");
+  EXPECT_EQ(readText(scratch_ / "final.obj"), "edited by hand");
 }
 
 TEST_F(Resume, MakesTheRunOfAnotherOrderAgain) {

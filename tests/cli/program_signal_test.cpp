@@ -54,7 +54,7 @@ const std::vector<std::string> kLongDeployment = {"--solver", "bullet", "--subst
 const std::vector<std::string> kLongTrial = {"--timestep", "1e-7"};
 
 TEST(Interrupt, WhilePaintingLeavesAPlayableVideo) {
-  expectInterruptedVideo(SIGINT, "/deployment.part.mp4", kLongPainting);
+  expectInterruptedVideo(SIGINT, "/.unfinished/deployment.part.mp4", kLongPainting);
 }
 
 TEST(Interrupt, WhileDeployingLeavesAPlayableVideo) {
@@ -66,7 +66,7 @@ TEST(Interrupt, WhileLookingForAPathLeavesAPlayableVideo) {
 }
 
 TEST(Terminate, IsTreatedAsAnInterrupt) {
-  expectInterruptedVideo(SIGTERM, "/deployment.part.mp4", kLongPainting);
+  expectInterruptedVideo(SIGTERM, "/.unfinished/deployment.part.mp4", kLongPainting);
 }
 
 TEST(Hangup, IsTreatedAsAnInterrupt) {

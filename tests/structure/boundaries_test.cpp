@@ -183,7 +183,7 @@ TEST(Boundaries, InputFilesAreOpenedInOnePlace) {
                            "sim/base/input_file.cpp", "sim/base/input_file.h",
                            "sim/trajectory/array_file.cpp",    // once it was opened there
                            "render/cli/sweep_command.cpp",     // to write messages
-                           "render/record/output_folder.cpp",  // to lock a folder
+                           "render/folder/output_folder.cpp",  // to lock a folder
                            "render/grid/label.cpp",            // the system's font
                            "render/png/png.cpp",               // to write, and what was written
                            "render/sweep/run_folder.cpp",      // to lock

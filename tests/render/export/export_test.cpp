@@ -114,13 +114,18 @@ TEST_F(Export, WritesEveryFormat) {
   for (const auto& [name, format] : exportFormatNames()) settings.formats.push_back(format);
   settings.states = {"50%"};
   const std::vector<std::string> names = exportStates(*reader_, settings, out());
-  EXPECT_THAT(filesOut(), ElementsAre("cut_pattern.dxf", "cut_pattern.svg", "deployment.fold",
-                                      "deployment.glb", "deployment.pvd", "state_0005.msh",
-                                      "state_0005.obj", "state_0005.ply", "state_0005.stl",
-                                      "state_0005.vtu", "state_0005_job.inp", "state_0005_mesh.inp",
-                                      "state_0005_planar.obj", "state_0005_vertices.txt"));
-  EXPECT_THAT(names, testing::UnorderedElementsAreArray(filesOut()));
-  for (const std::string& name : names) EXPECT_GT(std::filesystem::file_size(out() / name), 0U);
+  EXPECT_THAT(
+      filesOut(),
+      ElementsAre("contents.json", "cut_pattern.dxf", "cut_pattern.svg", "deployment.fold",
+                  "deployment.glb", "deployment.pvd", "state_0005.msh", "state_0005.obj",
+                  "state_0005.ply", "state_0005.stl", "state_0005.vtu", "state_0005_job.inp",
+                  "state_0005_mesh.inp", "state_0005_planar.obj", "state_0005_vertices.txt"));
+  EXPECT_EQ(names.size() + 1, filesOut().size());
+  for (const std::string& name : names) {
+    EXPECT_GT(std::filesystem::file_size(out() / name), 0U);
+    EXPECT_TRUE(isExported(name, settings)) << name;
+    EXPECT_FALSE(isExported(name, {})) << name;
+  }
   EXPECT_THAT(test::bytesOf(out() / "state_0005_job.inp"), HasSubstr("INPUT=state_0005_mesh.inp"));
   EXPECT_THAT(test::bytesOf(out() / "state_0005_mesh.inp"), HasSubstr("** State at 0.5 s\n"));
 }

@@ -272,9 +272,15 @@ TEST_F(RecordTest, PicturesWithoutVideoShowTheRunWholeToo) {
 }
 
 TEST_F(RecordTest, ErrorOfAStageEndsTheOthers) {
-  // Where the video is to be written.
-  fs::create_directory(settings_.folder / "deployment.part.mp4");
-  const auto recording = [this] { record(tessellationScene(), settings_, proceed_); };
+  // Where frames are to be written.
+  settings_.frames = true;
+  const auto recording = [this] {
+    record(tessellationScene(), settings_, [this](const Progress&) {
+      const fs::path frames = settings_.folder / ".unfinished/frames";
+      if (fs::remove_all(frames) > 0) std::ofstream(frames) << "no folder";
+      return true;
+    });
+  };
   EXPECT_THROW(recording(), OutputError);
   EXPECT_FALSE(fs::exists(settings_.folder / "deployment.mp4"));
   EXPECT_FALSE(fs::exists(settings_.folder / "summary.json"));

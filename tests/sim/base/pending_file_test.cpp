@@ -100,7 +100,8 @@ TEST_F(PendingFileTest, ReplacesLinksAndLeavesWhatTheyLeadTo) {
   EXPECT_EQ(read(folder_ / "elsewhere"), "theirs");
   EXPECT_EQ(read(folder_ / "a.txt"), "ours");
   EXPECT_FALSE(fs::is_symlink(folder_ / "a.txt"));
-  EXPECT_FALSE(fs::exists(folder_ / "a.part.txt"));
+  EXPECT_TRUE(fs::is_symlink(folder_ / "a.part.txt"));
+  EXPECT_FALSE(fs::exists(folder_ / "a.part2.txt"));
 }
 
 /// Lets no file grow beyond some bytes, as on a full disk.

@@ -64,15 +64,30 @@ TEST(Folder, RoundTripOfLooseTile) {
   expectSameModel(read(folder.path()), model);
 }
 
-TEST(Folder, WritingRemovesAnotherModelsTarget) {
+TEST(Folder, NeverTakesThePlaceOfAnotherModel) {
   const TemporaryFolder folder;
   Model model = makeTessellation({});
   model.pulledTiles = std::vector<int>{3};
   writeModelFolder(model, folder.path());
+  const Model whole = model;
+  const auto expectRefused = [&](const char* name) {
+    try {
+      writeModelFolder(model, folder.path());
+      FAIL();
+    } catch (const InputError& error) {
+      EXPECT_EQ(std::string(error.what()),
+                (folder.path() / name).string() +
+                    ": error: this file of another model is in the way; move it away, or choose "
+                    "another folder");
+    }
+    expectSameModel(read(folder.path()), whole);
+  };
+  model.pulledTiles = std::vector<int>{2};
+  expectRefused("pull.txt");
   model.target.reset();
-  model.pulledTiles.reset();
-  writeModelFolder(model, folder.path());
-  expectSameModel(read(folder.path()), model);
+  expectRefused("target.txt");
+  writeModelFolder(whole, folder.path());  // the same again
+  expectSameModel(read(folder.path()), whole);
 }
 
 TEST(Folder, ReadsWhatOtherProgramsWrite) {

@@ -1,7 +1,8 @@
-/// The folder that a run's files go into.
+/// The names of what a run leaves in its folder, and the right to write there.
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 
 namespace kirireel {
@@ -15,10 +16,13 @@ inline constexpr const char* kFinalMesh = "final";      ///< .obj and .ply
 inline constexpr const char* kFinalVertices = "final_vertices.txt";
 inline constexpr const char* kTrajectory = "trajectory.h5";
 inline constexpr const char* kSummary = "summary.json";
+inline constexpr const char* kContents = "contents.json";   ///< of export and render
 inline constexpr const char* kStateMoment = "export";       ///< _0001.obj, .ply, ...
 inline constexpr const char* kSnapshotMoment = "snapshot";  ///< _0001.png, ...
 inline constexpr const char* kFrames = "frames";            ///< a folder
-inline constexpr const char* kCheckpoint = ".checkpoint";   ///< a folder, gone when the run is over
+/// A folder, gone when the run is over: what is not whole yet.
+inline constexpr const char* kUnfinished = ".unfinished";
+inline constexpr const char* kCheckpoint = "checkpoint";  ///< a folder within that one
 }  // namespace output
 
 /// "frames/frame_00042.png".
@@ -44,14 +48,7 @@ class FolderLock {
   int file_ = -1;  ///< of the system
 };
 
-/// Makes the folder of single frames within a run's folder, in place of a link of that name. Throws
-/// OutputError.
-void makeFramesFolder(const std::filesystem::path& folder);
-
-/// Makes the folder, checks that it can be written, and removes what an earlier run left under the
-/// names above, so that files of two runs never stand side by side. Nothing else is touched:
-/// links under these names are removed themselves, not what they lead to.
-/// Throws OutputError.
-void prepareOutputFolder(const std::filesystem::path& folder);
+/// Whether `nameOf` gives this name to some number from 0 on.
+bool isNumbered(const std::string& name, const std::function<std::string(int)>& nameOf);
 
 }  // namespace kirireel

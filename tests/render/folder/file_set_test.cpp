@@ -1,0 +1,196 @@
+#include "render/folder/file_set.h"
+
+#include <map>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "render/folder/left_files.h"
+#include "sim/base/error.h"
+#include "tests/support/files.h"
+
+namespace kirireel {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::StrEq;
+using testing::ThrowsMessage;
+
+void write(const fs::path& file, const std::string& text) {
+  fs::create_directories(file.parent_path());
+  std::ofstream(file, std::ios::binary) << text;
+}
+
+/// All files in a folder and below, and what they hold.
+std::map<std::string, std::string> contentsOf(const fs::path& folder) {
+  std::map<std::string, std::string> contents;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
+    if (!entry.is_regular_file()) continue;
+    contents[entry.path().lexically_relative(folder).string()] = test::bytesOf(entry.path());
+  }
+  return contents;
+}
+
+/// The record of these files as they stand in a folder.
+std::string recordOf(const fs::path& folder, const std::vector<std::string>& names) {
+  FileList files;
+  for (const std::string& name : names) files[name] = digestOf(folder, name);
+  return contentsText(files);
+}
+
+class FileSetTest : public testing::Test {
+ protected:
+  /// Leaves a run of these files.
+  void leaveRun(const std::map<std::string, std::string>& contents) const {
+    FileSet files(folder_.path(), output::kSummary);
+    std::vector<std::string> names;
+    for (const auto& [name, text] : contents) {
+      write(files.stage() / name, text);
+      names.push_back(name);
+    }
+    files.commit(recordOf(files.stage(), names));
+  }
+
+  /// The same without its record.
+  std::map<std::string, std::string> found() const {
+    auto contents = contentsOf(folder_.path());
+    contents.erase(output::kSummary);
+    return contents;
+  }
+
+  using Contents = std::map<std::string, std::string>;
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(FileSetTest, ReplacesAnEarlierRunAltogether) {
+  leaveRun({{"a.txt", "old"}, {"frames/1.png", "old"}, {"talk.webm", "old"}});
+  write(folder_ / "frames/own.png", "theirs");
+  leaveRun({{"a.txt", "new"}, {"b.txt", "new"}});
+  EXPECT_EQ(found(), (Contents{{"a.txt", "new"}, {"b.txt", "new"}, {"frames/own.png", "theirs"}}));
+  leaveRun({{"frames/1.png", "new"}});
+  fs::remove(folder_ / "frames/own.png");
+  leaveRun({{"a.txt", "newest"}});
+  EXPECT_FALSE(fs::exists(folder_ / "frames"));
+}
+
+TEST_F(FileSetTest, TouchesNothingUntilItIsWhole) {
+  leaveRun({{"a.txt", "old"}});
+  const auto before = contentsOf(folder_.path());
+  {
+    FileSet files(folder_.path(), output::kSummary);
+    write(files.stage() / "a.txt", "half");
+    write(files.stage() / "checkpoint/state.h5", "state");
+    // As a killed program leaves it.
+    auto during = contentsOf(folder_.path());
+    std::erase_if(during, [](const auto& file) { return file.first.starts_with(".unfinished/"); });
+    EXPECT_EQ(during, before);
+  }
+  EXPECT_EQ(test::bytesOf(folder_ / ".unfinished/checkpoint/state.h5"), "state");
+  EXPECT_FALSE(fs::exists(folder_ / ".unfinished/a.txt"));
+  FileSet(folder_.path(), output::kSummary).dropCheckpoint();
+  EXPECT_EQ(contentsOf(folder_.path()), before);
+  EXPECT_FALSE(fs::exists(folder_ / ".unfinished"));
+}
+
+TEST_F(FileSetTest, OverwritesNothingOfOthers) {
+  leaveRun({{"a.txt", "old"}, {"b.txt", "old"}});
+  write(folder_ / "b.txt", "edited");
+  write(folder_ / "c.txt", "theirs");
+  const auto before = contentsOf(folder_.path());
+  const auto isWanted = [](const std::string& name) { return name.ends_with(".txt"); };
+  {
+    const FileSet files(folder_.path(), output::kSummary);
+    EXPECT_THAT([&] { files.requireFree(isWanted); },
+                ThrowsMessage<InputError>(StrEq(
+                    folder_.path().string() +
+                    ": error: b.txt, c.txt would be overwritten, but no earlier run left them "
+                    "so; move them away, or choose another folder with --out")));
+  }
+  EXPECT_EQ(contentsOf(folder_.path()), before);
+}
+
+TEST_F(FileSetTest, RefusesLinksAndFoldersUnderItsNames) {
+  write(folder_ / "theirs/f.png", "theirs");
+  fs::create_symlink(folder_ / "theirs/f.png", folder_ / "a.txt");
+  fs::create_directory(folder_ / "b.txt");
+  fs::create_symlink(folder_ / "nowhere", folder_ / "c.txt");
+  fs::create_directory_symlink(folder_ / "theirs", folder_ / "frames");
+  const FileSet files(folder_.path(), output::kSummary);
+  const auto isWanted = [](const std::string& name) {
+    return name.ends_with(".txt") || name == "frames/";
+  };
+  EXPECT_THAT([&] { files.requireFree(isWanted); },
+              ThrowsMessage<InputError>(testing::HasSubstr(
+                  "error: a.txt, b.txt, c.txt and 1 more would be overwritten")));
+  fs::remove(folder_ / "frames");
+  fs::create_directory(folder_ / "frames");
+  EXPECT_NO_THROW(files.requireFree([](const std::string& name) { return name == "frames/"; }));
+}
+
+TEST_F(FileSetTest, MovesNothingWhereOthersCameInBetween) {
+  const auto leave = [this] { leaveRun({{"a.txt", "new"}, {"b.txt", "new"}}); };
+  {
+    FileSet files(folder_.path(), output::kSummary);
+    write(files.stage() / "a.txt", "new");
+    write(files.stage() / "b.txt", "new");
+    write(folder_ / "b.txt", "theirs");
+    EXPECT_THROW(files.commit(recordOf(files.stage(), {"a.txt", "b.txt"})), InputError);
+  }
+  EXPECT_FALSE(fs::exists(folder_ / "a.txt"));
+  EXPECT_EQ(test::bytesOf(folder_ / "b.txt"), "theirs");
+  // The run is whole and waits for room.
+  EXPECT_THROW(leave(), InputError);
+  fs::remove(folder_ / "b.txt");
+  { const FileSet files(folder_.path(), output::kSummary); }
+  EXPECT_EQ(found(), (Contents{{"a.txt", "new"}, {"b.txt", "new"}}));
+}
+
+TEST_F(FileSetTest, GoesOnMovingWhereAKillCameInBetween) {
+  leaveRun({{"a.txt", "old"}, {"b.txt", "old"}, {"c.txt", "old"}});
+  // Half moved: a.txt is in place, b.txt is not, and neither is the record.
+  const fs::path stage = folder_ / ".unfinished";
+  write(stage / "a.txt", "new");
+  write(stage / "b.txt", "new");
+  write(stage / "summary.json", recordOf(stage, {"a.txt", "b.txt"}));
+  write(stage / "kirireel.txt",
+        "Kirireel works here. It moves whole files out of this folder and removes all others.\n");
+  fs::rename(stage / "a.txt", folder_ / "a.txt");
+  { const FileSet files(folder_.path(), output::kSummary); }
+  EXPECT_EQ(found(), (Contents{{"a.txt", "new"}, {"b.txt", "new"}}));
+}
+
+TEST_F(FileSetTest, LeavesAHiddenFolderOfOthersAlone) {
+  write(folder_ / ".unfinished/notes.txt", "theirs");
+  EXPECT_THAT([this] { const FileSet files(folder_.path(), output::kSummary); },
+              ThrowsMessage<InputError>(testing::HasSubstr(
+                  "error: .unfinished would be overwritten, but no earlier run left it so")));
+  EXPECT_EQ(found(), (Contents{{".unfinished/notes.txt", "theirs"}}));
+}
+
+TEST_F(FileSetTest, AddsToWhatARunLeft) {
+  leaveRun({{"a.txt", "run"}});
+  for (const char* text : {"first", "second"}) {
+    FileSet files(folder_.path(), output::kContents);
+    write(files.stage() / "a.txt", text);
+    write(files.stage() / (text + std::string(".obj")), text);
+    files.commit(std::vector<std::string>{"a.txt", text + std::string(".obj")});
+  }
+  EXPECT_EQ(test::bytesOf(folder_ / "a.txt"), "second");
+  EXPECT_EQ(listedFiles(folder_ / "contents.json").size(), 3U);
+  // The next run takes the place of both.
+  leaveRun({{"b.txt", "new"}});
+  EXPECT_EQ(found(), (Contents{{"b.txt", "new"}}));
+}
+
+TEST_F(FileSetTest, SaysWhyAFolderCannotBeMade) {
+  write(folder_ / "file", "");
+  for (const fs::path& place : {folder_ / "file", folder_ / "file" / "in"}) {
+    EXPECT_THAT([&] { const FileSet files(place, output::kSummary); },
+                ThrowsMessage<OutputError>(
+                    StrEq(place.string() +
+                          ": error: the folder cannot be made (Not a directory); choose another")));
+  }
+}
+
+}  // namespace
+}  // namespace kirireel

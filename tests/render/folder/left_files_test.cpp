@@ -1,0 +1,87 @@
+#include "render/folder/left_files.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/files.h"
+
+namespace kirireel {
+namespace {
+
+namespace fs = std::filesystem;
+
+void write(const fs::path& file, const std::string& text) {
+  std::ofstream(file, std::ios::binary) << text;
+}
+
+/// A folder with one file that a run left, and its record.
+class LeftFilesTest : public testing::Test {
+ protected:
+  LeftFilesTest() {
+    fs::create_directory(folder_ / "frames");
+    write(folder_ / "final.obj", "ours");
+    write(folder_ / "frames/frame_00000.png", "ours too");
+    FileList files;
+    for (const char* name : {"final.obj", "frames/frame_00000.png"}) {
+      files[name] = digestOf(folder_.path(), name);
+    }
+    write(folder_ / "summary.json", contentsText(files));
+  }
+
+  bool isForeign(const std::string& name) const {
+    return LeftFiles(folder_.path()).isForeign(name);
+  }
+
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(LeftFilesTest, KnowsWhatTheRecordLists) {
+  EXPECT_FALSE(isForeign("final.obj"));
+  EXPECT_FALSE(isForeign("frames/frame_00000.png"));
+  EXPECT_FALSE(isForeign("summary.json"));
+  EXPECT_FALSE(isForeign("final.ply"));  // not there
+  EXPECT_TRUE(LeftFiles(folder_.path()).stands("final.obj"));
+  EXPECT_FALSE(LeftFiles(folder_.path()).stands("final.ply"));
+}
+
+TEST_F(LeftFilesTest, TakeNothingElseForOurs) {
+  write(folder_ / "final.ply", "theirs");
+  EXPECT_TRUE(isForeign("final.ply"));
+  write(folder_ / "final.obj", "OURS");  // as many bytes
+  EXPECT_TRUE(isForeign("final.obj"));
+  fs::remove(folder_ / "final.obj");
+  fs::create_directory(folder_ / "final.obj");
+  EXPECT_TRUE(isForeign("final.obj"));
+}
+
+TEST_F(LeftFilesTest, KnowNothingWithoutASealedRecord) {
+  write(folder_ / "summary.json", test::bytesOf(folder_ / "summary.json") + " ");
+  EXPECT_TRUE(isForeign("final.obj"));
+  EXPECT_TRUE(isForeign("summary.json"));
+  fs::remove(folder_ / "summary.json");
+  EXPECT_TRUE(isForeign("final.obj"));
+}
+
+TEST_F(LeftFilesTest, AreNotSoughtThroughLinksToFolders) {
+  fs::rename(folder_ / "frames", folder_ / "elsewhere");
+  fs::create_directory_symlink(folder_ / "elsewhere", folder_ / "frames");
+  EXPECT_TRUE(isForeign("frames/frame_00000.png"));
+  // A link to the very bytes of a file loses nothing when it is replaced.
+  fs::rename(folder_ / "final.obj", folder_ / "moved.obj");
+  fs::create_symlink(folder_ / "moved.obj", folder_ / "final.obj");
+  EXPECT_FALSE(isForeign("final.obj"));
+  fs::remove(folder_ / "moved.obj");
+  EXPECT_TRUE(isForeign("final.obj"));
+}
+
+TEST_F(LeftFilesTest, CountAsTheNewestRecordHasThem) {
+  write(folder_ / "final.obj", "exported again");
+  FileList files;
+  files["final.obj"] = digestOf(folder_.path(), "final.obj");
+  write(folder_ / "contents.json", contentsText(files));
+  EXPECT_FALSE(isForeign("final.obj"));
+  EXPECT_FALSE(isForeign("frames/frame_00000.png"));
+  EXPECT_FALSE(isForeign("contents.json"));
+}
+
+}  // namespace
+}  // namespace kirireel
