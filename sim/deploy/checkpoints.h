@@ -49,6 +49,8 @@ class Checkpoints {
 
   /// How the trials of the search for a path ended, in order.
   std::vector<TrialEnd>& trials() { return trials_; }
+  /// CPU seconds that the search has taken, in this process and those before it.
+  double& searchSeconds() { return searchSeconds_; }
   /// Where samples are recorded, each with what the run notes beside it.
   StateTape& samples() { return samples_; }
 
@@ -60,7 +62,7 @@ class Checkpoints {
  private:
   using Clock = std::chrono::steady_clock;
 
-  void transfer(StateTape& tape) { tape.transfer(trials_, sampleFiles_, run_); }
+  void transfer(StateTape& tape) { tape.transfer(trials_, searchSeconds_, sampleFiles_, run_); }
   std::filesystem::path samplesFile(std::size_t index) const;
   StateTape readSamples(std::size_t index) const;
   void write(const std::filesystem::path& path, const StateTape& tape) const;
@@ -70,6 +72,7 @@ class Checkpoints {
   std::string order_;
   CheckpointPace pace_;
   std::vector<TrialEnd> trials_;
+  double searchSeconds_ = 0;
   StateTape samples_;                     // since the last checkpoint
   std::vector<std::size_t> sampleFiles_;  // numbers in each
   RunState run_;

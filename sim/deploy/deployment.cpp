@@ -73,13 +73,16 @@ DeploymentResult deployUnkept(const Scene& scene, double sampleInterval,
   if (scene.model.tiles.empty())
     throw InputError("the model has no tiles; add one to vertices.txt");
   if (scene.solver.kind == SolverKind::Bullet) checkpoints = nullptr;
-  const double startSeconds = threadCpuSeconds();
+  double ownSeconds = 0;
+  double& searchSeconds = checkpoints ? checkpoints->searchSeconds() : ownSeconds;
+  const double startSeconds = threadCpuSeconds() - searchSeconds;
   const AssembledState nearest = assembleAtTarget(scene);
   std::vector<BlockingPair> blocking = blockingPairs(scene, nearest.poses);
   bool goOn = true;
   std::size_t savedTrials = checkpoints ? checkpoints->trials().size() : 0;
   const TrialObserver watchSearch = [&](const std::string& what) {
     goOn = goOn && (!searching || searching(what));
+    searchSeconds = threadCpuSeconds() - startSeconds;
     const bool isNew = checkpoints && checkpoints->trials().size() > savedTrials;
     if (isNew && (!goOn || checkpoints->isDue())) {
       checkpoints->save({});
@@ -92,7 +95,7 @@ DeploymentResult deployUnkept(const Scene& scene, double sampleInterval,
                                  checkpoints ? checkpoints->trials() : trials);
   Scene chosen = scene;
   chosen.path = choice.path;
-  const double searchSeconds = threadCpuSeconds() - startSeconds;
+  searchSeconds = threadCpuSeconds() - startSeconds;
   // A search that was ended early ends the run with its start, on a path that may be another's.
   if (!goOn) checkpoints = nullptr;
   const RunObservers watch{

@@ -291,9 +291,13 @@ TEST(Checkpoints, DoNotSearchAgainForAPath) {
   EXPECT_EQ(checkpoints.find(),
             "goes on with the search for a path, from the checkpoint in " + folder.string());
   EXPECT_THAT(checkpoints.trials(), SizeIs(2));
+  const double earlierSeconds = checkpoints.searchSeconds();
+  EXPECT_GT(earlierSeconds, 0);
   expectResumedAt({5}, scene, undisturbed);
   std::string found;
-  expectSame(runProcess(scene, folder, kNoLast, Ending::Asked, &found), undisturbed);
+  const DeploymentResult resumed = runProcess(scene, folder, kNoLast, Ending::Asked, &found);
+  expectSame(resumed, undisturbed);
+  EXPECT_GT(resumed.cost.cpuSecondsSearch, earlierSeconds);
   EXPECT_THAT(found, HasSubstr("with the search"));
 }
 
