@@ -128,10 +128,7 @@ Order parseCommandLine(const std::vector<std::string>& arguments) {
   if (const std::optional<PrintOrder> page = parseInto(program, arguments)) return *page;
   requireNothingLeft(program);
   for (const Command& command : commands) {
-    if (!command.app->parsed()) continue;
-    Order order = command.completeOrder();
-    if (auto* record = std::get_if<RecordOrder>(&order)) record->arguments = arguments;
-    return order;
+    if (command.app->parsed()) return command.completeOrder();
   }
   throw InputError(fmt::format("error: no command given; choose {}, see kirireel --help",
                                listWords(commandNames(program))));

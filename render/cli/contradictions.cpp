@@ -1,5 +1,6 @@
 #include "render/cli/contradictions.h"
 
+#include <algorithm>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -66,6 +67,11 @@ bool isGiven(const CLI::App& command, const char* option) {
 }
 
 }  // namespace
+
+bool hasEffect(const std::string& option, const Scene& scene) {
+  return std::ranges::all_of(
+      rules(), [&](const Rule& rule) { return rule.option != option || rule.holds(scene); });
+}
 
 void requireConsistent(const CLI::App& command, const Scene& scene) {
   for (const Rule& rule : rules()) {

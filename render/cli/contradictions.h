@@ -1,6 +1,8 @@
 /// Options that make no sense together.
 #pragma once
 
+#include <string>
+
 namespace CLI {
 class App;
 }
@@ -13,5 +15,8 @@ struct Scene;
 /// another choice leaves it without effect: what it needs, and that it can be left away. To be
 /// called once all settings are read.
 void requireConsistent(const CLI::App& command, const Scene& scene);
+
+/// Whether an option means anything, its name with hyphens, beside the scene's other choices.
+bool hasEffect(const std::string& option, const Scene& scene);
 
 }  // namespace kirireel

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include <CLI/CLI.hpp>
+#include <fmt/ranges.h>
 
 #include "render/cli/exit_codes.h"
 #include "render/cli/option_group.h"
@@ -32,14 +33,22 @@ void addStateOptions(OptionGroup& group, ExportSettings& settings) {
     *isTyped = true;
     settings.states.push_back(name);
   };
-  group.values("--states", "LIST",
-               "initial, final, all, shares (25%), times (1.5s), angles that some tile has turned "
-               "(30deg), separated by commas (initial,final)",
-               [append](const OptionValue& typed) {
-                 for (const std::string& name : splitAtCommas(typed)) append(name);
-               });
-  group.values("--state", "NAME", "one of them, or event:TEXT",
-               [append](const OptionValue& typed) { append(typed.text); });
+  group
+      .values("--states", "LIST",
+              "initial, final, all, shares (25%), times (1.5s), angles that some tile has turned "
+              "(30deg), separated by commas (initial,final)",
+              [append](const OptionValue& typed) {
+                for (const std::string& name : splitAtCommas(typed)) append(name);
+              })
+      .decidesNothing();  // --state says it
+  group
+      .values("--state", "NAME", "one of them, or event:TEXT",
+              [append](const OptionValue& typed) { append(typed.text); })
+      .saidAs([&settings] {
+        std::vector<std::string> names;
+        for (const std::string& name : settings.states) names.push_back(quotedText(name));
+        return quotedList(names);
+      });
 }
 
 void addElementOptions(CLI::App& command, ElementRule& elements) {
@@ -47,8 +56,7 @@ void addElementOptions(CLI::App& command, ElementRule& elements) {
   group.integer("--elements-per-edge", elements.perEdge, {1, 64}, "COUNT",
                 "along each edge of a tile");
   group.integer("--elements-through", elements.through, {1, 64}, "COUNT", "through the thickness");
-  group.flag("--quadratic", "20 and 15 nodes an element, for bending",
-             [&elements] { elements.quadratic = true; });
+  group.flag("--quadratic", elements.quadratic, "20 and 15 nodes an element, for bending");
   group.choice<JointStyle>("--joints", elements.joints,
                            {{"shared", JointStyle::Shared},
                             {"equation", JointStyle::Equation},
@@ -68,16 +76,28 @@ void addExportOptions(CLI::App& command, const std::string& formatOption,
                       ExportSettings& settings) {
   OptionGroup group(command, "Export");
   std::string help = "formats, separated by commas: " + listWords(choiceNames(exportFormatNames()));
-  group.value(formatOption, "LIST", "", help, [&settings](const OptionValue& typed) {
-    for (const std::string& word : splitAtCommas(typed)) {
-      settings.formats.push_back(parseChoice({typed.name, word}, exportFormatNames()));
-    }
-  });
+  group
+      .value(formatOption, "LIST", "", help,
+             [&settings](const OptionValue& typed) {
+               for (const std::string& word : splitAtCommas(typed)) {
+                 settings.formats.push_back(parseChoice({typed.name, word}, exportFormatNames()));
+               }
+             })
+      .saidAs([&settings] {
+        std::vector<std::string> names;
+        for (const ExportFormat format : settings.formats) {
+          names.push_back(nameOfChoice(exportFormatNames(), format));
+        }
+        return quotedText(fmt::format("{}", fmt::join(names, ",")));
+      });
   addStateOptions(group, settings);
-  group.value("--hinge-width", "METRES", "tile size / 20",
-              "of the necks in cut patterns (svg, dxf)", [&settings](const OptionValue& typed) {
-                settings.hingeWidth = parseNumber(typed, {1e-12, 1e9});
-              });
+  group
+      .value("--hinge-width", "METRES", "tile size / 20", "of the necks in cut patterns (svg, dxf)",
+             [&settings](const OptionValue& typed) {
+               settings.hingeWidth = parseNumber(typed, {1e-12, 1e9});
+             })
+      .saidAs(
+          [&settings] { return settings.hingeWidth > 0 ? numberText(settings.hingeWidth) : ""; });
   addElementOptions(command, settings.elements);
 }
 

@@ -17,8 +17,14 @@ void addParameter(OptionGroup& group, const FamilyParameter& parameter, Generate
     order.values[name] =
         whole ? static_cast<double>(parseInteger(typed, range)) : parseNumber(typed, range);
   };
-  group.value("--" + parameter.name, parameter.unit, fmt::format("{:.6g}", parameter.usual),
-              parameter.help, read);
+  const auto write = [&order, parameter] {
+    const auto given = order.values.find(parameter.name);
+    return numberText(given == order.values.end() ? parameter.usual : given->second);
+  };
+  group
+      .value("--" + parameter.name, parameter.unit, fmt::format("{:.6g}", parameter.usual),
+             parameter.help, read)
+      .saidAs(write);
 }
 
 }  // namespace

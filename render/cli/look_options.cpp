@@ -28,13 +28,17 @@ void addColourOptions(OptionGroup& group, Look& look) {
   group.choice<ColourMap>("--colour-map", look.map,
                           {{"viridis", ColourMap::Viridis}, {"cividis", ColourMap::Cividis}},
                           "scale of colours for a measure");
-  group.value("--colour-most", "VALUE", "the largest to be expected",
-              "value at the bright end of the scale, metres or degrees",
-              [&look](const OptionValue& typed) {
-                look.colourMost = parseNumber(typed, {1e-15, 1e12});
-              });
-  group.value("--brick-colour", "RRGGBB", "80AEDC", "of all bricks, with --colour plain",
-              [&look](const OptionValue& typed) { look.brickColour = parseColour(typed); });
+  group
+      .value("--colour-most", "VALUE", "the largest to be expected",
+             "value at the bright end of the scale, metres or degrees",
+             [&look](const OptionValue& typed) {
+               look.colourMost = parseNumber(typed, {1e-15, 1e12});
+             })
+      .saidAs([&look] { return look.colourMost ? numberText(*look.colourMost) : ""; });
+  group
+      .value("--brick-colour", "RRGGBB", "80AEDC", "of all bricks, with --colour plain",
+             [&look](const OptionValue& typed) { look.brickColour = parseColour(typed); })
+      .saidAs([&look] { return look.brickColour ? colourText(*look.brickColour) : ""; });
 }
 
 void addDrawingOptions(CLI::App& command, Look& look) {
@@ -49,39 +53,46 @@ void addDrawingOptions(CLI::App& command, Look& look) {
        {"shadow", GroundLook::Shadow},
        {"none", GroundLook::None}},
       "under the bricks, auto is a plate with a shadow when there is a ground");
-  group.flag("--transparent", "no background in PNG files", [&look] { look.transparent = true; });
-  group.flag("--no-outlines", "no lines on the edges of tiles", [&look] { look.outlines = false; });
-  group.flag("--mark-joints", "a dot on each joint", [&look] { look.jointMarks = true; });
-  group.flag("--target-lines", "the target's tiles as lines over everything",
-             [&look] { look.targetLines = true; });
+  group.flag("--transparent", look.transparent, "no background in PNG files");
+  group.flag("--no-outlines", look.outlines, "no lines on the edges of tiles", false);
+  group.flag("--mark-joints", look.jointMarks, "a dot on each joint");
+  group.flag("--target-lines", look.targetLines, "the target's tiles as lines over everything");
 }
 
 void addViewOptions(OptionGroup& group, CameraChoice& camera) {
-  group.choice<std::optional<ViewAngles>>(
-      "--view", camera.view,
-      {{"auto", std::nullopt},
-       {"top", kTopView},
-       {"front", kFrontView},
-       {"iso", kIsometricView},
-       {"oblique", kObliqueView}},
-      "where the camera stands, auto is top for a flat model, else iso");
+  const Choices<std::optional<ViewAngles>> views = {{"auto", std::nullopt},
+                                                    {"top", kTopView},
+                                                    {"front", kFrontView},
+                                                    {"iso", kIsometricView},
+                                                    {"oblique", kObliqueView}};
+  group.choice("--view", camera.view, views,
+               "where the camera stands, auto is top for a flat model, else iso");
+  // A view with a name is said by that.
+  const auto angles = [&camera, views]() -> std::optional<TypedView> {
+    return nameOfChoice(views, camera.view).empty() ? std::optional(typedView(*camera.view))
+                                                    : std::nullopt;
+  };
   const auto usual = [&camera] {
     if (!camera.view) camera.view = viewFromYawPitch(kUsualYaw, kUsualPitch);
   };
-  group.value("--yaw", "DEGREES", "50 with --pitch",
-              "turns the camera about z, 0 is from the front, as in PyKirigami",
-              [&camera, usual](const OptionValue& typed) {
-                usual();
-                const double yaw = parseNumber(typed, {-3600, 3600}) * kDegree;
-                camera.view->azimuth = viewFromYawPitch(yaw, 0).azimuth;
-              });
-  group.value("--pitch", "DEGREES", "-35 with --yaw",
-              "-90 is from above, 0 from the side, as in PyKirigami",
-              [&camera, usual](const OptionValue& typed) {
-                usual();
-                const double pitch = parseNumber(typed, {-90, 90}) * kDegree;
-                camera.view->elevation = viewFromYawPitch(0, pitch).elevation;
-              });
+  group
+      .value("--yaw", "DEGREES", "50 with --pitch",
+             "turns the camera about z, 0 is from the front, as in PyKirigami",
+             [&camera, usual](const OptionValue& typed) {
+               usual();
+               const double yaw = parseNumber(typed, {-3600, 3600}) * kDegree;
+               camera.view->azimuth = viewFromYawPitch(yaw, 0).azimuth;
+             })
+      .saidAs([angles] { return angles() ? numberText(angles()->yaw) : ""; });
+  group
+      .value("--pitch", "DEGREES", "-35 with --yaw",
+             "-90 is from above, 0 from the side, as in PyKirigami",
+             [&camera, usual](const OptionValue& typed) {
+               usual();
+               const double pitch = parseNumber(typed, {-90, 90}) * kDegree;
+               camera.view->elevation = viewFromYawPitch(0, pitch).elevation;
+             })
+      .saidAs([angles] { return angles() ? numberText(angles()->pitch) : ""; });
 }
 
 void addCameraOptions(CLI::App& command, Look& look) {
@@ -95,21 +106,30 @@ void addCameraOptions(CLI::App& command, Look& look) {
   group.number("--zoom", camera.zoom, {1e-3, 1e3}, "FACTOR", "enlarges the middle");
   group.number("--margin", camera.margin, {0, 0.45}, "SHARE",
                "of the picture left free on each side");
-  group.value("--distance", "METRES", "as it fits", "of the eye, in perspective",
-              [&camera](const OptionValue& typed) {
-                camera.distance = parseNumber(typed, {1e-9, 1e12});
-              });
+  group
+      .value("--distance", "METRES", "as it fits", "of the eye, in perspective",
+             [&camera](const OptionValue& typed) {
+               camera.distance = parseNumber(typed, {1e-9, 1e12});
+             })
+      .saidAs([&camera] { return camera.distance ? numberText(*camera.distance) : ""; });
   group.choice<FitScope>(
       "--fit", look.fit,
       {{"auto", FitScope::Auto}, {"run", FitScope::Run}, {"ends", FitScope::Ends}},
       "what stays in sight, the whole run or its start and target");
-  group.value("--orbit", "DEGREES", "0", "the camera turns about z over the run",
-              [&camera](const OptionValue& typed) {
-                camera.orbit = parseNumber(typed, {-36000, 36000}) * kDegree;
-              });
-  group.value("--camera-keys", "TIME:YAW:PITCH:ZOOM,...", "",
-              "the camera passes here at these times (seconds, degrees)",
-              [&camera](const OptionValue& typed) { camera.keys = parseCameraKeys(typed); });
+  group
+      .value("--orbit", "DEGREES", "0", "the camera turns about z over the run",
+             [&camera](const OptionValue& typed) {
+               camera.orbit = parseNumber(typed, {-36000, 36000}) * kDegree;
+             })
+      .saidAs([&camera] {
+        return numberText(numberReadAs(camera.orbit, camera.orbit / kDegree,
+                                       [](double degrees) { return degrees * kDegree; }));
+      });
+  group
+      .value("--camera-keys", "TIME:YAW:PITCH:ZOOM,...", "",
+             "the camera passes here at these times (seconds, degrees)",
+             [&camera](const OptionValue& typed) { camera.keys = parseCameraKeys(typed); })
+      .saidAs([&camera] { return cameraKeysText(camera.keys); });
 }
 
 }  // namespace

@@ -9,18 +9,14 @@
 namespace kirireel {
 namespace {
 
-void print(const std::string& warning) {
-  fmt::print(stderr, "kirireel: {}\n", oneLine(warning));
-}
-
 /// Tiles that lie in each other are a mistake, or meant, as where a sheet is folded flat.
-void warnOfOverlaps(const Model& model) {
+void warnOfOverlaps(const Model& model, std::vector<std::string>& warnings) {
   constexpr double kShareOfTile = 1e-3;  // less cannot be seen
   const std::vector<TileOverlap> overlaps =
       tileOverlaps(model.tiles, kShareOfTile * tileSize(model));
   if (overlaps.empty()) return;
   const TileOverlap& deepest = overlaps.front();
-  print(fmt::format(
+  warnings.push_back(fmt::format(
       "{}: warning: tiles {} and {} overlap by {:.3g} m at the start{}; move them "
       "apart, or let them pass through each other (--contacts none)",
       model.name, deepest.tileA, deepest.tileB, deepest.depth,
@@ -40,14 +36,26 @@ void addTargetOption(OptionGroup& group, std::filesystem::path& target) {
               [&target](const OptionValue& typed) { target = typed.text; });
 }
 
-Model readModelAt(const std::filesystem::path& place, const std::filesystem::path& target) {
+Model readModelAt(const std::filesystem::path& place, const std::filesystem::path& target,
+                  std::vector<std::string>& warnings) {
   std::optional<std::filesystem::path> named;
   if (!target.empty()) named = findModel(target);
-  std::vector<std::string> warnings;
   Model model = readModel(findModel(place), named, warnings);
-  for (const std::string& warning : warnings) print(warning);
-  warnOfOverlaps(model);
+  warnOfOverlaps(model, warnings);
   return model;
+}
+
+Model readModelAt(const std::filesystem::path& place, const std::filesystem::path& target) {
+  std::vector<std::string> warnings;
+  Model model = readModelAt(place, target, warnings);
+  printWarnings(warnings);
+  return model;
+}
+
+void printWarnings(const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings) {
+    fmt::print(stderr, "kirireel: {}\n", oneLine(warning));
+  }
 }
 
 }  // namespace kirireel

@@ -19,7 +19,14 @@ void addTargetOption(OptionGroup& group, std::filesystem::path& target);
 std::filesystem::path findModel(const std::filesystem::path& named);
 
 /// Reads the model, in data/ too when it stands only there, as PyKirigami's users name theirs.
-/// Warnings, also of tiles that overlap at the start, go to standard error. Throws InputError.
+/// Warnings are appended, also of tiles that overlap at the start. Throws InputError.
+Model readModelAt(const std::filesystem::path& place, const std::filesystem::path& target,
+                  std::vector<std::string>& warnings);
+
+/// The same; warnings go to standard error.
 Model readModelAt(const std::filesystem::path& place, const std::filesystem::path& target);
+
+/// Prints warnings on standard error, each on one line.
+void printWarnings(const std::vector<std::string>& warnings);
 
 }  // namespace kirireel

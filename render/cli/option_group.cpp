@@ -3,38 +3,76 @@
 #include <CLI/CLI.hpp>
 
 namespace kirireel {
+namespace {
 
-void OptionGroup::value(const std::string& name, const std::string& unit, const std::string& usual,
-                        const std::string& help, const Reader& read) {
-  const std::string text = usual.empty() ? help : fmt::format("{} (default {})", help, usual);
-  const auto readText = [name, read](const std::string& typed) { read({name, typed}); };
-  command_.add_option_function<std::string>(name, readText, text)
-      ->type_name(unit)
-      ->group(group_)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+/// As typed; all values of an option that takes several.
+std::string typedText(const CLI::Option& option) {
+  std::vector<std::string> texts;
+  for (const std::string& text : option.results()) texts.push_back(quotedText(text));
+  return quotedList(texts);
 }
 
-void OptionGroup::values(const std::string& name, const std::string& unit, const std::string& help,
-                         const Reader& read) {
+}  // namespace
+
+OptionGroup::Term& OptionGroup::Term::saidAs(const Writer& write) {
+  // CLI11's own place for the text of what an option is bound to. It is asked for after parsing, so
+  // that the help does not show it.
+  option_->default_function(write);
+  return *this;
+}
+
+OptionGroup::Term& OptionGroup::Term::decidesNothing() {
+  return saidAs([] { return std::string(); });
+}
+
+OptionGroup::Term OptionGroup::value(const std::string& name, const std::string& unit,
+                                     const std::string& usual, const std::string& help,
+                                     const Reader& read) {
+  const std::string text = usual.empty() ? help : fmt::format("{} (default {})", help, usual);
+  const auto readText = [name, read](const std::string& typed) { read({name, typed}); };
+  CLI::Option* option = command_.add_option_function<std::string>(name, readText, text)
+                            ->type_name(unit)
+                            ->group(group_)
+                            ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+  return Term(option).saidAs([option] { return typedText(*option); });
+}
+
+OptionGroup::Term OptionGroup::values(const std::string& name, const std::string& unit,
+                                      const std::string& help, const Reader& read) {
   const auto readTexts = [name, read](const std::vector<std::string>& typed) {
     for (const std::string& text : typed) read({name, text});
   };
-  command_.add_option_function<std::vector<std::string>>(name, readTexts, help)
-      ->type_name(unit)
-      ->group(group_)
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  CLI::Option* option =
+      command_.add_option_function<std::vector<std::string>>(name, readTexts, help)
+          ->type_name(unit)
+          ->group(group_)
+          ->expected(1)
+          ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  return Term(option).saidAs([option] { return typedText(*option); });
 }
 
 void OptionGroup::number(const std::string& name, double& target, Range range,
                          const std::string& unit, const std::string& help) {
   value(name, unit, fmt::format("{:.4g}", target), help,
-        [&target, range](const OptionValue& typed) { target = parseNumber(typed, range); });
+        [&target, range](const OptionValue& typed) { target = parseNumber(typed, range); })
+      .saidAs([&target] { return numberText(target); });
 }
 
-void OptionGroup::flag(const std::string& name, const std::string& help,
-                       const std::function<void()>& action) {
-  command_.add_flag_callback(name, action, help)->group(group_);
+OptionGroup::Term OptionGroup::flag(const std::string& name, bool& target, const std::string& help,
+                                    bool given) {
+  return flag(name, help, [&target, given] { target = given; }).saidAs([&target, given] {
+    return fmt::format("{}", target == given);
+  });
+}
+
+OptionGroup::Term OptionGroup::flag(const std::string& name, const std::string& help,
+                                    const std::function<void()>& action) {
+  CLI::Option* option = command_.add_flag_callback(name, action, help)->group(group_);
+  return Term(option).saidAs([option] { return fmt::format("{}", option->count() > 0); });
+}
+
+std::string saidBy(CLI::Option& option) {
+  return option.capture_default_str()->get_default_str();
 }
 
 void addPlace(CLI::App& command, const std::string& name, std::filesystem::path& target,

@@ -10,7 +10,8 @@
 
 namespace CLI {
 class App;
-}
+class Option;
+}  // namespace CLI
 
 namespace kirireel {
 
@@ -22,14 +23,33 @@ class OptionGroup {
   OptionGroup(CLI::App& command, std::string group) : command_(command), group_(std::move(group)) {}
 
   using Reader = std::function<void(const OptionValue&)>;
+  using Writer = std::function<std::string()>;
+
+  /// What an option says about a run, beside what it does. Unless told otherwise an option decides
+  /// the result, and its value is as it was typed.
+  class Term {
+   public:
+    explicit Term(CLI::Option* option) : option_(option) {}
+
+    /// The option's value is what `write` gives, whichever way it was set: as a scene file has it
+    /// (`0.02`, `true`, `"all"`, `["3,4", "5,6"]`), read back to the last bit; "" where there is
+    /// nothing to say.
+    Term& saidAs(const Writer& write);
+
+    /// The option does not decide the result, or says it in another option's words.
+    Term& decidesNothing();
+
+   private:
+    CLI::Option* option_;
+  };
 
   /// An option with a value that `read` understands. `unit` and `usual` (the default, none when
   /// empty) are for the help. Given several times, the last one counts.
-  void value(const std::string& name, const std::string& unit, const std::string& usual,
+  Term value(const std::string& name, const std::string& unit, const std::string& usual,
              const std::string& help, const Reader& read);
 
   /// The same for an option that may be given several times; each value is read in turn.
-  void values(const std::string& name, const std::string& unit, const std::string& help,
+  Term values(const std::string& name, const std::string& unit, const std::string& help,
               const Reader& read);
 
   /// A number within a range; the target's value is the default.
@@ -42,25 +62,34 @@ class OptionGroup {
                const std::string& help) {
     value(name, unit, fmt::format("{}", target), help, [&target, range](const OptionValue& typed) {
       target = static_cast<Integer>(parseInteger(typed, range));
-    });
+    }).saidAs([&target] { return fmt::format("{}", target); });
   }
 
   /// One of several words; the first is the default.
   template <typename T, typename Target>
-  void choice(const std::string& name, Target& target, const Choices<T>& choices,
+  Term choice(const std::string& name, Target& target, const Choices<T>& choices,
               const std::string& help) {
     const std::vector<std::string> words = choiceNames(choices);
-    value(name, "WORD", words.front(), fmt::format("{}: {}", help, listWords(words)),
-          [&target, choices](const OptionValue& typed) { target = parseChoice(typed, choices); });
+    return value(name, "WORD", words.front(), fmt::format("{}: {}", help, listWords(words)),
+                 [&target, choices](const OptionValue& typed) {
+                   target = parseChoice(typed, choices);
+                 })
+        .saidAs([&target, choices] { return quotedText(nameOfChoice(choices, target)); });
   }
 
-  /// An option without a value.
-  void flag(const std::string& name, const std::string& help, const std::function<void()>& action);
+  /// An option without a value, which sets the target to `given`.
+  Term flag(const std::string& name, bool& target, const std::string& help, bool given = true);
+
+  /// An option without a value that does something else.
+  Term flag(const std::string& name, const std::string& help, const std::function<void()>& action);
 
  private:
   CLI::App& command_;
   std::string group_;
 };
+
+/// What an option is set to now, see OptionGroup::Term; "" where it says nothing about a run.
+std::string saidBy(CLI::Option& option);
 
 /// Adds the argument that stands without an option's name.
 void addPlace(CLI::App& command, const std::string& name, std::filesystem::path& target,

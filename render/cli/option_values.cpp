@@ -2,10 +2,14 @@
 
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <string_view>
 
+#include <fmt/ranges.h>
+
 #include "sim/base/spelling.h"
+#include "sim/scene/toml_file.h"
 
 namespace kirireel {
 namespace {
@@ -49,6 +53,17 @@ std::optional<std::pair<int, int>> readPair(std::string_view text) {
   return std::pair(*first, *second);
 }
 
+constexpr double kDegree = M_PI / 180;
+
+/// The parts of a caption, in the order in which they are written.
+const Choices<bool CaptionParts::*>& captionChoices() {
+  static const Choices<bool CaptionParts::*> choices = {{"time", &CaptionParts::time},
+                                                        {"angle", &CaptionParts::angle},
+                                                        {"error", &CaptionParts::error},
+                                                        {"gap", &CaptionParts::gap}};
+  return choices;
+}
+
 bool isBetween(int number, int least, int most) {
   return number >= least && number <= most;
 }
@@ -68,7 +83,6 @@ Colour parseColour(const OptionValue& value) {
 }
 
 std::vector<CameraKey> parseCameraKeys(const OptionValue& value) {
-  constexpr double kDegree = M_PI / 180;
   std::vector<CameraKey> keys;
   for (const std::string_view text : split(value.text, ',')) {
     const std::vector<std::string_view> parts = split(text, ':');
@@ -89,11 +103,8 @@ std::vector<CameraKey> parseCameraKeys(const OptionValue& value) {
 CaptionParts parseCaption(const OptionValue& value) {
   CaptionParts parts{false, false, false, false};
   if (value.text == "none") return parts;
-  const Choices<bool CaptionParts::*> choices = {{"time", &CaptionParts::time},
-                                                 {"angle", &CaptionParts::angle},
-                                                 {"error", &CaptionParts::error},
-                                                 {"gap", &CaptionParts::gap},
-                                                 {"none", nullptr}};
+  Choices<bool CaptionParts::*> choices = captionChoices();
+  choices.emplace_back("none", nullptr);
   for (const std::string_view word : split(value.text, ',')) {
     const auto part = parseChoice<bool CaptionParts::*>({value.name, std::string(word)}, choices);
     if (part == nullptr) throw valueError(value, "none alone, or parts such as time,error");
@@ -179,6 +190,96 @@ std::vector<int> parseTiles(const OptionValue& value) {
     tiles.push_back(*number);
   }
   return tiles;
+}
+
+std::string numberText(double number) {
+  return fmt::format("{}", number);
+}
+
+std::string quotedText(const std::string& text) {
+  return text.empty() ? "" : tomlText(text);
+}
+
+std::string quotedList(const std::vector<std::string>& values) {
+  if (values.size() < 2) return values.empty() ? "" : values.front();
+  return fmt::format("[{}]", fmt::join(values, ", "));
+}
+
+double numberReadAs(double wanted, double guess, const std::function<double(double)>& read) {
+  for (int digits = 6; digits <= 17; ++digits) {
+    const double shorter = std::stod(fmt::format("{:.{}g}", guess, digits));
+    if (read(shorter) == wanted) return shorter;
+  }
+  // The conversion rounds: a number next to the guess is the one.
+  constexpr int kNeighbours = 8;
+  double below = guess;
+  double above = guess;
+  for (int k = 0; k < kNeighbours; ++k) {
+    below = std::nextafter(below, -std::numeric_limits<double>::infinity());
+    above = std::nextafter(above, std::numeric_limits<double>::infinity());
+    if (read(below) == wanted) return below;
+    if (read(above) == wanted) return above;
+  }
+  return guess;
+}
+
+std::string sizeText(FrameSize size) {
+  return fmt::format("\"{}x{}\"", size.width, size.height);
+}
+
+std::string gridText(GridShape grid) {
+  return fmt::format("\"{}x{}\"", grid.rows, grid.columns);
+}
+
+std::string frameChoicesText(const std::vector<FrameChoice>& choices) {
+  std::vector<std::string> texts;
+  for (const auto& [value, unit] : choices) {
+    const bool isShare = unit == FrameChoice::Unit::Share;
+    texts.push_back(isShare ? numberText(numberReadAs(value, 100 * value,
+                                                      [](double share) { return share / 100; })) +
+                                  '%'
+                            : numberText(value));
+  }
+  return quotedText(fmt::format("{}", fmt::join(texts, ",")));
+}
+
+std::string vectorText(const Vector3& vector) {
+  return fmt::format("[{}, {}, {}]", vector.x(), vector.y(), vector.z());
+}
+
+std::string colourText(Colour colour) {
+  return fmt::format("\"{:02X}{:02X}{:02X}\"", colour.red, colour.green, colour.blue);
+}
+
+TypedView typedView(const ViewAngles& view) {
+  const ViewAngles level = viewFromYawPitch(0, 0);
+  const auto azimuth = [](double yaw) { return viewFromYawPitch(yaw * kDegree, 0).azimuth; };
+  const auto elevation = [](double pitch) {
+    return viewFromYawPitch(0, pitch * kDegree).elevation;
+  };
+  return {numberReadAs(view.azimuth, (view.azimuth - level.azimuth) / kDegree, azimuth),
+          numberReadAs(view.elevation, -view.elevation / kDegree, elevation)};
+}
+
+std::string cameraKeysText(const std::vector<CameraKey>& keys) {
+  std::vector<std::string> texts;
+  for (const CameraKey& key : keys) {
+    const TypedView view = typedView(key.view);
+    texts.push_back(fmt::format("{}:{}:{}:{}", key.time, view.yaw, view.pitch, key.zoom));
+  }
+  return quotedText(fmt::format("{}", fmt::join(texts, ",")));
+}
+
+std::string captionText(const CaptionParts& parts) {
+  std::vector<std::string> words;
+  for (const auto& [word, part] : captionChoices()) {
+    if (parts.*part) words.push_back(word);
+  }
+  return words.empty() ? "\"none\"" : fmt::format("\"{}\"", fmt::join(words, ","));
+}
+
+std::string tilesText(const std::vector<int>& tiles) {
+  return tiles.empty() ? "\"all\"" : fmt::format("\"{}\"", fmt::join(tiles, ","));
 }
 
 std::string listWords(const std::vector<std::string>& words) {

@@ -2,6 +2,7 @@
 /// found and what is allowed.
 #pragma once
 
+#include <functional>
 #include <limits>
 #include <string>
 #include <utility>
@@ -72,6 +73,37 @@ InputError valueError(const OptionValue& value, const std::string& wanted);
 template <typename T>
 using Choices = std::vector<std::pair<std::string, T>>;
 
+/// The functions below write what those above read, as values of a scene file.
+
+/// The shortest digits that read back as the same double.
+std::string numberText(double number);
+
+/// A text in quotation marks; "" stays "".
+std::string quotedText(const std::string& text);
+
+/// Values of an option that may be given several times: nothing, the one, or all in brackets.
+std::string quotedList(const std::vector<std::string>& values);
+
+/// The shortest number that `read` turns into `wanted`, which lies near `guess`: the way back where
+/// a unit was converted.
+double numberReadAs(double wanted, double guess, const std::function<double(double)>& read);
+
+std::string sizeText(FrameSize size);
+std::string gridText(GridShape grid);
+std::string frameChoicesText(const std::vector<FrameChoice>& choices);
+std::string vectorText(const Vector3& vector);
+std::string colourText(Colour colour);
+std::string cameraKeysText(const std::vector<CameraKey>& keys);
+std::string captionText(const CaptionParts& parts);
+std::string tilesText(const std::vector<int>& tiles);
+
+/// Degrees that yaw and pitch were typed as.
+struct TypedView {
+  double yaw = 0;
+  double pitch = 0;
+};
+TypedView typedView(const ViewAngles& view);
+
 /// "all, unjoined or none".
 std::string listWords(const std::vector<std::string>& words);
 
@@ -81,6 +113,15 @@ std::vector<std::string> choiceNames(const Choices<T>& choices) {
   std::vector<std::string> names;
   for (const auto& choice : choices) names.push_back(choice.first);
   return names;
+}
+
+/// The name of a value among the choices; "" when it is none of them.
+template <typename T, typename Value>
+std::string nameOfChoice(const Choices<T>& choices, const Value& value) {
+  for (const auto& [name, meaning] : choices) {
+    if (Value(meaning) == value) return name;
+  }
+  return "";
 }
 
 /// What the value stands for among the choices.

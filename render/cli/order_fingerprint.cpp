@@ -1,78 +1,76 @@
 #include "render/cli/order_fingerprint.h"
 
+#include <algorithm>
+#include <map>
 
-#include <iterator>
-#include <variant>
-
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "render/digest/digest.h"
+#include "render/cli/contradictions.h"
+#include "render/cli/option_group.h"
+#include "render/cli/scene_settings.h"
 #include "render/record/versions.h"
-#include "sim/base/input_file.h"
+#include "sim/base/sha256.h"
 
 namespace kirireel {
 namespace {
 
-/// Changes nothing but where a run goes and what is printed.
-bool isAside(const std::string& argument) {
-  return argument == "--resume" || argument == "--json" || argument.starts_with("--out=");
+namespace fs = std::filesystem;
+
+/// The option whose values are names of files.
+constexpr const char* kNamesFiles = "target";
+
+/// Names of files as so many empty ones: what the files hold is told apart by their hashes.
+std::string withoutNames(const CLI::Option& option) {
+  return fmt::format("{} files", option.count());
 }
 
-std::string textOf(const std::vector<std::string>& arguments) {
+/// The tables of a scene file; options that no scene file can set stand under "".
+std::string tablesText(CLI::App& command, const Scene& scene, bool withFileNames) {
+  std::map<std::string, std::string> tables;
+  for (CLI::Option* option : command.get_options()) {
+    const std::string key = settingKey(*option);
+    std::string value = key.empty() ? "" : saidBy(*option);
+    if (value.empty() || !hasEffect(option->get_name(), scene)) continue;
+    if (key == kNamesFiles && !withFileNames) value = withoutNames(*option);
+    tables[settingTable(*option)] += fmt::format("{} = {}\n", key, value);
+  }
   std::string text;
-  for (std::size_t k = 0; k < arguments.size(); ++k) {
-    if (arguments[k] == "--out") {
-      ++k;
-    } else if (!isAside(arguments[k])) {
-      text += fmt::format("{}:{}\n", arguments[k].size(), arguments[k]);
-    }
+  for (const auto& [table, lines] : tables) {
+    if (!text.empty()) text += '\n';
+    if (!table.empty()) text += fmt::format("[{}]\n", table);
+    text += lines;
   }
   return text;
 }
 
-std::string textOf(const std::vector<Tile>& tiles) {
-  std::string text = fmt::format("{} tiles\n", tiles.size());
-  for (const Tile& tile : tiles) {
-    for (const Vector3& vertex : tile.vertices) {
-      text += fmt::format("{} {} {} ", vertex.x(), vertex.y(), vertex.z());
-    }
-    text += '\n';
-  }
-  return text;
-}
-
-std::string textOf(const Model& model) {
-  std::string text = textOf(model.tiles);
-  if (model.target) text += textOf(*model.target);
-  for (const Joint& joint : model.joints) {
-    text += fmt::format("{} {} {} {} {} {}\n", joint.a.tile, joint.a.vertex, joint.b.tile,
-                        joint.b.vertex, static_cast<int>(joint.face), static_cast<int>(joint.kind));
-  }
-  for (const int tile : model.pulledTiles.value_or(std::vector<int>{})) {
-    text += fmt::format("pulled {}\n", tile);
-  }
-  return text;
-}
-
-/// Targets that the timeline heads for.
-std::string textOf(const Timeline& timeline) {
-  std::string text;
-  for (const TimelineEntry& entry : timeline) {
-    if (const auto* target = std::get_if<timeline::GoTo>(&entry.action)) {
-      text += textOf(target->tiles);
-    }
-  }
-  return text;
+/// Files of a folder have fixed names, by which they are told apart; of others the ending counts.
+std::string roleOf(const fs::path& file, const std::vector<fs::path>& folders) {
+  const bool isInFolder = std::ranges::any_of(folders, [&](const fs::path& folder) {
+    return !folder.empty() && folder / file.filename() == file;
+  });
+  return (isInFolder ? file.filename() : file.extension()).string();
 }
 
 }  // namespace
 
-std::string orderFingerprint(const std::vector<std::string>& arguments,
-                             const std::filesystem::path& sceneFile, const Scene& scene) {
-  std::ifstream file = openInputFile(sceneFile);
-  const std::string sceneText{std::istreambuf_iterator<char>(file), {}};
-  return sha256(fmt::format("{}\n{}\n{}\n{}\n{}", versionText(), textOf(arguments), sceneText,
-                            textOf(scene.model), textOf(scene.timeline)));
+OrderText orderText(CLI::App& command, const Scene& scene, const SceneFile& sceneFile) {
+  return {tablesText(command, scene, true) + entriesText(sceneFile, true),
+          fmt::format("{}\n{}{}", command.get_name(), tablesText(command, scene, false),
+                      entriesText(sceneFile, false))};
+}
+
+std::string parametersText(CLI::App& command) {
+  return fmt::format("{}\n{}", command.get_name(), tablesText(command, {}, true));
+}
+
+std::string orderFingerprint(const std::string& terms, const OrderInputs& inputs,
+                             const std::vector<fs::path>& folders) {
+  std::string text = fmt::format("{}\n{}\nmodel {}\n", versionText(), terms, inputs.modelName);
+  for (const InputFile& file : inputs.files) {
+    text += fmt::format("{} {}\n", file.sha256, roleOf(file.path, folders));
+  }
+  return sha256(text);
 }
 
 }  // namespace kirireel

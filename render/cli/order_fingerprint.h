@@ -5,14 +5,40 @@
 #include <string>
 #include <vector>
 
+#include "sim/base/input_file.h"
 #include "sim/scene/scene.h"
+#include "sim/scene/scene_file.h"
+
+namespace CLI {
+class App;
+}
 
 namespace kirireel {
 
-/// SHA-256 of all that decides a run's bytes: the program's version, the arguments but for those
-/// that say where files go and what is printed, the scene file, and the model and targets that were
-/// read.
-std::string orderFingerprint(const std::vector<std::string>& arguments,
-                             const std::filesystem::path& sceneFile, const Scene& scene);
+/// The settings of a run, as they are once all is parsed and completed, in one spelling.
+struct OrderText {
+  std::string scene;  ///< a scene file that makes the same run; names of files as they were given
+  std::string terms;  ///< what decides the result: the command, and the scene without these names
+};
+
+/// Every option of a command that means anything in this scene, with the value that it has now,
+/// however it was given or not given, and the scene file's timeline and obstacles. To be called
+/// after parsing.
+OrderText orderText(CLI::App& command, const Scene& scene, const SceneFile& sceneFile);
+
+/// A command's name and its options as they are now, where no scene file has a part in them.
+std::string parametersText(CLI::App& command);
+
+/// What a run is made from, beside its settings.
+struct OrderInputs {
+  std::string modelName;         ///< which its files bear
+  std::vector<InputFile> files;  ///< in the order in which they were read
+};
+
+/// SHA-256 of all that decides a run's bytes: the versions of the program and its libraries, the
+/// settings, the model's name and the content of all files that were read. Where these stand does
+/// not matter: `folders` are those whose files count by their names, see readModelFolder().
+std::string orderFingerprint(const std::string& terms, const OrderInputs& inputs,
+                             const std::vector<std::filesystem::path>& folders);
 
 }  // namespace kirireel

@@ -9,35 +9,48 @@ namespace kirireel {
 
 void addPictureOptions(CLI::App& command, PictureSettings& settings) {
   OptionGroup group(command, "Pictures");
-  group.value("--size", "WxH", "1280x720", "of each picture, pixels",
-              [&](const OptionValue& typed) { settings.size = parseSize(typed); });
-  group.value("--grid", "RxC", "3x3", "rows and columns of the snapshot grid",
-              [&](const OptionValue& typed) { settings.grid = parseGrid(typed); });
-  group.value("--captions", "PARTS", "time",
-              "under the grid's pictures: time, angle, error, gap; or none",
-              [&](const OptionValue& typed) { settings.captions = parseCaption(typed); });
-  group.flag("--scale-bar", "a length under the grid; needs a parallel projection",
-             [&settings] { settings.scaleBar = true; });
-  group.value("--dpi", "COUNT", "not noted", "dots per inch noted in PNG files, for print",
-              [&](const OptionValue& typed) {
-                settings.dotsPerInch = parseNumber(typed, {1, 100000});
-              });
+  group
+      .value("--size", "WxH", "1280x720", "of each picture, pixels",
+             [&](const OptionValue& typed) { settings.size = parseSize(typed); })
+      .saidAs([&] { return sizeText(settings.size); });
+  group
+      .value("--grid", "RxC", "3x3", "rows and columns of the snapshot grid",
+             [&](const OptionValue& typed) { settings.grid = parseGrid(typed); })
+      .saidAs([&] { return gridText(settings.grid); });
+  group
+      .value("--captions", "PARTS", "time",
+             "under the grid's pictures: time, angle, error, gap; or none",
+             [&](const OptionValue& typed) { settings.captions = parseCaption(typed); })
+      .saidAs([&] { return captionText(settings.captions); });
+  group.flag("--scale-bar", settings.scaleBar,
+             "a length under the grid; needs a parallel projection");
+  group
+      .value("--dpi", "COUNT", "not noted", "dots per inch noted in PNG files, for print",
+             [&](const OptionValue& typed) {
+               settings.dotsPerInch = parseNumber(typed, {1, 100000});
+             })
+      .saidAs([&] { return settings.dotsPerInch ? numberText(*settings.dotsPerInch) : ""; });
   group.choice<SnapshotSpacing>(
       "--snapshots", settings.spacing,
       {{"progress", SnapshotSpacing::Progress}, {"time", SnapshotSpacing::Time}},
       "spacing of the grid's pictures, in equal shares of way or of time");
-  group.flag("--frames", "write every frame of the video as a PNG into frames/",
-             [&settings] { settings.frames = true; });
-  group.value("--frames-at", "LIST", "none",
-              "the same of these moments: seconds, or shares of the way, such as 0,1.5,50%,100%",
-              [&](const OptionValue& typed) { settings.chosenFrames = parseFrameChoices(typed); });
-  group.flag("--no-snapshots", "no snapshots.png", [&settings] { settings.snapshots = false; });
-  group.flag("--svg", "the grid's pictures as snapshot_01.svg ..., hidden surfaces removed",
-             [&settings] { settings.svg = true; });
-  group.choice<std::optional<GraphicsLibrary>>(
-      "--gl", settings.graphics,
-      {{"auto", std::nullopt}, {"osmesa", GraphicsLibrary::Osmesa}, {"egl", GraphicsLibrary::Egl}},
-      "library that draws off screen");
+  group.flag("--frames", settings.frames, "write every frame of the video as a PNG into frames/");
+  group
+      .value("--frames-at", "LIST", "none",
+             "the same of these moments: seconds, or shares of the way, such as 0,1.5,50%,100%",
+             [&](const OptionValue& typed) { settings.chosenFrames = parseFrameChoices(typed); })
+      .saidAs([&] { return frameChoicesText(settings.chosenFrames); });
+  group.flag("--no-snapshots", settings.snapshots, "no snapshots.png", false);
+  group.flag("--svg", settings.svg,
+             "the grid's pictures as snapshot_01.svg ..., hidden surfaces removed");
+  // Either library draws the same.
+  group
+      .choice<std::optional<GraphicsLibrary>>("--gl", settings.graphics,
+                                              {{"auto", std::nullopt},
+                                               {"osmesa", GraphicsLibrary::Osmesa},
+                                               {"egl", GraphicsLibrary::Egl}},
+                                              "library that draws off screen")
+      .decidesNothing();
   addLookOptions(command, settings.look);
 }
 

@@ -8,7 +8,6 @@
 #include "render/cli/interrupt.h"
 #include "render/cli/model_place.h"
 #include "render/cli/option_group.h"
-#include "render/cli/order_fingerprint.h"
 #include "render/cli/picture_options.h"
 #include "render/cli/report.h"
 #include "render/cli/run_options.h"
@@ -17,7 +16,7 @@
 #include "render/record/summary.h"
 #include "render/verify/verify.h"
 #include "sim/base/error.h"
-#include "sim/base/spelling.h"
+#include "sim/model/read_model.h"
 #include "sim/model/split_tiles.h"
 
 namespace kirireel {
@@ -25,14 +24,16 @@ namespace {
 
 void addFolderOptions(CLI::App& command, RecordOrder& order) {
   OptionGroup group(command, "Output");
-  group.value("--out", "FOLDER", "out/NAME of the model", "where the files go",
-              [&order](const OptionValue& typed) { order.settings.folder = typed.text; });
-  group.flag(
-      "--resume",
-      "leave a finished run of the same order as it is; go on with an interrupted one, to the same "
-      "bytes",
-      [&order] { order.settings.resume = true; });
-  group.flag("--json", "print the summary as JSON", [&order] { order.printJson = true; });
+  group
+      .value("--out", "FOLDER", "out/NAME of the model", "where the files go",
+             [&order](const OptionValue& typed) { order.settings.folder = typed.text; })
+      .decidesNothing();
+  group
+      .flag("--resume", order.settings.resume,
+            "leave a finished run of the same order as it is; go on with an interrupted one, to "
+            "the same bytes")
+      .decidesNothing();
+  group.flag("--json", order.printJson, "print the summary as JSON").decidesNothing();
 }
 
 void addModelOptions(CLI::App& command, RecordOrder& order) {
@@ -41,11 +42,14 @@ void addModelOptions(CLI::App& command, RecordOrder& order) {
       "--faces", order.faces,
       {{"model", std::nullopt}, {"fold", FaceRule::Fold}, {"pykirigami", FaceRule::PyKirigami}},
       "face of each joint, the model's or by the target's folds");
-  group.flag("--auto-detect-connections", "the same as --faces pykirigami",
-             [&order] { order.faces = FaceRule::PyKirigami; });
-  group.value("--split-tiles", "LIST", "none",
-              "tiles that bend, as hinged triangles: all, or 3,7,8",
-              [&order](const OptionValue& typed) { order.splitTiles = parseTiles(typed); });
+  group
+      .flag("--auto-detect-connections", "the same as --faces pykirigami",
+            [&order] { order.faces = FaceRule::PyKirigami; })
+      .decidesNothing();  // --faces says it
+  group
+      .value("--split-tiles", "LIST", "none", "tiles that bend, as hinged triangles: all, or 3,7,8",
+             [&order](const OptionValue& typed) { order.splitTiles = parseTiles(typed); })
+      .saidAs([&order] { return order.splitTiles ? tilesText(*order.splitTiles) : ""; });
 }
 
 void addRunOptions(CLI::App& command, RecordOrder& order) {
@@ -88,10 +92,9 @@ void checkThickness(const Scene& scene, std::vector<std::string>& warnings) {
                   scene.model.name, thickness, edge, kUsual * edge));
 }
 
-Scene readScene(const RecordOrder& order) {
-  std::vector<std::string> warnings;
+Scene readScene(const RecordOrder& order, std::vector<std::string>& warnings) {
   Scene scene = order.scene;
-  scene.model = order.madeModel ? *order.madeModel : readModelAt(order.model, {});
+  scene.model = order.madeModel ? *order.madeModel : readModelAt(order.model, {}, warnings);
   completeScene(order.request.parts, scene, warnings);
   if (order.faces) chooseJointFaces(scene.model, *order.faces);
   if (order.splitTiles) {
@@ -100,9 +103,6 @@ Scene readScene(const RecordOrder& order) {
   }
   if (scene.environment.ground) scene.environment.ground->height = lowestPoint(scene);
   checkThickness(scene, warnings);
-  for (const std::string& warning : warnings) {
-    fmt::print(stderr, "kirireel: {}\n", oneLine(warning));
-  }
   return scene;
 }
 
@@ -116,9 +116,34 @@ int exitCode(const std::string& outcome, std::optional<bool> atTarget) {
   return isShort ? kExitShort : kExitDone;
 }
 
+/// The folders that an order names in place of files.
+std::vector<std::filesystem::path> foldersOf(const RecordOrder& order) {
+  std::vector<std::filesystem::path> folders = {findModel(order.model)};
+  folders.insert(folders.end(), order.request.parts.targets.begin(),
+                 order.request.parts.targets.end());
+  for (const TimelineEntry& entry : order.scene.timeline) {
+    if (const auto* target = std::get_if<timeline::GoTo>(&entry.action)) {
+      folders.push_back(target->file);
+    }
+  }
+  return folders;
+}
+
 /// The scene and the settings with their folder; nothing has run yet.
 RecordResult prepareOrder(const RecordOrder& order) {
-  RecordResult result{readScene(order), order.settings, {}};
+  std::vector<std::string> warnings;
+  OrderInputs inputs{{}, order.inputs};
+  RecordResult result;
+  {
+    const InputRecord record(inputs.files);
+    result.scene = readScene(order, warnings);
+  }
+  printWarnings(warnings);
+  inputs.modelName = result.scene.model.name;
+  result.settings = order.settings;
+  result.settings.sceneText = order.text.scene;
+  result.settings.inputs = inputs.files;
+  result.settings.order = fingerprintOf(order, inputs);
   if (result.settings.folder.empty()) {
     result.settings.folder = std::filesystem::path("out") / result.scene.model.name;
   }
@@ -144,9 +169,8 @@ CLI::App* addRecordCommand(CLI::App& program, RecordOrder& order) {
   addRunOptions(*command, order);
   addPictureOptions(*command, order.settings);
   addVideoOptions(*command, order.settings);
-  OptionGroup(*command, "Output").flag("--no-meshes", "no OBJ and PLY files", [&order] {
-    order.settings.meshes = false;
-  });
+  OptionGroup(*command, "Output")
+      .flag("--no-meshes", order.settings.meshes, "no OBJ and PLY files", false);
   command->footer(
       fmt::format("Examples:\n"
                   "  kirireel record data/tessellation_4x4\n"
@@ -171,12 +195,42 @@ CLI::App* addSimulateCommand(CLI::App& program, RecordOrder& order) {
 
 void completeOrder(CLI::App& command, RecordOrder& order) {
   if (!order.madeModel) requireGiven(order.model, "MODEL", command);
-  readSceneFileOf(command, findModel(order.model), order.request, order.scene);
+  SceneFile file;
+  {
+    const InputRecord record(order.inputs);
+    file = readSceneFileOf(command, findModel(order.model), order.request, order.scene);
+  }
+  // What the scene file says is in the order's text, whichever way it says it.
+  std::erase_if(order.inputs, [&](const InputFile& input) { return input.path == file.path; });
   requireConsistent(command, order.scene);
+  order.text = orderText(command, order.scene, file);
+}
+
+OrderInputs readInputs(const RecordOrder& order) {
+  OrderInputs inputs{{}, order.inputs};
+  const InputRecord record(inputs.files);
+  std::vector<std::string> ignored;
+  try {
+    Scene scene = order.scene;
+    scene.model =
+        order.madeModel ? *order.madeModel : readModel(findModel(order.model), {}, ignored);
+    SceneParts parts;
+    parts.targets = order.request.parts.targets;
+    completeScene(parts, scene, ignored);
+    inputs.modelName = scene.model.name;
+  } catch (const InputError&) {
+    inputs.modelName.clear();  // the run itself says what is wrong
+  }
+  return inputs;
+}
+
+std::string fingerprintOf(const RecordOrder& order, const OrderInputs& inputs) {
+  return orderFingerprint(order.text.terms, inputs, foldersOf(order));
 }
 
 RecordResult runOrder(const RecordOrder& order, const ProgressObserver& observer) {
   RecordResult result = prepareOrder(order);
+  result.settings.order.clear();
   result.summary = record(result.scene, result.settings, observer);
   return result;
 }
@@ -184,8 +238,6 @@ RecordResult runOrder(const RecordOrder& order, const ProgressObserver& observer
 int carryOut(const RecordOrder& order) {
   noteSignals();
   RecordResult result = prepareOrder(order);
-  result.settings.order = orderFingerprint(
-      order.arguments, sceneFileOf(findModel(order.model), order.request), result.scene);
   if (order.settings.resume) {
     const auto finished = findFinished(result.settings);
     if (finished) {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "render/cli/order_fingerprint.h"
 #include "render/cli/scene_options.h"
 #include "render/record/record.h"
 #include "sim/model/face_choice.h"
@@ -25,8 +26,9 @@ struct RecordOrder {
   Scene scene;              ///< everything but the model; the ground's height is not known yet
   SceneRequest request;     ///< what is added to the model
   RecordSettings settings;  ///< the folder is empty when --out was not given
-  std::vector<std::string> arguments;  ///< of the command line, as typed
-  bool printJson = false;              ///< the summary on standard output as JSON
+  std::vector<InputFile> inputs;  ///< files that were read so far, but for the scene file
+  OrderText text;                 ///< the settings, once the order is complete
+  bool printJson = false;         ///< the summary on standard output as JSON
 };
 
 /// Adds `record`. The order must outlive the parsing.
@@ -35,8 +37,16 @@ CLI::App* addRecordCommand(CLI::App& program, RecordOrder& order);
 /// Adds `simulate`, which paints nothing. The order must outlive the parsing.
 CLI::App* addSimulateCommand(CLI::App& program, RecordOrder& order);
 
-/// Checks that a model was named, and reads its scene file. To be called after parsing.
+/// Checks that a model was named, reads its scene file, and writes down all settings. To be called
+/// after parsing.
 void completeOrder(CLI::App& command, RecordOrder& order);
+
+/// Reads the files that a complete order names, in the order in which its run reads them, as far as
+/// they can be read.
+OrderInputs readInputs(const RecordOrder& order);
+
+/// What tells a complete order from all others, see orderFingerprint().
+std::string fingerprintOf(const RecordOrder& order, const OrderInputs& inputs);
 
 /// A run that was made.
 struct RecordResult {
@@ -45,8 +55,8 @@ struct RecordResult {
   RunSummary summary;
 };
 
-/// Reads the model, runs it, leaves its files. The order must be complete. Throws as readModel()
-/// and record().
+/// Reads the model, runs it, leaves its files but no checkpoints. The order must be complete.
+/// Throws as readModel() and record().
 RecordResult runOrder(const RecordOrder& order, const ProgressObserver& observer);
 
 /// Reads the model, runs it, leaves its files, prints the summary. Returns the exit code.

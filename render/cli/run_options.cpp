@@ -44,8 +44,8 @@ void addSpringOptions(CLI::App& command, TargetSpringSettings& springs) {
                "damping of a brick's velocity");
   group.number("--torque-damping", springs.torqueDamping, kFromZero, "N*M*S",
                "damping of a brick's turning");
-  group.flag("--no-adaptive", "keep the stiffness when the error stalls, instead of doubling it",
-             [&springs] { springs.adaptive = false; });
+  group.flag("--no-adaptive", springs.adaptive,
+             "keep the stiffness when the error stalls, instead of doubling it", false);
 }
 
 void addPathOptions(CLI::App& command, PathSettings& path) {
@@ -59,27 +59,37 @@ void addPathOptions(CLI::App& command, PathSettings& path) {
   group.number("--led-time", path.ledTime, {1e-6, 1e6}, "SECONDS", "of leading, with --path led");
   group.number("--led-stiffness", path.ledStiffness, kFromZero, "N/M",
                "pull on each vertex while led");
-  group.value("--joint-stiffness", "N/M", "exact", "of joints while led; closed at the end",
-              [&path](const OptionValue& typed) {
-                path.jointStiffness = parseNumber(typed, {1e-6, 1e15});
-              });
+  group
+      .value("--joint-stiffness", "N/M", "exact", "of joints while led; closed at the end",
+             [&path](const OptionValue& typed) {
+               path.jointStiffness = parseNumber(typed, {1e-6, 1e15});
+             })
+      .saidAs([&path] { return path.jointsGive() ? numberText(path.jointStiffness) : ""; });
 }
 
 void addEnvironmentOptions(CLI::App& command, Environment& environment) {
   OptionGroup group(command, "Environment");
-  group.value("--gravity", "M/S2", "0", "acceleration along z, or X,Y,Z",
-              [&](const OptionValue& typed) { environment.gravity = parseGravity(typed); });
+  group
+      .value("--gravity", "M/S2", "0", "acceleration along z, or X,Y,Z",
+             [&](const OptionValue& typed) { environment.gravity = parseGravity(typed); })
+      .saidAs([&] { return vectorText(environment.gravity); });
   const auto setGround = [&environment] {
     if (!environment.ground) environment.ground = Ground{};
   };
-  group.flag("--ground", "put a horizontal plane under the lowest point of start and target",
-             setGround);
-  group.value("--ground-friction", "RATIO", "0.5",
-              "Coulomb friction of the ground; implies --ground",
-              [&environment, setGround](const OptionValue& typed) {
-                setGround();
-                environment.ground->friction = parseNumber(typed, {0, 1e3});
-              });
+  group
+      .flag("--ground", "put a horizontal plane under the lowest point of start and target",
+            setGround)
+      .saidAs([&environment] { return fmt::format("{}", environment.ground.has_value()); });
+  group
+      .value("--ground-friction", "RATIO", "0.5",
+             "Coulomb friction of the ground; implies --ground",
+             [&environment, setGround](const OptionValue& typed) {
+               setGround();
+               environment.ground->friction = parseNumber(typed, {0, 1e3});
+             })
+      .saidAs([&environment] {
+        return environment.ground ? numberText(environment.ground->friction) : "";
+      });
   group.choice<ContactFilter>("--contacts", environment.contacts,
                               {{"none", ContactFilter::None},
                                {"unjoined", ContactFilter::Unjoined},
@@ -99,10 +109,12 @@ void addSolverOptions(CLI::App& command, SolverSettings& solver) {
                            {{"direct", SolverKind::Direct}, {"bullet", SolverKind::Bullet}},
                            "how joints are held, exactly or by Bullet's impulses");
   group.number("--timestep", solver.timestep, {1e-7, 1}, "SECONDS", "longest step");
-  group.value("--substeps", "COUNT", "1 direct, 20 bullet", "solver steps in each step",
-              [&solver](const OptionValue& typed) {
-                solver.substeps = static_cast<int>(parseInteger(typed, {1, 10000}));
-              });
+  group
+      .value("--substeps", "COUNT", "1 direct, 20 bullet", "solver steps in each step",
+             [&solver](const OptionValue& typed) {
+               solver.substeps = static_cast<int>(parseInteger(typed, {1, 10000}));
+             })
+      .saidAs([&solver] { return solver.substeps ? fmt::format("{}", *solver.substeps) : ""; });
   group.integer("--iterations", solver.iterations, {1, 1000000}, "COUNT",
                 "of Bullet's solver in each step");
   group.choice<std::optional<bool>>("--planar", solver.planar,

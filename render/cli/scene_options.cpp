@@ -4,6 +4,7 @@
 #include <charconv>
 
 #include <CLI/CLI.hpp>
+#include <fmt/ranges.h>
 
 #include "render/cli/option_group.h"
 #include "render/cli/scene_settings.h"
@@ -31,36 +32,57 @@ std::vector<int> parseIndices(const OptionValue& value, std::size_t count,
   return numbers;
 }
 
+template <typename List>
+std::string listsText(const std::vector<List>& lists) {
+  std::vector<std::string> texts;
+  for (const List& list : lists)
+    texts.push_back(quotedText(fmt::format("{}", fmt::join(list, ","))));
+  return quotedList(texts);
+}
+
 }  // namespace
 
 void addSceneRequestOptions(CLI::App& command, SceneRequest& request) {
   OptionGroup(command, "Scene")
       .value("--scene", "FILE", "scene.toml in MODEL, where there is one",
              "settings and timeline; options given here count more",
-             [&request](const OptionValue& typed) { request.file = typed.text; });
+             [&request](const OptionValue& typed) { request.file = typed.text; })
+      .decidesNothing();  // what the file says does
   OptionGroup group(command, "Model");
   SceneParts& parts = request.parts;
-  group.values("--target", "MODEL",
-               "target in place of the model's own: a file like target.txt, or another model whose "
-               "start it is; given several times, each is reached before the next",
-               [&parts](const OptionValue& typed) { parts.targets.emplace_back(typed.text); });
-  group.values("--pin", "TILES", "tiles fixed to the world from the start, as in 3,0,7",
-               [&parts](const OptionValue& typed) {
-                 const auto tiles = parseIndices(typed, 0, "tile numbers, as in 3,0,7");
-                 parts.pinned.insert(parts.pinned.end(), tiles.begin(), tiles.end());
-               });
-  group.values("--fix", "TILE,TILE", "two tiles that move as one",
-               [&parts](const OptionValue& typed) {
-                 const auto pair = parseIndices(typed, 2, "two tile numbers, as in 3,4");
-                 parts.fixed.push_back({pair[0], pair[1]});
-               });
-  group.values("--link", "TILE,VERTEX,TILE,VERTEX",
-               "two corners that keep the distance that they start with",
-               [&parts](const OptionValue& typed) {
-                 const auto link =
-                     parseIndices(typed, 4, "tile, vertex, tile, vertex, as in 3,0,4,2");
-                 parts.links.push_back({link[0], link[1], link[2], link[3]});
-               });
+  group
+      .values("--target", "MODEL",
+              "target in place of the model's own: a file like target.txt, or another model whose "
+              "start it is; given several times, each is reached before the next",
+              [&parts](const OptionValue& typed) { parts.targets.emplace_back(typed.text); })
+      .saidAs([&parts] {
+        std::vector<std::string> names;
+        for (const auto& target : parts.targets) names.push_back(quotedText(target.string()));
+        return quotedList(names);
+      });
+  group
+      .values("--pin", "TILES", "tiles fixed to the world from the start, as in 3,0,7",
+              [&parts](const OptionValue& typed) {
+                const auto tiles = parseIndices(typed, 0, "tile numbers, as in 3,0,7");
+                parts.pinned.insert(parts.pinned.end(), tiles.begin(), tiles.end());
+              })
+      .saidAs([&parts] { return quotedText(fmt::format("{}", fmt::join(parts.pinned, ","))); });
+  group
+      .values("--fix", "TILE,TILE", "two tiles that move as one",
+              [&parts](const OptionValue& typed) {
+                const auto pair = parseIndices(typed, 2, "two tile numbers, as in 3,4");
+                parts.fixed.push_back({pair[0], pair[1]});
+              })
+      .saidAs([&parts] { return listsText(parts.fixed); });
+  group
+      .values("--link", "TILE,VERTEX,TILE,VERTEX",
+              "two corners that keep the distance that they start with",
+              [&parts](const OptionValue& typed) {
+                const auto link =
+                    parseIndices(typed, 4, "tile, vertex, tile, vertex, as in 3,0,4,2");
+                parts.links.push_back({link[0], link[1], link[2], link[3]});
+              })
+      .saidAs([&parts] { return listsText(parts.links); });
 }
 
 std::filesystem::path sceneFileOf(const std::filesystem::path& modelFolder,
@@ -68,14 +90,15 @@ std::filesystem::path sceneFileOf(const std::filesystem::path& modelFolder,
   return request.file.empty() ? modelFolder / "scene.toml" : request.file;
 }
 
-void readSceneFileOf(CLI::App& command, const std::filesystem::path& modelFolder,
-                     const SceneRequest& request, Scene& scene) {
+SceneFile readSceneFileOf(CLI::App& command, const std::filesystem::path& modelFolder,
+                          const SceneRequest& request, Scene& scene) {
   const std::filesystem::path file = sceneFileOf(modelFolder, request);
   std::error_code ignored;
-  if (request.file.empty() && !std::filesystem::exists(file, ignored)) return;
+  if (request.file.empty() && !std::filesystem::exists(file, ignored)) return {};
   SceneFile read = applySceneFile(command, file);
-  scene.timeline = std::move(read.timeline);
-  scene.environment.obstacles = std::move(read.obstacles);
+  scene.timeline = read.timeline;
+  scene.environment.obstacles = read.obstacles;
+  return read;
 }
 
 }  // namespace kirireel

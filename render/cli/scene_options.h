@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "sim/scene/scene_file.h"
 #include "sim/scene/scene_parts.h"
 
 namespace CLI {
@@ -25,9 +26,9 @@ std::filesystem::path sceneFileOf(const std::filesystem::path& modelFolder,
                                   const SceneRequest& request);
 
 /// Reads the scene file that was named, else scene.toml in the model's folder where there is one,
-/// into what the command's options point at, the scene's timeline and its obstacles. To be called
-/// after parsing. Throws InputError.
-void readSceneFileOf(CLI::App& command, const std::filesystem::path& modelFolder,
-                     const SceneRequest& request, Scene& scene);
+/// into what the command's options point at, the scene's timeline and its obstacles. Returns it, or
+/// an empty one. To be called after parsing. Throws InputError.
+SceneFile readSceneFileOf(CLI::App& command, const std::filesystem::path& modelFolder,
+                          const SceneRequest& request, Scene& scene);
 
 }  // namespace kirireel

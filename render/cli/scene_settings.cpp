@@ -30,6 +30,8 @@ const std::map<std::string, std::string>& tables() {
       {"Pictures", "recording"},
       {"Output", "recording"},
       {"Video", "recording"},
+      {"Export", "recording"},
+      {"Elements (inp, msh)", "recording"},
   };
   return names;
 }

@@ -9,8 +9,6 @@
 #include "render/cli/generate_command.h"
 #include "render/cli/record_command.h"
 #include "render/cli/scene_settings.h"
-#include "render/record/versions.h"
-#include "render/sweep/input_digest.h"
 #include "sim/base/spelling.h"
 
 namespace kirireel {
@@ -84,12 +82,23 @@ class RunOrders {
     }
   }
 
+  /// What tells this run from others. A run that cannot be made has a fingerprint too.
+  std::string fingerprint(std::map<std::string, OrderInputs>& known) {
+    try {
+      complete();
+    } catch (const InputError& error) {
+      record_.text = {
+          {}, fmt::format("{}\n{}", orderText(*run_, record_.scene, {}).terms, error.what())};
+    }
+    record_.text.terms += ownTerms();
+    return fingerprintOf(record_, inputs(known));
+  }
+
   /// Makes the run in a folder.
   void carryOut(const fs::path& folder) {
     record_.settings.folder = folder;
-    if (!family_.empty()) record_.madeModel = makeModel(generate_);
-    // A generated model has no folder where a scene file may stand.
-    if (family_.empty() || !record_.request.file.empty()) completeOrder(*run_, record_);
+    if (shape_) record_.madeModel = makeModel(generate_);
+    complete();
     runOrder(record_, [](const Progress& progress) {
       if (!progress.remark.empty()) fmt::print(stderr, "kirireel: {}\n", progress.remark);
       return Interruption();
@@ -97,6 +106,42 @@ class RunOrders {
   }
 
  private:
+  void complete() {
+    // Only that there is one counts until the run is made.
+    if (shape_ && !record_.madeModel) record_.madeModel = Model{family_};
+    // A generated model has no folder where a scene file may stand.
+    if (!shape_ || !record_.request.file.empty()) {
+      completeOrder(*run_, record_);
+    } else {
+      record_.text = orderText(*run_, record_.scene, {});
+    }
+  }
+
+  /// What the sweep alone says: a family's parameters, and what each run leaves.
+  std::string ownTerms() const {
+    return fmt::format("{}\ntrajectory = {}\n", shape_ ? parametersText(*shape_) : "",
+                       record_.settings.trajectory);
+  }
+
+  /// The files that the run is made from, which many runs have in common.
+  OrderInputs inputs(std::map<std::string, OrderInputs>& known) const {
+    const std::vector<fs::path>& targets = record_.request.parts.targets;
+    if (shape_ && targets.empty() && record_.request.file.empty()) return {family_, {}};
+    // A family's parameters decide whether a target fits.
+    std::string names = fmt::format("{}\n{}\n{}", record_.model.string(),
+                                    record_.request.file.string(), shape_ ? ownTerms() : "");
+    for (const fs::path& target : targets) names += '\n' + target.string();
+    const auto [found, isNew] = known.try_emplace(names);
+    if (!isNew) return found->second;
+    RecordOrder order = record_;
+    try {
+      if (shape_) order.madeModel = makeModel(generate_);
+    } catch (const InputError&) {
+      order.madeModel = Model{family_};  // the run itself says what is wrong
+    }
+    return found->second = readInputs(order);
+  }
+
   void requireNoFamily(const SweepValue& value) const {
     if (family_.empty()) return;
     throw inputErrorAt(value.where, "either model or generate will do; remove the other");
@@ -167,35 +212,10 @@ void requireValid(const Sweep& sweep) {
                      "there is nothing to run; add model = \"FOLDER\" or generate = \"FAMILY\"");
 }
 
-/// The files that a scene file's timeline and tables name.
-std::vector<fs::path> filesNamedIn(const fs::path& sceneFile) {
-  std::vector<fs::path> files;
-  const SceneFile scene = readSceneFile(sceneFile);
-  for (const TimelineEntry& entry : scene.timeline) {
-    const auto* change = std::get_if<timeline::GoTo>(&entry.action);
-    if (change && !change->file.empty()) files.push_back(change->file);
-  }
-  for (const SceneSetting& setting : scene.settings) {
-    if (setting.key == "target")
-      files.insert(files.end(), setting.values.begin(), setting.values.end());
-  }
-  return files;
-}
-
-std::string digestOfInput(const std::string& key, const fs::path& path) {
-  std::string digest = digestOfFiles(path);
-  const fs::path sceneFile = key == "scene" ? path : path / "scene.toml";
-  if (key == "target" || !fs::exists(sceneFile)) return digest;
-  for (const fs::path& file : filesNamedIn(sceneFile)) digest += digestOfFiles(file);
-  return digest;
-}
-
 }  // namespace
 
 SweepRuns::SweepRuns(Sweep sweep) : sweep_(std::move(sweep)) {
   requireValid(sweep_);
-  constants_ =
-      fmt::format("{}\n{}\n{}", versionText(), sweep_.family, static_cast<int>(sweep_.keep));
 }
 
 std::vector<SweepSetting> SweepRuns::settings(std::uint64_t index) const {
@@ -219,19 +239,9 @@ RunInputs SweepRuns::inputs(std::uint64_t index) const {
 }
 
 std::string SweepRuns::name(std::uint64_t index) const {
-  InputDigest digest;
-  digest.add(constants_);
-  for (const auto& [key, value] : settings(index)) {
-    digest.add(key);
-    if (!namesFile(key)) {
-      digest.add(value.text);
-      continue;
-    }
-    std::string& ofFile = digests_[value.text];
-    if (ofFile.empty()) ofFile = digestOfInput(key, value.text);
-    digest.add(ofFile);
-  }
-  return digest.take().substr(0, kNameDigits);
+  RunOrders orders(sweep_);
+  for (const SweepSetting& setting : settings(index)) orders.apply(setting);
+  return orders.fingerprint(inputs_).substr(0, kNameDigits);
 }
 
 void SweepRuns::make(std::uint64_t index, const fs::path& folder) const {

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "render/cli/order_fingerprint.h"
 #include "render/sweep/sweep_file.h"
 
 namespace kirireel {
@@ -26,9 +27,8 @@ class SweepRuns {
   /// All that a run was told: the family, the settings of all runs, and its own parameters.
   RunInputs inputs(std::uint64_t index) const;
 
-  /// Twenty hexadecimal digits of the SHA-256 of everything that shapes the run: its inputs, the
-  /// content of the files that they name, the versions of the program and its libraries, and what
-  /// it leaves. Throws InputError when a file cannot be read.
+  /// Twenty hexadecimal digits of orderFingerprint() of the run as `kirireel simulate` (or
+  /// `record`) would be told it, and of what it leaves.
   std::string name(std::uint64_t index) const;
 
   /// Makes the run in a folder. Throws what a run throws.
@@ -38,8 +38,7 @@ class SweepRuns {
   std::vector<SweepSetting> settings(std::uint64_t index) const;
 
   Sweep sweep_;
-  std::string constants_;  ///< of the name: versions, family, what is kept
-  mutable std::map<std::string, std::string> digests_;  ///< of files, by name
+  mutable std::map<std::string, OrderInputs> inputs_;  ///< of the files that runs name
 };
 
 }  // namespace kirireel

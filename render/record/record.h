@@ -14,6 +14,7 @@
 #include "render/grid/grid.h"
 #include "render/picture/frame.h"
 #include "render/studio/look.h"
+#include "sim/base/input_file.h"
 #include "sim/deploy/deployment.h"
 #include "sim/scene/scene.h"
 
@@ -67,8 +68,10 @@ struct PictureSettings {
 
 /// What a run leaves: its pictures, one sample for each frame, and more.
 struct RecordSettings : PictureSettings {
-  std::string order;       ///< fingerprint of all that decides the run, for summary.json and for
-                           ///< checkpoints, which runs without one do not make
+  std::string order;      ///< fingerprint of all that decides the run, for summary.json and for
+                          ///< checkpoints, which runs without one do not make
+  std::string sceneText;  ///< all settings as a scene file, for summary.json; empty when not known
+  std::vector<InputFile> inputs;  ///< files that the run is made from, for summary.json
   bool resume = false;     ///< go on from the folder's checkpoint, if it is of the same order
   bool meshes = true;      ///< initial and final, OBJ and PLY
   bool trajectory = true;  ///< trajectory.h5, which meshes, pictures and exports bring too

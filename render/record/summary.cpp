@@ -248,7 +248,18 @@ Json settingsJson(const Scene& scene, const RecordSettings& settings) {
           {"duration", scene.stop.duration},
           {"settle_speed", scene.stop.settleSpeed},
           {"settle_time", scene.stop.settleTime},
-          {"pictures", pictureJson(settings)}};
+          {"pictures", pictureJson(settings)},
+          {"scene", settings.sceneText.empty() ? Json(nullptr) : Json(settings.sceneText)}};
+}
+
+Json inputsJson(const std::vector<InputFile>& inputs) {
+  Json json = Json::array();
+  for (const InputFile& input : inputs) {
+    const Json entry = {{"name", input.path.filename().string()}, {"sha256", input.sha256}};
+    // Some files are opened twice in a row.
+    if (json.empty() || json.back() != entry) json.push_back(entry);
+  }
+  return json;
 }
 
 Json contentsJson(const std::vector<FileDigest>& digests) {
@@ -298,6 +309,7 @@ std::string summaryJson(const Scene& scene, const RecordSettings& settings,
       {"settings", settingsJson(scene, settings)},
       {"order", settings.order.empty() ? Json(nullptr) : Json(settings.order)},
       {"left_out", summary.leftOut.empty() ? Json(nullptr) : Json(summary.leftOut)},
+      {"inputs", inputsJson(settings.inputs)},
       {"files", summary.files},
       {"contents", contentsJson(summary.digests)},
       {"cost", costJson(summary)},

@@ -18,6 +18,9 @@ const std::vector<std::string> kTables = {"model",    "environment", "actuation"
                                           "stop",     "camera",      "style",     "recording",
                                           "timeline", "obstacle"};
 
+/// A timeline's word for the target that the model brings along.
+constexpr std::string_view kOwnTarget = "model";
+
 /// Tile and vertex numbers are checked against the model later.
 int readIndex(const TomlValue& value, const std::string& wanted) {
   const std::int64_t* number = value.whole();
@@ -166,7 +169,7 @@ void readPause(const TomlValue& value, EntryParts& parts) {
 void readTarget(const TomlValue& value, EntryParts& parts) {
   const std::string* text = value.text();
   if (!text || text->empty()) refuseValue(value, "the name of a file, or \"model\"");
-  if (*text == "model") {
+  if (*text == kOwnTarget) {
     parts.actions.emplace_back(GoTo{});
   } else {
     const std::filesystem::path folder = value.where.file.parent_path();
@@ -334,6 +337,25 @@ std::vector<Obstacle> readObstacles(const TomlValue& value) {
 
 }  // namespace
 
+std::string entriesText(const SceneFile& file, bool withFileNames) {
+  // Of an obstacle its file, of a timeline its targets but for the model's own.
+  const auto namesFile = [](const TomlEntry& entry) {
+    const std::string* text = entry.value.text();
+    return text && (entry.key == "file" || (entry.key == "target" && *text != kOwnTarget));
+  };
+  std::string text;
+  for (const TomlEntry& list : file.entries) {
+    for (const TomlValue& element : *list.value.array()) {
+      text += fmt::format("\n[[{}]]\n", list.key);
+      for (const TomlEntry& entry : *element.table()) {
+        const bool isShown = withFileNames || !namesFile(entry);
+        text += fmt::format("{} = {}\n", entry.key, isShown ? tomlText(entry.value) : "\"\"");
+      }
+    }
+  }
+  return text;
+}
+
 SceneFile readSceneFile(const std::filesystem::path& path) {
   SceneFile file;
   file.path = path;
@@ -341,6 +363,7 @@ SceneFile readSceneFile(const std::filesystem::path& path) {
     if (std::find(kTables.begin(), kTables.end(), entry.key) == kTables.end()) {
       refuseKey(entry, "table", kTables);
     }
+    if (entry.key == "timeline" || entry.key == "obstacle") file.entries.push_back(entry);
     if (entry.key == "timeline") {
       file.timeline = readTimeline(entry.value);
       continue;

@@ -8,6 +8,7 @@
 #include "sim/base/error.h"
 #include "sim/scene/obstacle.h"
 #include "sim/scene/timeline.h"
+#include "sim/scene/toml_file.h"
 
 namespace kirireel {
 
@@ -28,7 +29,12 @@ struct SceneFile {
   Timeline timeline;                   ///< targets are named, not read yet; files are relative to
                                        ///< the folder of the scene file
   std::vector<Obstacle> obstacles;
+  TomlTable entries;  ///< [[timeline]] and [[obstacle]] as they stand in the file
 };
+
+/// The [[timeline]] and [[obstacle]] entries as a scene file has them, in one spelling; without the
+/// names of the files that they read where only what these hold counts.
+std::string entriesText(const SceneFile& file, bool withFileNames);
 
 /// Reads a scene file: the tables [model] [environment] [actuation] [solver] [stop] [camera]
 /// [style] [recording], and [[timeline]], [[obstacle]].

@@ -23,8 +23,8 @@
 #endif
 #include <toml++/toml.h>
 
-#include "sim/base/spelling.h"
 #include "sim/base/input_file.h"
+#include "sim/base/spelling.h"
 
 namespace kirireel {
 namespace {
@@ -117,7 +117,7 @@ TomlTable readTomlFile(const std::filesystem::path& path, const std::string& hin
 
 std::string typedText(const TomlValue& value) {
   if (const std::string* text = value.text()) return *text;
-  if (const bool* truth = value.truth()) return *truth ? "true" : "false";
+  if (const bool* truth = value.truth()) return fmt::format("{}", *truth);
   if (const std::int64_t* whole = value.whole()) return fmt::format("{}", *whole);
   if (const auto real = value.number()) return fmt::format("{}", *real);
   const std::vector<TomlValue>* array = value.array();
@@ -128,6 +128,33 @@ std::string typedText(const TomlValue& value) {
     parts.push_back(typedText(element));
   }
   return fmt::format("{}", fmt::join(parts, ","));
+}
+
+std::string tomlText(const std::string& text) {
+  std::string marked;
+  for (const char letter : text) {
+    const auto code = static_cast<unsigned char>(letter);
+    if (letter == '"' || letter == '\\') marked += '\\';
+    marked += code < 0x20 || code == 0x7f ? fmt::format("\\u{:04X}", code) : std::string(1, letter);
+  }
+  return '"' + marked + '"';
+}
+
+std::string tomlText(const TomlValue& value) {
+  if (const std::string* text = value.text()) return tomlText(*text);
+  std::vector<std::string> parts;
+  if (const std::vector<TomlValue>* array = value.array()) {
+    for (const TomlValue& element : *array) parts.push_back(tomlText(element));
+    return fmt::format("[{}]", fmt::join(parts, ", "));
+  }
+  if (const TomlTable* table = value.table()) {
+    for (const TomlEntry& entry : *table) {
+      parts.push_back(fmt::format("{} = {}", entry.key, tomlText(entry.value)));
+    }
+    return fmt::format("{{{}}}", fmt::join(parts, ", "));
+  }
+  if (const auto number = value.number()) return fmt::format("{}", *number);
+  return typedText(value);
 }
 
 const TomlValue* find(const TomlTable& table, const std::string& key) {

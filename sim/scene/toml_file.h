@@ -53,6 +53,13 @@ TomlTable readTomlFile(const std::filesystem::path& path, const std::string& hin
 /// "0,0,-9.81". Throws InputError for anything else.
 std::string typedText(const TomlValue& value);
 
+/// A text in quotation marks, as a TOML file has it.
+std::string tomlText(const std::string& text);
+
+/// A value as a TOML file has it, in one spelling whatever the file's was: numbers in their
+/// shortest digits, keys in order, tables within braces.
+std::string tomlText(const TomlValue& value);
+
 /// The value of a key; null when the table does not have it.
 const TomlValue* find(const TomlTable& table, const std::string& key);
 

@@ -78,8 +78,27 @@ TEST_F(SweepProgram, ChangedModelIsRunAgain) {
   const std::string text = "model = \"sheet\"\n[grid]\nduration = [0.1, 0.2]\n";
   EXPECT_THAT(sweep(text).out, HasSubstr("2 runs made"));
   EXPECT_THAT(sweep(text).out, HasSubstr("0 runs made"));
+  std::filesystem::remove_all(folder_ / "sheet");
   runKirireel({"generate", "tessellation", (folder_ / "sheet").string(), "--columns", "3"});
   EXPECT_THAT(sweep(text).out, HasSubstr("2 runs made"));
+}
+
+TEST_F(SweepProgram, EveryFileThatARunReadsCounts) {
+  const auto writeRock = [this](const char* peak) {
+    writeText(folder_ / "rock.obj", "v 9 9 9\nv 10 9 9\nv 9 10 9\nv 9 9 " + std::string(peak) +
+                                        "\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n");
+  };
+  writeText(folder_ / "scene.toml", "[[obstacle]]\nshape = \"mesh\"\nfile = \"rock.obj\"\n");
+  writeRock("10");
+  const std::string text =
+      "generate = \"tessellation\"\nscene = \"scene.toml\"\n[base]\npath = \"straight\"\n"
+      "[grid]\nduration = [0.01, 0.02]\n";
+  EXPECT_THAT(sweep(text).out, HasSubstr("2 runs made, 0 of them failed"));
+  EXPECT_THAT(sweep(text).out, HasSubstr("0 runs made"));
+  writeRock("10.5");
+  EXPECT_THAT(sweep(text).out, HasSubstr("2 runs made"));
+  // What a setting was by itself does not make another run.
+  EXPECT_THAT(sweep(text + "thickness = [0.020]\n").out, HasSubstr("0 runs made"));
 }
 
 TEST_F(SweepProgram, ShardsPartTheRuns) {

@@ -1,0 +1,241 @@
+// What tells one order from another: every option, however it is spelled and wherever it stands.
+#include <regex>
+#include <set>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "render/cli/command_line.h"
+#include "tests/support/files.h"
+
+namespace kirireel {
+namespace {
+
+using Words = std::vector<std::string>;
+
+/// Two values of an option that are not its default; none for one that takes no value.
+struct Sample {
+  std::string option;
+  Words values;
+  Words needed = {};  ///< without which the option means nothing
+};
+
+const Words kLed = {"--path", "led"};
+const Words kBoundary = {"--actuation", "boundary"};
+
+const std::vector<Sample>& samples() {
+  static const std::vector<Sample> all = {
+      {"--fps", {"30", "50"}},
+      {"--faces", {"fold", "pykirigami"}},
+      {"--auto-detect-connections", {}},
+      {"--split-tiles", {"all", "0,2"}},
+      {"--target", {"a.txt"}},
+      {"--pin", {"0", "3,0,7"}},
+      {"--fix", {"0,1", "1,2"}},
+      {"--link", {"0,1,2,3", "0,1,3,2"}},
+      {"--thickness", {"0.03", "1e-3"}},
+      {"--mass", {"prism"}},
+      {"--density", {"2700", "1e12"}, {"--mass", "prism"}},
+      {"--actuation", {"expansion", "none"}},
+      {"--boundary-size", {"3", "0.5"}, kBoundary},
+      {"--boundary-aspect", {"3", "0.5"}, kBoundary},
+      {"--spring-stiffness", {"25", "0"}},
+      {"--torque-stiffness", {"25", "0"}},
+      {"--force-damping", {"25", "0.1"}},
+      {"--torque-damping", {"25", "0.1"}},
+      {"--no-adaptive", {}},
+      {"--path", {"straight", "led"}},
+      {"--open-time", {"1", "0.1"}, kLed},
+      {"--led-time", {"1", "0.1"}, kLed},
+      {"--led-stiffness", {"1", "0.1"}, kLed},
+      {"--joint-stiffness", {"1e4", "1e7"}, kLed},
+      {"--gravity", {"-9.81", "0,0.1,-9.81"}},
+      {"--ground", {}},
+      {"--ground-friction", {"0.3", "0"}},
+      {"--contacts", {"all", "unjoined"}},
+      {"--brick-friction", {"0.3", "0.1"}},
+      {"--linear-damping", {"0.3", "0.1"}},
+      {"--angular-damping", {"0.3", "0.1"}},
+      {"--duration", {"3", "0.1"}},
+      {"--solver", {"bullet"}},
+      {"--timestep", {"0.01", "0.001"}},
+      {"--substeps", {"1", "3"}},
+      {"--iterations", {"1", "3"}, {"--solver", "bullet"}},
+      {"--planar", {"on", "off"}},
+      {"--seed", {"2", "4294967295"}},
+      {"--export", {"obj", "inp,msh"}},
+      {"--states", {"all", "0%,1.5s"}},
+      {"--state", {"50%", "event:settled \"so\""}},
+      {"--hinge-width", {"0.01", "0.1"}},
+      {"--elements-per-edge", {"4", "3"}},
+      {"--elements-through", {"2", "3"}},
+      {"--quadratic", {}},
+      {"--joints", {"equation", "patch"}},
+      {"--patch-radius", {"0.1", "0.2"}},
+      {"--size", {"640x480", "96x64"}},
+      {"--grid", {"1x2", "4x4"}},
+      {"--captions", {"none", "gap,time"}},
+      {"--scale-bar", {}},
+      {"--dpi", {"300", "72.5"}},
+      {"--snapshots", {"time"}},
+      {"--frames", {}},
+      {"--frames-at", {"0,1.5,7%", "33.3%"}},
+      {"--no-snapshots", {}},
+      {"--svg", {}},
+      {"--theme", {"dark"}},
+      {"--colour", {"error", "gap"}},
+      {"--colour-map", {"cividis"}},
+      {"--colour-most", {"0.1", "3"}},
+      {"--brick-colour", {"102030", "#FFFFFF"}},
+      {"--ground-look", {"plate", "none"}},
+      {"--transparent", {}},
+      {"--no-outlines", {}},
+      {"--mark-joints", {}},
+      {"--target-lines", {}},
+      {"--view", {"top", "iso"}},
+      {"--yaw", {"33.3", "-7"}},
+      {"--pitch", {"-33.3", "7"}},
+      {"--projection", {"parallel", "perspective"}},
+      {"--zoom", {"2", "0.5"}},
+      {"--margin", {"0.1", "0.2"}},
+      {"--distance", {"3", "0.1"}},
+      {"--fit", {"run", "ends"}},
+      {"--orbit", {"90", "-33.3"}},
+      {"--camera-keys", {"0:50:-35:1,2.5:90:-20:1.5", "0:1.1:-2.2:3.3"}},
+      {"--video", {"talk.webm", "a b.gif"}},
+      {"--format", {"webm", "gif"}},
+      {"--no-video", {}},
+      {"--speed", {"0.5", "3"}},
+      {"--hold", {"0.5", "3"}},
+      {"--title", {"Squares \\ \"open\"", "\tat last"}},
+      {"--crf", {"0", "30"}},
+      {"--preset", {"slow", "medium"}},
+      {"--encoder", {"libx264", "mpeg4"}},
+      {"--no-meshes", {}},
+  };
+  return all;
+}
+
+/// Options that say where a run goes, what is printed, where its settings stand, or which of two
+/// libraries draws the same pictures.
+const std::set<std::string> kDecideNothing = {"--help", "--out",   "--resume",
+                                              "--json", "--scene", "--gl"};
+
+RecordOrder orderOf(const Words& options) {
+  Words words = {"record", "model"};
+  words.insert(words.end(), options.begin(), options.end());
+  return std::get<RecordOrder>(parseCommandLine(words));
+}
+
+std::string termsOf(const Words& options) {
+  return orderOf(options).text.terms;
+}
+
+Words given(const Sample& sample, std::size_t value) {
+  Words words = sample.needed;
+  words.push_back(sample.option);
+  if (!sample.values.empty()) words.push_back(sample.values[value]);
+  return words;
+}
+
+TEST(Orders, HaveASampleOfEveryOption) {
+  const std::string help = std::get<PrintOrder>(parseCommandLine({"record", "--help"})).text;
+  const std::regex pattern("\n  (?:-h,)?(--[a-z-]+)");
+  std::set<std::string> known = kDecideNothing;
+  for (const Sample& sample : samples()) known.insert(sample.option);
+  int count = 0;
+  for (std::sregex_iterator match(help.begin(), help.end(), pattern), end; match != end; ++match) {
+    EXPECT_TRUE(known.contains((*match)[1])) << (*match)[1];
+    ++count;
+  }
+  EXPECT_EQ(count, static_cast<int>(known.size()));
+}
+
+TEST(Orders, AreToldApartByEveryOption) {
+  for (const Sample& sample : samples()) {
+    std::set<std::string> terms = {termsOf(sample.needed)};
+    const std::size_t values = std::max<std::size_t>(1, sample.values.size());
+    for (std::size_t k = 0; k < values; ++k) terms.insert(termsOf(given(sample, k)));
+    EXPECT_EQ(terms.size(), values + 1) << sample.option;
+  }
+}
+
+TEST(Orders, AreNotToldApartByWhatDecidesNothing) {
+  const std::string plain = termsOf({});
+  for (const Words& words :
+       {Words{"--out", "there"}, Words{"--resume"}, Words{"--json"}, Words{"--gl", "egl"}}) {
+    EXPECT_EQ(termsOf(words), plain) << words.front();
+  }
+}
+
+// The oracle is the round trip: what is written is read back as the same order.
+TEST(Orders, AreMadeAgainFromTheirSettings) {
+  const test::TemporaryFolder folder;
+  for (const Sample& sample : samples()) {
+    const std::size_t values = std::max<std::size_t>(1, sample.values.size());
+    for (std::size_t k = 0; k < values; ++k) {
+      const OrderText text = orderOf(given(sample, k)).text;
+      std::ofstream(folder / "scene.toml", std::ios::binary) << text.scene;
+      const OrderText again = orderOf({"--scene", (folder / "scene.toml").string()}).text;
+      EXPECT_EQ(again.terms, text.terms) << sample.option;
+      EXPECT_EQ(again.scene, text.scene) << sample.option;
+    }
+  }
+}
+
+TEST(Orders, AreTheSameHoweverTheyAreSpelled) {
+  const std::string terms = termsOf({"--thickness", "0.03", "--contacts", "unjoined"});
+  for (const Words& words :
+       {Words{"--thickness=0.03", "--contacts=unjoined"}, Words{"-bt", "0.030", "--no_collision"},
+        Words{"--contacts", "unjoined", "--thickness", "3e-2"},
+        Words{"--brick_thickness=+0.03", "--no-collision", "--fps", "60", "--headless"},
+        Words{"--thickness", "7", "--thickness", "0.03", "--contacts", "unjoined"}}) {
+    EXPECT_EQ(termsOf(words), terms) << words.front();
+  }
+  EXPECT_EQ(termsOf({"--ground"}), termsOf({"--ground-friction", "0.5"}));
+  EXPECT_EQ(termsOf({"--yaw", "50"}), termsOf({"--pitch", "-35"}));
+  EXPECT_EQ(termsOf({"--gravity", "-9.81"}), termsOf({"--gravity", "0,0,-9.81"}));
+  EXPECT_EQ(termsOf({"--format", "gif"}), termsOf({"--video", "deployment.gif"}));
+  EXPECT_EQ(termsOf({"--faces", "pykirigami"}), termsOf({"--auto-detect-connections"}));
+  EXPECT_EQ(termsOf({"--captions", "gap,time"}), termsOf({"--captions", "time,gap"}));
+}
+
+TEST(Orders, AreTheSameInASceneFile) {
+  const test::TemporaryFolder folder;
+  const auto termsOfScene = [&](const std::string& scene) {
+    std::ofstream(folder / "scene.toml", std::ios::binary) << scene;
+    return termsOf({"--scene", (folder / "scene.toml").string()});
+  };
+  EXPECT_EQ(termsOfScene("[model]\nthickness = 0.030 # metres\n[environment]\nground = true\n"),
+            termsOf({"--ground", "--thickness", "0.03"}));
+  EXPECT_EQ(termsOfScene("[environment]\ngravity = [0, 0, -1]\n"), termsOf({"--gravity", "-1"}));
+  // Timelines and obstacles count by what they say, not how.
+  const std::string moved = termsOfScene(
+      "[[obstacle]]\nshape = 'sphere'\nradius = 1\nposition = [0, 0, 1]\n"
+      "[[timeline]]\nat = 1\npin = [0]\n");
+  EXPECT_EQ(termsOfScene("[[timeline]]\npin=[0]\nat=1.0\n\n# a ball\n"
+                         "[[obstacle]]\nposition=[0,0,1.0]\nshape=\"sphere\"\nradius=1.0\n"),
+            moved);
+  EXPECT_NE(termsOfScene("[[timeline]]\npin=[0]\nat=1.5\n"
+                         "[[obstacle]]\nposition=[0,0,1.0]\nshape=\"sphere\"\nradius=1.0\n"),
+            moved);
+}
+
+TEST(OrderFingerprints, GoByWhatFilesHoldNotWhereTheyStand) {
+  const InputFile vertices{"m/vertices.txt", "aa"};
+  const InputFile pulled{"m/pull.txt", "bb"};
+  const auto print = [](const std::vector<InputFile>& files, const std::string& folder) {
+    return orderFingerprint("", {"m", files}, {folder});
+  };
+  const std::string plain = print({vertices, pulled}, "m");
+  EXPECT_EQ(print({{"./m/vertices.txt", "aa"}, {"./m/pull.txt", "bb"}}, "./m"), plain);
+  EXPECT_EQ(print({{"/m/vertices.txt", "aa"}, {"/m/pull.txt", "bb"}}, "/m"), plain);
+  EXPECT_NE(print({vertices, {"m/pull.txt", "bc"}}, "m"), plain);
+  EXPECT_NE(print({vertices, {"m/hull.txt", "bb"}}, "m"), plain);
+  EXPECT_NE(print({vertices}, "m"), plain);
+  EXPECT_EQ(print({{"rock.obj", "aa"}}, "m"), print({{"x/stone.obj", "aa"}}, "m"));
+  EXPECT_EQ(plain.size(), 64U);
+}
+
+}  // namespace
+}  // namespace kirireel
