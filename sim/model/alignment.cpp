@@ -61,6 +61,15 @@ std::vector<Vector3> allVertices(const std::vector<Tile>& tiles) {
   return points;
 }
 
+std::vector<Vector3> verticesOf(const std::vector<Tile>& tiles, std::span<const int> chosen) {
+  std::vector<Vector3> points;
+  for (const int i : chosen) {
+    const std::vector<Vector3>& vertices = tiles[static_cast<std::size_t>(i)].vertices;
+    points.insert(points.end(), vertices.begin(), vertices.end());
+  }
+  return points;
+}
+
 bool isHorizontal(std::span<const Vector3> points, double tolerance) {
   const auto [low, high] =
       std::minmax_element(points.begin(), points.end(),
@@ -85,14 +94,18 @@ RigidMotion bestRigidMotion(std::span<const Vector3> from, std::span<const Vecto
   return bestRigidMotion(from, to, evenWeights(from.size()));
 }
 
-RigidMotion alignStartToTarget(Model& model) {
+RigidMotion alignStartToTarget(Model& model, std::span<const int> held) {
   if (!model.target) return {};
   const std::vector<Vector3> start = allVertices(model.tiles);
   const std::vector<Vector3> target = allVertices(*model.target);
   const double tolerance = 1e-9 * modelSize(model);
   const bool planar = isHorizontal(start, tolerance) && isHorizontal(target, tolerance);
+  const auto fit = [planar](std::span<const Vector3> from, std::span<const Vector3> to) {
+    return planar ? bestPlanarMotion(from, to) : bestRigidMotion(from, to);
+  };
   const RigidMotion motion =
-      planar ? bestPlanarMotion(start, target) : bestRigidMotion(start, target);
+      held.empty() ? fit(start, target)
+                   : fit(verticesOf(model.tiles, held), verticesOf(*model.target, held));
   for (Tile& tile : model.tiles) {
     for (Vector3& vertex : tile.vertices) vertex = motion.apply(vertex);
   }

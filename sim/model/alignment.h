@@ -25,9 +25,10 @@ RigidMotion bestRigidMotion(std::span<const Vector3> from, std::span<const Vecto
                             std::span<const double> weights);
 
 /// Moves the start tiles of a model with a target onto the target by the best rigid motion of all
-/// vertices together, as PyKirigami does. A start and target that each lie in a horizontal plane
-/// are turned about the vertical alone (never flipped over). Returns the motion applied; identity
+/// vertices together, as PyKirigami does, or, where some tiles will be held where they are, of the
+/// vertices of these `held` tiles alone. A start and target that each lie in a horizontal plane are
+/// turned about the vertical alone (never flipped over). Returns the motion applied; identity
 /// without target.
-RigidMotion alignStartToTarget(Model& model);
+RigidMotion alignStartToTarget(Model& model, std::span<const int> held = {});
 
 }  // namespace kirireel

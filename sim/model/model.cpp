@@ -76,6 +76,14 @@ double tileSize(const Model& model) {
   return edges == 0 ? 0.0 : sum / static_cast<double>(edges);
 }
 
+int countTurnedOver(const std::vector<Tile>& start, const std::vector<Tile>& target) {
+  int count = 0;
+  for (std::size_t i = 0; i < start.size(); ++i) {
+    if (tileNormal(start[i]).dot(tileNormal(target[i])) < 0) ++count;
+  }
+  return count;
+}
+
 bool liesFlat(const std::vector<Tile>& tiles, double tolerance) {
   const double level = tiles.front().vertices.front().z();
   return std::all_of(tiles.begin(), tiles.end(), [&](const Tile& tile) {

@@ -75,6 +75,10 @@ double modelSize(const Model& model);
 /// Mean edge length over all tiles, metres: the length that "tile size" means.
 double tileSize(const Model& model);
 
+/// How many tiles face the other way in a second state: their normals are more than 90 degrees
+/// apart. Both states have the same tiles.
+int countTurnedOver(const std::vector<Tile>& start, const std::vector<Tile>& target);
+
 /// Whether all vertices lie at one height, to the tolerance in metres.
 bool liesFlat(const std::vector<Tile>& tiles, double tolerance);
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include <fmt/format.h>
+
 namespace kirireel {
 namespace {
 
@@ -49,6 +51,9 @@ Need planarNeed(const Scene& scene) {
     if (!liesFlat(*target, tolerance)) return {false, "the target is not flat"};
     if (std::abs(height(*target) - height(scene.model.tiles)) > tolerance) {
       return {false, "start and target lie at different heights"};
+    }
+    if (countTurnedOver(scene.model.tiles, *target) > 0) {
+      return {false, "tiles are turned over at the target"};
     }
   }
   if (dragsOutOfPlane(scene, tolerance)) return {false, "a tile is dragged out of the plane"};
@@ -102,6 +107,23 @@ double lowestPoint(const std::vector<Tile>& tiles, const BrickRule& rule) {
 }
 
 }  // namespace
+
+std::string describe(const StartAlignment& alignment) {
+  constexpr double kDegrees = 180 / 3.14159265358979323846;
+  return fmt::format(
+      "the start was moved by up to {:.3g} m and turned by {:.3g} degrees onto its target{} "
+      "(--no-align keeps it in its place)",
+      alignment.moved, kDegrees * alignment.turned,
+      alignment.byHeld ? ", by its pinned tiles" : "");
+}
+
+TargetSpringSettings springsOf(const Scene& scene) {
+  TargetSpringSettings springs = scene.springs;
+  const double edge = tileSize(scene.model);
+  if (springs.dampsByArea) springs.torqueDamping *= edge * edge;
+  springs.dampsByArea = false;
+  return springs;
+}
 
 Needs sceneNeeds(const Scene& scene) {
   Needs needs;

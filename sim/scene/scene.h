@@ -49,7 +49,10 @@ struct TargetSpringSettings {
   double torqueStiffness = 100;  ///< k_tau, N/m for each vertex, from 0
   double forceDamping = 50;      ///< mu_v, N s/m, from 0
   double torqueDamping = 2;      ///< mu_omega, N m s, from 0
-  bool adaptive = true;          ///< double both stiffnesses when the error stalls, up to 16 times
+  /// Whether the torque damping is that of tiles with a mean edge of 1 m, and grows with the square
+  /// of the model's, so that a model in other units moves alike; else it is what it is.
+  bool dampsByArea = true;
+  bool adaptive = true;  ///< double both stiffnesses when the error stalls, up to 16 times
 
   /// Whether they pull at all; without stiffness they only damp.
   bool pull() const { return springStiffness > 0 || torqueStiffness > 0; }
@@ -94,6 +97,9 @@ struct PathSettings {
   /// Of each pivot, N/m: while led joints give and are closed at the end, on a straight path they
   /// give throughout. Infinity: exact.
   double jointStiffness = std::numeric_limits<double>::infinity();
+  /// What finding a path may cost with PathKind::Auto, seconds of a reference core (see
+  /// SearchBudget), from 0. Short runs get less: see deploy().
+  double searchTime = 60;
 
   /// Whether joints are springs from the start on.
   bool jointsGive() const { return std::isfinite(jointStiffness); }
@@ -122,9 +128,18 @@ struct StopRules {
   double settleTime = 0.25;   ///< ... for this many seconds
 };
 
+/// How the start is moved onto the target, as a rigid whole, before a run.
+struct StartAlignment {
+  bool wanted = true;   ///< false: the start stays where the model has it
+  bool byHeld = false;  ///< the tiles that are pinned from the start on were fitted, not all
+  double moved = 0;     ///< by how much the farthest vertex was, metres
+  double turned = 0;    ///< by how much the whole was, radians from 0 to pi
+};
+
 /// Everything that a run depends on.
 struct Scene {
-  Model model;
+  Model model;  ///< its start aligned, see completeScene()
+  StartAlignment alignment;
   BrickRule brick;
   Environment environment;
   Actuation actuation;
@@ -149,8 +164,15 @@ struct Needs {
   Need obstacles;  ///< things that bricks run into
 };
 
+/// "the start was moved by 1.2 m and turned by 90 degrees onto its target (--no-align keeps it)".
+std::string describe(const StartAlignment& alignment);
+
+/// The springs' settings with the torque damping that the model's tiles have.
+TargetSpringSettings springsOf(const Scene& scene);
+
 /// Decides what the scene needs. A scene is planar when start and target lie in horizontal planes,
-/// nothing pushes out of the plane, and no joint lets a brick tilt away (see the reasons returned).
+/// no tile faces the other way at the target, nothing pushes out of the plane, and no joint lets a
+/// brick tilt away (see the reasons returned).
 Needs sceneNeeds(const Scene& scene);
 
 /// The lowest z of start and target: where the ground lies unless told otherwise, metres.

@@ -1,5 +1,7 @@
 #include "sim/scene/scene_parts.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "sim/base/error.h"
@@ -78,19 +80,47 @@ void readTimelineTargets(Scene& scene, std::vector<std::string>& warnings) {
   }
 }
 
+/// The tiles that are pinned before anything moves.
+std::vector<int> heldTiles(const Timeline& timeline) {
+  std::vector<int> held;
+  for (const TimelineEntry& entry : timeline) {
+    const bool isAtOnce = entry.when.value == 0 && (entry.when.kind == Occasion::Kind::After ||
+                                                    entry.when.kind == Occasion::Kind::AtTime);
+    if (!isAtOnce) break;
+    const auto* pin = std::get_if<timeline::Pin>(&entry.action);
+    if (pin) held.insert(held.end(), pin->tiles.begin(), pin->tiles.end());
+  }
+  return held;
+}
+
+void align(Scene& scene, const std::vector<int>& held) {
+  const std::vector<Tile> before = scene.model.tiles;
+  const RigidMotion motion = alignStartToTarget(scene.model, held);
+  scene.alignment.byHeld = scene.model.target.has_value() && !held.empty();
+  scene.alignment.turned = Eigen::AngleAxisd(motion.rotation).angle();
+  scene.alignment.moved = 0;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    for (std::size_t k = 0; k < before[i].vertices.size(); ++k) {
+      const double moved = (scene.model.tiles[i].vertices[k] - before[i].vertices[k]).norm();
+      scene.alignment.moved = std::max(scene.alignment.moved, moved);
+    }
+  }
+}
+
 }  // namespace
 
 void completeScene(const SceneParts& parts, Scene& scene, std::vector<std::string>& warnings) {
   addTargets(parts.targets, scene, warnings);
   readTimelineTargets(scene, warnings);
-  alignStartToTarget(scene.model);
+  Timeline entries = scene.timeline;
+  if (!parts.pinned.empty()) {
+    entries.insert(entries.begin(), {Occasion{}, timeline::Pin{parts.pinned}, {"--pin"}});
+  }
+  checkTimeline(entries, scene.model);
+  scene.timeline = std::move(entries);
+  if (scene.alignment.wanted) align(scene, heldTiles(scene.timeline));
   addFixed(parts.fixed, scene.model);
   addLinks(parts.links, scene.model);
-  if (!parts.pinned.empty()) {
-    scene.timeline.insert(scene.timeline.begin(),
-                          {Occasion{}, timeline::Pin{parts.pinned}, {"--pin"}});
-  }
-  checkTimeline(scene.timeline, scene.model);
 }
 
 }  // namespace kirireel

@@ -74,6 +74,56 @@ TEST_F(ScenePartsTest, PinsFixedPairsAndLinksAreAdded) {
   EXPECT_EQ(actionName(scene_.timeline[0].action), "pin");
 }
 
+/// The largest distance of a tile's vertices from where it is wanted.
+double targetDistance(const Model& model, int tile) {
+  double largest = 0;
+  for (std::size_t k = 0; k < model.tiles[tile].vertices.size(); ++k) {
+    const Vector3 gap = model.tiles[tile].vertices[k] - (*model.target)[tile].vertices[k];
+    largest = std::max(largest, gap.norm());
+  }
+  return largest;
+}
+
+TEST_F(ScenePartsTest, AStartIsMovedOntoItsTargetByWhatIsPinned) {
+  const std::vector<Tile> before = scene_.model.tiles;
+  SceneParts parts;
+  parts.pinned = {0};
+  completeScene(parts, scene_, warnings_);
+  EXPECT_LT(targetDistance(scene_.model, 0), 1e-14);  // measured 4e-16
+  EXPECT_TRUE(scene_.alignment.byHeld);
+  EXPECT_GT(scene_.alignment.moved, 0.1);
+  EXPECT_NEAR(scene_.alignment.turned, 3.14159265358979323846 / 4, 1e-12);
+}
+
+TEST_F(ScenePartsTest, PinsOfTheTimelineCountOnlyWhereTheyComeFirst) {
+  Scene later = scene_;
+  scene_.timeline = {{{}, timeline::Pin{{5}}, {"scene.toml"}}};
+  completeScene({}, scene_, warnings_);
+  EXPECT_LT(targetDistance(scene_.model, 5), 1e-14);
+  later.timeline = {{{Occasion::Kind::AtTime, 1}, timeline::Pin{{5}}, {"scene.toml"}}};
+  completeScene({}, later, warnings_);
+  EXPECT_GT(targetDistance(later.model, 5), 0.1);
+  EXPECT_FALSE(later.alignment.byHeld);
+}
+
+TEST_F(ScenePartsTest, AStartStaysInItsPlaceOnRequest) {
+  const std::vector<Tile> before = scene_.model.tiles;
+  for (Tile& tile : *scene_.model.target) {
+    for (Vector3& vertex : tile.vertices) vertex.z() -= 1;
+  }
+  scene_.alignment.wanted = false;
+  complete();
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    EXPECT_EQ(scene_.model.tiles[i].vertices, before[i].vertices);
+  }
+  EXPECT_EQ(scene_.alignment.moved, 0);
+  scene_.alignment.wanted = true;
+  complete();
+  EXPECT_GE(scene_.alignment.moved, 1);
+  EXPECT_THAT(describe(scene_.alignment), HasSubstr("the start was moved by up to "));
+  EXPECT_THAT(describe(scene_.alignment), HasSubstr("(--no-align keeps it in its place)"));
+}
+
 TEST_F(ScenePartsTest, NumbersThatNameNothingAreRefused) {
   parts_.pinned = {16};
   EXPECT_EQ(refusal(), "--pin: error: the model has tiles 0-15, not 16; correct this number");

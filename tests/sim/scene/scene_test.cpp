@@ -42,6 +42,13 @@ TEST(SceneNeeds, AnotherHeightIsOutOfThePlane) {
   expectNeed(sceneNeeds(scene).planar, false, "start and target lie at different heights");
 }
 
+TEST(SceneNeeds, ATileThatIsTurnedOverLeavesThePlane) {
+  Scene scene = sheetScene();
+  std::vector<Vector3>& vertices = (*scene.model.target)[3].vertices;
+  std::swap(vertices[0], vertices[2]);  // a square about its diagonal
+  expectNeed(sceneNeeds(scene).planar, false, "tiles are turned over at the target");
+}
+
 TEST(SceneNeeds, RoundingIsFlat) {
   Scene scene = sheetScene();
   scene.model.tiles[3].vertices[2].z() += 1e-12;
