@@ -75,6 +75,9 @@ class ContactSource {
   /// step, so that the step may begin with it: its point touches the other brick, or nothing else
   /// keeps the bricks apart.
   virtual bool isCurrent(const Contact& contact) const = 0;
+
+  /// How many pairs of bricks were looked at closely so far; counts what the contacts cost.
+  virtual double pairsExamined() const { return 0; }
 };
 
 }  // namespace kirireel

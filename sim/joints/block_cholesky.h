@@ -35,6 +35,10 @@ class BlockCholesky {
   /// Factors the values at hand. Returns false when H is not positive definite to rounding.
   bool factor();
 
+  /// What a factorisation and the solves with it cost: multiplications with an addition, as the
+  /// plan's fronts alone decide. The same on every machine.
+  double work() const { return work_; }
+
   /// Solves H x = right in place; right has D values a node. Needs a successful factor().
   void solveInPlace(Eigen::VectorXd& right) const;
 
@@ -62,6 +66,7 @@ class BlockCholesky {
   MatrixMap update(int supernode);
 
   Elimination plan_;
+  double work_ = 0;
   std::vector<std::pair<int, int>> edges_;
   std::vector<Block, Eigen::aligned_allocator<Block>> diagonal_;
   std::vector<Block, Eigen::aligned_allocator<Block>> offDiagonal_;

@@ -28,6 +28,7 @@ constexpr double kBend = 0.01;        // closing that moves less than this part 
 constexpr double kForeseeable = 0.1;  // largest ratio of closing moves taken for steady
 constexpr double kRecovery = 2e-6;    // overlap taken back in a step
 constexpr double kOverlapAccepted = 4e-5;  // at the end of a step
+constexpr double kWorkOfPair = 1000;       // multiplications that looking at a pair is worth
 constexpr int kHalvings = 8;
 constexpr int kContactHalvings = 5;
 constexpr int kMultiplierRounds = 6;
@@ -134,9 +135,13 @@ StepReport Stepper<D>::advance(Motion& motion, double step, const LoadSource& lo
   if (standstill_.isWhole()) loads(motion.poses, loads_);
   if (!standstill_.beginStep(motion.poses, loads_, step)) return {.steps = 1, .unconverged = 1};
   const int before = system_.factorizations();
+  const double workBefore = system_.work();
+  const double pairsBefore = contacts ? contacts->pairsExamined() : 0;
   advanceHalving(motion, step, 0, true);
   standstill_.endStep(motion.poses, loads_);
   report_.factorizations = system_.factorizations() - before;
+  const double pairs = contacts ? contacts->pairsExamined() - pairsBefore : 0;
+  report_.work = system_.work() - workBefore + kWorkOfPair * pairs;
   return report_;
 }
 
@@ -585,6 +590,7 @@ StepReport& StepReport::operator+=(const StepReport& other) {
   halved += other.halved;
   unconverged += other.unconverged;
   factorizations += other.factorizations;
+  work += other.work;
   return *this;
 }
 

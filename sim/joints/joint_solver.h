@@ -41,6 +41,9 @@ struct StepReport {
   /// them, else they were taken.
   int unconverged = 0;
   int factorizations = 0;  ///< of the system matrix
+  /// What the call cost, in multiplications with an addition: counted from the plan of elimination
+  /// and the pairs examined, so that it is the same on every machine.
+  double work = 0;
 
   StepReport& operator+=(const StepReport& other);
 };

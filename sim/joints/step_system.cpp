@@ -14,6 +14,9 @@ constexpr double kJointWeight = 1e10;
 // The contact rows' weight is far smaller, so that Newton's line search can step over the kinks of
 // many contacts at once; their multipliers do the rest in two or three rounds.
 constexpr double kContactWeight = 1e5;
+// What setting up a brick and a row is worth, in multiplications.
+constexpr double kWorkOfBrick = 2000;
+constexpr double kWorkOfRow = 500;
 
 /// Mass and inertia of a brick in world axes.
 template <int D>
@@ -182,6 +185,8 @@ bool StepSystem<D>::factor(const std::vector<ContactRow<D>>& contacts) {
     if (row.acts()) addContactToMatrix(row);
   }
   ++factorizations_;
+  work_ += matrix_.work() + kWorkOfBrick * brickCount() +
+           kWorkOfRow * static_cast<double>(jointRows_.size() + contacts.size());
   return matrix_.factor();
 }
 

@@ -71,6 +71,8 @@ class StepSystem {
   double kappa() const { return kappa_; }
   double rho() const { return rho_; }
   int factorizations() const { return factorizations_; }
+  /// What they cost so far, in multiplications with an addition: counted, not measured.
+  double work() const { return work_; }
 
   /// The graph: which bricks have touched decides the order of elimination, and so the rounding.
   void transfer(StateTape& tape);
@@ -110,6 +112,7 @@ class StepSystem {
   double kappa_ = 0;
   double rho_ = 0;
   int factorizations_ = 0;
+  double work_ = 0;
   BlockCholesky<D> matrix_;
 };
 

@@ -51,6 +51,7 @@ struct ContactFinder::Internals {
   bool planar = false;
   double tolerance = 0;
   long step = 0;
+  double examined = 0;  // pairs so far
   Poses start;
   NearPairs near;
   std::unordered_map<Key, BrickPair> pairs;  // that ever were near
@@ -193,6 +194,7 @@ void ContactFinder::startStep(const Poses& start) {
 double ContactFinder::appendViolated(const Poses& end, std::vector<Contact>& contacts) {
   Internals& in = *internals_;
   in.updatePairs(in.start, end);
+  in.examined += static_cast<double>(in.nearPairs.size() + in.nearSpheres.size());
   double overlap = 0;
   const std::size_t first = contacts.size();
   for (BrickPair* pair : in.nearPairs) {
@@ -215,6 +217,10 @@ double ContactFinder::appendViolated(const Poses& end, std::vector<Contact>& con
     }
   }
   return overlap;
+}
+
+double ContactFinder::pairsExamined() const {
+  return internals_->examined;
 }
 
 bool ContactFinder::isCurrent(const Contact& contact) const {

@@ -35,6 +35,7 @@ class ContactFinder : public ContactSource {
   void startStep(const Poses& start) override;
   double appendViolated(const Poses& end, std::vector<Contact>& contacts) override;
   bool isCurrent(const Contact& contact) const override;
+  double pairsExamined() const override;
 
   /// What the next step takes from those before: what keeps each pair of bricks apart, and the
   /// overlap that it may keep.
