@@ -49,10 +49,8 @@ TargetSprings::TargetSprings(const std::vector<Brick>& bricks, const std::vector
     : bricks_(bricks), springs_(bricks.size()), settings_(settings) {
   setTarget(target);
   if (!pulled) return;
-  for (std::size_t i = 0; i < springs_.size(); ++i) {
-    springs_[i].pulled =
-        std::find(pulled->begin(), pulled->end(), static_cast<int>(i)) != pulled->end();
-  }
+  for (Spring& spring : springs_) spring.pulled = false;
+  for (const int brick : *pulled) springs_[brick].pulled = true;
 }
 
 void TargetSprings::setTarget(const std::vector<Tile>& target) {

@@ -1,6 +1,7 @@
 /// How accurate a state is: figures that every summary states. Nothing here knows a solver.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <span>
 #include <vector>
@@ -36,8 +37,15 @@ struct Penetration {
   int brickB = -1;
 };
 
+/// Of the pairs of so many bricks that are near each other, at most so many are looked at in one
+/// state: a sheet has far fewer, heaps of bricks in one place may have more.
+constexpr long mostPairs(std::size_t bricks) {
+  return std::max(1'000'000L, 20 * static_cast<long>(bricks));
+}
+
 /// The deepest overlap of any pair, by the separating axes of convex prisms (face normals and
-/// products of edges): exact for convex tiles and independent of the contact detection in use.
+/// products of edges): exact for convex tiles and independent of the contact detection in use. Of
+/// the first mostPairs() near pairs; likewise below.
 Penetration deepestPenetration(const std::vector<Brick>& bricks, const Poses& poses);
 
 /// The same with joined bricks meeting without the corners that they share: what contacts hold
@@ -80,6 +88,9 @@ class PenetrationMeter {
   PenetrationDepths at(const Poses& poses) { return atLeast({}, poses); }
   /// The larger of each: the depth given, and that in a state.
   PenetrationDepths atLeast(const PenetrationDepths& known, const Poses& poses);
+
+  /// Whether all near pairs of the start could be looked at, see mostPairs().
+  bool seesAllPairs() const;
 
  private:
   struct Internals;

@@ -16,6 +16,7 @@ using Sparse = Eigen::SparseMatrix<double>;
 // 1e-2 (tess_m10_n10, open).
 constexpr double kCounts = 1e-6;
 constexpr int kMostDenseUnknowns = 900;
+constexpr int kMostUnknowns = 60'000;
 
 /// Writes the equations of joints, one after the other.
 class JointJacobian {
@@ -122,13 +123,26 @@ void countDense(const Sparse& jacobian, Mobility& result) {
   }
 }
 
-/// How many eigenvalues of J^T J lie below a square.
-int countBelow(const Sparse& square, double value) {
-  Sparse identity(square.rows(), square.cols());
-  identity.setIdentity();
-  const Eigen::SimplicialLDLT<Sparse> factors(Sparse(square - value * value * identity));
-  return static_cast<int>((factors.vectorD().array() < 0).count());
-}
+/// Counts the eigenvalues of J^T J below a square, by the signs of the pivots of J^T J - s^2.
+class SignCounter {
+ public:
+  explicit SignCounter(const Sparse& square)
+      : square_(square), identity_(square.rows(), square.cols()) {
+    identity_.setIdentity();
+    // A diagonal that is whole keeps the pattern, so that one ordering serves all counts.
+    factors_.analyzePattern(Sparse(square_ + identity_));
+  }
+
+  int below(double value) {
+    factors_.factorize(Sparse(square_ - value * value * identity_));
+    return static_cast<int>((factors_.vectorD().array() < 0).count());
+  }
+
+ private:
+  const Sparse& square_;
+  Sparse identity_;
+  Eigen::SimplicialLDLT<Sparse> factors_;
+};
 
 void countSparse(const Sparse& jacobian, Mobility& result) {
   const Sparse square = jacobian.transpose() * jacobian;
@@ -140,13 +154,14 @@ void countSparse(const Sparse& jacobian, Mobility& result) {
       sum += std::abs(entry.value());
     bound = std::max(bound, sum);
   }
+  SignCounter counter(square);
   const double threshold = kCounts * std::sqrt(bound);
-  const int dropped = countBelow(square, threshold);
+  const int dropped = counter.below(threshold);
   result.rank = result.unknowns - dropped;
   result.largestDropped = dropped > 0 ? threshold : 0;
   // The next power of ten with more values below it.
   for (double value = threshold; value < std::sqrt(bound); value *= 10) {
-    if (countBelow(square, value) > dropped) break;
+    if (counter.below(value) > dropped) break;
     result.leastKept = value;
   }
 }
@@ -160,6 +175,8 @@ Mobility mobility(const Model& model, const std::vector<Tile>& state, Freedom fr
   Mobility result;
   result.unknowns = equations.unknowns();
   result.equations = static_cast<int>(jacobian.rows());
+  result.isCounted = result.equations == 0 || result.unknowns <= kMostUnknowns;
+  if (!result.isCounted) return result;
   if (result.equations > 0) {
     result.unknowns <= kMostDenseUnknowns ? countDense(jacobian, result)
                                           : countSparse(jacobian, result);

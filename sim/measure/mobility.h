@@ -9,6 +9,7 @@ namespace kirireel {
 
 /// The first-order mobility of one state.
 struct Mobility {
+  bool isCounted = true;      ///< false: too many unknowns, what follows from the rank is not known
   int unknowns = 0;           ///< 3 a tile in the plane, 6 in space
   int equations = 0;          ///< that the joints make
   int rank = 0;               ///< of the Jacobian (equations x unknowns)
@@ -29,7 +30,8 @@ enum class Freedom {
 /// thickness in metres (joints on both faces are hinges). Rotations are measured in tile sizes, so
 /// that singular values are plain numbers; those above 1e-6 of the largest count. Up to 900
 /// unknowns by a dense singular value decomposition; above, by counting the pivots' signs of J^T J
-/// - s^2 (Sylvester's law of inertia), with singular values known to powers of ten.
+/// - s^2 (Sylvester's law of inertia), with singular values known to powers of ten. More than
+/// 60,000 unknowns, as of 10,000 tiles in space, are not counted: that takes minutes.
 Mobility mobility(const Model& model, const std::vector<Tile>& state, Freedom freedom,
                   double thickness);
 

@@ -191,20 +191,24 @@ class PlacedPrisms {
     return placed_[static_cast<std::size_t>(brick)];
   }
 
-  /// Visits the numbers of all pairs whose boxes overlap by more than `least()`, the smaller first,
-  /// in an order that is the same everywhere.
+  /// Visits the numbers of the pairs whose boxes overlap by more than `least()`, mostPairs() of
+  /// them, the smaller first, in an order that is the same everywhere. Returns whether these were
+  /// all.
   template <typename Least, typename Visit>
-  void visitNearPairs(const Least& least, const Visit& visit) const {
+  bool visitNearPairs(const Least& least, const Visit& visit) const {
+    long left = mostPairs(order_.size());
     for (std::size_t i = 0; i < order_.size(); ++i) {
       const PlacedPrism& first = (*this)[order_[i]];
       for (std::size_t j = i + 1; j < order_.size(); ++j) {
         const PlacedPrism& second = (*this)[order_[j]];
         if (second.box.min()[axis_] >= first.box.max()[axis_]) break;
         if (overlapOfBoxes(first.box, second.box) <= least()) continue;
+        if (left-- == 0) return false;
         const auto [a, b] = std::minmax(order_[i], order_[j]);
         visit(a, b);
       }
     }
+    return true;
   }
 
  private:
@@ -249,6 +253,42 @@ std::vector<JoinedPair> joinedPairs(const std::vector<Brick>& bricks, std::span<
   return pairs;
 }
 
+/// Overlaps in a state, the deepest first, and whether all near pairs were looked at.
+struct Overlaps {
+  std::vector<Penetration> pairs;
+  bool areAll = true;
+};
+
+Overlaps overlapsOutsidePivots(const std::vector<Brick>& bricks, std::span<const Pivot> pivots,
+                               double zone, const Poses& poses, double least) {
+  PlacedPrisms placed;
+  placed.place(prismsOf(bricks), poses);
+  const auto joined = sharedCorners(pivots);
+  Overlaps found;
+  PlacedPrism cutA;
+  PlacedPrism cutB;
+  const auto depthOf = [&](int a, int b) {
+    const auto corners = joined.find({a, b});
+    if (corners == joined.end()) return pairDepth(placed[a], placed[b], least);
+    const auto i = static_cast<std::size_t>(a);
+    const auto j = static_cast<std::size_t>(b);
+    const auto [brickA, brickB] = withoutSharedCorners(bricks[i], bricks[j], corners->second, zone);
+    cutA.place(prismOf(brickA), poses[i]);
+    cutB.place(prismOf(brickB), poses[j]);
+    return pairDepth(cutA, cutB, least);
+  };
+  found.areAll = placed.visitNearPairs([least] { return least; },
+                                       [&](int a, int b) {
+                                         const double depth = depthOf(a, b);
+                                         if (depth > least) found.pairs.push_back({depth, a, b});
+                                       });
+  std::ranges::sort(found.pairs, [](const Penetration& one, const Penetration& other) {
+    return std::tuple(-one.depth, one.brickA, one.brickB) <
+           std::tuple(-other.depth, other.brickA, other.brickB);
+  });
+  return found;
+}
+
 }  // namespace
 
 Penetration deepestPenetration(const std::vector<Brick>& bricks, const Poses& poses) {
@@ -273,32 +313,7 @@ Penetration deepestPenetrationOutsidePivots(const std::vector<Brick>& bricks,
 std::vector<Penetration> penetrationsOutsidePivots(const std::vector<Brick>& bricks,
                                                    std::span<const Pivot> pivots, double zone,
                                                    const Poses& poses, double least) {
-  PlacedPrisms placed;
-  placed.place(prismsOf(bricks), poses);
-  const auto joined = sharedCorners(pivots);
-  std::vector<Penetration> all;
-  PlacedPrism cutA;
-  PlacedPrism cutB;
-  const auto depthOf = [&](int a, int b) {
-    const auto corners = joined.find({a, b});
-    if (corners == joined.end()) return pairDepth(placed[a], placed[b], least);
-    const auto i = static_cast<std::size_t>(a);
-    const auto j = static_cast<std::size_t>(b);
-    const auto [brickA, brickB] = withoutSharedCorners(bricks[i], bricks[j], corners->second, zone);
-    cutA.place(prismOf(brickA), poses[i]);
-    cutB.place(prismOf(brickB), poses[j]);
-    return pairDepth(cutA, cutB, least);
-  };
-  placed.visitNearPairs([least] { return least; },
-                        [&](int a, int b) {
-                          const double depth = depthOf(a, b);
-                          if (depth > least) all.push_back({depth, a, b});
-                        });
-  std::ranges::sort(all, [](const Penetration& one, const Penetration& other) {
-    return std::tuple(-one.depth, one.brickA, one.brickB) <
-           std::tuple(-other.depth, other.brickA, other.brickB);
-  });
-  return all;
+  return overlapsOutsidePivots(bricks, pivots, zone, poses, least).pairs;
 }
 
 struct PenetrationMeter::Internals {
@@ -306,6 +321,7 @@ struct PenetrationMeter::Internals {
   std::vector<JoinedPair> joined;                 // by their numbers
   std::vector<std::vector<int>> partners;         // of each brick: joined ones with larger numbers
   std::map<std::pair<int, int>, double> atStart;  // metres, of pairs that are not joined
+  bool seesAllPairs = true;                       // of the start
   PlacedPrisms placed;
   PlacedPrism cutA;
   PlacedPrism cutB;
@@ -346,6 +362,8 @@ struct PenetrationMeter::Internals {
       const double depth = pairDepth(placed[a], placed[b], known());
       depths.whole = std::max(depths.whole, depth);
       depths.outsidePivots = std::max(depths.outsidePivots, depth);
+      // What a pair had at the start is not known of those that were not looked at.
+      if (!seesAllPairs && !atStart.contains({a, b})) return;
       if (depth > depths.grown) depths.grown = std::max(depths.grown, depth - keptBy(a, b));
     });
   }
@@ -360,13 +378,19 @@ PenetrationMeter::PenetrationMeter(const std::vector<Brick>& bricks, std::span<c
   in.partners.resize(bricks.size());
   for (const JoinedPair& pair : in.joined)
     in.partners[static_cast<std::size_t>(pair.a)].push_back(pair.b);
-  for (const Penetration& pair : penetrationsOutsidePivots(bricks, pivots, zone, start, least)) {
+  const Overlaps overlaps = overlapsOutsidePivots(bricks, pivots, zone, start, least);
+  in.seesAllPairs = overlaps.areAll;
+  for (const Penetration& pair : overlaps.pairs) {
     in.atStart[{pair.brickA, pair.brickB}] = pair.depth;
   }
   for (JoinedPair& pair : in.joined) pair.atStart = in.keptBy(pair.a, pair.b);
 }
 
 PenetrationMeter::~PenetrationMeter() = default;
+
+bool PenetrationMeter::seesAllPairs() const {
+  return internals_->seesAllPairs;
+}
 
 PenetrationDepths PenetrationMeter::atLeast(const PenetrationDepths& known, const Poses& poses) {
   Internals& in = *internals_;

@@ -4,6 +4,8 @@
 #include <limits>
 #include <numeric>
 
+#include "sim/measure/measures.h"
+
 namespace kirireel {
 namespace {
 
@@ -111,12 +113,14 @@ std::vector<TileOverlap> tileOverlaps(const std::vector<Tile>& tiles, double tol
     return placed[std::size_t(a)].box.min().x() < placed[std::size_t(b)].box.min().x();
   });
   std::vector<TileOverlap> found;
-  for (std::size_t i = 0; i < order.size(); ++i) {
+  long left = mostPairs(tiles.size());
+  for (std::size_t i = 0; i < order.size() && left > 0; ++i) {
     const PlacedTile& first = placed[std::size_t(order[i])];
-    for (std::size_t j = i + 1; j < order.size(); ++j) {
+    for (std::size_t j = i + 1; j < order.size() && left > 0; ++j) {
       const PlacedTile& second = placed[std::size_t(order[j])];
       if (second.box.min().x() > first.box.max().x() - tolerance) break;
       if (!first.box.intersects(second.box)) continue;
+      --left;
       const double depth = depthOf(first, second, tolerance);
       if (depth <= tolerance) continue;
       found.push_back({std::min(order[i], order[j]), std::max(order[i], order[j]), depth});

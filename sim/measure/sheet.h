@@ -15,7 +15,8 @@ struct TileOverlap {
                      ///< how far tiles that cross in space reach through each other
 };
 
-/// All pairs that overlap by more than the tolerance in metres, the deepest first.
+/// All pairs that overlap by more than the tolerance in metres, the deepest first; of the first
+/// mostPairs() near pairs where there are more.
 std::vector<TileOverlap> tileOverlaps(const std::vector<Tile>& tiles, double tolerance);
 
 /// The largest distance between the two corners of a pivot, metres; 0 for none.

@@ -128,5 +128,14 @@ TEST(Mobility, MatchesThePublishedModels) {
   }
 }
 
+TEST(Mobility, OfTooManyTilesIsNotCounted) {
+  TessellationShape shape;
+  shape.columns = shape.rows = 101;
+  const Model model = makeTessellation(shape);
+  const Mobility found = mobility(model, model.tiles, Freedom::Space, 0.02);
+  EXPECT_FALSE(found.isCounted);
+  EXPECT_EQ(found.unknowns, 6 * 101 * 101);
+}
+
 }  // namespace
 }  // namespace kirireel

@@ -292,5 +292,20 @@ TEST(PenetrationMeter, AgreesWithLooksAtSingleStates) {
   }
 }
 
+TEST(PenetrationMeter, LooksAtSoManyPairsOfAHeapAndSaysSo) {
+  const Poses few(1'000), many(1'500);  // 0.5 and 1.1 million pairs
+  const std::vector<Brick> bricks(many.size(), box(1, 1, 0.1));
+  PenetrationMeter heap(bricks, {}, 0.05, many, 1e-9);
+  EXPECT_FALSE(heap.seesAllPairs());
+  EXPECT_NEAR(heap.at(many).whole, 0.1, 1e-12);
+  EXPECT_NEAR(heap.at(many).grown, 0, 1e-12);
+  // In another order other pairs are looked at: what they had is not taken for new.
+  Poses moved = many;
+  for (std::size_t i = 0; i < moved.size(); ++i) moved[i].position.x() = -1e-9 * double(i);
+  EXPECT_NEAR(heap.at(moved).grown, 0, 1e-8);
+  const std::vector<Brick> fewer(few.size(), bricks.front());
+  EXPECT_TRUE(PenetrationMeter(fewer, {}, 0.05, few, 1e-9).seesAllPairs());
+}
+
 }  // namespace
 }  // namespace kirireel
