@@ -98,8 +98,9 @@ class LiveRun {
       const bool taken = (!scribe || scribe->take(end_.last)) && take(end_.last);
       return taken && tell("deploying", std::min(1.0, sample.time / scene_.stop.duration));
     };
-    const TrialObserver searching = [&](const std::string&) {
-      return tell("looking for a path", 0);
+    const TrialObserver searching = [&](const SearchNews& news) {
+      if (!news.warning.empty()) tellWarning(news.warning);
+      return tell("looking for a path", news.share);
     };
     end_.result = deployUnkept(scene_, settings_.frameInterval(), watch, searching,
                                settings_.order.empty() ? nullptr : &checkpoints_);
@@ -113,6 +114,11 @@ class LiveRun {
   void removeCheckpoint() { checkpoints_.remove(); }
 
  private:
+  void tellWarning(const std::string& warning) {
+    observer_(
+        {"looking for a path", 0, fmt::format("{}: warning: {}", scene_.model.name, warning)});
+  }
+
   bool tell(const char* stage, double share) {
     const Interruption now = observer_({stage, share, std::exchange(remark_, {})});
     if (now) interruption_ = now;
@@ -148,6 +154,7 @@ void summarize(const RunEnd& end, RunSummary& summary) {
   summary.pathReason = end.result.pathReason;
   summary.assembledError = end.result.assembledError;
   summary.blocking = end.result.blocking;
+  summary.warnings = end.result.warnings;
   summary.deployCost = end.result.cost;
   summary.events = end.result.trajectory.events;
 }

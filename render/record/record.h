@@ -111,6 +111,7 @@ struct RunSummary : PictureReport {
   Accuracy accuracy;
   double assembledError = -1;          ///< metres; negative when not computed
   std::vector<BlockingPair> blocking;  ///< bricks in each other's way at the target
+  std::vector<std::string> warnings;   ///< about the target, one line each
   std::vector<Event> events;           ///< what the timeline did, and how the run ended
   DeployCost deployCost;
   std::string leftOut;              ///< why nothing was exported that was to be; mostly empty

@@ -78,11 +78,20 @@ Json blockingJson(const std::vector<BlockingPair>& blocking) {
   return pairs;
 }
 
+Json alignmentJson(const StartAlignment& alignment, bool hasTarget) {
+  if (!alignment.wanted || !hasTarget) return nullptr;
+  return {{"moved", alignment.moved},
+          {"turned", alignment.turned},
+          {"by", alignment.byHeld ? "pinned tiles" : "all tiles"}};
+}
+
 Json costJson(const RunSummary& summary) {
   return {{"steps", summary.deployCost.steps},
           {"halved_steps", summary.deployCost.halvedSteps},
           {"unconverged_steps", summary.deployCost.unconvergedSteps},
           {"factorizations", summary.deployCost.factorizations},
+          {"search_seconds", summary.deployCost.searchSeconds},
+          {"search_budget", summary.deployCost.searchBudget},
           {"cpu_seconds_search", summary.deployCost.cpuSecondsSearch},
           {"cpu_seconds_deploy", summary.deployCost.cpuSeconds},
           {"cpu_seconds_render", summary.recordCost.cpuSecondsRender},
@@ -171,11 +180,14 @@ Json eventsJson(const std::vector<Event>& events) {
   return json;
 }
 
-Json springsJson(const TargetSpringSettings& springs) {
+Json springsJson(const Scene& scene) {
+  const bool fromModel = scene.springs.dampsByArea;
+  const TargetSpringSettings springs = springsOf(scene);
   return {{"spring_stiffness", springs.springStiffness},
           {"torque_stiffness", springs.torqueStiffness},
           {"force_damping", springs.forceDamping},
           {"torque_damping", springs.torqueDamping},
+          {"torque_damping_from", fromModel ? "model" : "given"},
           {"adaptive", springs.adaptive}};
 }
 
@@ -243,7 +255,7 @@ Json settingsJson(const Scene& scene, const RecordSettings& settings) {
           {"density", scene.brick.density},
           {"environment", environmentJson(scene.environment)},
           {"actuation", actuationJson(scene.actuation)},
-          {"springs", springsJson(scene.springs)},
+          {"springs", springsJson(scene)},
           {"solver", solverJson(scene.solver)},
           {"duration", scene.stop.duration},
           {"settle_speed", scene.stop.settleSpeed},
@@ -302,6 +314,8 @@ std::string summaryJson(const Scene& scene, const RecordSettings& settings,
       {"bricks_left_out_from", summary.leftOutFrom ? Json(*summary.leftOutFrom) : Json(nullptr)},
       {"model", modelJson(scene.model)},
       {"accuracy", accuracyJson(summary, scene.model.target.has_value())},
+      {"warnings", summary.warnings},
+      {"alignment", alignmentJson(scene.alignment, scene.model.target.has_value())},
   };
   json.update(findingsJson(summary.needs, summary.path, summary.pathReason, summary.blocking));
   json.update(Json{

@@ -1,10 +1,12 @@
 #include "sim/deploy/assembled_state.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "sim/actuation/target_guide.h"
 #include "sim/actuation/target_springs.h"
 #include "sim/deploy/dynamics.h"
+#include "sim/measure/brick_measures.h"
 #include "sim/measure/measures.h"
 
 namespace kirireel {
@@ -14,39 +16,151 @@ namespace {
 constexpr double kStep = 0.25;  // seconds
 constexpr double kStiffening = 16;
 constexpr int kSteps = 200;
+constexpr int kStepsFromStart = 100;
 constexpr double kConverged = 1e-7;    // change of the error in a step, relative
 constexpr double kNegligible = 1e-12;  // error in tile edges
 
+// Reweighting begins above this error in tile edges, and this factor of the rigid bound.
+constexpr double kWorthwhile = 1e-6;
+constexpr double kAboveBound = 1.001;
+// It ends after so many steps, or so many in a row without so much gain.
+constexpr int kReweightings = 200;
+constexpr int kPatience = 25;
+constexpr double kGain = 1e-3;
+// No brick is pulled less than this, or more than that, times the usual.
+constexpr double kLeastWeight = 1e-3;
+constexpr double kMostWeight = 30;
+
+/// Joined bricks that springs pull to their target, step by step from rest.
+class Assembly {
+ public:
+  Assembly(const Scene& scene, SearchBudget& budget, const std::function<bool()>& goesOn)
+      : scene_(scene),
+        target_(*scene.model.target),
+        bricks_(makeBricks(scene.model.tiles, scene.brick)),
+        springs_(bricks_, target_, scene.model.pulledTiles, springsOf(scene)),
+        weights_(bricks_.size(), 1.0),
+        tile_(tileSize(scene.model)),
+        rigidBound_(rigidBound(scene.model.tiles, target_)),
+        budget_(budget),
+        goesOn_(goesOn) {
+    pull_ = [this](const Poses& poses, std::vector<Load>& loads) {
+      for (std::size_t i = 0; i < poses.size(); ++i) {
+        loads[i] = springs_.load(static_cast<int>(i), poses[i], kStiffening);
+        loads[i].force *= weights_[i];
+        loads[i].stiffness *= weights_[i];
+      }
+    };
+  }
+
+  AssembledState find() {
+    AssembledState state;
+    beginAt(bestFitPoses(bricks_, target_));
+    comeToRest(kSteps);
+    state.restError = state.error = error();
+    state.restPoses = state.poses = motion_.poses;
+    if (isNearEnough(state)) return state;
+    approach(state);
+    if (isNearEnough(state) || !mayStep()) return state;
+    beginAt(startPoses(scene_.model.tiles, bricks_));
+    comeToRest(kStepsFromStart);
+    if (keepIfNearer(state)) approach(state);
+    return state;
+  }
+
+ private:
+  void beginAt(Poses poses) {
+    motion_.poses = std::move(poses);
+    weights_.assign(bricks_.size(), 1.0);
+    dynamics_ = makeDynamics(scene_, sceneNeeds(scene_), bricks_, motion_.poses);
+    if (!dynamics_->assemble(motion_.poses)) dynamics_->setJointStiffness(kMisfitStiffness);
+  }
+
+  /// Whether no other state is worth its while.
+  bool isNearEnough(const AssembledState& state) const {
+    return state.error <= std::max(kWorthwhile * tile_, kAboveBound * rigidBound_);
+  }
+
+  bool keepIfNearer(AssembledState& state) const {
+    const double found = error();
+    if (!(found < state.error)) return false;
+    state.error = found;
+    state.poses = motion_.poses;
+    return true;
+  }
+
+  double error() const { return targetError(target_, bricks_, motion_.poses); }
+  bool mayStep() const { return !budget_.isSpent() && (!goesOn_ || goesOn_()); }
+
+  void step() {
+    motion_.velocities.assign(bricks_.size(), Velocity{});
+    budget_.spend(dynamics_->advance(motion_, kStep, pull_).work);
+  }
+
+  void comeToRest(int steps) {
+    double last = error();
+    for (int i = 0; i < steps && last > kNegligible * tile_ && mayStep(); ++i) {
+      step();
+      const double before = last;
+      last = error();
+      if (std::abs(last - before) <= kConverged * last) break;
+    }
+  }
+
+  void reweight() {
+    const std::vector<double> errors = brickTargetErrors(target_, bricks_, motion_.poses);
+    const double largest = *std::ranges::max_element(errors);
+    double sum = 0;
+    for (std::size_t i = 0; i < weights_.size(); ++i) {
+      weights_[i] *= errors[i] / largest;
+      sum += weights_[i];
+    }
+    const double even = static_cast<double>(weights_.size()) / sum;
+    for (double& weight : weights_) weight = std::clamp(even * weight, kLeastWeight, kMostWeight);
+  }
+
+  void approach(AssembledState& state) {
+    double gainedFrom = state.error;
+    int patience = kPatience;
+    for (int i = 0; i < kReweightings && patience > 0 && mayStep(); ++i) {
+      if (isNearEnough(state)) break;
+      reweight();
+      step();
+      --patience;
+      if (!keepIfNearer(state) || state.error > (1 - kGain) * gainedFrom) continue;
+      gainedFrom = state.error;
+      patience = kPatience;
+    }
+  }
+
+  const Scene& scene_;
+  const std::vector<Tile>& target_;
+  std::vector<Brick> bricks_;
+  TargetSprings springs_;
+  std::vector<double> weights_;  // of the springs, one a brick; 1 in the mean
+  double tile_;                  // metres
+  double rigidBound_;            // metres
+  SearchBudget& budget_;
+  const std::function<bool()>& goesOn_;
+  Motion motion_;
+  std::unique_ptr<Dynamics> dynamics_;
+  LoadSource pull_;
+};
+
 }  // namespace
 
-AssembledState assembleAtTarget(const Scene& scene) {
+AssembledState assembleAtTarget(const Scene& scene, SearchBudget& budget,
+                                const std::function<bool()>& goesOn) {
   if (!scene.model.target) return {};
   Scene alone = scene;
   alone.environment = Environment{};
   alone.solver.kind = SolverKind::Direct;
-  const std::vector<Tile>& target = *scene.model.target;
-  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
-  Motion motion{bestFitPoses(bricks, target), std::vector<Velocity>(bricks.size())};
-  const std::unique_ptr<Dynamics> dynamics =
-      makeDynamics(alone, sceneNeeds(alone), bricks, motion.poses);
-  if (!dynamics->assemble(motion.poses)) dynamics->setJointStiffness(kMisfitStiffness);
+  return Assembly(alone, budget, goesOn).find();
+}
 
-  const TargetSprings springs(bricks, target, scene.model.pulledTiles, scene.springs);
-  const LoadSource pull = [&springs](const Poses& poses, std::vector<Load>& loads) {
-    for (std::size_t i = 0; i < poses.size(); ++i) {
-      loads[i] = springs.load(static_cast<int>(i), poses[i], kStiffening);
-    }
-  };
-  const double negligible = kNegligible * tileSize(scene.model);
-  double error = targetError(target, bricks, motion.poses);
-  for (int step = 0; step < kSteps && error > negligible; ++step) {
-    motion.velocities.assign(bricks.size(), Velocity{});
-    dynamics->advance(motion, kStep, pull);
-    const double before = error;
-    error = targetError(target, bricks, motion.poses);
-    if (std::abs(error - before) <= kConverged * error) break;
-  }
-  return {error, std::move(motion.poses)};
+AssembledState assembleAtTarget(const Scene& scene) {
+  SearchBudget budget(scene.path.searchTime);
+  return assembleAtTarget(scene, budget);
 }
 
 }  // namespace kirireel

@@ -22,6 +22,8 @@ constexpr double kNegligible = 1e-4;
 // Thicknesses are tried in steps of this factor, down to this part of the scene's own.
 constexpr double kThinner = 0.9;
 constexpr double kThinnest = 1e-3;
+// What looking at one pair of bricks once is worth, in multiplications.
+constexpr double kWorkOfPair = 20'000;
 
 std::vector<Penetration> overlapsAt(const Scene& scene, const Poses& poses) {
   const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
@@ -54,7 +56,8 @@ Model withFreeingFaces(const Model& model, const std::vector<Penetration>& overl
 
 /// The faces that joints of pairs would have to lie on, for the pairs that this frees.
 std::map<TilePair, JointFace> freeingFaces(const Scene& scene,
-                                           const std::vector<Penetration>& overlaps) {
+                                           const std::vector<Penetration>& overlaps,
+                                           SearchBudget& budget) {
   Scene freed = scene;
   freed.model = withFreeingFaces(scene.model, overlaps);
   std::map<TilePair, JointFace> faces;
@@ -64,7 +67,7 @@ std::map<TilePair, JointFace> freeingFaces(const Scene& scene,
     faces[std::minmax(joint.a.tile, joint.b.tile)] = joint.face;
   }
   if (faces.empty()) return faces;
-  for (const Penetration& overlap : overlapsAt(freed, assembleAtTarget(freed).poses)) {
+  for (const Penetration& overlap : overlapsAt(freed, assembleAtTarget(freed, budget).restPoses)) {
     faces.erase({overlap.brickA, overlap.brickB});
   }
   return faces;
@@ -85,20 +88,24 @@ ThinBrick thinned(const Scene& scene, int tile, const Brick& brick, const Pose& 
   return thin;
 }
 
-/// The joints between two tiles, as if these were the only ones.
-std::vector<Joint> jointsBetween(const Model& model, int tileA, int tileB) {
-  std::vector<Joint> between;
+/// The joints of each pair of tiles, as if these two were the only ones: 0 the one with the smaller
+/// number, 1 the other.
+using JointsByPair = std::map<TilePair, std::vector<Joint>>;
+
+JointsByPair jointsByPair(const Model& model) {
+  JointsByPair joints;
   for (Joint joint : model.joints) {
-    if (std::minmax(joint.a.tile, joint.b.tile) != std::minmax(tileA, tileB)) continue;
-    joint.a.tile = joint.a.tile == tileA ? 0 : 1;
+    const TilePair pair = std::minmax(joint.a.tile, joint.b.tile);
+    joint.a.tile = joint.a.tile == pair.first ? 0 : 1;
     joint.b.tile = 1 - joint.a.tile;
-    between.push_back(joint);
+    joints[pair].push_back(joint);
   }
-  return between;
+  return joints;
 }
 
 /// Whether two bricks would keep clear of each other if they were that thin.
-bool isFree(const Scene& scene, const Penetration& overlap, const Poses& poses, double thickness) {
+bool isFree(const Scene& scene, const Penetration& overlap, const Poses& poses,
+            const std::vector<Joint>& between, double thickness) {
   std::vector<Brick> bricks;
   Poses placed;
   for (const int tile : {overlap.brickA, overlap.brickB}) {
@@ -107,33 +114,41 @@ bool isFree(const Scene& scene, const Penetration& overlap, const Poses& poses, 
     bricks.push_back(std::move(thin.brick));
     placed.push_back(thin.pose);
   }
-  const std::vector<Joint> between = jointsBetween(scene.model, overlap.brickA, overlap.brickB);
   const Penetration left = deepestPenetrationOutsidePivots(bricks, makePivots(between, bricks),
                                                            scene.environment.pivotZone, placed);
   return left.depth <= kNegligible * tileSize(scene.model);
 }
 
-double freeingThickness(const Scene& scene, const Penetration& overlap, const Poses& poses) {
+double freeingThickness(const Scene& scene, const Penetration& overlap, const Poses& poses,
+                        const std::vector<Joint>& between, SearchBudget& budget) {
   for (double share = kThinner; share > kThinnest; share *= kThinner) {
     const double thickness = share * scene.brick.thickness;
-    if (isFree(scene, overlap, poses, thickness)) return thickness;
+    budget.spend(kWorkOfPair);
+    if (isFree(scene, overlap, poses, between, thickness)) return thickness;
   }
   return 0;
 }
 
 }  // namespace
 
-std::vector<BlockingPair> blockingPairs(const Scene& scene, const Poses& atTarget) {
+std::vector<BlockingPair> blockingPairs(const Scene& scene, const Poses& atTarget,
+                                        SearchBudget& budget) {
   std::vector<BlockingPair> pairs;
   if (atTarget.empty() || !sceneNeeds(scene).contacts.on) return pairs;
   const std::vector<Penetration> overlaps = overlapsAt(scene, atTarget);
   if (overlaps.empty()) return pairs;
-  const std::map<TilePair, JointFace> faces = freeingFaces(scene, overlaps);
+  const std::map<TilePair, JointFace> faces = freeingFaces(scene, overlaps, budget);
+  const JointsByPair joints = jointsByPair(scene.model);
   for (const Penetration& overlap : overlaps) {
-    BlockingPair pair{overlap.brickA, overlap.brickB, overlap.depth, {}, 0};
+    BlockingPair pair{overlap.brickA, overlap.brickB, overlap.depth, !budget.isSpent(), {}, 0};
     const auto face = faces.find({pair.tileA, pair.tileB});
     if (face != faces.end()) pair.freeingFace = face->second;
-    pair.freeingThickness = freeingThickness(scene, overlap, atTarget);
+    const auto between = joints.find({pair.tileA, pair.tileB});
+    if (pair.isExplained) {
+      pair.freeingThickness = freeingThickness(
+          scene, overlap, atTarget,
+          between == joints.end() ? std::vector<Joint>{} : between->second, budget);
+    }
     pairs.push_back(pair);
   }
   return pairs;
@@ -149,8 +164,9 @@ std::string describe(const BlockingPair& pair) {
     ways.push_back(fmt::format("a thickness of {:.2g}", pair.freeingThickness));
   }
   return fmt::format("tiles {} and {} by {:.2g} ({})", pair.tileA, pair.tileB, pair.overlap,
-                     ways.empty() ? "the tiles themselves overlap"
-                                  : fmt::format("free with {}", fmt::join(ways, " or ")));
+                     !pair.isExplained && ways.empty() ? "what frees them was not looked for"
+                     : ways.empty()                    ? "the tiles themselves overlap"
+                                    : fmt::format("free with {}", fmt::join(ways, " or ")));
 }
 
 }  // namespace kirireel

@@ -1,5 +1,6 @@
 #include "sim/deploy/deployment.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -8,9 +9,17 @@
 #include "sim/base/error.h"
 #include "sim/deploy/assembled_state.h"
 #include "sim/deploy/run.h"
+#include "sim/deploy/target_warnings.h"
 
 namespace kirireel {
 namespace {
+
+// A run that is to last a fraction of a second is not to wait for minutes: so many seconds of
+// search, on a reference core, for each of the run.
+constexpr double kSearchPerSecond = 30;
+
+// What is tried before any path.
+constexpr const char* kAssembling = "the state nearest to the target";
 
 void requirePositive(double value, const char* name) {
   if (value > 0 && std::isfinite(value)) return;
@@ -76,12 +85,11 @@ DeploymentResult deployUnkept(const Scene& scene, double sampleInterval,
   double ownSeconds = 0;
   double& searchSeconds = checkpoints ? checkpoints->searchSeconds() : ownSeconds;
   const double startSeconds = threadCpuSeconds() - searchSeconds;
-  const AssembledState nearest = assembleAtTarget(scene);
-  std::vector<BlockingPair> blocking = blockingPairs(scene, nearest.poses);
+  SearchBudget budget(std::min(scene.path.searchTime, kSearchPerSecond * scene.stop.duration));
   bool goOn = true;
   std::size_t savedTrials = checkpoints ? checkpoints->trials().size() : 0;
-  const TrialObserver watchSearch = [&](const std::string& what) {
-    goOn = goOn && (!searching || searching(what));
+  const TrialObserver watchSearch = [&](const SearchNews& news) {
+    goOn = goOn && (!searching || searching(news));
     searchSeconds = threadCpuSeconds() - startSeconds;
     const bool isNew = checkpoints && checkpoints->trials().size() > savedTrials;
     if (isNew && (!goOn || checkpoints->isDue())) {
@@ -90,8 +98,19 @@ DeploymentResult deployUnkept(const Scene& scene, double sampleInterval,
     }
     return goOn;
   };
+  watchSearch({kAssembling, 0});
+  std::vector<std::string> warnings = targetWarnings(scene);
+  for (const std::string& warning : warnings) watchSearch({kAssembling, 0, warning});
+  const AssembledState nearest = assembleAtTarget(scene, budget, [&] {
+    return watchSearch({kAssembling, budget.share()});
+  });
+  if (const std::string far = reachWarning(scene, nearest); !far.empty()) {
+    warnings.push_back(far);
+    watchSearch({kAssembling, budget.share(), far});
+  }
+  std::vector<BlockingPair> blocking = blockingPairs(scene, nearest.restPoses, budget);
   std::vector<TrialEnd> trials;
-  PathChoice choice = choosePath(scene, {nearest, !blocking.empty()}, watchSearch,
+  PathChoice choice = choosePath(scene, {nearest, !blocking.empty()}, budget, watchSearch,
                                  checkpoints ? checkpoints->trials() : trials);
   Scene chosen = scene;
   chosen.path = choice.path;
@@ -100,10 +119,20 @@ DeploymentResult deployUnkept(const Scene& scene, double sampleInterval,
   if (!goOn) checkpoints = nullptr;
   const RunObservers watch{
       sampleInterval, [&](const Sample& sample) { return observer(sample) && goOn; }, {}};
-  DeploymentResult result = Run(chosen, nearest, watch, checkpoints).finish();
+  Run run(chosen, nearest, watch, checkpoints);
+  DeploymentResult result = run.finish();
+  if (!run.seesAllPairs()) {
+    warnings.push_back(
+        fmt::format("too many bricks lie in one place: overlaps are the deepest of "
+                    "the first {} pairs",
+                    mostPairs(scene.model.tiles.size())));
+  }
   if (!result.pathReason.empty()) choice.reason += "; " + result.pathReason;
   result.pathReason = std::move(choice.reason);
   result.blocking = std::move(blocking);
+  result.warnings = std::move(warnings);
+  result.cost.searchSeconds = budget.spentSeconds();
+  result.cost.searchBudget = budget.seconds();
   result.cost.cpuSecondsSearch = searchSeconds;
   return result;
 }

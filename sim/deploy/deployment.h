@@ -56,11 +56,14 @@ struct DeployCost {
   long halvedSteps = 0;         ///< steps that were redone as two halves
   long unconvergedSteps = 0;    ///< steps that failed at their shortest: see StepReport
   long factorizations = 0;      ///< of the system matrix
+  double work = 0;              ///< of all steps, in multiplications: see StepReport
   double cpuSeconds = 0;        ///< of the deploying thread, the search for a path apart
   double cpuSecondsSearch = 0;  ///< of finding the assembled error and a path
+  double searchSeconds = 0;     ///< that these count as, of the search's budget: see SearchBudget
+  double searchBudget = 0;      ///< what the search could have had, likewise
 
   void transfer(StateTape& tape) {
-    tape.transfer(steps, halvedSteps, unconvergedSteps, factorizations);
+    tape.transfer(steps, halvedSteps, unconvergedSteps, factorizations, work);
   }
 };
 
@@ -74,10 +77,12 @@ struct DeploymentResult {
   Accuracy accuracy;
   DeployCost cost;
   Needs needs;
-  PathSettings path;                   ///< that was taken, never Auto
-  std::string pathReason;              ///< one short phrase: why
-  double assembledError = -1;          ///< metres; negative without a target
+  PathSettings path;       ///< that was taken, never Auto
+  std::string pathReason;  ///< one short phrase: why
+  /// The least target error found with joints closed, metres; negative without a target.
+  double assembledError = -1;
   std::vector<BlockingPair> blocking;  ///< bricks in each other's way at the target
+  std::vector<std::string> warnings;   ///< about the target, one line each
 };
 
 /// Called with each sample, the last included; return false to end the run early. Samples that are
@@ -89,7 +94,9 @@ using SampleObserver = std::function<bool(const Sample&)>;
 /// the scene's, and a sample between two of them is made from their poses. Throws InputError when
 /// the scene makes no sense; a run that diverges is reported, not thrown, and ends with its last
 /// step that left no brick behind. `searching` is told of each trial while a path is sought, and
-/// may end the run. Either observer may be empty.
+/// may end the run. Either observer may be empty. The search may cost what
+/// scene.path.searchTime says, yet at most 30 s of a reference core for each second of
+/// scene.stop.duration.
 DeploymentResult deploy(const Scene& scene, double sampleInterval, const SampleObserver& observer,
                         const TrialObserver& searching = {});
 

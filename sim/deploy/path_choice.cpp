@@ -29,9 +29,9 @@ constexpr double kPatience = 2;
 constexpr double kOverlapShare = 1e-4;
 // How far joints may open on such a path, in tiles: farther, bricks could slip past each other.
 constexpr double kOpeningShare = 1e-2;
-// A trial with contacts is given up after so many factorizations times tiles: where bricks wedge,
-// steps are halved again and again.
-constexpr long kContactEffort = 650'000;
+// A trial may cost this part of what is left of the budget: where bricks wedge, steps are halved
+// again and again.
+constexpr double kTrialShare = 1.0 / 3;
 
 // Where bricks wedge, so much thinner ones are tried, on the first few paths.
 constexpr std::array kThinner = {0.25, 0.0625};
@@ -96,6 +96,22 @@ std::string describe(const PathSettings& path) {
                            : way + ", exact joints";
 }
 
+/// Watches a trial that may cost so much.
+class WorkLimit {
+ public:
+  explicit WorkLimit(const SearchBudget& budget) : most_(kTrialShare * budget.left()) {}
+
+  bool allows(const DeployCost& cost) {
+    isReached_ = isReached_ || cost.work > most_;
+    return !isReached_;
+  }
+  bool isReached() const { return isReached_; }
+
+ private:
+  double most_;
+  bool isReached_ = false;
+};
+
 /// Ends a trial that gets no nearer to the target any more.
 class StallWatch {
  public:
@@ -120,20 +136,23 @@ class StallWatch {
 
 /// Whether joints cannot be held exactly on the way: with redundant joints the least misfit of the
 /// tiles forbids any motion, and most steps are halved in vain.
-bool exactJointsJam(const Scene& scene, const TrialObserver& observer) {
+bool exactJointsJam(const Scene& scene, SearchBudget& budget, const TrialObserver& observer) {
   Scene trial = scene;
   trial.environment = Environment{};
   trial.stop.duration = kJamTime;
   trial.path = {PathKind::Straight};
   const Run* running = nullptr;
-  const long mostEffort = kContactEffort / static_cast<long>(scene.model.tiles.size());
+  WorkLimit limit(budget);
   RunObservers watch;
   watch.step = [&](const StepRecord&) {
-    return observer("exact joints") && (!running || running->cost().factorizations <= mostEffort);
+    return observer({"exact joints", budget.share()}) &&
+           (!running || limit.allows(running->cost()));
   };
   Run run(trial, {}, watch);
   running = &run;
+  run.beTrial();
   const DeployCost cost = run.finish().cost;
+  budget.spend(cost.work);
   return 2 * cost.halvedSteps > cost.steps;
 }
 
@@ -147,30 +166,33 @@ bool staysClear(const Accuracy& accuracy, double tile) {
 }
 
 /// Runs a scene as the deployment itself would, so that what arrives here arrives there, for as
-/// long as `goesOn` says so.
-TrialEnd tryPath(const Scene& scene, const AssembledState& nearest,
-                 const std::function<bool()>& goesOn) {
+/// long as `goesOn` says so and the budget allows.
+TrialEnd tryPath(const Scene& scene, const AssembledState& nearest, const SearchBudget& budget,
+                 const std::function<bool(double work)>& goesOn) {
   StallWatch stalls(scene);
   const Run* running = nullptr;
-  const long mostEffort = kContactEffort / static_cast<long>(scene.model.tiles.size());
+  WorkLimit limit(budget);
   const double tile = tileSize(scene.model);
   const bool isAmongBricks = scene.environment.contacts != ContactFilter::None;
   RunObservers watch;
   watch.step = [&](const StepRecord& step) {
-    if (!goesOn() || !stalls(step)) return false;
-    if (!isAmongBricks) return !isJammed(running->cost());
-    return running->cost().factorizations <= mostEffort && staysClear(running->accuracy(), tile);
+    if (!goesOn(running->cost().work) || !stalls(step)) return false;
+    if (!limit.allows(running->cost())) return false;
+    return isAmongBricks ? staysClear(running->accuracy(), tile) : !isJammed(running->cost());
   };
   Run run(scene, nearest, watch);
   running = &run;
+  run.beTrial();
   const DeploymentResult result = run.finish();
   const Accuracy& accuracy = result.accuracy;
   TrialEnd end;
   end.jams = !isAmongBricks && isJammed(result.cost);
   end.error = accuracy.targetErrorEnd;
   end.opening = accuracy.jointOpeningMax;
-  const double near = std::max(kArrivedFactor * nearest.error, kArrivedShare * tile);
-  end.arrives = result.outcome != Outcome::Diverged && !end.jams && end.error <= near;
+  end.work = result.cost.work;
+  const double nearEnough = std::max(kArrivedFactor * nearest.restError, kArrivedShare * tile);
+  end.arrives = result.outcome != Outcome::Diverged && !end.jams && end.error <= nearEnough;
+  end.cutShort = limit.isReached() && !end.arrives && !end.jams;
   // Joints that give may yet open where a trial was cut short.
   const bool isOpenEnded =
       scene.path.jointsGive() && result.outcome == Outcome::Interrupted && !end.arrives;
@@ -187,9 +209,13 @@ PathSettings withExactJoints(const PathSettings& path) {
 /// Looks for a path of one scene.
 class PathSearch {
  public:
-  PathSearch(const Scene& scene, AssembledState nearest, const TrialObserver& observer,
-             std::vector<TrialEnd>& trials)
-      : scene_(scene), nearestState_(std::move(nearest)), observer_(observer), trials_(trials) {}
+  PathSearch(const Scene& scene, AssembledState nearest, SearchBudget& budget,
+             const TrialObserver& observer, std::vector<TrialEnd>& trials)
+      : scene_(scene),
+        nearestState_(std::move(nearest)),
+        budget_(budget),
+        observer_(observer),
+        trials_(trials) {}
 
   PathChoice find(bool roomAtTarget) {
     PathChoice choice = findWithoutContacts();
@@ -215,17 +241,49 @@ class PathSearch {
     trial.path = path;
     trial.solver.timestep = stepFactor * scene_.solver.timestep;
     if (count_ == trials_.size()) {
-      const TrialEnd end = tryPath(trial, nearestState_, [&] { return mayTry(what); });
+      const TrialEnd end =
+          tryPath(trial, nearestState_, budget_, [&](double work) { return tell(what, work); });
       if (isOver_) return false;
       trials_.push_back(end);
     }
     last_ = trials_[count_++];
+    budget_.spend(last_.work);
+    if (last_.cutShort) ++cutShort_;
     return last_.arrives;
   }
 
-  bool mayTry(const std::string& what) {
-    isOver_ = isOver_ || !observer_(what);
+  /// Tells what is being tried, with the work of this trial so far. Returns whether to go on.
+  bool tell(const std::string& what, double work) {
+    SearchBudget soFar = budget_;
+    soFar.spend(work);
+    isOver_ = isOver_ || !observer_({what, soFar.share()});
     return !isOver_;
+  }
+
+  /// Whether there is leave, and budget, for another trial.
+  bool mayTry(const std::string& what) {
+    if (!tell(what, 0)) return false;
+    if (budget_.isSpent()) isIncomplete_ = true;
+    return !isIncomplete_;
+  }
+
+  /// What the budget kept from being known; empty when nothing.
+  std::string untried() const {
+    if (cutShort_ == 0 && !isIncomplete_) return "";
+    std::vector<std::string> parts;
+    if (cutShort_ > 0) {
+      parts.push_back(fmt::format("{} trial{} cut short", cutShort_, cutShort_ == 1 ? "" : "s"));
+    }
+    if (isIncomplete_) parts.push_back("others not made");
+    return fmt::format(" ({} by the search budget of {:.3g} s; raise --search)",
+                       fmt::join(parts, ", "), budget_.seconds());
+  }
+
+  /// What a path does that comes to where the scene's springs rest.
+  std::string arriving() const {
+    return nearestState_.restError <= kFarShare * tileSize(scene_.model)
+               ? " arrives"
+               : " comes as near as joints that stay closed were found to";
   }
 
   PathChoice findWithoutContacts() {
@@ -234,30 +292,35 @@ class PathSearch {
     const Environment empty;
     bool jams = false;
     if (sceneNeeds(scene_).planar.on) {
+      if (!mayTry(describe(straight))) return {straight, noneArrives()};
       if (arrives(straight, empty, describe(straight), kCoarseSteps))
-        return {straight, "straight pull arrives"};
+        return {straight, describe(straight) + arriving()};
       jams = last_.jams;
     }
     for (const PathSettings& path : kCandidates) {
       if (jams && !path.jointsGive()) continue;
       const std::string what = describe(path);
       if (!mayTry(what)) break;
-      if (arrives(path, empty, what)) return {path, what + " arrives"};
+      if (arrives(path, empty, what)) return {path, what + arriving()};
       if (path.kind == PathKind::Straight) jams = last_.jams;
     }
-    return {straight, "no path that was tried arrives"};
+    return {straight, noneArrives()};
+  }
+
+  std::string noneArrives() const {
+    return (count_ == 0 ? "no path was tried" : "no path that was tried arrives") + untried();
   }
 
   /// Where bricks meet on the way, other ways are tried with contacts.
   PathChoice findAmongBricks(const PathChoice& first, bool roomAtTarget) {
     const Paths paths = roomAtTarget ? Paths(kAmongBricks) : Paths(kToBlocked);
     if (const auto path = pathAmongBricks(paths, "touching bricks")) {
-      return {*path, describe(*path) + " among touching bricks arrives"};
+      return {*path, describe(*path) + " among touching bricks" + arriving()};
     }
     std::string reason = first.reason + " where bricks pass through each other";
     if (roomAtTarget) {
-      reason += "; no path that was tried arrives among bricks that touch" + widerJoints() +
-                thinnerBricks();
+      const std::string found = widerJoints() + thinnerBricks();
+      reason += "; no path that was tried arrives among bricks that touch" + untried() + found;
     }
     if (!nearest_) return {withExactJoints(first.path), reason};
     return {nearest_->path, fmt::format("{}; {} comes nearest among bricks that touch", reason,
@@ -294,15 +357,17 @@ class PathSearch {
   /// Which thinner bricks arrive, for the summary; empty when none was found.
   std::string thinnerBricks() {
     for (const double share : kThinner) {
-      if (isOver_) break;
+      if (isOver_ || budget_.isSpent()) break;
       Scene thin = scene_;
       thin.brick.thickness *= share;
       const std::string which = fmt::format("bricks {:.2g} m thick", thin.brick.thickness);
-      PathSearch search(thin, assembleAtTarget(thin), observer_, trials_);
+      PathSearch search(thin, assembleAtTarget(thin, budget_), budget_, observer_, trials_);
       search.count_ = count_;
       const auto path = search.pathAmongBricks(Paths(kAmongBricks).first(kThinPaths), which);
       count_ = search.count_;
       isOver_ = search.isOver_;
+      cutShort_ += search.cutShort_;
+      isIncomplete_ = isIncomplete_ || search.isIncomplete_;
       if (path) return fmt::format("; {} do ({})", which, describe(*path));
     }
     return "";
@@ -310,10 +375,13 @@ class PathSearch {
 
   const Scene& scene_;
   AssembledState nearestState_;  // to the target, joints closed
+  SearchBudget& budget_;
   const TrialObserver& observer_;
   std::vector<TrialEnd>& trials_;
-  std::size_t count_ = 0;  // of trials so far
-  bool isOver_ = false;    // the observer said so
+  std::size_t count_ = 0;      // of trials so far
+  bool isOver_ = false;        // the observer said so
+  int cutShort_ = 0;           // of the trials
+  bool isIncomplete_ = false;  // the budget ended before all paths were tried
   TrialEnd last_;
   std::optional<Attempt> nearest_;  // of those among bricks that do not arrive
   std::optional<Attempt> wide_;     // arrives, but joints open too far
@@ -321,16 +389,17 @@ class PathSearch {
 
 }  // namespace
 
-PathChoice choosePath(const Scene& scene, const TargetRoom& room, const TrialObserver& observer,
-                      std::vector<TrialEnd>& trials) {
-  const TrialObserver watch = observer ? observer : [](const std::string&) { return true; };
+PathChoice choosePath(const Scene& scene, const TargetRoom& room, SearchBudget& budget,
+                      const TrialObserver& observer, std::vector<TrialEnd>& trials) {
+  const TrialObserver watch = observer ? observer : [](const SearchNews&) { return true; };
   if (scene.path.kind != PathKind::Auto) return {scene.path, "asked for"};
   PathSettings straight = scene.path;
   straight.kind = PathKind::Straight;
   if (scene.solver.kind == SolverKind::Bullet) return {straight, "the baseline tries no others"};
   if (!scene.timeline.empty()) return {straight, "the timeline leads"};
   const Drive drive = scene.actuation.drive;
-  if ((drive == Drive::Expansion || drive == Drive::Boundary) && exactJointsJam(scene, watch)) {
+  if ((drive == Drive::Expansion || drive == Drive::Boundary) &&
+      exactJointsJam(scene, budget, watch)) {
     straight.jointStiffness = kMisfitStiffness;
     return {straight, fmt::format("exact joints jam, the tiles fit each other in no open state; "
                                   "joints of {:g} N/m",
@@ -339,7 +408,7 @@ PathChoice choosePath(const Scene& scene, const TargetRoom& room, const TrialObs
   if (!scene.model.target) return {straight, "there is no target"};
   if (drive != Drive::Target || !scene.springs.pull())
     return {straight, "nothing pulls to the target"};
-  return PathSearch(scene, room.nearest, watch, trials).find(!room.isBlocked);
+  return PathSearch(scene, room.nearest, budget, watch, trials).find(!room.isBlocked);
 }
 
 }  // namespace kirireel

@@ -7,6 +7,7 @@
 
 #include "sim/base/state_tape.h"
 #include "sim/deploy/assembled_state.h"
+#include "sim/deploy/search_budget.h"
 #include "sim/scene/scene.h"
 
 namespace kirireel {
@@ -19,18 +20,29 @@ struct PathChoice {
 
 /// How a trial ended.
 struct TrialEnd {
-  bool arrives = false;  ///< at the assembled error
-  bool jams = false;     ///< exact joints could not be held on the way
+  bool arrives = false;   ///< where the scene's springs come to rest near the target
+  bool jams = false;      ///< exact joints could not be held on the way
+  bool cutShort = false;  ///< the budget ended it: where it leads is not known
   /// No bricks overlap on the way more than at the start, or keep joints that gave from closing.
   bool keepsClear = false;
   double error = 0;    ///< target error at its end, metres
   double opening = 0;  ///< how far joints that give opened, metres
+  double work = 0;     ///< that it cost, see SearchBudget
 
-  void transfer(StateTape& tape) { tape.transfer(arrives, jams, keepsClear, error, opening); }
+  void transfer(StateTape& tape) {
+    tape.transfer(arrives, jams, cutShort, keepsClear, error, opening, work);
+  }
 };
 
-/// Called with what is tried, at each step of a trial; return false to stop looking.
-using TrialObserver = std::function<bool(const std::string& what)>;
+/// What a search tells as it goes on.
+struct SearchNews {
+  std::string what;          ///< that is being tried
+  double share = 0;          ///< of the budget that is spent, 0 to 1
+  std::string warning = {};  ///< about the target, to be told once; seldom there
+};
+
+/// Called as a search begins and at each step of a trial; return false to stop looking.
+using TrialObserver = std::function<bool(const SearchNews&)>;
 
 /// What is known of the target before the search.
 struct TargetRoom {
@@ -38,18 +50,23 @@ struct TargetRoom {
   bool isBlocked = false;  ///< bricks would overlap there; see blockingPairs()
 };
 
+/// From this part of a tile on an error is no nearness: the target counts as missed.
+inline constexpr double kFarShare = 0.1;
+
 /// Chooses the scene's path where that is left to the program. Tries paths without contacts, ground
 /// and gravity first (a path that joints forbid is no path with them either), from the simplest on,
 /// exact joints before joints that give, stiff ones before soft ones, and takes the first that
-/// arrives at the assembled error. Where bricks run into each other on it, paths are tried with
-/// contacts, joints opening by at most a hundredth of a tile; fewer where bricks have no room at
-/// the target. Where none arrives, the one that comes nearest without overlaps is taken, and the
-/// reason says whether wider joints or thinner bricks would arrive. A path that the scene names is
-/// kept. Springs without stiffness pull to nothing. Where nothing pulls to a target and the tiles'
-/// misfit makes exact joints jam, joints give throughout. Trials are as the run itself. `observer`
-/// may be empty. `trials` holds how the first trials ended, which are not made again, and gets the
-/// others, but not one that was stopped.
-PathChoice choosePath(const Scene& scene, const TargetRoom& room, const TrialObserver& observer,
-                      std::vector<TrialEnd>& trials);
+/// arrives where the scene's springs come to rest near the target. Where bricks run into each other
+/// on it, paths are tried with contacts, joints opening by at most a hundredth of a tile; fewer
+/// where bricks have no room at the target. Where none arrives, the one that comes nearest without
+/// overlaps is taken, and the reason says whether wider joints or thinner bricks would arrive. A
+/// path that the scene names is kept. Springs without stiffness pull to nothing. Where nothing
+/// pulls to a target and the tiles' misfit makes exact joints jam, joints give throughout. Trials
+/// are as the run itself. A trial may cost a third of what is left of the budget: one that is cut
+/// short is no trial that failed, and the reason tells of it. `observer` may be empty. `trials`
+/// holds how the first trials ended, which are not made again, and gets the others, but not one
+/// that the observer stopped.
+PathChoice choosePath(const Scene& scene, const TargetRoom& room, SearchBudget& budget,
+                      const TrialObserver& observer, std::vector<TrialEnd>& trials);
 
 }  // namespace kirireel

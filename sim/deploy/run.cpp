@@ -9,6 +9,8 @@
 
 #include "sim/actuation/expansion.h"
 #include "sim/base/cpu_time.h"
+#include "sim/deploy/rest_probe.h"
+#include "sim/measure/mobility.h"
 
 namespace kirireel {
 namespace {
@@ -17,6 +19,9 @@ namespace {
 constexpr double kLostDistance = 1e3;
 // At rest but farther from the target than its assembled error plus this part of a tile: locked.
 constexpr double kLockedShare = 0.02;
+// At a target, a run that is this near to where springs rest, or to it, is not only slow.
+constexpr double kThere = 1.05;
+constexpr double kThereShare = 1e-6;
 // So much of the model's size from the target is arrived: a stiffer pull is not tried.
 constexpr double kArrivedShare = 1e-9;
 // Steps that fail, and bring no brick farther than this part of a tile, are no motion.
@@ -72,9 +77,11 @@ Run::Run(const Scene& scene, const AssembledState& nearest, const RunObservers& 
       step_(scene.solver.timestep),
       size_(modelSize(scene.model)),
       tileSize_(tileSize(scene.model)),
-      nearest_(nearest) {
+      springSettings_(springsOf(scene)),
+      nearest_(nearest),
+      restNeeded_(scene.stop.settleTime) {
   if (scene.actuation.drive == Drive::Boundary) {
-    boundary_.emplace(scene.model, bricks_, scene.springs, scene.actuation.boundary);
+    boundary_.emplace(scene.model, bricks_, springSettings_, scene.actuation.boundary);
   }
   actuation_ = [this](const Poses& poses, std::vector<Load>& loads) {
     std::fill(loads.begin(), loads.end(), Load{});
@@ -108,7 +115,7 @@ void Run::pull(const Poses& poses, std::vector<Load>& loads) const {
     const int brick = static_cast<int>(i);
     if (springs) loads[i] = springs->load(brick, poses[i], stiffness_.factor());
     if (boundary_) loads[i] = boundary_->load(brick, poses[i]);
-    if (drive == Drive::Expansion) loads[i] = expansionLoad(scene_.springs, centre, poses[i]);
+    if (drive == Drive::Expansion) loads[i] = expansionLoad(springSettings_, centre, poses[i]);
   }
 }
 
@@ -133,7 +140,7 @@ void Run::goTo(const std::vector<Tile>* target) {
   if (!target_) return;
   targetStartError_ = currentTargetError();
   const bool isFinal = scene_.model.target && target_ == &*scene_.model.target;
-  leastError_ = isFinal ? nearest_.error : rigidBound(scene_.model.tiles, *target_);
+  leastError_ = isFinal ? nearest_.restError : rigidBound(scene_.model.tiles, *target_);
   departure_ = motion_.poses;
   departureTime_ = time();
   if (!hasSprings()) return;
@@ -148,7 +155,7 @@ void Run::tieSprings() {
   if (scene_.path.kind == PathKind::Led && !isOpening()) {
     follower_.emplace(scene_, bricks_, departure_, *target_, departureTime_);
   }
-  springs_.emplace(bricks_, *target_, scene_.model.pulledTiles, scene_.springs);
+  springs_.emplace(bricks_, *target_, scene_.model.pulledTiles, springSettings_);
 }
 
 void Run::reset() {
@@ -290,9 +297,9 @@ void Run::transfer(StateTape& tape) {
   bool isLed = follower_.has_value();
   transferFigures(tape);
   tape.transfer(motion_, number, targetStartError_, leastError_, departure_, departureTime_,
-                openedAt_, isLed, stiffness_, timeline_, restTime_, misfit_, heldOpen_, jamStart_,
-                result_.trajectory.events, result_.trajectory.figureStates, steps_, before_,
-                gapBefore_, gapNow_, spent, *dynamics_);
+                openedAt_, isLed, stiffness_, timeline_, restTime_, restNeeded_, misfit_, heldOpen_,
+                jamStart_, result_.trajectory.events, result_.trajectory.figureStates, steps_,
+                before_, gapBefore_, gapNow_, spent, *dynamics_);
   if (!tape.isPlaying()) return;
   earlierSeconds_ = spent;
   target_ = targets.at(static_cast<std::size_t>(number));
@@ -447,6 +454,7 @@ void Run::observeStep(const StepReport& report) {
   result_.cost.halvedSteps += report.halved;
   result_.cost.unconvergedSteps += report.unconverged;
   result_.cost.factorizations += report.factorizations;
+  result_.cost.work += report.work;
   gapBefore_ = gapNow_;
   gapNow_ = gap.max;
   gapSum_ += gap.mean;
@@ -472,13 +480,35 @@ void Run::observeStep(const StepReport& report) {
   if (observers_.step && !observers_.step(steps_.back())) isAskedToEnd_ = true;
 }
 
-void Run::updateRest() {
+/// Of all bricks, turns counted at a tile's size, m/s.
+double Run::fastestSpeed() const {
   double fastest = 0;
   for (const Velocity& velocity : motion_.velocities) {
     const double speed = velocity.linear.norm() + velocity.angular.norm() * tileSize_;
     fastest = std::max(fastest, speed);
   }
-  const bool rests = fastest < scene_.stop.settleSpeed * size_ || isStuck();
+  return fastest;
+}
+
+/// Whether bricks that hardly move are only slow: soft springs and heavy bricks are.
+bool Run::isOnItsWay() {
+  const bool springsPull = pullsToTarget() && timeline_.forcesAreOn() && !isStuck();
+  const double arrived = std::max(kThere * leastError_, kThereShare * tileSize_);
+  if (!springsPull || scene_.solver.kind == SolverKind::Bullet) return false;
+  if (currentTargetError() <= arrived) return false;
+  // A solver of its own, in the state of the run's.
+  const auto dynamics =
+      makeDynamics(scene_, needs_, bricks_, startPoses(scene_.model.tiles, bricks_));
+  StateTape recorded;
+  recorded.transfer(*dynamics_);
+  StateTape(recorded.numbers()).transfer(*dynamics);
+  const RestProbe probe = probeRest(*dynamics, motion_, step_, actuation_, tileSize_);
+  result_.cost.work += probe.work;
+  return probe.movesOn;
+}
+
+void Run::updateRest() {
+  const bool rests = fastestSpeed() < scene_.stop.settleSpeed * size_ || isStuck();
   restTime_ = !isOnPath() && rests ? restTime_ + step_ : 0;
 }
 
@@ -504,7 +534,7 @@ void Run::endAtRest() {
   if (!pullsToTarget()) {
     end(Outcome::Settled, target_ ? "everything came to rest; nothing pulls to the target"
                                   : "everything came to rest; there is no target");
-  } else if (error <= reachableError()) {
+  } else if (error <= reachableError() && !isFar(error)) {
     end(Outcome::Settled, fmt::format("came to rest {:.3g} from the target", error));
   } else {
     end(Outcome::Locked,
@@ -512,11 +542,45 @@ void Run::endAtRest() {
   }
 }
 
+/// Whether an error is no nearness: the target then counts as missed, whatever keeps it away.
+bool Run::isFar(double error) const {
+  return error > kFarShare * tileSize_;
+}
+
+/// Whether the joints leave the tiles no motion but that of the whole.
+bool Run::isImmobile() const {
+  const Freedom freedom = needs_.planar.on ? Freedom::Plane : Freedom::Space;
+  const Mobility found =
+      mobility(scene_.model, bottomTiles(bricks_, motion_.poses), freedom, scene_.brick.thickness);
+  return found.isCounted && found.freedoms <= 0;
+}
+
+/// How a run stands whose time is up.
+std::string Run::lateness() const {
+  const double speed = fastestSpeed();
+  std::string text = fmt::format(
+      "{} after {:.4g} s",
+      speed < scene_.stop.settleSpeed * size_ ? "not known to be at rest" : "still moving",
+      scene_.stop.duration);
+  text += fmt::format(", at {:.2g} m/s at most", speed);
+  if (pullsToTarget()) text += fmt::format(", {:.3g} from the target", currentTargetError());
+  return text;
+}
+
 /// What keeps a run from its target that has come to rest.
 std::string Run::holdup() const {
+  if (isTrial_) return "";
   if (scene_.solver.kind == SolverKind::Bullet) return "the baseline does not tell why";
   std::vector<std::string> contacts = dynamics_->loadedContacts();
   if (contacts.empty() && isStuck()) return "exact joints leave the tiles no way on";
+  if (contacts.empty() && isImmobile()) {
+    return "the joints leave the tiles no way to move (0 degrees of freedom); joints that give "
+           "would "
+           "(--path led --joint-stiffness 1e5)";
+  }
+  if (contacts.empty() && currentTargetError() <= reachableError()) {
+    return "no state with closed joints was found nearer";
+  }
   if (contacts.empty()) {
     return "a local minimum of the pull, no small move brings the tiles nearer";
   }
@@ -567,7 +631,7 @@ void Run::advance() {
   }
   updateRest();
   takeSamples();
-  if (restTime_ >= scene_.stop.settleTime) restOrGoOn();
+  if (!ended_ && restTime_ >= restNeeded_) restOrGoOn();
 }
 
 /// Nothing moves: a stiffer pull or the timeline may change that, else the run is over.
@@ -576,6 +640,9 @@ void Run::restOrGoOn() {
   if (stiffer && currentTargetError() > kArrivedShare * size_) {
     stiffness_.stiffen();
     restTime_ = 0;
+  } else if (isOnItsWay()) {
+    restTime_ = 0;
+    restNeeded_ *= 2;
   } else if (timeline_.isOver(time())) {
     endAtRest();
   } else if (!followTimeline(true) && timeline_.waitsForState()) {
@@ -592,9 +659,11 @@ DeploymentResult Run::finish() {
     takeSample(0, motion_.poses);
   }
   while (goesOn()) advance();
-  if (pullsToTarget()) result_.atTarget = currentTargetError() <= reachableError();
-  if (!ended_)
-    end(Outcome::OutOfTime, fmt::format("still moving after {:.4g} s", scene_.stop.duration));
+  if (pullsToTarget()) {
+    const double error = currentTargetError();
+    result_.atTarget = error <= reachableError() && !isFar(error);
+  }
+  if (!ended_) end(Outcome::OutOfTime, lateness());
   if (!isReplayed_) takeLastSample();
   result_.accuracy.jointGapMean = gapSum_ / static_cast<double>(measuredSteps_);
   result_.pathReason = jointTrouble();

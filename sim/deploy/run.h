@@ -39,6 +39,9 @@ class Run : private TimelineStage {
   Run(const Scene& scene, const AssembledState& nearest, const RunObservers& observers,
       Checkpoints* checkpoints = nullptr);
 
+  /// To be called before a run that is only tried: the reason for its end is left out.
+  void beTrial() { isTrial_ = true; }
+
   /// Runs to the end, from the checkpoint that was found if there is one. The trajectory holds no
   /// samples: they go to the observer.
   DeploymentResult finish();
@@ -47,6 +50,8 @@ class Run : private TimelineStage {
   const DeployCost& cost() const { return result_.cost; }
   /// How well it has gone so far.
   const Accuracy& accuracy() const { return result_.accuracy; }
+  /// Whether the figures of overlaps are of all pairs that are near at the start; see mostPairs().
+  bool seesAllPairs() const { return !overlaps_ || overlaps_->seesAllPairs(); }
   /// Whether bricks keep joints that gave from closing.
   bool isHeldOpen() const { return heldOpen_; }
 
@@ -73,6 +78,8 @@ class Run : private TimelineStage {
   void lower(double& figure, const char* name, double value);
   void keepState(const char* name);
   void updateRest();
+  double fastestSpeed() const;
+  bool isOnItsWay();
   void watchJam(const StepReport& report);
   bool isStuck() const;
   bool isLost() const;
@@ -102,6 +109,9 @@ class Run : private TimelineStage {
   }
   double finalTargetError() const;
   double currentTargetError() const;
+  bool isFar(double error) const;
+  bool isImmobile() const;
+  std::string lateness() const;
   double reachableError() const;
   double spentSeconds() const;
 
@@ -130,6 +140,7 @@ class Run : private TimelineStage {
   double step_;  // seconds
   double size_;
   double tileSize_;
+  TargetSpringSettings springSettings_;
   AssembledState nearest_;
   long stepCount_ = 0;                    // pauses included
   long measuredSteps_ = 0;                // the start included
@@ -142,6 +153,8 @@ class Run : private TimelineStage {
   double gapNow_ = 0;                     // likewise at its end
   std::unique_ptr<Dynamics> projection_;  // closes joints of states between steps
   double restTime_ = 0;
+  double restNeeded_;  // seconds of rest that count; longer after each that was no rest
+  bool isTrial_ = false;
   bool misfit_ = false;        // joints could not be closed
   bool heldOpen_ = false;      // for bricks that are in the way
   double pushedAtStart_ = 0;   // metres that closing the joints pushed bricks into each other

@@ -29,7 +29,8 @@ Scene foldedPair(double angle) {
 }
 
 std::vector<BlockingPair> blockingOf(const Scene& scene) {
-  return blockingPairs(scene, assembleAtTarget(scene).poses);
+  SearchBudget budget(1000);
+  return blockingPairs(scene, assembleAtTarget(scene, budget).restPoses, budget);
 }
 
 TEST(Blockage, AFoldAwayFromTheJointsLeavesRoom) {

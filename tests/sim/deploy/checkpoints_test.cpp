@@ -282,7 +282,7 @@ TEST(Checkpoints, DoNotSearchAgainForAPath) {
     int samplesLed = 0;
     deployUnkept(
         scene, kInterval, [](const Sample&) { return true; },
-        [&](const std::string& what) { return !what.starts_with("led") || ++samplesLed < 9; },
+        [&](const SearchNews& news) { return !news.what.starts_with("led") || ++samplesLed < 9; },
         &checkpoints);
     EXPECT_EQ(samplesLed, 9);
     EXPECT_THAT(checkpoints.trials(), SizeIs(2));

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <random>
@@ -9,6 +10,7 @@
 #include "sim/deploy/deployment.h"
 #include "sim/deploy/path_choice.h"
 #include "sim/generate/shells.h"
+#include "sim/model/alignment.h"
 #include "sim/model/tessellation.h"
 
 namespace kirireel {
@@ -61,6 +63,26 @@ TEST(AssembledError, SharesTheDistanceOfTargetsThatDoNotMeet) {
   EXPECT_NEAR(result.accuracy.targetErrorEnd, least, 1e-4 * least);  // measured 4e-7
 }
 
+TEST(AssembledError, OfATornTargetIsNotAboveTheRunsEnd) {
+  // Half of the sheet's tiles are 1 m off at the target: the state of rest shares that in squares,
+  // and leaves the tiles at the tear farther off than the rest.
+  Scene scene;
+  scene.model = makeTessellation({});
+  alignStartToTarget(scene.model);
+  for (int i = 8; i < 16; ++i) {
+    for (Vector3& vertex : (*scene.model.target)[i].vertices) vertex.x() += 1;
+  }
+  const AssembledState nearest = assembleAtTarget(scene);
+  EXPECT_LE(nearest.error, nearest.restError);
+  // The two halves' vertices at the tear are 1 m apart: one of them stays half of that away.
+  EXPECT_GE(nearest.error, 0.5 - 1e-9);
+  EXPECT_LT(nearest.error, 0.95 * nearest.restError);  // measured 0.546 of 0.597
+  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
+  EXPECT_DOUBLE_EQ(targetError(*scene.model.target, bricks, nearest.poses), nearest.error);
+  const std::vector<Pivot> pivots = makePivots(scene.model.joints, bricks);
+  EXPECT_LT(jointGap(pivots, nearest.poses).max, 1e-9);
+}
+
 TEST(AssembledError, IsNegativeWithoutTarget) {
   Scene scene = closedToClosed();
   scene.model.target.reset();
@@ -76,10 +98,26 @@ TEST(Path, AStraightPullIsKeptWhereItArrives) {
   EXPECT_EQ(result.accuracy.jointOpeningMax, 0);
 }
 
+/// A target whose nearest state is so many metres away.
+TargetRoom roomAt(double error, bool isBlocked) {
+  TargetRoom room;
+  room.nearest.error = room.nearest.restError = error;
+  room.isBlocked = isBlocked;
+  return room;
+}
+
+/// A path, with more budget than any search here needs.
+PathChoice choose(const Scene& scene, const TargetRoom& room, const TrialObserver& observer,
+                  std::vector<TrialEnd>& trials) {
+  SearchBudget budget(1000);
+  return choosePath(scene, room, budget, observer, trials);
+}
+
 /// Notes what is tried, each path once.
 TrialObserver noteOnce(std::vector<std::string>& tried) {
-  return [&tried](const std::string& what) {
-    if (tried.empty() || tried.back() != what) tried.push_back(what);
+  return [&tried](const SearchNews& news) {
+    const bool isPath = news.what != "the state nearest to the target";
+    if (isPath && (tried.empty() || tried.back() != news.what)) tried.push_back(news.what);
     return true;
   };
 }
@@ -168,7 +206,7 @@ TEST(Path, ThinnerBricksAreNamedWhereThickOnesWedge) {
   trials.front().arrives = true;
   std::vector<std::string> tried;
   const PathChoice choice =
-      choosePath(scene, {assembleAtTarget(scene), false}, noteOnce(tried), trials);
+      choose(scene, {assembleAtTarget(scene), false}, noteOnce(tried), trials);
   EXPECT_THAT(choice.reason, HasSubstr("among bricks that touch; bricks 0.02 m thick do ("));
   EXPECT_THAT(tried.back(), EndsWith("among bricks 0.02 m thick"));
   EXPECT_TRUE(trials.back().arrives);
@@ -192,7 +230,7 @@ TEST(Path, WhatComesNearestIsTakenAmongBricksThatBlock) {
        {std::pair(0.5, true), {0.2, true}, {0.1, false}, {0.1999, true}}) {
     trials.push_back(endAmongBricks(error, keepsClear));
   }
-  const PathChoice choice = choosePath(scene, {{0, {}}, true}, {}, trials);
+  const PathChoice choice = choose(scene, roomAt(0, true), {}, trials);
   EXPECT_THAT(trials, SizeIs(9));
   EXPECT_EQ(choice.path.ledStiffness, 200);
   EXPECT_EQ(choice.path.jointStiffness, std::numeric_limits<double>::infinity());
@@ -212,7 +250,7 @@ TEST(Path, JointsThatOpenFarAreNamedButNotTaken) {
   trials[10].opening = 0.02 * tile;
   trials[12] = endAmongBricks(0.3, true);
   trials[12].opening = 0.009 * tile;
-  const PathChoice near = choosePath(scene, {{0, {}}, false}, {}, trials);
+  const PathChoice near = choose(scene, roomAt(0, false), {}, trials);
   EXPECT_EQ(near.path.jointStiffness, 1e6);
   EXPECT_EQ(near.reason,
             "straight pull arrives where bricks pass through each other; no path that was tried "
@@ -220,7 +258,7 @@ TEST(Path, JointsThatOpenFarAreNamedButNotTaken) {
             "but joints open by 0.012 m; led for 2 s with 50 N/m, joints of 1e+06 N/m comes "
             "nearest among bricks that touch");
   trials[12].arrives = true;
-  const PathChoice found = choosePath(scene, {{0, {}}, false}, {}, trials);
+  const PathChoice found = choose(scene, roomAt(0, false), {}, trials);
   EXPECT_EQ(found.reason,
             "led for 2 s with 50 N/m, joints of 1e+06 N/m among touching bricks arrives");
   EXPECT_THAT(trials, SizeIs(17));
@@ -230,7 +268,7 @@ TEST(Path, JointsDoNotGiveInVainAmongBricksThatBlock) {
   // As above, but no way keeps bricks apart.
   std::vector<TrialEnd> trials(9);
   trials[4].arrives = true;
-  const PathChoice choice = choosePath(flatToCap(), {{0, {}}, true}, {}, trials);
+  const PathChoice choice = choose(flatToCap(), roomAt(0, true), {}, trials);
   EXPECT_THAT(trials, SizeIs(9));
   EXPECT_EQ(choice.path.kind, PathKind::Straight);
   EXPECT_EQ(choice.reason,
@@ -251,7 +289,7 @@ TEST(Path, JointsGiveWhereBricksWedge) {
   // As if all ways with exact joints had wedged.
   std::vector<TrialEnd> trials(9);
   trials.front().arrives = true;
-  const PathChoice choice = choosePath(scene, {{0, {}}, false}, {}, trials);
+  const PathChoice choice = choose(scene, roomAt(0, false), {}, trials);
   EXPECT_EQ(choice.reason,
             "led for 4 s with 200 N/m, joints of 1e+08 N/m among touching bricks arrives");
   Scene chosen = scene;
@@ -352,36 +390,74 @@ TEST(Path, TilesThatDoNotQuiteFitDeployAllTheSame) {
 }
 
 TEST(Path, AsksNobodyWhereThereIsNoChoice) {
-  const TrialObserver unasked = [](const std::string& what) {
-    ADD_FAILURE() << what;
+  const TrialObserver unasked = [](const SearchNews& news) {
+    ADD_FAILURE() << news.what;
     return true;
   };
   std::vector<TrialEnd> trials;
   Scene bullet = closedToClosed();
   bullet.solver.kind = SolverKind::Bullet;
-  EXPECT_EQ(choosePath(bullet, {{0, {}}, false}, unasked, trials).reason,
+  EXPECT_EQ(choose(bullet, roomAt(0, false), unasked, trials).reason,
             "the baseline tries no others");
   Scene aimless = closedToClosed();
   aimless.model.target.reset();
-  EXPECT_EQ(choosePath(aimless, {}, unasked, trials).reason, "there is no target");
+  EXPECT_EQ(choose(aimless, {}, unasked, trials).reason, "there is no target");
   Scene asked = closedToClosed();
   asked.path.kind = PathKind::Led;
-  EXPECT_EQ(choosePath(asked, {{0, {}}, false}, unasked, trials).reason, "asked for");
+  EXPECT_EQ(choose(asked, roomAt(0, false), unasked, trials).reason, "asked for");
 }
 
 TEST(Path, ASearchThatIsEndedEndsTheRun) {
   const DeploymentResult result =
-      deploy(closedToClosed(), 1.0 / 60, nullptr, [](const std::string&) { return false; });
+      deploy(closedToClosed(), 1.0 / 60, nullptr, [](const SearchNews&) { return false; });
   EXPECT_EQ(result.outcome, Outcome::Interrupted);
   EXPECT_THAT(result.trajectory.samples, SizeIs(1));
 }
 
+TEST(Path, ATrialThatTheBudgetEndsIsNotOneThatFailed) {
+  Scene scene = closedToClosed();
+  std::vector<TrialEnd> trials;
+  SearchBudget budget(0.002);
+  const PathChoice choice = choosePath(scene, roomAt(0, false), budget, {}, trials);
+  ASSERT_FALSE(trials.empty());
+  EXPECT_TRUE(std::ranges::any_of(trials, &TrialEnd::cutShort));
+  EXPECT_EQ(choice.path.kind, PathKind::Straight);
+  EXPECT_THAT(choice.reason, HasSubstr("cut short"));
+  EXPECT_THAT(choice.reason, HasSubstr("by the search budget of 0.002 s; raise --search)"));
+  // Of the same work, whatever the machine does beside.
+  std::vector<TrialEnd> again;
+  SearchBudget same(0.002);
+  choosePath(scene, roomAt(0, false), same, {}, again);
+  ASSERT_EQ(again.size(), trials.size());
+  for (std::size_t i = 0; i < trials.size(); ++i) EXPECT_EQ(again[i].work, trials[i].work);
+  EXPECT_EQ(same.spentSeconds(), budget.spentSeconds());
+  // The last step may go beyond what a trial may cost.
+  EXPECT_LT(budget.spentSeconds(), 0.004);
+}
+
+TEST(Path, NothingIsTriedWithoutABudget) {
+  Scene scene = closedToClosed();
+  scene.path.searchTime = 0;
+  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_EQ(result.path.kind, PathKind::Straight);
+  EXPECT_EQ(result.pathReason,
+            "no path was tried (others not made by the search budget of 0 s; raise --search)");
+}
+
+TEST(Path, AShortRunIsSearchedForLess) {
+  Scene scene = closedToClosed();
+  scene.stop.duration = 0.01;
+  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_DOUBLE_EQ(result.cost.searchBudget, 0.3);
+  EXPECT_LT(result.cost.searchSeconds, 0.35);
+}
+
 TEST(Path, ASearchCanBeStopped) {
   std::vector<TrialEnd> trials;
-  const PathChoice choice = choosePath(
-      closedToClosed(), {{0, {}}, false}, [](const std::string&) { return false; }, trials);
+  const PathChoice choice = choose(
+      closedToClosed(), roomAt(0, false), [](const SearchNews&) { return false; }, trials);
   EXPECT_EQ(choice.path.kind, PathKind::Straight);
-  EXPECT_EQ(choice.reason, "no path that was tried arrives");
+  EXPECT_EQ(choice.reason, "no path was tried");
 }
 
 }  // namespace

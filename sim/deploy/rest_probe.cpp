@@ -1,0 +1,40 @@
+#include "sim/deploy/rest_probe.h"
+
+#include <algorithm>
+
+namespace kirireel {
+namespace {
+
+// Steps grow by this factor, up to so many seconds: what forces of rounding would move stays below
+// a millionth of a tile.
+constexpr double kGrowth = 16;
+constexpr double kLongest = 1e7;
+// So much of a tile is a motion.
+constexpr double kMoved = 1e-3;
+
+double farthestMove(const Poses& from, const Poses& to, double tileSize) {
+  double farthest = 0;
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    const double turn = to[i].rotation.angularDistance(from[i].rotation);
+    farthest = std::max(farthest, (to[i].position - from[i].position).norm() + turn * tileSize);
+  }
+  return farthest;
+}
+
+}  // namespace
+
+RestProbe probeRest(Dynamics& dynamics, const Motion& motion, double step,
+                    const LoadSource& actuation, double tileSize) {
+  RestProbe probe;
+  Motion trial = motion;
+  for (double length = kGrowth * step; length < kLongest && !probe.movesOn; length *= kGrowth) {
+    trial.velocities.assign(trial.poses.size(), Velocity{});
+    const StepReport report = dynamics.advance(trial, length, actuation);
+    probe.work += report.work;
+    if (report.unconverged > 0) break;  // what fails tells nothing
+    probe.movesOn = farthestMove(motion.poses, trial.poses, tileSize) > kMoved * tileSize;
+  }
+  return probe;
+}
+
+}  // namespace kirireel
