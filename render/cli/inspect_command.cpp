@@ -5,14 +5,21 @@
 #include "render/cli/exit_codes.h"
 #include "render/cli/model_place.h"
 #include "render/cli/option_group.h"
+#include "render/cli/report.h"
 #include "render/inspect/inspection.h"
 #include "render/inspect/numbered_picture.h"
 #include "render/png/png.h"
+#include "sim/model/alignment.h"
 
 namespace kirireel {
 namespace {
 
 constexpr FrameSize kStateSize{1200, 1200};
+
+Inspection inspectWithProgress(const Scene& scene) {
+  ProgressLine line;
+  return inspect(scene, [&line](const char* what) { line.show(what); });
+}
 
 }  // namespace
 
@@ -39,7 +46,9 @@ void completeOrder(const CLI::App& command, InspectOrder& order) {
 int carryOut(const InspectOrder& order) {
   Scene scene = order.scene;
   scene.model = readModelAt(order.model, order.target);
-  const Inspection inspection = inspect(scene);
+  // What a run needs depends on where its start stands.
+  alignStartToTarget(scene.model);
+  const Inspection inspection = inspectWithProgress(scene);
   fmt::print("{}", order.printJson ? inspectionJson(inspection) : inspectionText(inspection));
   if (!order.picture.empty()) writePng(numberedPicture(scene, kStateSize), order.picture);
   return kExitDone;

@@ -69,4 +69,12 @@ std::vector<std::string> translatePeerSpellings(const std::vector<std::string>& 
   return translated;
 }
 
+bool usesPeerSpellings(const std::vector<std::string>& arguments) {
+  return std::ranges::any_of(arguments, [](const std::string& argument) {
+    if (!argument.starts_with('-')) return false;
+    const std::string name = argument.substr(0, argument.find('='));
+    return name == "--model" || isWithoutEffect(translateName(name)) || translateName(name) != name;
+  });
+}
+
 }  // namespace kirireel

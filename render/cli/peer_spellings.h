@@ -12,4 +12,8 @@ namespace kirireel {
 /// place, and --headless vanishes, for no window is ever opened. Values are left alone.
 std::vector<std::string> translatePeerSpellings(const std::vector<std::string>& arguments);
 
+/// Whether any of the arguments is spelled as PyKirigami spells it, so that what is not given is to
+/// be as there.
+bool usesPeerSpellings(const std::vector<std::string>& arguments);
+
 }  // namespace kirireel

@@ -59,7 +59,7 @@ void addRunOptions(CLI::App& command, RecordOrder& order) {
       .integer("--fps", order.settings.framesPerSecond, {1, 240}, "COUNT",
                "frames, and samples, a simulated second");
   addModelOptions(command, order);
-  addSceneRequestOptions(command, order.request);
+  addSceneRequestOptions(command, order.request, order.scene.alignment);
   addSceneOptions(command, order.scene);
   addExportOptions(command, "--export", order.settings.exports);
 }

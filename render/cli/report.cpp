@@ -5,21 +5,93 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "sim/measure/sheet.h"
+
 namespace kirireel {
 namespace {
 
-std::string describeTarget(const Accuracy& accuracy) {
-  return fmt::format(
-      "target error {:.3g} m at the end ({:.3g} at the start; rigid tiles can reach {:.3g})\n",
-      accuracy.targetErrorEnd, accuracy.targetErrorStart, accuracy.rigidBound);
+// What is missed by less than this part of a tile is reached.
+constexpr double kReached = 1e-6;
+// Depths that differ less are one.
+constexpr double kWhole = 0.999;
+// A bound explains an error that exceeds it by no more than this factor.
+constexpr double kExplains = 1.05;
+
+/// "0.0121 m (0.012 tiles)".
+std::string inTiles(double metres, double tile) {
+  return fmt::format("{:.3g} m ({:.2g} tiles)", metres, metres / tile);
+}
+
+/// Why a run that came to rest did not come nearer; empty where it reached its target.
+std::string whyNoNearer(const Scene& scene, const RunSummary& summary) {
+  const double tile = tileSize(scene.model);
+  const double error = summary.accuracy.targetErrorEnd;
+  if (summary.outcome != Outcome::Settled || error <= kReached * tile) return "";
+  if (error <= kExplains * summary.accuracy.rigidBound) {
+    return "why no nearer: the target's tiles have other shapes, and rigid ones cannot fit them\n";
+  }
+  if (error > kExplains * summary.assembledError) {
+    return fmt::format(
+        "why no nearer: the pull rests there; a state with closed joints {:.3g} m from the target "
+        "is known\n",
+        summary.assembledError);
+  }
+  const double gap = largestJointGap(scene.model.joints, *scene.model.target);
+  if (gap > kReached * tile) {
+    return fmt::format(
+        "why no nearer: the target's own joints are open by {}, and closed joints cannot meet it\n",
+        inTiles(gap, tile));
+  }
+  return "why no nearer: no state of bricks with closed joints was found nearer; joints lie on "
+         "faces of thick bricks, which the target's tiles do not know\n";
+}
+
+std::string describeTarget(const Scene& scene, const RunSummary& summary) {
+  const Accuracy& accuracy = summary.accuracy;
+  const double tile = tileSize(scene.model);
+  std::string text = fmt::format("target error {} at the end ({:.3g} at the start)\n",
+                                 inTiles(accuracy.targetErrorEnd, tile), accuracy.targetErrorStart);
+  text +=
+      fmt::format("bounds: no rigid tiles come nearer than {}", inTiles(accuracy.rigidBound, tile));
+  if (summary.assembledError >= 0) {
+    text +=
+        fmt::format("; nearest found with joints closed {}", inTiles(summary.assembledError, tile));
+  }
+  return text + "\n" + whyNoNearer(scene, summary);
+}
+
+std::string describeJoints(const Scene& scene, const RunSummary& summary) {
+  const Accuracy& accuracy = summary.accuracy;
+  const double tile = tileSize(scene.model);
+  std::string text = fmt::format("joint gap {} at most, {:.3g} m at the end",
+                                 inTiles(accuracy.jointGapMax, tile), accuracy.jointGapEnd);
+  if (accuracy.jointOpeningMax > 0) {
+    text += fmt::format("; joints that give opened by {} at most",
+                        inTiles(accuracy.jointOpeningMax, tile));
+  }
+  return text + "\n";
+}
+
+/// The depth as a whole, and what of it contacts would have to prevent.
+std::string describePenetration(const Scene& scene, const RunSummary& summary) {
+  const Accuracy& accuracy = summary.accuracy;
+  std::string text = fmt::format("penetration {} at most",
+                                 inTiles(accuracy.penetrationMax, tileSize(scene.model)));
+  if (accuracy.penetrationOutsidePivotsMax >= kWhole * accuracy.penetrationMax) {
+    text += ", outside of the corners that joined bricks share";
+  } else {
+    text += fmt::format(", in the corners that joined bricks share; {:.3g} m outside of them",
+                        accuracy.penetrationOutsidePivotsMax);
+  }
+  if (accuracy.penetrationGrownMax < kWhole * accuracy.penetrationOutsidePivotsMax) {
+    text += fmt::format(", {:.3g} m more than at the start", accuracy.penetrationGrownMax);
+  }
+  return text + "\n";
 }
 
 std::string describePath(const RunSummary& summary, bool hasTarget) {
-  const double opening = summary.accuracy.jointOpeningMax;
-  std::string text;
-  if (hasTarget || opening > 0) text += fmt::format("path: {}\n", summary.pathReason);
-  if (opening > 0) text += fmt::format("joints gave by {:.3g} m at most on the way\n", opening);
-  return text;
+  if (!hasTarget && summary.accuracy.jointOpeningMax == 0) return "";
+  return fmt::format("path: {}\n", summary.pathReason);
 }
 
 std::string describeNeed(const char* name, const Need& need) {
@@ -46,8 +118,12 @@ std::string describeCost(const RunSummary& summary) {
       "{} steps in {:.2f} s, pictures {:.2f} s, video {:.2f} s; {:.1f} s in all\n", deploy.steps,
       deploy.cpuSeconds, record.cpuSecondsRender, record.cpuSecondsEncode, record.wallSeconds);
   if (deploy.unconvergedSteps > 0) {
-    text += fmt::format("{} steps missed the tolerance of joints or contacts\n",
-                        deploy.unconvergedSteps);
+    text += fmt::format(
+        "{} steps missed the tolerance of joints or contacts at their shortest: {}\n",
+        deploy.unconvergedSteps,
+        summary.needs.contacts.on
+            ? "the bricks stood still in them, which takes time and leaves them behind their pull"
+            : "they were taken all the same, and the joint gap and the end may be off by as much");
   }
   return text;
 }
@@ -101,19 +177,21 @@ void ProgressLine::show(const std::string& line) {
 
 std::string describeRun(const Scene& scene, const RecordSettings& settings,
                         const RunSummary& summary) {
-  const Accuracy& accuracy = summary.accuracy;
   std::string text = fmt::format("{}: {} after {:.4g} s: {}\n", scene.model.name,
                                  toString(summary.outcome), summary.endTime, summary.reason);
   text += fmt::format("{} tiles, {} joints; {}; {}\n", scene.model.tiles.size(),
                       scene.model.joints.size(), describeNeed("planar", summary.needs.planar),
                       describeNeed("contacts", summary.needs.contacts));
+  for (const std::string& warning : summary.warnings) text += fmt::format("warning: {}\n", warning);
   if (scene.model.target) {
-    text += describeTarget(accuracy);
+    text += describeTarget(scene, summary);
     text += describeBlocking(summary.blocking);
   }
   text += describePath(summary, scene.model.target.has_value());
-  text += fmt::format("joint gap {:.3g} m at most, penetration {:.3g} m at most\n",
-                      accuracy.jointGapMax, accuracy.penetrationMax);
+  text += describeJoints(scene, summary) + describePenetration(scene, summary);
+  if (scene.alignment.moved > kReached * tileSize(scene.model)) {
+    text += describe(scene.alignment) + "\n";
+  }
   text += describeCost(summary);
   text += fmt::format("in {}: {}\n", settings.folder.string(),
                       fmt::join(shortList(summary.files), " "));

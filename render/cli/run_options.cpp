@@ -42,8 +42,14 @@ void addSpringOptions(CLI::App& command, TargetSpringSettings& springs) {
                "the same pull where it only turns the brick");
   group.number("--force-damping", springs.forceDamping, kFromZero, "N*S/M",
                "damping of a brick's velocity");
-  group.number("--torque-damping", springs.torqueDamping, kFromZero, "N*M*S",
-               "damping of a brick's turning");
+  group
+      .value("--torque-damping", "N*M*S", "2 times the square of the mean edge",
+             "damping of a brick's turning",
+             [&springs](const OptionValue& typed) {
+               springs.torqueDamping = parseNumber(typed, kFromZero);
+               springs.dampsByArea = false;
+             })
+      .saidAs([&springs] { return springs.dampsByArea ? "" : numberText(springs.torqueDamping); });
   group.flag("--no-adaptive", springs.adaptive,
              "keep the stiffness when the error stalls, instead of doubling it", false);
 }
@@ -65,6 +71,9 @@ void addPathOptions(CLI::App& command, PathSettings& path) {
                path.jointStiffness = parseNumber(typed, {1e-6, 1e15});
              })
       .saidAs([&path] { return path.jointsGive() ? numberText(path.jointStiffness) : ""; });
+  group.number("--search", path.searchTime, {0, 1e9}, "SECONDS",
+               "that looking for a path may cost, of a reference core: work is counted, not timed, "
+               "so that every machine finds the same; at most 30 for each second of --duration");
 }
 
 void addEnvironmentOptions(CLI::App& command, Environment& environment) {

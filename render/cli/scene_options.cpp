@@ -42,7 +42,7 @@ std::string listsText(const std::vector<List>& lists) {
 
 }  // namespace
 
-void addSceneRequestOptions(CLI::App& command, SceneRequest& request) {
+void addSceneRequestOptions(CLI::App& command, SceneRequest& request, StartAlignment& alignment) {
   OptionGroup(command, "Scene")
       .value("--scene", "FILE", "scene.toml in MODEL, where there is one",
              "settings and timeline; options given here count more",
@@ -67,6 +67,10 @@ void addSceneRequestOptions(CLI::App& command, SceneRequest& request) {
                 parts.pinned.insert(parts.pinned.end(), tiles.begin(), tiles.end());
               })
       .saidAs([&parts] { return quotedText(fmt::format("{}", fmt::join(parts.pinned, ","))); });
+  group.flag("--no-align", alignment.wanted,
+             "leave the start where the model has it, instead of moving it onto the target (by its "
+             "pinned tiles, where some are)",
+             false);
   group
       .values("--fix", "TILE,TILE", "two tiles that move as one",
               [&parts](const OptionValue& typed) {

@@ -19,7 +19,7 @@ struct SceneRequest {
 };
 
 /// Adds --scene, --target, --pin, --fix and --link. The request must outlive the parsing.
-void addSceneRequestOptions(CLI::App& command, SceneRequest& request);
+void addSceneRequestOptions(CLI::App& command, SceneRequest& request, StartAlignment& alignment);
 
 /// The scene file that was named, else scene.toml in the model's folder; it need not be there.
 std::filesystem::path sceneFileOf(const std::filesystem::path& modelFolder,

@@ -17,6 +17,8 @@ constexpr double kOverlap = 1e-6;
 constexpr double kFlat = 1e-9;
 // Suggested thickness as a part of a tile: the paper's 0.02 for tiles of 1 m.
 constexpr double kThickness = 0.02;
+// What looking for the state nearest to the target may cost, seconds of a reference core.
+constexpr double kSearchTime = 10;
 
 std::string kindOf(const Joint& joint) {
   if (joint.kind == JointKind::Link) return "link";
@@ -32,6 +34,7 @@ StateInspection inspectState(const Scene& scene, const std::vector<Tile>& tiles)
   state.unevenness = largestUnevenness(tiles);
   state.leastCornerSine = leastCornerSine(tiles);
   state.overlaps = tileOverlaps(tiles, kOverlap * tileSize(model));
+  state.seesAllPairs = static_cast<long>(state.overlaps.size()) < mostPairs(tiles.size());
   if (liesFlat(tiles, kFlat * modelSize(model))) {
     state.inPlane = mobility(model, tiles, Freedom::Plane, scene.brick.thickness);
   }
@@ -40,6 +43,10 @@ StateInspection inspectState(const Scene& scene, const std::vector<Tile>& tiles)
 }
 
 std::string mobilityText(const char* where, const Mobility& mobility) {
+  if (!mobility.isCounted) {
+    return fmt::format("  {}: degrees of freedom not counted, {} unknowns are too many\n", where,
+                       mobility.unknowns);
+  }
   return fmt::format(
       "  {}: {} degree{} of freedom beyond rigid motion; {} of {} joint equations are redundant "
       "(singular values: least kept {:.2g}, largest dropped {:.2g})\n",
@@ -49,9 +56,9 @@ std::string mobilityText(const char* where, const Mobility& mobility) {
 
 std::string stateText(const char* name, const StateInspection& state) {
   std::string text = fmt::format(
-      "{}: joints open by {:.3g} m at most, tiles flat to {:.3g} m, {}, {} overlapping pairs\n",
+      "{}: joints open by {:.3g} m at most, tiles flat to {:.3g} m, {}, {}{} overlapping pairs\n",
       name, state.jointGap, state.unevenness, state.leastCornerSine > 0 ? "convex" : "not convex",
-      state.overlaps.size());
+      state.seesAllPairs ? "" : "at least ", state.overlaps.size());
   for (std::size_t k = 0; k < std::min<std::size_t>(state.overlaps.size(), 5); ++k) {
     const TileOverlap& overlap = state.overlaps[k];
     text += fmt::format("  tiles {} and {} overlap by {:.3g} m\n", overlap.tileA, overlap.tileB,
@@ -62,6 +69,11 @@ std::string stateText(const char* name, const StateInspection& state) {
 }
 
 Json mobilityJson(const Mobility& mobility) {
+  if (!mobility.isCounted) {
+    return {{"degrees_of_freedom", nullptr},
+            {"unknowns", mobility.unknowns},
+            {"equations", mobility.equations}};
+  }
   return {{"degrees_of_freedom", mobility.freedoms},
           {"unknowns", mobility.unknowns},
           {"equations", mobility.equations},
@@ -106,7 +118,10 @@ std::string countsText(const Map& counts, const char* pattern) {
 
 }  // namespace
 
-Inspection inspect(const Scene& scene) {
+Inspection inspect(const Scene& scene, const std::function<void(const char*)>& tell) {
+  const auto lookAt = [&tell](const char* what) {
+    if (tell) tell(what);
+  };
   const Model& model = scene.model;
   Inspection inspection;
   inspection.name = model.name;
@@ -117,13 +132,17 @@ Inspection inspect(const Scene& scene) {
   inspection.size = modelSize(model);
   inspection.tileSize = tileSize(model);
   inspection.suggestedThickness = kThickness * inspection.tileSize;
+  lookAt("looking at the start");
   inspection.start = inspectState(scene, model.tiles);
   inspection.needs = sceneNeeds(scene);
   if (!model.target) return inspection;
+  lookAt("looking at the target");
   inspection.target = inspectState(scene, *model.target);
   inspection.shapeChange = largestShapeChange(model.tiles, *model.target);
   inspection.rigidBound = rigidBound(model.tiles, *model.target);
-  inspection.assembledError = assembleAtTarget(scene).error;
+  lookAt("looking for the state nearest to the target");
+  SearchBudget budget(kSearchTime);
+  inspection.assembledError = assembleAtTarget(scene, budget).error;
   return inspection;
 }
 

@@ -1,6 +1,7 @@
 /// What a model is, before it runs: the page that `kirireel inspect` prints.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -18,6 +19,7 @@ struct StateInspection {
   double unevenness = 0;       ///< largest distance of a vertex from its tile's plane, metres
   double leastCornerSine = 1;  ///< above 0 when all tiles are convex
   std::vector<TileOverlap> overlaps;  ///< deeper than a millionth of a tile, deepest first
+  bool seesAllPairs = true;           ///< false: there are too many pairs, see mostPairs()
   std::optional<Mobility> inPlane;    ///< of flat states
   Mobility inSpace;
 };
@@ -38,8 +40,9 @@ struct Inspection {
   Needs needs;                           ///< what a run would switch on
 };
 
-/// Looks at the scene's model, with its bricks' thickness.
-Inspection inspect(const Scene& scene);
+/// Looks at the scene's model, with its bricks' thickness. `tell`, which may be empty, is called
+/// with what is being looked at.
+Inspection inspect(const Scene& scene, const std::function<void(const char*)>& tell = {});
 
 /// The inspection for a person, a line a subject.
 std::string inspectionText(const Inspection& inspection);

@@ -100,7 +100,10 @@ TEST(CommandLine, ReadsEveryPhysicalOption) {
                                    "--planar",
                                    "off",
                                    "--seed",
-                                   "42"})
+                                   "42",
+                                   "--search",
+                                   "5",
+                                   "--no-align"})
                           .scene;
   EXPECT_EQ(scene.brick.thickness, 0.1);
   EXPECT_EQ(scene.brick.mass, MassRule::Prism);
@@ -109,6 +112,7 @@ TEST(CommandLine, ReadsEveryPhysicalOption) {
   EXPECT_EQ(scene.springs.torqueStiffness, 30);
   EXPECT_EQ(scene.springs.forceDamping, 20);
   EXPECT_EQ(scene.springs.torqueDamping, 3);
+  EXPECT_FALSE(scene.springs.dampsByArea);
   EXPECT_FALSE(scene.springs.adaptive);
   EXPECT_EQ(scene.environment.gravity, Vector3(0, 0, -9.81));
   ASSERT_TRUE(scene.environment.ground);
@@ -124,6 +128,15 @@ TEST(CommandLine, ReadsEveryPhysicalOption) {
   EXPECT_EQ(scene.solver.iterations, 9);
   EXPECT_EQ(scene.solver.planar, false);
   EXPECT_EQ(scene.solver.seed, 42U);
+  EXPECT_EQ(scene.path.searchTime, 5);
+  EXPECT_FALSE(scene.alignment.wanted);
+}
+
+TEST(CommandLine, TurningIsDampedByTheSizeOfTilesUnlessSpelledAsPyKirigamiDoes) {
+  EXPECT_TRUE(recordOrder({"record", "fan"}).scene.springs.dampsByArea);
+  const Scene peer = recordOrder({"record", "--model", "fan", "--spring_stiffness", "25"}).scene;
+  EXPECT_FALSE(peer.springs.dampsByArea);
+  EXPECT_EQ(peer.springs.torqueDamping, 2);
 }
 
 TEST(CommandLine, ReadsEveryPictureOption) {

@@ -42,6 +42,14 @@ TEST(PeerSpellings, PutTheModelInItsPlaceAndDropHeadless) {
   EXPECT_EQ(translatePeerSpellings({"record", "--model=fan"}), (Words{"record", "fan"}));
 }
 
+TEST(PeerSpellings, AreKnownFromOurs) {
+  EXPECT_TRUE(usesPeerSpellings({"record", "fan", "--brick_thickness", "0.1"}));
+  EXPECT_TRUE(usesPeerSpellings({"record", "--model=fan"}));
+  EXPECT_TRUE(usesPeerSpellings({"record", "fan", "-ss", "25"}));
+  EXPECT_TRUE(usesPeerSpellings({"record", "fan", "-cd", "9"}));
+  EXPECT_FALSE(usesPeerSpellings({"record", "my_fan", "--thickness", "0.1", "--gravity", "-9"}));
+}
+
 TEST(PeerSpellings, LeaveValuesAndOwnSpellingsAlone) {
   const Words own = {"record", "my_model", "--out=a_b/c", "--gravity", "-9.81", "--thickness", "1"};
   EXPECT_EQ(translatePeerSpellings(own), own);

@@ -1,0 +1,75 @@
+// What the program says of targets that cannot be reached, and of starts that it moves.
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "sim/model/folder.h"
+#include "sim/model/tessellation.h"
+#include "tests/cli/run_program.h"
+
+namespace kirireel {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class Targets : public testing::Test {
+ protected:
+  ProgramEnd simulate(const Model& model, std::vector<std::string> options) {
+    writeModelFolder(model, scratch_ / "model");
+    options.insert(options.begin(), {"simulate", (scratch_ / "model").string(), "--out",
+                                     (scratch_ / "out").string()});
+    const ProgramEnd end = runKirireel(options);
+    summary_ = nlohmann::json::parse(readText(scratch_ / "out/summary.json"));
+    return end;
+  }
+
+  ScratchFolder scratch_;
+  nlohmann::json summary_;
+};
+
+TEST_F(Targets, ATornOneIsToldAndNotCalledReached) {
+  Model model = makeTessellation({});
+  for (int i = 8; i < 16; ++i) {
+    for (Vector3& vertex : (*model.target)[i].vertices) vertex.x() += 1;
+  }
+  const ProgramEnd end = simulate(model, {});
+  EXPECT_NE(end.exitCode, 0);
+  EXPECT_THAT(end.err, HasSubstr("model: warning: the target is torn: its own joints are open by 1 "
+                                 "m there (1 tiles), so that closed joints cannot reach it"));
+  EXPECT_THAT(end.out, HasSubstr("locked after "));
+  EXPECT_THAT(end.out, HasSubstr("warning: the target is torn"));
+  EXPECT_THAT(end.out, HasSubstr("bounds: no rigid tiles come nearer than "));
+  EXPECT_THAT(end.out, HasSubstr("; nearest found with joints closed 0.5"));
+  ASSERT_EQ(summary_["warnings"].size(), 2u);
+  EXPECT_EQ(summary_["warnings"][0].get<std::string>().substr(0, 18), "the target is torn");
+}
+
+TEST_F(Targets, AStartThatIsMovedIsToldUnlessItIsKept) {
+  Model model = makeTessellation({});
+  for (Tile& tile : model.tiles) {
+    for (Vector3& vertex : tile.vertices) vertex.z() += 1;
+  }
+  const ProgramEnd moved = simulate(model, {"--duration", "0.1"});
+  EXPECT_THAT(moved.out, HasSubstr("the start was moved by up to "));
+  EXPECT_GE(summary_["alignment"]["moved"].get<double>(), 1);
+  EXPECT_EQ(summary_["alignment"]["by"], "all tiles");
+  const ProgramEnd kept = simulate(model, {"--duration", "0.1", "--no-align"});
+  EXPECT_THAT(kept.out, Not(HasSubstr("the start was moved")));
+  EXPECT_TRUE(summary_["alignment"].is_null());
+}
+
+TEST_F(Targets, PinnedTilesAreWhatAStartIsMovedBy) {
+  // By all tiles together the pinned one would stand 45 degrees off its target, for good.
+  const ProgramEnd end = simulate(makeTessellation({}), {"--pin", "0"});
+  EXPECT_EQ(end.exitCode, 0) << end.out;
+  EXPECT_EQ(summary_["outcome"], "settled");
+  EXPECT_LT(summary_["accuracy"]["target_error_end"].get<double>(), 1e-6);  // measured
+  EXPECT_EQ(summary_["alignment"]["by"], "pinned tiles");
+}
+
+}  // namespace
+}  // namespace kirireel
