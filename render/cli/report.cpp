@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "render/studio/studio.h"
 #include "sim/measure/sheet.h"
 
 namespace kirireel {
@@ -189,6 +190,12 @@ std::string describeRun(const Scene& scene, const RecordSettings& settings,
   }
   text += describePath(summary, scene.model.target.has_value());
   text += describeJoints(scene, summary) + describePenetration(scene, summary);
+  if (summary.leftOutFrom) {
+    text += fmt::format(
+        "pictures leave out bricks that go farther than {:g} model sizes, the first at {:.4g} s; "
+        "trajectory.h5 has them\n",
+        kFarthestShown, *summary.leftOutFrom);
+  }
   if (scene.alignment.moved > kReached * tileSize(scene.model)) {
     text += describe(scene.alignment) + "\n";
   }

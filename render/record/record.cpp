@@ -69,6 +69,23 @@ void nameInterruption(const std::string& by, DeploymentResult& result) {
       fmt::format("{}: {}", toString(result.outcome), result.reason);
 }
 
+void summarize(const RunEnd& end, RunSummary& summary) {
+  summary.outcome = end.result.outcome;
+  summary.reason = end.result.reason;
+  summary.atTarget = end.result.atTarget;
+  summary.endTime = end.last->time;
+  summary.leftOutFrom = end.leftOutFrom;
+  summary.needs = end.result.needs;
+  summary.accuracy = end.result.accuracy;
+  summary.path = end.result.path;
+  summary.pathReason = end.result.pathReason;
+  summary.assembledError = end.result.assembledError;
+  summary.blocking = end.result.blocking;
+  summary.warnings = end.result.warnings;
+  summary.deployCost = end.result.cost;
+  summary.events = end.result.trajectory.events;
+}
+
 /// One run into trajectory.h5 and to a taker.
 class LiveRun {
  public:
@@ -105,8 +122,11 @@ class LiveRun {
     end_.result = deployUnkept(scene_, settings_.frameInterval(), watch, searching,
                                settings_.order.empty() ? nullptr : &checkpoints_);
     if (interruption_) nameInterruption(*interruption_, end_.result);
-    end_.result.trajectory.findings = findingsText(end_.result);
-    if (scribe) scribe->finish(end_.result.trajectory);
+    if (!scribe) return;
+    RunSummary summary;
+    summarize(end_, summary);
+    end_.result.trajectory.findings = findingsText(scene_, summary);
+    scribe->finish(end_.result.trajectory);
   }
 
   const RunEnd& end() const { return end_; }
@@ -141,23 +161,6 @@ class LiveRun {
   Interruption interruption_;
   RunEnd end_;
 };
-
-void summarize(const RunEnd& end, RunSummary& summary) {
-  summary.outcome = end.result.outcome;
-  summary.reason = end.result.reason;
-  summary.atTarget = end.result.atTarget;
-  summary.endTime = end.last->time;
-  summary.leftOutFrom = end.leftOutFrom;
-  summary.needs = end.result.needs;
-  summary.accuracy = end.result.accuracy;
-  summary.path = end.result.path;
-  summary.pathReason = end.result.pathReason;
-  summary.assembledError = end.result.assembledError;
-  summary.blocking = end.result.blocking;
-  summary.warnings = end.result.warnings;
-  summary.deployCost = end.result.cost;
-  summary.events = end.result.trajectory.events;
-}
 
 void writeEndState(const Scene& scene, const RunEnd& end, const RecordSettings& settings,
                    RunSummary& summary) {

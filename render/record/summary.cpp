@@ -48,16 +48,20 @@ Json accuracyJson(const RunSummary& summary, bool hasTarget) {
           {"target_error_end", onlyIf(hasTarget, accuracy.targetErrorEnd)},
           {"target_error_min", onlyIf(hasTarget, accuracy.targetErrorMin)},
           {"rigid_bound", onlyIf(hasTarget, accuracy.rigidBound)},
+          {"springs_rest_error", onlyIf(hasTarget, accuracy.springsRestError)},
           {"assembled_error", onlyIf(summary.assembledError >= 0, summary.assembledError)},
           {"penetration_max", accuracy.penetrationMax},
           {"penetration_outside_pivots_max", accuracy.penetrationOutsidePivotsMax},
           {"penetration_grown_max", accuracy.penetrationGrownMax}};
 }
 
-Json pathJson(const PathSettings& path, const std::string& reason) {
+Json pathJson(const RunSummary& summary) {
+  const PathSettings& path = summary.path;
   const bool isLed = path.kind == PathKind::Led;
   return {{"kind", isLed ? "led" : "straight"},
-          {"reason", reason},
+          {"reason", summary.pathReason},
+          {"search_seconds", summary.deployCost.searchSeconds},
+          {"search_budget", summary.deployCost.searchBudget},
           {"open_time", onlyIf(isLed && path.openTime > 0, path.openTime)},
           {"led_time", onlyIf(isLed, path.ledTime)},
           {"led_stiffness", onlyIf(isLed, path.ledStiffness)},
@@ -90,8 +94,6 @@ Json costJson(const RunSummary& summary) {
           {"halved_steps", summary.deployCost.halvedSteps},
           {"unconverged_steps", summary.deployCost.unconvergedSteps},
           {"factorizations", summary.deployCost.factorizations},
-          {"search_seconds", summary.deployCost.searchSeconds},
-          {"search_budget", summary.deployCost.searchBudget},
           {"cpu_seconds_search", summary.deployCost.cpuSecondsSearch},
           {"cpu_seconds_deploy", summary.deployCost.cpuSeconds},
           {"cpu_seconds_render", summary.recordCost.cpuSecondsRender},
@@ -290,15 +292,19 @@ Json versionsJson(const std::string& graphics) {
 }
 
 /// What a run found out about its scene.
-Json findingsJson(const Needs& needs, const PathSettings& path, const std::string& pathReason,
-                  const std::vector<BlockingPair>& blocking) {
-  return {{"path", pathJson(path, pathReason)},
-          {"blocking", blockingJson(blocking)},
+Json findingsJson(const Scene& scene, const RunSummary& summary) {
+  const std::optional<double>& leftOut = summary.leftOutFrom;
+  return {{"at_target", flagJson(summary.atTarget)},
+          {"bricks_left_out_from", leftOut ? Json(*leftOut) : Json(nullptr)},
+          {"warnings", summary.warnings},
+          {"alignment", alignmentJson(scene.alignment, scene.model.target.has_value())},
+          {"path", pathJson(summary)},
+          {"blocking", blockingJson(summary.blocking)},
           {"needs",
-           {{"planar", needJson(needs.planar)},
-            {"contacts", needJson(needs.contacts)},
-            {"ground", needJson(needs.ground)},
-            {"obstacles", needJson(needs.obstacles)}}}};
+           {{"planar", needJson(summary.needs.planar)},
+            {"contacts", needJson(summary.needs.contacts)},
+            {"ground", needJson(summary.needs.ground)},
+            {"obstacles", needJson(summary.needs.obstacles)}}}};
 }
 
 }  // namespace
@@ -308,16 +314,12 @@ std::string summaryJson(const Scene& scene, const RecordSettings& settings,
   Json json = {
       {"outcome", toString(summary.outcome)},
       {"reason", summary.reason},
-      {"at_target", flagJson(summary.atTarget)},
       {"end_time", summary.endTime},
       {"video_frames", summary.videoFrames},
-      {"bricks_left_out_from", summary.leftOutFrom ? Json(*summary.leftOutFrom) : Json(nullptr)},
       {"model", modelJson(scene.model)},
       {"accuracy", accuracyJson(summary, scene.model.target.has_value())},
-      {"warnings", summary.warnings},
-      {"alignment", alignmentJson(scene.alignment, scene.model.target.has_value())},
   };
-  json.update(findingsJson(summary.needs, summary.path, summary.pathReason, summary.blocking));
+  json.update(findingsJson(scene, summary));
   json.update(Json{
       {"events", eventsJson(summary.events)},
       {"settings", settingsJson(scene, settings)},
@@ -332,10 +334,8 @@ std::string summaryJson(const Scene& scene, const RecordSettings& settings,
   return sealed(text(json));
 }
 
-std::string findingsText(const DeploymentResult& result) {
-  Json json = {{"at_target", flagJson(result.atTarget)}};
-  json.update(findingsJson(result.needs, result.path, result.pathReason, result.blocking));
-  return text(json);
+std::string findingsText(const Scene& scene, const RunSummary& summary) {
+  return text(findingsJson(scene, summary));
 }
 
 std::string settingsText(const Scene& scene, const RecordSettings& settings) {

@@ -15,7 +15,7 @@ std::string summaryJson(const Scene& scene, const RecordSettings& settings,
 
 /// What a run found out about its scene, as JSON, as trajectory.h5 keeps it: entries of
 /// summary.json that its poses alone do not give.
-std::string findingsText(const DeploymentResult& result);
+std::string findingsText(const Scene& scene, const RunSummary& summary);
 
 /// The settings of a run as JSON, as trajectory.h5 keeps them: the same as summary.json's.
 std::string settingsText(const Scene& scene, const RecordSettings& settings);

@@ -1,6 +1,7 @@
 /// Chooses the colours of bricks by what they are or do.
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -20,9 +21,10 @@ struct Motif {
   std::optional<std::vector<Tile>> target;  ///< one tile a brick, world axes
   std::optional<double> groundHeight;       ///< z of the scene's ground, if it has one, metres
   std::vector<Tile> obstacles;              ///< faces of what stays where it is, world axes
-  double size = 0;                          ///< of the model, metres
-  std::vector<Vector3> points;              ///< what cameras must hold in sight, world axes
-  double endTime = 0;                       ///< simulated seconds at the end of the run
+  /// Of the model, metres; infinity where bricks are to be shown however far they are.
+  double size = std::numeric_limits<double>::infinity();
+  std::vector<Vector3> points;  ///< what cameras must hold in sight, world axes
+  double endTime = 0;           ///< simulated seconds at the end of the run
 };
 
 /// Whether the colours stand for values.

@@ -50,6 +50,19 @@ void requireInTime(const Timeline& timeline, double duration) {
   }
 }
 
+void requireSense(const Scene& scene, double sampleInterval) {
+  requirePositive(sampleInterval, "the time between samples");
+  requirePositive(scene.solver.timestep, "the timestep");
+  requirePositive(scene.stop.duration, "the duration");
+  requireFromZero(scene.path.openTime, "the time of opening");
+  requirePositive(scene.path.ledTime, "the time of being led");
+  requireShare(scene.environment.linearDamping, "the linear damping");
+  requireShare(scene.environment.angularDamping, "the angular damping");
+  requireInTime(scene.timeline, scene.stop.duration);
+  if (scene.model.tiles.empty())
+    throw InputError("the model has no tiles; add one to vertices.txt");
+}
+
 }  // namespace
 
 std::string toString(Outcome outcome) {
@@ -71,16 +84,7 @@ std::string toString(Outcome outcome) {
 DeploymentResult deployUnkept(const Scene& scene, double sampleInterval,
                               const SampleObserver& observer, const TrialObserver& searching,
                               Checkpoints* checkpoints) {
-  requirePositive(sampleInterval, "the time between samples");
-  requirePositive(scene.solver.timestep, "the timestep");
-  requirePositive(scene.stop.duration, "the duration");
-  requireFromZero(scene.path.openTime, "the time of opening");
-  requirePositive(scene.path.ledTime, "the time of being led");
-  requireShare(scene.environment.linearDamping, "the linear damping");
-  requireShare(scene.environment.angularDamping, "the angular damping");
-  requireInTime(scene.timeline, scene.stop.duration);
-  if (scene.model.tiles.empty())
-    throw InputError("the model has no tiles; add one to vertices.txt");
+  requireSense(scene, sampleInterval);
   if (scene.solver.kind == SolverKind::Bullet) checkpoints = nullptr;
   double ownSeconds = 0;
   double& searchSeconds = checkpoints ? checkpoints->searchSeconds() : ownSeconds;

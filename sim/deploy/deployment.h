@@ -39,14 +39,15 @@ struct Accuracy {
   double targetErrorEnd = 0;
   double targetErrorMin = 0;
   double rigidBound = 0;
-  double penetrationMax = 0;               ///< deepest at the start and the end of any step
+  double springsRestError = 0;  ///< where springs rest near the target, no contacts in their way
+  double penetrationMax = 0;    ///< deepest at the start and the end of any step
   double penetrationOutsidePivotsMax = 0;  ///< the same without the corners that bricks share
   double penetrationGrownMax = 0;          ///< of that, what any pair has beyond its start
 
   void transfer(StateTape& tape) {
     tape.transfer(jointGapMax, jointGapMean, jointGapEnd, jointOpeningMax, assemblyMove,
-                  targetErrorStart, targetErrorEnd, targetErrorMin, rigidBound, penetrationMax,
-                  penetrationOutsidePivotsMax, penetrationGrownMax);
+                  targetErrorStart, targetErrorEnd, targetErrorMin, rigidBound, springsRestError,
+                  penetrationMax, penetrationOutsidePivotsMax, penetrationGrownMax);
   }
 };
 

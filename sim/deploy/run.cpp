@@ -32,12 +32,8 @@ constexpr std::size_t kPairsNamed = 3;
 constexpr double kPushedShare = 1e-4;
 // Initial speeds, in model sizes a second, that let a run leave an unstable equilibrium.
 constexpr double kNudge = 1e-6;
-// Joints with gaps below this part of a tile are closed.
-constexpr double kClosedShare = 1e-9;
 // Times closer than this part of a step are the same.
 constexpr double kSameTime = 1e-6;
-// Of a state that is none of the run's.
-constexpr double kNoTime = -1;
 // Stiffness of joints that do not give.
 constexpr double kExact = std::numeric_limits<double>::infinity();
 
@@ -79,6 +75,7 @@ Run::Run(const Scene& scene, const AssembledState& nearest, const RunObservers& 
       tileSize_(tileSize(scene.model)),
       springSettings_(springsOf(scene)),
       nearest_(nearest),
+      figures_(scene.model, bricks_, pivots_, scene.environment.pivotZone, motion_.poses, nearest),
       restNeeded_(scene.stop.settleTime) {
   if (scene.actuation.drive == Drive::Boundary) {
     boundary_.emplace(scene.model, bricks_, springSettings_, scene.actuation.boundary);
@@ -117,11 +114,6 @@ void Run::pull(const Poses& poses, std::vector<Load>& loads) const {
     if (boundary_) loads[i] = boundary_->load(brick, poses[i]);
     if (drive == Drive::Expansion) loads[i] = expansionLoad(springSettings_, centre, poses[i]);
   }
-}
-
-/// To the model's own target, which the accuracy figures refer to.
-double Run::finalTargetError() const {
-  return scene_.model.target ? targetError(*scene_.model.target, bricks_, motion_.poses) : 0;
 }
 
 /// To the target headed for at present.
@@ -187,30 +179,27 @@ bool Run::followTimeline(bool atRest) {
 }
 
 void Run::start() {
-  const std::vector<Tile> before = bottomTiles(bricks_, motion_.poses);
-  overlaps_.emplace(bricks_, pivots_, scene_.environment.pivotZone, motion_.poses,
-                    kRoundingOverlap * tileSize_);
   // Joints that give need not be closed first, which can push bricks into each other.
   misfit_ = !scene_.path.jointsGive() && !dynamics_->assemble(motion_.poses);
-  if (needs_.contacts.on) pushedAtStart_ = overlaps_->at(motion_.poses).grown;
+  if (needs_.contacts.on) pushedAtStart_ = figures_.overlapsOf(motion_.poses).grown;
   holdJoints();
   goTo(nullptr);
   motion_.velocities = nudge(bricks_.size(), kNudge * size_, scene_.solver.seed);
-  Accuracy& accuracy = result_.accuracy;
-  accuracy.assemblyMove = targetError(before, bricks_, motion_.poses);
-  accuracy.targetErrorStart = accuracy.targetErrorMin = finalTargetError();
-  if (scene_.model.target) {
-    accuracy.rigidBound = rigidBound(scene_.model.tiles, *scene_.model.target);
-  }
   result_.needs = needs_;
   result_.path = scene_.path;
-  result_.assembledError = nearest_.error;
-  if (scene_.model.target) {
-    result_.trajectory.figureStates.push_back({"assembled_error", kNoTime, nearest_.poses});
-  }
   static_cast<Subject&>(result_.trajectory) = subjectOf(scene_);
   startPoses_ = motion_.poses;
-  observeStep({});
+  figures_.begin(motion_.poses, jointsGiveNow());
+  showStep();
+}
+
+/// Whether joints are compliant on purpose.
+bool Run::jointsGiveNow() const {
+  return isOnPath() ? scene_.path.jointsGive() : jointsGiveThroughout();
+}
+
+void Run::showStep() {
+  if (observers_.step && !observers_.step(figures_.lastStep())) isAskedToEnd_ = true;
 }
 
 /// Takes the samples that became due with this step.
@@ -231,19 +220,8 @@ void Run::takeLastSample() {
 void Run::takeSample(double time, Poses poses) {
   ++sampleCount_;
   lastSampleTime_ = time;
-  Sample sample;
-  sample.time = time;
-  sample.poses = std::move(poses);
+  Sample sample = figures_.sampleAt(time, std::move(poses));
   sample.pinned = timeline_.pinnedTiles();
-  sample.jointGap = jointGap(pivots_, sample.poses).max;
-  if (scene_.model.target) {
-    sample.targetError = targetError(*scene_.model.target, bricks_, sample.poses);
-  }
-  sample.penetration = deepestPenetration(bricks_, sample.poses).depth;
-  const auto later =
-      std::ranges::find_if(steps_, [&](const StepRecord& step) { return step.time > time; });
-  sample.steps.assign(steps_.begin(), later);
-  steps_.erase(steps_.begin(), later);
   if (checkpoints_) note(sample);
   if (observers_.sample && !observers_.sample(sample)) isAskedToEnd_ = true;
 }
@@ -259,8 +237,7 @@ Poses Run::posesAt(double time) {
     poses.push_back({from.position + share * (to.position - from.position),
                      from.rotation.slerp(share, to.rotation)});
   }
-  const bool closed = std::max(gapBefore_, gapNow_) <= kClosedShare * tileSize_;
-  if (!closed || scene_.solver.kind != SolverKind::Direct) return poses;
+  if (!figures_.wereClosed() || scene_.solver.kind != SolverKind::Direct) return poses;
   if (!projection_) {
     Scene alone = scene_;
     alone.environment = Environment{};
@@ -280,8 +257,7 @@ void Run::note(Sample& sample) {
 }
 
 void Run::transferFigures(StateTape& tape) {
-  tape.transfer(stepCount_, measuredSteps_, gapSum_, sampleCount_, lastSampleTime_,
-                result_.accuracy, result_.assembledError, result_.cost);
+  tape.transfer(stepCount_, sampleCount_, lastSampleTime_, figures_);
 }
 
 /// What the run goes on from, apart from its figures.
@@ -298,8 +274,8 @@ void Run::transfer(StateTape& tape) {
   transferFigures(tape);
   tape.transfer(motion_, number, targetStartError_, leastError_, departure_, departureTime_,
                 openedAt_, isLed, stiffness_, timeline_, restTime_, restNeeded_, misfit_, heldOpen_,
-                jamStart_, result_.trajectory.events, result_.trajectory.figureStates, steps_,
-                before_, gapBefore_, gapNow_, spent, *dynamics_);
+                jamStart_, result_.trajectory.events, before_, spent, *dynamics_);
+  figures_.transferStates(tape);
   if (!tape.isPlaying()) return;
   earlierSeconds_ = spent;
   target_ = targets.at(static_cast<std::size_t>(number));
@@ -336,9 +312,7 @@ void Run::goOnFrom(const RunState& state) {
 void Run::endWith(const Sample& shown) {
   isReplayed_ = true;
   motion_.poses = shown.poses;
-  result_.accuracy.jointGapEnd = shown.jointGap;
-  result_.accuracy.targetErrorEnd = shown.targetError;
-  result_.trajectory.figureStates.clear();
+  figures_.endWith(shown);
   std::erase_if(result_.trajectory.events,
                 [&](const Event& event) { return event.time > shown.time; });
   interrupt();
@@ -361,8 +335,8 @@ bool Run::closeJoints() {
   const Poses open = motion_.poses;
   if (!dynamics_->assemble(motion_.poses)) return false;
   if (!needs_.contacts.on) return true;
-  const double before = overlaps_->at(open).grown;
-  const double after = overlaps_->at(motion_.poses).grown;
+  const double before = figures_.overlapsOf(open).grown;
+  const double after = figures_.overlapsOf(motion_.poses).grown;
   heldOpen_ = after > std::max(before, kPushedShare * tileSize_);
   if (heldOpen_) motion_.poses = open;
   return !heldOpen_;
@@ -413,73 +387,6 @@ bool Run::isStuck() const {
   return farthest < kStuckShare * tileSize_;
 }
 
-/// The state of the bricks now is the one that the figure stands for.
-void Run::keepState(const char* name) {
-  std::vector<FigureState>& states = result_.trajectory.figureStates;
-  auto state = std::ranges::find(states, name, &FigureState::figure);
-  if (state == states.end()) state = states.insert(state, FigureState{name, 0, {}});
-  state->time = time();
-  state->poses = motion_.poses;
-}
-
-void Run::raise(double Accuracy::*figure, const char* name, double value) {
-  const bool isFirst = measuredSteps_ == 0;
-  if (!isFirst && !(value > result_.accuracy.*figure)) return;
-  result_.accuracy.*figure = value;
-  keepState(name);
-}
-
-void Run::lower(double& figure, const char* name, double value) {
-  if (measuredSteps_ > 0 && !(value < figure)) return;
-  figure = value;
-  keepState(name);
-}
-
-void Run::measureOverlaps() {
-  const Accuracy& known = result_.accuracy;
-  const PenetrationDepths depths = overlaps_->atLeast(
-      {known.penetrationMax, known.penetrationOutsidePivotsMax, known.penetrationGrownMax},
-      motion_.poses);
-  raise(&Accuracy::penetrationMax, "penetration_max", depths.whole);
-  raise(&Accuracy::penetrationOutsidePivotsMax, "penetration_outside_pivots_max",
-        depths.outsidePivots);
-  raise(&Accuracy::penetrationGrownMax, "penetration_grown_max", depths.grown);
-}
-
-/// Measures the state that a step leads to.
-void Run::observeStep(const StepReport& report) {
-  const JointGap gap = jointGap(pivots_, motion_.poses);
-  const double error = finalTargetError();
-  result_.cost.steps += report.steps;
-  result_.cost.halvedSteps += report.halved;
-  result_.cost.unconvergedSteps += report.unconverged;
-  result_.cost.factorizations += report.factorizations;
-  result_.cost.work += report.work;
-  gapBefore_ = gapNow_;
-  gapNow_ = gap.max;
-  gapSum_ += gap.mean;
-  raise(&Accuracy::jointGapMax, "joint_gap_max", gap.max);
-  const bool giveNow = isOnPath() ? scene_.path.jointsGive() : jointsGiveThroughout();
-  if (giveNow) raise(&Accuracy::jointOpeningMax, "joint_opening_max", gap.max);
-  measureOverlaps();
-  Accuracy& accuracy = result_.accuracy;
-  accuracy.jointGapEnd = gap.max;
-  accuracy.targetErrorEnd = error;
-  if (scene_.model.target) {
-    lower(accuracy.targetErrorMin, "target_error_min", error);
-    const bool closed = gap.max <= kClosedShare * tileSize_;
-    if (closed && error < result_.assembledError) {
-      result_.assembledError = error;
-      keepState("assembled_error");
-    }
-  }
-  ++measuredSteps_;
-  steps_.push_back({time(), gap.max, gap.mean, error, static_cast<double>(report.steps),
-                    static_cast<double>(report.halved), static_cast<double>(report.unconverged),
-                    static_cast<double>(report.factorizations)});
-  if (observers_.step && !observers_.step(steps_.back())) isAskedToEnd_ = true;
-}
-
 /// Of all bricks, turns counted at a tile's size, m/s.
 double Run::fastestSpeed() const {
   double fastest = 0;
@@ -503,7 +410,7 @@ bool Run::isOnItsWay() {
   recorded.transfer(*dynamics_);
   StateTape(recorded.numbers()).transfer(*dynamics);
   const RestProbe probe = probeRest(*dynamics, motion_, step_, actuation_, tileSize_);
-  result_.cost.work += probe.work;
+  figures_.addWork(probe.work);
   return probe.movesOn;
 }
 
@@ -625,7 +532,8 @@ void Run::advance() {
                            "damping",
                            lostAt));
   }
-  observeStep(report);
+  figures_.observe(time(), motion_.poses, report, jointsGiveNow());
+  showStep();
   if (pullsToTarget() && !isOnPath() && timeline_.forcesAreOn()) {
     stiffness_.observe(currentTargetError(), step_);
   }
@@ -665,7 +573,7 @@ DeploymentResult Run::finish() {
   }
   if (!ended_) end(Outcome::OutOfTime, lateness());
   if (!isReplayed_) takeLastSample();
-  result_.accuracy.jointGapMean = gapSum_ / static_cast<double>(measuredSteps_);
+  figures_.leave(result_);
   result_.pathReason = jointTrouble();
   result_.cost.cpuSeconds = spentSeconds();
   return std::move(result_);

@@ -14,6 +14,7 @@
 #include "sim/deploy/deployment.h"
 #include "sim/deploy/dynamics.h"
 #include "sim/deploy/path_follower.h"
+#include "sim/deploy/run_figures.h"
 #include "sim/deploy/timeline_runner.h"
 #include "sim/measure/measures.h"
 
@@ -47,11 +48,11 @@ class Run : private TimelineStage {
   DeploymentResult finish();
 
   /// What it has cost so far.
-  const DeployCost& cost() const { return result_.cost; }
+  const DeployCost& cost() const { return figures_.cost(); }
   /// How well it has gone so far.
-  const Accuracy& accuracy() const { return result_.accuracy; }
+  const Accuracy& accuracy() const { return figures_.accuracy(); }
   /// Whether the figures of overlaps are of all pairs that are near at the start; see mostPairs().
-  bool seesAllPairs() const { return !overlaps_ || overlaps_->seesAllPairs(); }
+  bool seesAllPairs() const { return figures_.seesAllPairs(); }
   /// Whether bricks keep joints that gave from closing.
   bool isHeldOpen() const { return heldOpen_; }
 
@@ -72,11 +73,8 @@ class Run : private TimelineStage {
   bool isOpening() const { return time() < openedAt_; }
   /// Whether something else drives the tiles than the scene's own actuation.
   bool isOnPath() const { return isOpening() || follower_.has_value(); }
-  void observeStep(const StepReport& report);
-  void measureOverlaps();
-  void raise(double Accuracy::*figure, const char* name, double value);
-  void lower(double& figure, const char* name, double value);
-  void keepState(const char* name);
+  bool jointsGiveNow() const;
+  void showStep();
   void updateRest();
   double fastestSpeed() const;
   bool isOnItsWay();
@@ -107,7 +105,6 @@ class Run : private TimelineStage {
   bool pullsToTarget() const {
     return hasSprings() && (scene_.springs.pull() || scene_.path.kind == PathKind::Led);
   }
-  double finalTargetError() const;
   double currentTargetError() const;
   bool isFar(double error) const;
   bool isImmobile() const;
@@ -121,8 +118,7 @@ class Run : private TimelineStage {
   std::vector<Brick> bricks_;
   std::vector<Pivot> pivots_;
   Motion motion_;
-  Poses startPoses_;  // joints closed unless they give
-  std::optional<PenetrationMeter> overlaps_;
+  Poses startPoses_;                 // joints closed unless they give
   const std::vector<Tile>* target_;  // the one headed for at present; null when there is none
   double targetStartError_ = 0;      // when it was set
   double leastError_ = 0;            // how near the tiles can come
@@ -142,15 +138,11 @@ class Run : private TimelineStage {
   double tileSize_;
   TargetSpringSettings springSettings_;
   AssembledState nearest_;
+  RunFigures figures_;
   long stepCount_ = 0;                    // pauses included
-  long measuredSteps_ = 0;                // the start included
-  double gapSum_ = 0;                     // of the mean gaps of measured steps
   long sampleCount_ = 0;                  // samples taken
   double lastSampleTime_ = 0;             // seconds
-  std::vector<StepRecord> steps_;         // since the last sample
   Motion before_;                         // at the start of the step
-  double gapBefore_ = 0;                  // the largest, there
-  double gapNow_ = 0;                     // likewise at its end
   std::unique_ptr<Dynamics> projection_;  // closes joints of states between steps
   double restTime_ = 0;
   double restNeeded_;  // seconds of rest that count; longer after each that was no rest

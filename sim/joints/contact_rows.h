@@ -2,6 +2,8 @@
 /// tangential rows that slip beyond Coulomb's bound.
 #pragma once
 
+#include <algorithm>
+
 #include "sim/base/state_tape.h"
 #include "sim/brick/contact.h"
 #include "sim/joints/coordinates.h"
@@ -68,5 +70,13 @@ ContactRow<D> makeContactRow(const Contact& contact, const Poses& poses, double 
 /// Sets the row's directions for its contact at these poses.
 template <int D>
 void placeRow(ContactRow<D>& row, const Poses& poses);
+
+/// The end of the rows that belong to the same plane as the first, which follow each other.
+template <int D, typename Iterator>
+Iterator endOfPlane(Iterator first, Iterator end) {
+  return std::find_if(first + 1, end, [&](const ContactRow<D>& row) {
+    return !row.hasNormal || !onOnePlane(first->contact, row.contact);
+  });
+}
 
 }  // namespace kirireel

@@ -40,14 +40,6 @@ constexpr int kAssemblyRounds = 100;
 /// How a step went that was tried.
 enum class StepOutcome { Good, JointsOpen, Overlapping };
 
-/// The end of the rows that belong to the same plane as the first, which follow each other.
-template <int D, typename Iterator>
-Iterator endOfPlane(Iterator first, Iterator end) {
-  return std::find_if(first + 1, end, [&](const ContactRow<D>& row) {
-    return !row.hasNormal || !onOnePlane(first->contact, row.contact);
-  });
-}
-
 template <int D>
 class Stepper : public JointSolver {
  public:

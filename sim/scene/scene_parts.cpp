@@ -80,7 +80,14 @@ void readTimelineTargets(Scene& scene, std::vector<std::string>& warnings) {
   }
 }
 
-/// The tiles that are pinned before anything moves.
+/// Frees tiles of a list, all of them where `freed` is empty.
+void release(const std::vector<int>& freed, std::vector<int>& held) {
+  if (freed.empty()) return held.clear();
+  std::erase_if(held, [&](int tile) { return std::ranges::find(freed, tile) != freed.end(); });
+}
+
+/// The tiles that are pinned before anything moves and stay so to the end: the target can only be
+/// reached where they stand. Those that are freed on the way can still go there.
 std::vector<int> heldTiles(const Timeline& timeline) {
   std::vector<int> held;
   for (const TimelineEntry& entry : timeline) {
@@ -89,6 +96,10 @@ std::vector<int> heldTiles(const Timeline& timeline) {
     if (!isAtOnce) break;
     const auto* pin = std::get_if<timeline::Pin>(&entry.action);
     if (pin) held.insert(held.end(), pin->tiles.begin(), pin->tiles.end());
+  }
+  for (const TimelineEntry& entry : timeline) {
+    const auto* unpin = std::get_if<timeline::Unpin>(&entry.action);
+    if (unpin) release(unpin->tiles, held);
   }
   return held;
 }

@@ -72,7 +72,7 @@ void printRecording(int frames, const fs::path& folder) {
   for (int round = 0; round < 2; ++round) {
     const double start = cpuSeconds(RUSAGE_SELF);
     const RunSummary run =
-        record(slowScene(frames), settings, [](const Progress&) { return true; });
+        record(slowScene(frames), settings, [](const Progress&) { return Interruption{}; });
     const double total = cpuSeconds(RUSAGE_SELF) - start;
     const RecordCost& cost = run.recordCost;
     const double deploy = run.deployCost.cpuSeconds + run.deployCost.cpuSecondsSearch;

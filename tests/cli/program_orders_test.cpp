@@ -254,9 +254,9 @@ class Respelling {
   }
 
   static std::vector<std::string> withDefaults(std::vector<std::string> words) {
-    words.insert(words.end(), {"--angular-damping", "0.050", "--elements_through=1"});
+    words.insert(words.end(), {"--angular-damping", "0.050", "--elements-through=1"});
     if (std::find(words.begin(), words.end(), "--thickness") == words.end()) {
-      words.insert(words.end(), {"-bt", "0.02"});
+      words.insert(words.end(), {"--thickness", "0.020"});
     }
     return words;
   }

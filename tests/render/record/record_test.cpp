@@ -278,7 +278,7 @@ TEST_F(RecordTest, ErrorOfAStageEndsTheOthers) {
     record(tessellationScene(), settings_, [this](const Progress&) {
       const fs::path frames = settings_.folder / ".unfinished/frames";
       if (fs::remove_all(frames) > 0) std::ofstream(frames) << "no folder";
-      return true;
+      return Interruption{};
     });
   };
   EXPECT_THROW(recording(), OutputError);

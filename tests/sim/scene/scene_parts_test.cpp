@@ -106,6 +106,16 @@ TEST_F(ScenePartsTest, PinsOfTheTimelineCountOnlyWhereTheyComeFirst) {
   EXPECT_FALSE(later.alignment.byHeld);
 }
 
+// A tile that is freed later can still go to its target: it does not decide where the sheet lies.
+TEST_F(ScenePartsTest, TilesThatAreFreedOnTheWayDoNotAlign) {
+  Scene freed = scene_;
+  freed.timeline = {{Occasion{}, timeline::Pin{{0}}, {"scene.toml", 1}},
+                    {{Occasion::Kind::AtTime, 1}, timeline::Unpin{}, {"scene.toml", 2}}};
+  std::vector<std::string> warnings;
+  completeScene({}, freed, warnings);
+  EXPECT_FALSE(freed.alignment.byHeld);
+}
+
 TEST_F(ScenePartsTest, AStartStaysInItsPlaceOnRequest) {
   const std::vector<Tile> before = scene_.model.tiles;
   for (Tile& tile : *scene_.model.target) {

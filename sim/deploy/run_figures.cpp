@@ -1,0 +1,145 @@
+#include "sim/deploy/run_figures.h"
+
+#include <algorithm>
+
+namespace kirireel {
+namespace {
+
+// Joints with gaps below this part of a tile are closed.
+constexpr double kClosedShare = 1e-9;
+// Of a state that is none of the run's.
+constexpr double kNoTime = -1;
+
+}  // namespace
+
+RunFigures::RunFigures(const Model& model, const std::vector<Brick>& bricks,
+                       std::span<const Pivot> pivots, double pivotZone, const Poses& asRead,
+                       const AssembledState& nearest)
+    : model_(model),
+      bricks_(bricks),
+      pivots_(pivots),
+      tileSize_(tileSize(model)),
+      overlaps_(std::make_unique<PenetrationMeter>(bricks, pivots, pivotZone, asRead,
+                                                   kRoundingOverlap * tileSize_)),
+      asRead_(asRead),
+      assembledError_(nearest.error) {
+  if (!model.target) return;
+  accuracy_.springsRestError = nearest.restError;
+  states_.push_back({"assembled_error", kNoTime, nearest.poses});
+  states_.push_back({"springs_rest_error", kNoTime, nearest.restPoses});
+}
+
+void RunFigures::begin(const Poses& start, bool jointsGive) {
+  accuracy_.assemblyMove = targetError(bottomTiles(bricks_, asRead_), bricks_, start);
+  accuracy_.targetErrorStart = accuracy_.targetErrorMin = targetErrorOf(start);
+  if (model_.target) accuracy_.rigidBound = rigidBound(model_.tiles, *model_.target);
+  observe(0, start, {}, jointsGive);
+}
+
+void RunFigures::observe(double time, const Poses& poses, const StepReport& report,
+                         bool jointsGive) {
+  time_ = time;
+  poses_ = &poses;
+  cost_.steps += report.steps;
+  cost_.halvedSteps += report.halved;
+  cost_.unconvergedSteps += report.unconverged;
+  cost_.factorizations += report.factorizations;
+  cost_.work += report.work;
+  const JointGap gap = jointGap(pivots_, poses);
+  gapBefore_ = gapNow_;
+  gapNow_ = accuracy_.jointGapEnd = gap.max;
+  gapSum_ += gap.mean;
+  raise(accuracy_.jointGapMax, "joint_gap_max", gap.max);
+  if (jointsGive) raise(accuracy_.jointOpeningMax, "joint_opening_max", gap.max);
+  observeOverlaps();
+  observeTarget(gap);
+  ++count_;
+  steps_.push_back({time, gap.max, gap.mean, accuracy_.targetErrorEnd,
+                    static_cast<double>(report.steps), static_cast<double>(report.halved),
+                    static_cast<double>(report.unconverged),
+                    static_cast<double>(report.factorizations)});
+}
+
+/// The state that is measured is the one that the figure stands for.
+void RunFigures::keepState(const char* name) {
+  auto state = std::ranges::find(states_, name, &FigureState::figure);
+  if (state == states_.end()) state = states_.insert(state, FigureState{name, 0, {}});
+  state->time = time_;
+  state->poses = *poses_;
+}
+
+void RunFigures::raise(double& figure, const char* name, double value) {
+  if (count_ > 0 && !(value > figure)) return;
+  figure = value;
+  keepState(name);
+}
+
+void RunFigures::observeOverlaps() {
+  const PenetrationDepths depths =
+      overlaps_->atLeast({accuracy_.penetrationMax, accuracy_.penetrationOutsidePivotsMax,
+                          accuracy_.penetrationGrownMax},
+                         *poses_);
+  raise(accuracy_.penetrationMax, "penetration_max", depths.whole);
+  raise(accuracy_.penetrationOutsidePivotsMax, "penetration_outside_pivots_max",
+        depths.outsidePivots);
+  raise(accuracy_.penetrationGrownMax, "penetration_grown_max", depths.grown);
+}
+
+void RunFigures::observeTarget(const JointGap& gap) {
+  if (!model_.target) return;
+  const double error = accuracy_.targetErrorEnd = targetErrorOf(*poses_);
+  if (count_ == 0 || error < accuracy_.targetErrorMin) {
+    accuracy_.targetErrorMin = error;
+    keepState("target_error_min");
+  }
+  if (gap.max <= kClosedShare * tileSize_ && error < assembledError_) {
+    assembledError_ = error;
+    keepState("assembled_error");
+  }
+}
+
+double RunFigures::targetErrorOf(const Poses& poses) const {
+  return model_.target ? targetError(*model_.target, bricks_, poses) : 0;
+}
+
+bool RunFigures::wereClosed() const {
+  return std::max(gapBefore_, gapNow_) <= kClosedShare * tileSize_;
+}
+
+Sample RunFigures::sampleAt(double time, Poses poses) {
+  Sample sample;
+  sample.time = time;
+  sample.poses = std::move(poses);
+  sample.jointGap = jointGap(pivots_, sample.poses).max;
+  sample.targetError = targetErrorOf(sample.poses);
+  sample.penetration = deepestPenetration(bricks_, sample.poses).depth;
+  const auto later =
+      std::ranges::find_if(steps_, [&](const StepRecord& step) { return step.time > time; });
+  sample.steps.assign(steps_.begin(), later);
+  steps_.erase(steps_.begin(), later);
+  return sample;
+}
+
+void RunFigures::endWith(const Sample& sample) {
+  accuracy_.jointGapEnd = sample.jointGap;
+  accuracy_.targetErrorEnd = sample.targetError;
+  states_.clear();
+}
+
+void RunFigures::leave(DeploymentResult& result) const {
+  result.accuracy = accuracy_;
+  result.accuracy.jointGapMean = gapSum_ / static_cast<double>(count_);
+  result.cost = cost_;
+  result.assembledError = assembledError_;
+  result.trajectory.figureStates = states_;
+}
+
+void RunFigures::transfer(StateTape& tape) {
+  tape.transfer(accuracy_, assembledError_, cost_, count_, gapSum_);
+}
+
+void RunFigures::transferStates(StateTape& tape) {
+  tape.transfer(states_, steps_, gapBefore_, gapNow_);
+}
+
+}  // namespace kirireel

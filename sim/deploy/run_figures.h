@@ -1,0 +1,84 @@
+/// What is measured of a run: the figures of its summary, and the states in which they were
+/// reached.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "sim/deploy/assembled_state.h"
+#include "sim/deploy/deployment.h"
+#include "sim/joints/joint_solver.h"
+#include "sim/measure/measures.h"
+
+namespace kirireel {
+
+/// Looks at the start of a run and at the end of each step. A figure that one state decides keeps
+/// that state, and all others follow from the steps' records: so they can be computed again.
+class RunFigures {
+ public:
+  /// `asRead`: where the bricks stand before joints are closed. `nearest`: see assembleAtTarget().
+  /// Model, bricks and pivots must outlive this.
+  RunFigures(const Model& model, const std::vector<Brick>& bricks, std::span<const Pivot> pivots,
+             double pivotZone, const Poses& asRead, const AssembledState& nearest);
+
+  /// Measures the start, its joints closed unless they are compliant (`jointsGive`).
+  void begin(const Poses& start, bool jointsGive);
+  /// Measures the state that a step led to at a time, seconds.
+  void observe(double time, const Poses& poses, const StepReport& report, bool jointsGive);
+  /// Counts work beside the steps, in multiplications.
+  void addWork(double work) { cost_.work += work; }
+
+  const Accuracy& accuracy() const { return accuracy_; }
+  const DeployCost& cost() const { return cost_; }
+  /// The target error of a state, metres; 0 without a target.
+  double targetErrorOf(const Poses& poses) const;
+  /// The overlaps of a state, which enter no figure.
+  PenetrationDepths overlapsOf(const Poses& poses) { return overlaps_->at(poses); }
+  /// Whether the figures of overlaps are of all pairs that are near at the start; see mostPairs().
+  bool seesAllPairs() const { return overlaps_->seesAllPairs(); }
+  /// Whether the joints were closed at the start and at the end of the last step.
+  bool wereClosed() const;
+  /// The record of the last step.
+  const StepRecord& lastStep() const { return steps_.back(); }
+
+  /// A sample of these poses with its measures, and the steps up to its time since the one before.
+  Sample sampleAt(double time, Poses poses);
+  /// Makes a sample the end of the run, though later steps were measured. Which states the figures
+  /// up to it were reached in is not known.
+  void endWith(const Sample& sample);
+
+  /// Puts the figures in their places.
+  void leave(DeploymentResult& result) const;
+
+  /// The figures as of a sample.
+  void transfer(StateTape& tape);
+  /// What measuring goes on from beside them.
+  void transferStates(StateTape& tape);
+
+ private:
+  void raise(double& figure, const char* name, double value);
+  void keepState(const char* name);
+  void observeOverlaps();
+  void observeTarget(const JointGap& gap);
+
+  const Model& model_;
+  const std::vector<Brick>& bricks_;
+  std::span<const Pivot> pivots_;
+  double tileSize_;  // metres
+  std::unique_ptr<PenetrationMeter> overlaps_;
+  Poses asRead_;
+  Accuracy accuracy_;
+  DeployCost cost_;
+  double assembledError_;  // metres; negative without a target
+  long count_ = 0;         // of states measured, the start included
+  double gapSum_ = 0;      // of their mean gaps
+  double gapBefore_ = 0;   // the largest of the state before the last
+  double gapNow_ = 0;      // likewise of the last
+  std::vector<FigureState> states_;
+  std::vector<StepRecord> steps_;  // since the last sample
+  double time_ = 0;                // of the state that is measured
+  const Poses* poses_ = nullptr;   // likewise
+};
+
+}  // namespace kirireel
