@@ -216,15 +216,21 @@ std::unique_ptr<aiScene> sceneOf(std::unique_ptr<aiMesh> mesh) {
   return sceneOf(std::move(meshes));
 }
 
-/// Binary STL holds single precision and no shared vertices: nothing to fill in after.
+/// Binary STL holds single precision and no shared vertices: nothing to fill in after. Each facet
+/// has its own normal; assimp would smooth them over shared corners.
 std::string stlBytes(const std::vector<Brick>& bricks, const std::vector<Vector3>& corners,
                      const std::filesystem::path& path) {
-  auto mesh = sharedMesh(static_cast<unsigned>(corners.size()), allTriangles(bricks));
-  for (std::size_t k = 0; k < corners.size(); ++k) {
-    const Eigen::Vector3f point = corners[k].cast<float>();
-    mesh->mVertices[k] = {point.x(), point.y(), point.z()};
+  auto mesh = flatMesh(allTriangles(bricks), corners);
+  for (unsigned k = 0; k < mesh->mNumVertices; ++k) {
+    aiVector3D& vertex = mesh->mVertices[k];
+    const Eigen::Vector3f point = corners[static_cast<std::size_t>(vertex.x)].cast<float>();
+    vertex = {point.x(), point.y(), point.z()};
   }
-  return exported(*sceneOf(std::move(mesh)), "stlb", path);
+  std::string bytes = exported(*sceneOf(std::move(mesh)), "stlb", path);
+  constexpr std::size_t kHeader = 80;
+  std::string header = "Kirireel: closed bricks, lengths in metres";
+  header.resize(kHeader, ' ');
+  return bytes.replace(0, kHeader, header);
 }
 
 std::string plyText(const std::vector<Brick>& bricks, const std::vector<Vector3>& corners,

@@ -14,7 +14,7 @@ namespace kirireel {
 /// Writes all bricks, at least one, at the given poses; the ending of the path chooses the format:
 /// - .obj: one group a brick named TILE_00000 and so on, polygons, flat normals;
 /// - .ply: one mesh, ASCII, triangles, vertices shared within a brick, no normals;
-/// - .stl: triangles, binary.
+/// - .stl: triangles, binary, each with its own outward normal.
 ///
 /// Every brick is closed, outward, and apart from its neighbours even where they touch: a joint
 /// would else be an edge of four faces. Coordinates are in metres and, but for STL's single

@@ -370,6 +370,24 @@ TEST(Mesh, StlHoldsTheSameTrianglesInSinglePrecision) {
   }
 }
 
+TEST(Mesh, StlGivesEachFacetItsOwnNormal) {
+  for (const Layout& layout : {hingedSquares(), polygons()}) {
+    const std::string bytes = written(layout, "state.stl");
+    const std::vector<Eigen::Vector3f> corners = readStl(bytes);
+    for (std::size_t facet = 0; 3 * facet < corners.size(); ++facet) {
+      Eigen::Vector3f normal;
+      std::memcpy(normal.data(), bytes.data() + 84 + 50 * facet, 12);
+      const Vector3 origin = corners[3 * facet].cast<double>();
+      const Vector3 across = (corners[3 * facet + 1].cast<double>() - origin)
+                                 .cross(corners[3 * facet + 2].cast<double>() - origin);
+      // Measured: 3.8e-5, by the single precision of corners 0.02 apart; smoothed ones missed by
+      // 0.8.
+      EXPECT_LT((normal.cast<double>() - across.normalized()).norm(), 1e-4);
+    }
+  }
+  EXPECT_THAT(written(polygons(), "state.stl"), testing::StartsWith("Kirireel: closed bricks, "));
+}
+
 TEST(Mesh, HasTheSameBytesTwice) {
   for (const char* name : {"state.obj", "state.ply", "state.stl"}) {
     EXPECT_EQ(written(hingedSquares(), name), written(hingedSquares(), name));

@@ -41,6 +41,7 @@ TEST(MeshTools, AdmeshFindsFourSoundParts) {
   EXPECT_EQ(numberAfter(report, "Number of parts       :"), 4) << report;
   EXPECT_EQ(numberAfter(report, "Number of facets                 :"), 48);
   EXPECT_EQ(numberAfter(report, "Facets reversed       :"), 0);
+  EXPECT_EQ(numberAfter(report, "Normals fixed         :"), 0);
 }
 
 TEST(MeshTools, GltfValidatorFindsNothingInTheAnimation) {
