@@ -12,7 +12,13 @@ namespace {
 
 // VTK's numbers for kinds of cells.
 constexpr int kHexahedron = 12;
+constexpr int kWedge = 13;
 constexpr int kPolyhedron = 42;
+
+int cellType(std::size_t sides) {
+  if (sides == 3) return kWedge;
+  return sides == 4 ? kHexahedron : kPolyhedron;
+}
 
 template <typename... Arguments>
 void append(std::string& text, fmt::format_string<Arguments...> format, Arguments&&... arguments) {
@@ -92,11 +98,17 @@ Cells cellsOf(const std::vector<Brick>& bricks) {
   for (const Brick& brick : bricks) {
     const int n = static_cast<int>(brick.bottom.size());
     const int first = static_cast<int>(cells.connectivity.size());
-    for (int k = 0; k < 2 * n; ++k) cells.connectivity.push_back(first + k);
+    // VTK's wedges begin with the triangle whose normal points out of them.
+    const bool isWedge = cellType(n) == kWedge;
+    for (int k = 0; k < 2 * n; ++k) {
+      const int turned = k < n ? (n - k) % n : n + (2 * n - k) % n;
+      cells.connectivity.push_back(first + (isWedge ? turned : k));
+    }
     cells.offsets.push_back(first + 2 * n);
-    cells.types.push_back(n == 4 ? kHexahedron : kPolyhedron);
-    if (n != 4) appendFaces(cells, n, first);
-    cells.faceOffsets.push_back(n == 4 ? -1 : static_cast<int>(cells.faces.size()));
+    cells.types.push_back(cellType(n));
+    const bool isPolyhedron = cells.types.back() == kPolyhedron;
+    if (isPolyhedron) appendFaces(cells, n, first);
+    cells.faceOffsets.push_back(isPolyhedron ? static_cast<int>(cells.faces.size()) : -1);
   }
   return cells;
 }

@@ -10,8 +10,8 @@
 
 namespace kirireel {
 
-/// The text of an unstructured grid (.vtu): one solid cell a brick, a hexahedron where the tile has
-/// four vertices and a polyhedron elsewhere. Coordinates in metres, to the last bit. Fields:
+/// The text of an unstructured grid (.vtu): one solid cell a brick: a wedge where the tile has
+/// three vertices, a hexahedron where it has four and a polyhedron elsewhere. Coordinates in metres, to the last bit. Fields:
 /// - of cells: `tile` (its number), `joint_gap` (the largest at the tile, metres), `turn` (the
 /// angle
 ///   from the start, radians);

@@ -75,6 +75,7 @@ TEST(Vtu, HoldsTheMeasures) {
   const std::string text = state.text();
   EXPECT_EQ(arrayOf(text, "TimeValue"), std::vector<double>{0.25});
   EXPECT_EQ(arrayOf(text, "tile"), (std::vector<double>{0, 1, 2}));
+  EXPECT_EQ(arrayOf(text, "types"), (std::vector<double>{13, 12, 42}));  // wedge, hexahedron, other
   const std::vector<double> turns = arrayOf(text, "turn");
   EXPECT_NEAR(turns[1], 0.5, 1e-12);
   EXPECT_EQ(turns[0], 0);
