@@ -5,11 +5,10 @@
 #include <CLI/CLI.hpp>
 
 #include "render/cli/option_group.h"
+#include "sim/base/geometry.h"
 
 namespace kirireel {
 namespace {
-
-constexpr double kDegree = M_PI / 180;
 
 /// PyBullet's first view, where one of yaw and pitch is given alone.
 constexpr double kUsualYaw = 50 * kDegree;

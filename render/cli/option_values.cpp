@@ -8,6 +8,7 @@
 
 #include <fmt/ranges.h>
 
+#include "sim/base/geometry.h"
 #include "sim/base/spelling.h"
 #include "sim/scene/toml_file.h"
 
@@ -53,7 +54,6 @@ std::optional<std::pair<int, int>> readPair(std::string_view text) {
   return std::pair(*first, *second);
 }
 
-constexpr double kDegree = M_PI / 180;
 
 /// The parts of a caption, in the order in which they are written.
 const Choices<bool CaptionParts::*>& captionChoices() {

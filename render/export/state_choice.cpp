@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/error.h"
+#include "sim/base/geometry.h"
 
 namespace kirireel {
 namespace {
@@ -62,7 +63,7 @@ double largestTurn(const Poses& start, const Poses& poses) {
 std::size_t sampleAtAngle(const TrajectoryReader& trajectory, double degrees,
                           const std::string& name) {
   const Poses start = trajectory.sample(0).poses;
-  const double wanted = degrees * std::numbers::pi / 180;
+  const double wanted = degrees * kDegree;
   double largest = 0;
   for (std::size_t k = 0; k < trajectory.times().size(); ++k) {
     const double turn = largestTurn(start, trajectory.sample(k).poses);
@@ -70,7 +71,7 @@ std::size_t sampleAtAngle(const TrajectoryReader& trajectory, double degrees,
     largest = std::max(largest, turn);
   }
   throw unknownState(name, fmt::format("its tiles turn by {:.4g} degrees at most",
-                                       largest * 180 / std::numbers::pi));
+                                       largest / kDegree));
 }
 
 std::size_t sampleAtEvent(const TrajectoryReader& trajectory, const std::string& text,

@@ -9,6 +9,7 @@
 
 #include "render/grid/label.h"
 #include "sim/base/error.h"
+#include "sim/base/geometry.h"
 
 namespace kirireel {
 namespace {
@@ -189,7 +190,7 @@ std::string twoDigits(double value) {
 std::string captionText(const CaptionParts& parts, const CaptionValues& values) {
   std::vector<std::string> texts;
   if (parts.time) texts.push_back(fmt::format("t = {:.2f} s", values.time));
-  if (parts.angle) texts.push_back(fmt::format("{:.1f} deg", values.angle * 180 / M_PI));
+  if (parts.angle) texts.push_back(fmt::format("{:.1f} deg", values.angle / kDegree));
   if (parts.error && values.error)
     texts.push_back(fmt::format("error {} m", twoDigits(*values.error)));
   if (parts.gap) texts.push_back(fmt::format("gap {} m", twoDigits(values.gap)));

@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace kirireel {
 namespace {
@@ -60,7 +61,7 @@ void drawMarks(const std::vector<Vector3>& marks, double radius, Colour colour,
     const Vector3 up = back.cross(right);
     const Vector3 centre = mark + kDotLift * radius * back;
     for (int k = 0; k < kDotSides; ++k) {
-      const double angle = 2 * M_PI * k / kDotSides;
+      const double angle = 2 * std::numbers::pi * k / kDotSides;
       corners[k] = centre + radius * (std::cos(angle) * right + std::sin(angle) * up);
     }
     sketch.solid.push_back(appendFacet(sketch, corners, colour));

@@ -23,8 +23,7 @@ namespace {
 
 /// The camera looks at about this many samples: enough for any smooth motion.
 constexpr std::size_t kSamplesFramed = 100;
-/// Between two stages: enough to even out their pace, and all the memory that they may take.
-constexpr std::size_t kWaitingSamples = 16;
+/// Between painting and encoding, for the same reason as kWaitingSamples.
 constexpr std::size_t kWaitingFrames = 4;
 /// Half the picture's width and height, with room for rounding.
 constexpr double kBorder = 1 + 1e-9;

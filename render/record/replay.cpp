@@ -8,16 +8,6 @@ namespace {
 
 /// Times closer than this part of a step are the same.
 constexpr double kSameTime = 1e-6;
-
-Poses between(const Poses& before, const Poses& after, double share) {
-  Poses poses;
-  for (std::size_t i = 0; i < before.size(); ++i) {
-    poses.push_back({before[i].position + share * (after[i].position - before[i].position),
-                     before[i].rotation.slerp(share, after[i].rotation)});
-  }
-  return poses;
-}
-
 }  // namespace
 
 Sample sampleAt(const TrajectoryReader& run, double time) {
@@ -31,7 +21,7 @@ Sample sampleAt(const TrajectoryReader& run, double time) {
   Sample sample = run.sample(upper - 1);
   if (share < kSameTime) return sample;
   sample.time = time;
-  sample.poses = between(sample.poses, run.sample(upper).poses, share);
+  sample.poses = interpolate(sample.poses, run.sample(upper).poses, share);
   return sample;
 }
 

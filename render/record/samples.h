@@ -1,6 +1,7 @@
 /// Where the samples of a run come from: a deployment under way, or a file.
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <memory>
 
@@ -10,6 +11,10 @@ namespace kirireel {
 
 /// A sample that several threads may read at the same time.
 using SharedSample = std::shared_ptr<const Sample>;
+
+/// How many samples wait between two threads: enough to even out their pace, and all the memory that
+/// they may take.
+inline constexpr std::size_t kWaitingSamples = 16;
 
 /// Takes the next sample of a run; false asks for an early end.
 using SampleTaker = std::function<bool(const SharedSample&)>;

@@ -1,12 +1,6 @@
 #include "render/record/scribe.h"
 
 namespace kirireel {
-namespace {
-
-constexpr std::size_t kWaitingSamples = 16;
-
-}  // namespace
-
 Scribe::Scribe(const std::filesystem::path& path, const Subject& subject)
     : writer_(path, subject), samples_(kWaitingSamples), crew_([this] { samples_.stop(); }) {
   crew_.start([this] { writeAll(); });

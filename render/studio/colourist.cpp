@@ -3,16 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numbers>
 
 #include <Eigen/Geometry>
 
 #include "sim/base/error.h"
+#include "sim/base/geometry.h"
 #include "sim/measure/brick_measures.h"
 
 namespace kirireel {
 namespace {
 
-constexpr double kDegree = M_PI / 180;
 
 /// Lengths of congruent tiles may differ by this part.
 constexpr double kCongruence = 1e-4;
@@ -148,7 +149,7 @@ double Colourist::largestExpected() const {
       return motif_.target ? largest(brickTargetErrors(*motif_.target, motif_.bricks, motif_.start))
                            : 0.5 * diagonal(motif_.points);
     case Colouring::Rotation:
-      return 0.5 * M_PI;
+      return 0.5 * std::numbers::pi;
     default:
       // Exact joints stay far below this, a baseline solver's do not.
       return 1e-6 * meanEdge(motif_.bricks);

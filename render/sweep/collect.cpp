@@ -1,6 +1,5 @@
 #include "render/sweep/collect.h"
 
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -11,6 +10,7 @@
 
 #include "render/folder/output_folder.h"
 #include "render/sweep/run_folder.h"
+#include "render/sweep/sweep_plan.h"
 #include "sim/base/error.h"
 #include "sim/base/input_file.h"
 #include "sim/base/pending_file.h"
@@ -158,19 +158,15 @@ std::string quoted(const std::string& cell) {
 }
 
 /// NaN for an empty cell; nothing for a text.
-std::optional<double> numberIn(const std::string& cell) {
-  if (cell.empty()) return std::numeric_limits<double>::quiet_NaN();
-  double number = 0;
-  const char* const end = cell.data() + cell.size();
-  const auto [next, error] = std::from_chars(cell.data(), end, number);
-  return error == std::errc() && next == end ? std::optional(number) : std::nullopt;
+std::optional<double> numberInCell(const std::string& cell) {
+  return cell.empty() ? std::numeric_limits<double>::quiet_NaN() : numberIn(cell);
 }
 
 void writeColumn(const TableColumn& column, ArrayWriter& writer) {
   std::vector<double> numbers;
   bool isText = true;
   for (const std::string& cell : column.cells) {
-    const std::optional<double> number = numberIn(cell);
+    const std::optional<double> number = numberInCell(cell);
     if (!number) {
       writer.write(column.name, column.cells);
       return;

@@ -13,13 +13,6 @@
 namespace kirireel {
 namespace {
 
-std::optional<double> numberIn(const std::string& text) {
-  double number = 0;
-  const char* const end = text.data() + text.size();
-  const auto [next, error] = std::from_chars(text.data(), end, number);
-  return error == std::errc() && next == end ? std::optional(number) : std::nullopt;
-}
-
 void sortAndDropRepeats(std::vector<SweepValue>& values) {
   std::stable_sort(values.begin(), values.end(), comesBefore);
   values.erase(std::unique(values.begin(), values.end()), values.end());
@@ -51,6 +44,13 @@ std::vector<std::size_t> shuffledNumbers(std::size_t count, std::mt19937_64& gen
 }
 
 }  // namespace
+
+std::optional<double> numberIn(const std::string& text) {
+  double number = 0;
+  const char* const end = text.data() + text.size();
+  const auto [next, error] = std::from_chars(text.data(), end, number);
+  return error == std::errc() && next == end ? std::optional(number) : std::nullopt;
+}
 
 bool comesBefore(const SweepValue& a, const SweepValue& b) {
   const auto first = numberIn(a.text);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,9 @@ struct SweepValue {
 
   bool operator==(const SweepValue& other) const { return text == other.text; }
 };
+
+/// The number that a text is as a whole, if it is one.
+std::optional<double> numberIn(const std::string& text);
 
 /// Values that come before others in tables: numbers by size, before texts by letters.
 bool comesBefore(const SweepValue& a, const SweepValue& b);

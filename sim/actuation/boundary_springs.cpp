@@ -8,12 +8,6 @@
 namespace kirireel {
 namespace {
 
-Vector3 mean(const std::vector<Vector3>& points) {
-  Vector3 sum = Vector3::Zero();
-  for (const Vector3& point : points) sum += point;
-  return sum / static_cast<double>(points.size());
-}
-
 /// Where the ray from the middle of an ellipse through a point leaves it; the height stays.
 Vector3 ellipsePoint(const Vector3& middle, double halfLength, double halfWidth,
                      const Vector3& point) {
@@ -33,7 +27,7 @@ BoundarySprings::BoundarySprings(const Model& model, const std::vector<Brick>& b
   for (const Corner& corner : hull) {
     corners.push_back(model.tiles[corner.tile].vertices[corner.vertex]);
   }
-  const Vector3 middle = mean(corners);
+  const Vector3 middle = meanPoint(corners);
   double radius = 0;
   for (const Vector3& corner : corners) {
     radius = std::max(radius, (corner - middle).head<2>().norm());

@@ -5,12 +5,6 @@
 namespace kirireel {
 namespace {
 
-Vector3 mean(const std::vector<Vector3>& points) {
-  Vector3 sum = Vector3::Zero();
-  for (const Vector3& point : points) sum += point;
-  return sum / static_cast<double>(points.size());
-}
-
 Vector3 rotationVector(const Matrix3& rotation) {
   const Eigen::AngleAxisd turn(rotation);
   return turn.angle() * turn.axis();
@@ -23,7 +17,7 @@ TargetGuide::TargetGuide(const std::vector<Tile>& start, const std::vector<Tile>
     const std::vector<Vector3>& from = start[i].vertices;
     const std::vector<Vector3>& to = target[i].vertices;
     const Matrix3 R = bestRigidMotion(from, to).rotation;
-    Way way{mean(from), mean(to), rotationVector(R), {}, {}};
+    Way way{meanPoint(from), meanPoint(to), rotationVector(R), {}, {}};
     for (std::size_t k = 0; k < from.size(); ++k) {
       way.vertices.push_back(from[k] - way.startMean);
       way.unfit.push_back(R.transpose() * (to[k] - way.targetMean) - way.vertices.back());

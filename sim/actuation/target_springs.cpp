@@ -11,12 +11,6 @@ constexpr double kStallTime = 60.0 / 240.0;  // seconds without improvement
 constexpr double kLargestFactor = 16;        // of the stiffness
 constexpr double kImprovement = 1 - 0.005;   // of the error, to count as one
 
-Vector3 mean(const std::vector<Vector3>& points) {
-  Vector3 sum = Vector3::Zero();
-  for (const Vector3& point : points) sum += point;
-  return sum / static_cast<double>(points.size());
-}
-
 bool isPositiveDefinite(const Matrix3& K) {
   return K(0, 0) > 0 && K(0, 0) * K(1, 1) - K(0, 1) * K(0, 1) > 0 && K.determinant() > 0;
 }
@@ -58,8 +52,8 @@ void TargetSprings::setTarget(const std::vector<Tile>& target) {
     const std::vector<Vector3>& bottom = bricks_[i].bottom;
     Spring& spring = springs_[i];
     spring.vertexCount = static_cast<int>(bottom.size());
-    spring.bottomMean = mean(bottom);
-    spring.targetMean = mean(target[i].vertices);
+    spring.bottomMean = meanPoint(bottom);
+    spring.targetMean = meanPoint(target[i].vertices);
     spring.moment.setZero();
     spring.spread = 0;
     for (std::size_t k = 0; k < bottom.size(); ++k) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include <Eigen/Core>
@@ -14,6 +15,16 @@ using Matrix3 = Eigen::Matrix3d;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Quaternion = Eigen::Quaterniond;
+
+/// One degree in radians.
+inline constexpr double kDegree = std::numbers::pi / 180;
+
+/// The mean of one or more points.
+inline Vector3 meanPoint(const std::vector<Vector3>& points) {
+  Vector3 sum = Vector3::Zero();
+  for (const Vector3& point : points) sum += point;
+  return sum / static_cast<double>(points.size());
+}
 
 /// Position and rotation of one brick: a point r in brick axes stands at position + rotation * r.
 struct Pose {
@@ -52,6 +63,27 @@ inline Quaternion rotationFromVector(const Vector3& vector) {
   const double scale = angle > 1e-4 ? std::sin(0.5 * angle) / angle : 0.5 - angle * angle / 48.0;
   const Vector3 imaginary = scale * vector;
   return Quaternion(std::cos(0.5 * angle), imaginary.x(), imaginary.y(), imaginary.z());
+}
+
+/// The rotation vector of the shortest turn from one rotation to another, radians, world axes.
+inline Vector3 turnBetween(const Quaternion& from, const Quaternion& to) {
+  Quaternion turn = to * from.conjugate();
+  if (turn.w() < 0) turn.coeffs() = -turn.coeffs();
+  const double sine = turn.vec().norm();
+  // 2 atan2(sine, w) / sine, by its limit where the quotient would lose digits.
+  return sine < 1e-12 ? Vector3(2 * turn.vec())
+                      : Vector3(2 * std::atan2(sine, turn.w()) / sine * turn.vec());
+}
+
+/// Poses on the way from one state to another, at a share from 0 to 1: positions go straight,
+/// rotations by the shortest turn.
+inline Poses interpolate(const Poses& from, const Poses& to, double share) {
+  Poses poses(from.size());
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    poses[i].position = from[i].position + share * (to[i].position - from[i].position);
+    poses[i].rotation = from[i].rotation.slerp(share, to[i].rotation);
+  }
+  return poses;
 }
 
 }  // namespace kirireel

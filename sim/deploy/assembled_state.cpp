@@ -14,18 +14,18 @@ namespace {
 
 // Steps start from rest, so that long ones come near to Newton's method on the springs' energy.
 constexpr double kStep = 0.25;  // seconds
-constexpr double kStiffening = 16;
+constexpr double kSpringStiffening = 16;
 constexpr int kSteps = 200;
 constexpr int kStepsFromStart = 100;
 constexpr double kConverged = 1e-7;    // change of the error in a step, relative
-constexpr double kNegligible = 1e-12;  // error in tile edges
+constexpr double kNegligibleError = 1e-12;  // error in tile edges
 
 // Reweighting begins above this error in tile edges, and this factor of the rigid bound.
 constexpr double kWorthwhile = 1e-6;
-constexpr double kAboveBound = 1.001;
+constexpr double kAtBound = 1.001;
 // It ends after so many steps, or so many in a row without so much gain.
 constexpr int kReweightings = 200;
-constexpr int kPatience = 25;
+constexpr int kPatienceSteps = 25;
 constexpr double kGain = 1e-3;
 // No brick is pulled less than this, or more than that, times the usual.
 constexpr double kLeastWeight = 1e-3;
@@ -46,7 +46,7 @@ class Assembly {
         goesOn_(goesOn) {
     pull_ = [this](const Poses& poses, std::vector<Load>& loads) {
       for (std::size_t i = 0; i < poses.size(); ++i) {
-        loads[i] = springs_.load(static_cast<int>(i), poses[i], kStiffening);
+        loads[i] = springs_.load(static_cast<int>(i), poses[i], kSpringStiffening);
         loads[i].force *= weights_[i];
         loads[i].stiffness *= weights_[i];
       }
@@ -78,7 +78,7 @@ class Assembly {
 
   /// Whether no other state is worth its while.
   bool isNearEnough(const AssembledState& state) const {
-    return state.error <= std::max(kWorthwhile * tile_, kAboveBound * rigidBound_);
+    return state.error <= std::max(kWorthwhile * tile_, kAtBound * rigidBound_);
   }
 
   bool keepIfNearer(AssembledState& state) const {
@@ -99,7 +99,7 @@ class Assembly {
 
   void comeToRest(int steps) {
     double last = error();
-    for (int i = 0; i < steps && last > kNegligible * tile_ && mayStep(); ++i) {
+    for (int i = 0; i < steps && last > kNegligibleError * tile_ && mayStep(); ++i) {
       step();
       const double before = last;
       last = error();
@@ -121,7 +121,7 @@ class Assembly {
 
   void approach(AssembledState& state) {
     double gainedFrom = state.error;
-    int patience = kPatience;
+    int patience = kPatienceSteps;
     for (int i = 0; i < kReweightings && patience > 0 && mayStep(); ++i) {
       if (isNearEnough(state)) break;
       reweight();
@@ -129,7 +129,7 @@ class Assembly {
       --patience;
       if (!keepIfNearer(state) || state.error > (1 - kGain) * gainedFrom) continue;
       gainedFrom = state.error;
-      patience = kPatience;
+      patience = kPatienceSteps;
     }
   }
 

@@ -18,9 +18,9 @@ namespace {
 using TilePair = std::pair<int, int>;
 
 // Overlaps below this part of a tile do not stop anything.
-constexpr double kNegligible = 1e-4;
+constexpr double kNegligibleDepth = 1e-4;
 // Thicknesses are tried in steps of this factor, down to this part of the scene's own.
-constexpr double kThinner = 0.9;
+constexpr double kThinnerStep = 0.9;
 constexpr double kThinnest = 1e-3;
 // What looking at one pair of bricks once is worth, in multiplications.
 constexpr double kWorkOfPair = 20'000;
@@ -29,7 +29,7 @@ std::vector<Penetration> overlapsAt(const Scene& scene, const Poses& poses) {
   const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
   const std::vector<Pivot> pivots = makePivots(scene.model.joints, bricks);
   std::vector<Penetration> overlaps = penetrationsOutsidePivots(
-      bricks, pivots, scene.environment.pivotZone, poses, kNegligible * tileSize(scene.model));
+      bricks, pivots, scene.environment.pivotZone, poses, kNegligibleDepth * tileSize(scene.model));
   if (scene.environment.contacts == ContactFilter::Unjoined) {
     const auto joined = sharedCorners(pivots);
     std::erase_if(overlaps, [&](const Penetration& overlap) {
@@ -116,12 +116,12 @@ bool isFree(const Scene& scene, const Penetration& overlap, const Poses& poses,
   }
   const Penetration left = deepestPenetrationOutsidePivots(bricks, makePivots(between, bricks),
                                                            scene.environment.pivotZone, placed);
-  return left.depth <= kNegligible * tileSize(scene.model);
+  return left.depth <= kNegligibleDepth * tileSize(scene.model);
 }
 
 double freeingThickness(const Scene& scene, const Penetration& overlap, const Poses& poses,
                         const std::vector<Joint>& between, SearchBudget& budget) {
-  for (double share = kThinner; share > kThinnest; share *= kThinner) {
+  for (double share = kThinnerStep; share > kThinnest; share *= kThinnerStep) {
     const double thickness = share * scene.brick.thickness;
     budget.spend(kWorkOfPair);
     if (isFree(scene, overlap, poses, between, thickness)) return thickness;

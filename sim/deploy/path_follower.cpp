@@ -13,7 +13,7 @@ constexpr double kForceDamping = 50;
 constexpr double kTorqueDamping = 2;
 // Seconds to catch up with a target that has stopped, and to stiffen joints that gave.
 constexpr double kCatchUp = 0.5;
-constexpr double kStiffening = 0.5;
+constexpr double kStiffeningTime = 0.5;
 // The joints' stiffness at the end, N/m: what is left of their openings closes in one step.
 constexpr double kClosingStiffness = 1e10;
 
@@ -42,10 +42,10 @@ bool PathFollower::prepareStep(double time, Dynamics& dynamics) {
   springs_.setTarget(guide_.at(std::min(1.0, elapsed / path_.ledTime)));
   const double late = elapsed - path_.ledTime - kCatchUp;
   if (!path_.jointsGive()) return late <= 0;
-  const double part = std::clamp(late / kStiffening, 0.0, 1.0);
+  const double part = std::clamp(late / kStiffeningTime, 0.0, 1.0);
   const double range = std::max(1.0, kClosingStiffness / path_.jointStiffness);
   dynamics.setJointStiffness(path_.jointStiffness * std::pow(range, part));
-  return late <= kStiffening;
+  return late <= kStiffeningTime;
 }
 
 }  // namespace kirireel

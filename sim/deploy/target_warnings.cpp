@@ -12,7 +12,7 @@ namespace {
 // Data that are rounded to three digits leave gaps of this part of a tile.
 constexpr double kTorn = 1e-3;
 // A start that was moved less, in tiles, stayed where it was.
-constexpr double kMoved = 1e-6;
+constexpr double kMovedShare = 1e-6;
 // Bounds that differ less are one.
 constexpr double kAboveBound = 1.1;
 
@@ -58,7 +58,7 @@ std::string movedWarning(const Scene& scene) {
   const StartAlignment& alignment = scene.alignment;
   const Environment& environment = scene.environment;
   const bool placeCounts = environment.ground || !environment.obstacles.empty();
-  const bool isMoved = alignment.moved > kMoved * tileSize(scene.model);
+  const bool isMoved = alignment.moved > kMovedShare * tileSize(scene.model);
   return placeCounts && isMoved ? describe(alignment) : "";
 }
 

@@ -10,7 +10,7 @@
 namespace kirireel {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 /// Adds that two points mirror each other in the plane through the origin across an axis.
 void addMirror(EquationRows& rows, const UnknownPoint& a, const UnknownPoint& b, int axis) {
@@ -65,7 +65,7 @@ class CapDesign {
  private:
   /// The regular open sheet, its box mapped to the cap's.
   std::vector<Tile> startCap() const {
-    const std::vector<Tile> flat = unitTiles(lattice_, 0.4 * kPi);
+    const std::vector<Tile> flat = unitTiles(lattice_, 0.4 * pi);
     const Vector3 half = halfExtent(flat);
     return mapped(flat, [&](const Vector3& vertex) {
       const double u = std::tan(shape_.halfAngle * vertex.x() / half.x());
@@ -136,7 +136,7 @@ class CapDesign {
 /// chosen so that the tips of as many caps as can be meet in both states.
 std::array<Matrix3, 6> cubeFaces() {
   const auto halfTurn = [](double x, double y, double z) {
-    return Matrix3(Eigen::AngleAxisd(kPi, Vector3(x, y, z).normalized()).toRotationMatrix());
+    return Matrix3(Eigen::AngleAxisd(pi, Vector3(x, y, z).normalized()).toRotationMatrix());
   };
   const Matrix3 toY = halfTurn(0, 1, 1);
   return {Matrix3::Identity(), halfTurn(1, 0, 0),       toY,
@@ -182,7 +182,7 @@ Model makeSphericalCap(const CapShape& shape) {
 
 Model makeCubeToSphere(const CapShape& shape) {
   CapShape face = shape;
-  face.halfAngle = kPi / 4;
+  face.halfAngle = pi / 4;
   const CapPair pair = CapDesign("cube-to-sphere", face).solve();
   const Lattice lattice{shape.size, shape.size};
   Model model;

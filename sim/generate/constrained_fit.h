@@ -9,6 +9,9 @@
 
 namespace kirireel {
 
+/// An exact equation that is off by more than this does not hold. Largest met: 2e-14.
+inline constexpr double kExactFit = 1e-11;
+
 /// Values of equations (zero when they hold) and their slopes, at one point.
 class EquationRows {
  public:

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/error.h"
+#include "sim/base/geometry.h"
 #include "sim/base/spelling.h"
 #include "sim/generate/lattice_designs.h"
 #include "sim/generate/rotors.h"
@@ -19,9 +20,8 @@
 namespace kirireel {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 // What a generated model may be off by, as a part of a tile. Largest met: 7e-15.
-constexpr double kExact = 1e-9;
+constexpr double kExactModel = 1e-9;
 // Overlap that counts, as a part of a tile; neighbours in a closed sheet touch to rounding.
 constexpr double kTouching = 1e-7;
 // The least sine of a corner of a generated tile.
@@ -338,8 +338,8 @@ FamilyValues checkedValues(const Family& family, const std::map<std::string, dou
 /// Why the tiles of one state make no sheet; empty when they do.
 std::string stateFault(const Model& model, const std::vector<Tile>& tiles) {
   const double size = tileSize(model);
-  if (!(largestJointGap(model.joints, tiles) <= kExact * size)) return "its joints do not close";
-  if (!(largestUnevenness(tiles) <= kExact * size)) return "its tiles are not flat";
+  if (!(largestJointGap(model.joints, tiles) <= kExactModel * size)) return "its joints do not close";
+  if (!(largestUnevenness(tiles) <= kExactModel * size)) return "its tiles are not flat";
   if (!(leastCornerSine(tiles) >= kConvex)) return "its tiles are not convex";
   const std::vector<TileOverlap> overlaps = tileOverlaps(tiles, kTouching * size);
   if (overlaps.empty()) return "";
@@ -351,7 +351,7 @@ std::string modelFault(const Model& model) {
   const std::string atStart = stateFault(model, model.tiles);
   if (!atStart.empty()) return atStart + " at the start";
   if (!model.target) return "";
-  if (!(largestShapeChange(model.tiles, *model.target) <= kExact * tileSize(model))) {
+  if (!(largestShapeChange(model.tiles, *model.target) <= kExactModel * tileSize(model))) {
     return "its tiles change their shape";
   }
   const std::string atTarget = stateFault(model, *model.target);

@@ -15,9 +15,7 @@
 namespace kirireel {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-// An exact equation that is off by more than this does not hold. Largest met: 4e-15.
-constexpr double kExact = 1e-11;
+using std::numbers::pi;
 
 TurningField unitField(const Lattice& lattice) {
   return regularField(lattice, 1, Complex(0, 1));
@@ -26,7 +24,7 @@ TurningField unitField(const Lattice& lattice) {
 Fit fitted(const std::string& family, const DesignSource& source, Eigen::VectorXd start,
            const FitSettings& settings) {
   Fit fit = fitDesign(source, std::move(start), settings);
-  if (fit.violation <= kExact) return fit;
+  if (fit.violation <= kExactFit) return fit;
   throw InputError(
       fmt::format("{}: error: no sheet of this shape was found (equations miss by {:.2g}); give "
                   "parameters nearer to the usual ones",
@@ -84,7 +82,7 @@ TurningField rhombicField(const std::string& family, const Lattice& lattice, dou
 /// A point of the heart curve x = 16 sin a |sin a|, y = 13 cos a - 5 cos 2a - 2 cos 3a (over 8),
 /// from the lower tip anticlockwise as t goes from 0 to 1.
 Complex heartPoint(double t) {
-  const double a = kPi - 2 * kPi * t;
+  const double a = pi - 2 * pi * t;
   const double x = 16 * std::sin(a) * std::abs(std::sin(a));
   const double y = 13 * std::cos(a) - 5 * std::cos(2 * a) - 2 * std::cos(3 * a);
   return Complex(x, y) / 8.0;
@@ -203,21 +201,21 @@ std::vector<Block> allSideBlocks(const Lattice& lattice) {
 
 TurningField fanField(const FanShape& shape) {
   const TurningField regular = unitField(shape.lattice);
-  const Complex half = halfExtent(regular, kPi);
+  const Complex half = halfExtent(regular, pi);
   std::vector<WantedPoint> wanted;
   for (int tile = 0; tile < shape.lattice.tileCount(); ++tile) {
     for (int k = 0; k < 4; ++k) {
       const Cell cell = shape.lattice.cellOf(tile);
-      const Complex position = regular.corner(cell, k, kPi);
+      const Complex position = regular.corner(cell, k, pi);
       const double x = position.real() / half.real();
       const double y = position.imag() / half.imag();
       if (std::max(std::abs(x), std::abs(y)) < 1 - 1e-9) continue;
       const double distance =
           shape.innerRadius + 0.5 * (1 + y) * (shape.outerRadius - shape.innerRadius);
-      wanted.push_back({{cell, k}, std::polar(distance, kPi / 2 - shape.halfAngle * x)});
+      wanted.push_back({{cell, k}, std::polar(distance, pi / 2 - shape.halfAngle * x)});
     }
   }
-  return rhombicField("fan", shape.lattice, kPi, wanted);
+  return rhombicField("fan", shape.lattice, pi, wanted);
 }
 
 TurningField heartField(const Lattice& lattice) {
@@ -235,7 +233,7 @@ TurningField heartField(const Lattice& lattice) {
 
 TurningField squareToDiskField(int size) {
   const Lattice lattice{size, size};
-  const RoundDesign design("square-to-disk", size, kPi, allSideBlocks(lattice));
+  const RoundDesign design("square-to-disk", size, pi, allSideBlocks(lattice));
   const LatticeUnknowns& unknowns = design.unknowns();
   const TurningField regular = unitField(lattice);
   const std::vector<LatticeCorner> nodes = closedBoundary(lattice);
@@ -259,11 +257,11 @@ TurningField squareToDiskField(int size) {
 
 TurningField squareToCircleField(int size) {
   const Lattice lattice{size, size};
-  const RoundDesign design("square-to-circle", size, kPi / 2, sideBlocksClosedAtStart(lattice));
+  const RoundDesign design("square-to-circle", size, pi / 2, sideBlocksClosedAtStart(lattice));
   const LatticeUnknowns& unknowns = design.unknowns();
   const TurningField regular = unitField(lattice);
   const std::vector<LatticeCorner> nodes = closedBoundary(lattice);
-  const Complex half = halfExtent(regular, kPi / 2);
+  const Complex half = halfExtent(regular, pi / 2);
   const double radius = 1.15 * half.real();
   const auto source = [&](const Eigen::VectorXd& values, DesignEquations& equations) {
     const TurningField field = unknowns.field(values);
@@ -284,12 +282,12 @@ TurningField squareToCircleField(int size) {
     }
     // Tips spread round the circle as the square maps to the disk.
     for (const LatticeCorner& tip : design.tipCorners()) {
-      const Complex box = regular.corner(tip.cell, tip.corner, kPi / 2) / half.real();
+      const Complex box = regular.corner(tip.cell, tip.corner, pi / 2) / half.real();
       const double u = box.real(), v = box.imag();
       const Complex onDisk =
           radius * Complex(u * std::sqrt(1 - v * v / 2), v * std::sqrt(1 - u * u / 2));
       const Complex tangent = Complex(0, 1) * onDisk / std::abs(onDisk);
-      unknowns.addPosition(equations.wanted, field, tip, kPi / 2, tangent, 0, 0.3);
+      unknowns.addPosition(equations.wanted, field, tip, pi / 2, tangent, 0, 0.3);
     }
     unknowns.addConstants(equations.wanted, field, regular, 0.05);
     for (std::size_t k = 0; k < design.blocks().size(); ++k) {

@@ -8,17 +8,10 @@
 #include "sim/base/error.h"
 
 namespace kirireel {
-namespace {
-
-// An exact equation that is off by more than this does not hold. Largest met: 2e-14.
-constexpr double kExact = 1e-11;
-
-}  // namespace
-
 Eigen::VectorXd fitFamily(const std::string& family, const DesignSource& source,
                           Eigen::VectorXd start, const FitSettings& settings) {
   const Fit fit = fitDesign(source, std::move(start), settings);
-  if (fit.violation <= kExact) return fit.unknowns;
+  if (fit.violation <= kExactFit) return fit.unknowns;
   throw InputError(
       fmt::format("{}: error: no sheet of this shape was found (its equations miss by {:.2g}); "
                   "give sizes and parameters nearer to the usual ones",

@@ -8,13 +8,13 @@
 namespace kirireel {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 /// Wraps a flat sheet round a regular prism whose sides are `side` wide: x, from 0, runs round it.
 std::vector<Tile> wrapped(std::vector<Tile> flat, int sides, double side) {
-  const double radius = 0.5 * side / std::sin(kPi / sides);
+  const double radius = 0.5 * side / std::sin(pi / sides);
   const auto edge = [&](int k) {
-    return Vector3(radius * std::cos(2 * kPi * k / sides), radius * std::sin(2 * kPi * k / sides),
+    return Vector3(radius * std::cos(2 * pi * k / sides), radius * std::sin(2 * pi * k / sides),
                    0);
   };
   return mapped(std::move(flat), [&](const Vector3& point) {
@@ -32,8 +32,8 @@ std::vector<Tile> wrapped(std::vector<Tile> flat, int sides, double side) {
 /// Places a strip round a circle with half twists, its middle line on the circle; without twists it
 /// faces up.
 Vector3 onBand(const BandShape& shape, double around, double across) {
-  const double twist = kPi * shape.halfTwists * around;
-  const double turn = 2 * kPi * around;
+  const double twist = pi * shape.halfTwists * around;
+  const double turn = 2 * pi * around;
   const double radius = shape.radius - across * std::cos(twist);
   return {radius * std::cos(turn), radius * std::sin(turn), across * std::sin(twist)};
 }
@@ -135,7 +135,7 @@ Model makeCylinder(const CylinderShape& shape) {
   Model model;
   model.name = "cylinder";
   model.tiles = wrapped(field.tiles(0), shape.columns, shape.length);
-  model.target = wrapped(field.tiles(kPi), shape.columns, shape.width);
+  model.target = wrapped(field.tiles(pi), shape.columns, shape.width);
   model.joints = latticeJoints(lattice, JointFace::Bottom);
   const int last = shape.columns - 1;
   for (int row = 0; row < shape.rows; ++row) {
@@ -157,7 +157,7 @@ Model makeMoebiusBand(const BandShape& shape) {
 
   const std::vector<Tile> open = unitTiles(lattice, shape.angle);
   const Vector3 half = halfExtent(open);
-  const double scale = kPi * shape.radius / half.x();
+  const double scale = pi * shape.radius / half.x();
   const auto bend = [&](const Vector3& v) {
     return onBand(shape, 0.5 + 0.5 * v.x() / half.x(), scale * v.y());
   };
@@ -209,7 +209,7 @@ Model makeSphereToSaddle(const SaddleShape& shape) {
   const auto scaled = [&](double angle) {
     return mapped(unitTiles(lattice, angle), [&](const Vector3& v) { return Vector3(scale * v); });
   };
-  Eigen::VectorXd unknowns = SaddleDesign(shape, 1).packed(scaled(0), scaled(kPi));
+  Eigen::VectorXd unknowns = SaddleDesign(shape, 1).packed(scaled(0), scaled(pi));
   for (int stage = 1; stage < kStages; ++stage) {
     unknowns = SaddleDesign(shape, double(stage) / kStages).solve(unknowns);
   }

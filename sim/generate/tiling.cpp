@@ -13,7 +13,7 @@ namespace kirireel {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 double dot(Complex a, Complex b) {
   return (std::conj(a) * b).real();
@@ -144,14 +144,14 @@ class LineGrids {
 /// How many lines each grid needs so that so many tiles are whole.
 int reachFor(int tiles, double spread) {
   // A unit of the tiling's area holds at least one tile; the rest is for the rim.
-  return static_cast<int>(std::ceil(std::sqrt(tiles / kPi) / spread)) + 4;
+  return static_cast<int>(std::ceil(std::sqrt(tiles / pi) / spread)) + 4;
 }
 
 /// The hexagonal cells about the points of a triangular lattice.
 class Honeycomb {
  public:
   explicit Honeycomb(double angle)
-      : first_(std::polar(1.0, angle)), second_(std::polar(1.0, angle + kPi / 3)) {}
+      : first_(std::polar(1.0, angle)), second_(std::polar(1.0, angle + pi / 3)) {}
 
   struct Cell {
     int column = 0;
@@ -285,19 +285,19 @@ class HoneycombPair {
     tile.isThin = std::abs(cross(edge, tile.corners[2] - tile.corners[1])) < 0.6;
   }
 
-  std::array<Honeycomb, 2> honeycombs_{Honeycomb(0), Honeycomb(kPi / 6)};
+  std::array<Honeycomb, 2> honeycombs_{Honeycomb(0), Honeycomb(pi / 6)};
 };
 
 }  // namespace
 
 Tiling penroseTiling(int tiles) {
   // Offsets that add up to a whole number make Penrose's tiling; these keep the symmetry.
-  const LineGrids grids(5, 2 * kPi / 5, 0.4);
+  const LineGrids grids(5, 2 * pi / 5, 0.4);
   return assemble(grids.rhombi(reachFor(tiles, grids.spread())), tiles, grids.spread());
 }
 
 Tiling ammannBeenkerTiling(int tiles) {
-  const LineGrids grids(4, kPi / 4, 0.5);
+  const LineGrids grids(4, pi / 4, 0.5);
   return assemble(grids.rhombi(reachFor(tiles, grids.spread())), tiles, grids.spread());
 }
 

@@ -15,7 +15,7 @@ namespace kirireel {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 /// An edge that two tiles share, with the vertices as tile a runs along it.
 struct SharedEdge {
@@ -230,7 +230,7 @@ bool isInner(const Tiling& tiling, int vertex, const std::vector<int>& around) {
     };
     sum += std::arg((place(k + count - 1) - place(k)) / (place(k + 1) - place(k)));
   }
-  return sum > 2 * kPi - 1e-6;
+  return sum > 2 * pi - 1e-6;
 }
 
 /// The tiles round an inner vertex in the order of their duals round the cell.
@@ -266,7 +266,7 @@ int sharedVertex(const Tiling& tiling, int a, int b) {
 
 /// Where a tile's corner at a vertex stands when tiles and cells have turned.
 Vector3 expandedCorner(const Tiling& tiling, int tile, int vertex, double angle) {
-  const Complex turn = std::polar(1.0, 0.5 * angle - kPi / 4);
+  const Complex turn = std::polar(1.0, 0.5 * angle - pi / 4);
   const Complex place = tiling.vertices[std::size_t(vertex)] * turn +
                         tiling.spread * tiling.duals[std::size_t(tile)] * std::conj(turn);
   return {place.real() + 0.0, place.imag() + 0.0, 0};

@@ -10,7 +10,7 @@ namespace kirireel {
 namespace {
 
 // Planes whose normals differ by less than this sine are compared as one plane.
-constexpr double kParallel = 1e-6;
+constexpr double kParallelPlanes = 1e-6;
 
 /// A tile with what the tests of a pair need.
 struct PlacedTile {
@@ -91,7 +91,7 @@ double depthAcross(const PlacedTile& a, const PlacedTile& b) {
 }
 
 double depthOf(const PlacedTile& a, const PlacedTile& b, double tolerance) {
-  if (a.normal.cross(b.normal).norm() > kParallel) return depthAcross(a, b);
+  if (a.normal.cross(b.normal).norm() > kParallelPlanes) return depthAcross(a, b);
   const Vector3& origin = a.vertices->front();
   const Interval height = project(b, a.normal, origin);
   if (height.low > tolerance || height.high < -tolerance) return 0;

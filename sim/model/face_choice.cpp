@@ -3,11 +3,11 @@
 #include <optional>
 #include <utility>
 
+#include "sim/model/shared_corners.h"
+
 namespace kirireel {
 namespace {
 
-// Corners nearer than this part of the model's size coincide. Shared edges met: 0 apart.
-constexpr double kSamePlace = 1e-6;
 // Below this sine between normals a fold is flat, and its sign is rounding.
 constexpr double kFlatFold = 1e-6;
 

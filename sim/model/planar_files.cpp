@@ -6,6 +6,7 @@
 
 #include "sim/base/error.h"
 #include "sim/model/joint_checks.h"
+#include "sim/model/shared_corners.h"
 #include "sim/model/text_table.h"
 #include "sim/model/tile_checks.h"
 
@@ -14,13 +15,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::string kTilePurpose = "write one tile a line, \"x y\" for each vertex";
-const std::string kJointPurpose = "write one joint a line, \"tile vertex tile vertex\", from 1";
-// Corners nearer than this part of the sheet's size coincide; others are linked.
-constexpr double kSamePlace = 1e-6;
+const std::string kPlanarTilePurpose = "write one tile a line, \"x y\" for each vertex";
+const std::string kPlanarJointPurpose = "write one joint a line, \"tile vertex tile vertex\", from 1";
 
 TileTable readPlanarTiles(const fs::path& file) {
-  TextTable text(file, kTilePurpose);
+  TextTable text(file, kPlanarTilePurpose);
   TileTable table;
   table.file = file;
   TextLine line;
@@ -43,7 +42,7 @@ TileTable readPlanarTiles(const fs::path& file) {
     }
   }
   if (table.tiles.empty()) {
-    throw inputErrorAt({file}, fmt::format("the file holds no tile; {}", kTilePurpose));
+    throw inputErrorAt({file}, fmt::format("the file holds no tile; {}", kPlanarTilePurpose));
   }
   return table;
 }
@@ -60,14 +59,14 @@ void requireBaseOne(const JointTable& table) {
 }
 
 JointTable readPlanarJoints(const fs::path& file) {
-  TextTable text(file, kJointPurpose);
+  TextTable text(file, kPlanarJointPurpose);
   JointTable table;
   table.file = file;
   TextLine line;
   while (text.next(line)) {
     if (line.fields.size() != 4) {
       throw inputErrorAt({file, line.number}, fmt::format("{} numbers do not make a joint; {}",
-                                                          line.fields.size(), kJointPurpose));
+                                                          line.fields.size(), kPlanarJointPurpose));
     }
     JointRow& row = table.rows.emplace_back();
     row.line = line.number;
@@ -109,7 +108,7 @@ fs::path constraintsBeside(const fs::path& vertices) {
 }
 
 /// "penrose" of penrose_vertices.txt, the folder's name of vertices.txt.
-std::string modelName(const fs::path& vertices) {
+std::string planarModelName(const fs::path& vertices) {
   const std::string stem = vertices.stem().string();
   const std::string before = stem.substr(0, stem.rfind("vertices"));
   if (before.empty()) return fs::absolute(vertices).parent_path().filename().string();
@@ -119,13 +118,13 @@ std::string modelName(const fs::path& vertices) {
 /// Only joints of model folders have a fifth number, their face.
 bool namesFaces(const fs::path& constraints) {
   if (!fs::is_regular_file(constraints)) return false;
-  TextTable text(constraints, kJointPurpose);
+  TextTable text(constraints, kPlanarJointPurpose);
   TextLine line;
   return text.next(line) && line.fields.size() == 5;
 }
 
 bool holdsPairs(const fs::path& vertices) {
-  TextTable text(vertices, kTilePurpose);
+  TextTable text(vertices, kPlanarTilePurpose);
   TextLine line;
   bool onlyTriples = true;
   while (text.next(line)) {
@@ -148,7 +147,7 @@ Model readPlanarFiles(const fs::path& vertices, std::vector<std::string>& warnin
   turnAnticlockwise(tiles, rows);
   checkTiles(tiles);
   Model model;
-  model.name = modelName(vertices);
+  model.name = planarModelName(vertices);
   model.tiles = tiles.tiles;
   model.joints = checkedJoints(rows, tiles);
   const double tolerance = kSamePlace * modelSize(model);

@@ -16,9 +16,6 @@
 namespace kirireel {
 namespace {
 
-// Corners nearer than this part of the sheet's size coincide. Largest met in the published pairs:
-// 0.
-constexpr double kSamePlace = 1e-6;
 // Corners at so many places within one tolerance cannot be told apart.
 constexpr std::size_t kMostInACell = 100;
 

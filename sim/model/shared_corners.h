@@ -8,6 +8,9 @@
 
 namespace kirireel {
 
+/// Points nearer than this part of the sheet's size are one. Largest met in the published pairs: 0.
+inline constexpr double kSamePlace = 1e-6;
+
 /// Vertex numbers of each tile's corners, from 0.
 using CornerNumbers = std::vector<std::vector<int>>;
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/error.h"
+#include "sim/base/geometry.h"
 #include "sim/model/turning_field.h"
 
 namespace kirireel {
@@ -45,7 +46,7 @@ void requireAngle(const char* name, double value) {
   throw InputError(
       fmt::format("tessellation: error: the {} angle is {:g} degrees; give a number "
                   "from 0 to 180",
-                  name, value * 180 / std::numbers::pi));
+                  name, value / kDegree));
 }
 
 }  // namespace

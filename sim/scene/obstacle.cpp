@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "sim/brick/brick.h"
 
@@ -18,8 +19,8 @@ Tile placed(const Pose& pose, Tile tile) {
 }
 
 Vector3 onSphere(const Obstacle& sphere, int band, int sector) {
-  const double polar = M_PI * band / kBands;
-  const double around = M_PI * sector / kBands;
+  const double polar = std::numbers::pi * band / kBands;
+  const double around = std::numbers::pi * sector / kBands;
   return sphere.pose.position + sphere.radius * Vector3(std::sin(polar) * std::cos(around),
                                                         std::sin(polar) * std::sin(around),
                                                         std::cos(polar));

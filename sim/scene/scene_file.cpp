@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/base/geometry.h"
 #include "sim/model/obj_pair.h"
 #include "sim/scene/toml_file.h"
 
@@ -264,7 +265,7 @@ Vector3 boxSize(const TomlValue& value) {
 
 /// Turns about the axes of the world, x first, as they are typed in degrees.
 Quaternion turn(const TomlValue& value) {
-  const Vector3 angles = M_PI / 180 * readPoint(value);
+  const Vector3 angles = kDegree * readPoint(value);
   return rotationFromVector({0, 0, angles.z()}) * rotationFromVector({0, angles.y(), 0}) *
          rotationFromVector({angles.x(), 0, 0});
 }

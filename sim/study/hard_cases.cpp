@@ -64,7 +64,7 @@ std::vector<Row> expectRefusal(const Refusal& refusal) {
   return {{refusal.tried, "direct", cell(outcome), "", "", "", "", "", "", "", "", cell(held)}};
 }
 
-std::vector<StudyCase> cases(Extent extent) {
+std::vector<StudyCase> hardCasesCases(Extent extent) {
   const bool quick = extent == Extent::Quick;
   const double budget = quick ? 3 : 30;
   std::vector<StudyCase> made;
@@ -91,7 +91,7 @@ double count(const Table& table, const std::string& engine, const std::string& c
   return found;
 }
 
-std::vector<Finding> findings(const Table& table) {
+std::vector<Finding> hardCasesFindings(const Table& table) {
   const std::string bullet = "sequential impulse";
   return {{"direct_diverged", count(table, "direct", "outcome", "diverged"), "runs of ours"},
           {"direct_not_held", count(table, "direct", "held", "no"), "runs of ours"},
@@ -120,8 +120,8 @@ Study hardCasesStudy() {
            {"unconverged", "steps whose contacts or joints missed their tolerance"},
            {"cpu_ms_per_s", "CPU milliseconds a simulated second"},
            {"held", "finite; gap at most 1e-3; growth at most 1e-3; overlap at most 0.02"}},
-          cases,
-          findings};
+          hardCasesCases,
+          hardCasesFindings};
 }
 
 }  // namespace kirireel

@@ -47,7 +47,7 @@ std::vector<Row> growSheet(const ScalingRun& settings) {
            cell(1e3 * run.setupSeconds()), cell((heldBytes() - before) / 1e6), cell(gap)}};
 }
 
-std::vector<StudyCase> cases(Extent extent) {
+std::vector<StudyCase> scalingCases(Extent extent) {
   const bool quick = extent == Extent::Quick;
   std::vector<StudyCase> made;
   const auto add = [&](const Method& method, bool planar, const std::vector<int>& sides) {
@@ -79,7 +79,7 @@ double exponent(const Table& table, const std::string& engine, const std::string
   return fittedExponent(points);
 }
 
-std::vector<Finding> findings(const Table& table) {
+std::vector<Finding> scalingFindings(const Table& table) {
   const std::string time = "ms_per_step";
   const std::string memory = "memory_mb";
   return {{"direct_exponent_plane", exponent(table, "direct", "plane", time),
@@ -109,8 +109,8 @@ Study scalingStudy() {
            {"setup_ms", "CPU milliseconds before the first step"},
            {"memory_mb", "that bricks, joints and solver hold, millions of bytes"},
            {"gap_m", "largest joint gap of all steps, metres"}},
-          cases,
-          findings};
+          scalingCases,
+          scalingFindings};
 }
 
 }  // namespace kirireel

@@ -66,7 +66,7 @@ std::vector<double> valuesOf(const std::string& parameter, bool quick) {
   return quick ? std::vector{0.005, 0.05} : std::vector{0.001, 0.005, 0.02, 0.05, 0.1};
 }
 
-std::vector<StudyCase> cases(Extent extent) {
+std::vector<StudyCase> sensitivityCases(Extent extent) {
   const bool quick = extent == Extent::Quick;
   std::vector<StudyCase> made;
   for (const std::string family : {"square-to-disk", "cap"}) {
@@ -94,7 +94,7 @@ double largestGap(const Table& table, const std::string& engine, bool contacts) 
   return largest;
 }
 
-std::vector<Finding> findings(const Table& table) {
+std::vector<Finding> sensitivityFindings(const Table& table) {
   const std::string bullet = "sequential impulse";
   return {{"direct_gap", largestGap(table, "direct", false),
            "largest joint gap of ours in the panels without contacts, metres"},
@@ -117,8 +117,8 @@ Study sensitivityStudy() {
            {"error_m", "largest distance of a vertex from its target, metres"},
            {"gap_m", "largest joint gap up to then, metres"},
            {"cpu_ms_per_s", "CPU milliseconds a simulated second, up to then"}},
-          cases,
-          findings};
+          sensitivityCases,
+          sensitivityFindings};
 }
 
 }  // namespace kirireel

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/base/geometry.h"
 #include "sim/model/alignment.h"
 #include "sim/study/closure_path.h"
 #include "sim/study/exact_sheet.h"
@@ -15,11 +16,10 @@
 namespace kirireel {
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
 // A stiffer pull along straight lines locks this mechanism on its way.
-constexpr double kSpringStiffness = 25;
-constexpr double kRowEvery = 2 / kDegrees;
-constexpr double kPathStep = 1 / kDegrees;
+constexpr double kDiskStiffness = 25;
+constexpr double kRowEvery = 2 * kDegree;
+constexpr double kPathStep = 1 * kDegree;
 // Near both closed states the path is singular: tiles may also move in other ways there.
 constexpr double kSingular = 5;  // degrees
 
@@ -99,14 +99,14 @@ std::map<const State*, std::vector<Tile>> exactTiles(const Scene& scene,
 
 std::vector<Row> deployAndCompare(const Method& method, double seconds) {
   Scene scene = familyScene("square-to-disk");
-  scene.springs.springStiffness = kSpringStiffness;
+  scene.springs.springStiffness = kDiskStiffness;
   const std::vector<State> states = deployed(scene, method, seconds);
   const auto exact = exactTiles(scene, states);
   std::vector<Row> rows;
   for (const State& state : states) {
     const std::vector<Tile>& wanted = exact.at(&state);
     const double radius = radiusOf(state.tiles);
-    rows.push_back({toString(method.engine), cell(state.time), cell(state.angle * kDegrees),
+    rows.push_back({toString(method.engine), cell(state.time), cell(state.angle / kDegree),
                     cell(radius), cell(std::abs(radius - radiusOf(wanted))),
                     cell(vertexError(state.tiles, fitted(wanted, state.tiles)).max),
                     cell(state.gap)});
@@ -114,7 +114,7 @@ std::vector<Row> deployAndCompare(const Method& method, double seconds) {
   return rows;
 }
 
-std::vector<StudyCase> cases(Extent extent) {
+std::vector<StudyCase> squareToDiskCases(Extent extent) {
   const double seconds = extent == Extent::Quick ? 3 : 6;
   std::vector<StudyCase> made;
   for (const Method& method : {Method{Engine::Direct}, bulletBaseline()}) {
@@ -136,7 +136,7 @@ double largest(const Table& table, const std::string& engine, const std::string&
   return found;
 }
 
-std::vector<Finding> findings(const Table& table) {
+std::vector<Finding> squareToDiskFindings(const Table& table) {
   const std::string bullet = "sequential impulse";
   return {{"direct_radius_error", largest(table, "direct", "radius_error_m", false),
            "largest error of our radius from 5 to 175 degrees, metres"},
@@ -162,8 +162,8 @@ Study squareToDiskStudy() {
            {"radius_error_m", "from the exact path at the same angle, metres"},
            {"vertex_error_m", "largest distance of a vertex from the exact path, metres"},
            {"gap_m", "largest joint gap, metres"}},
-          cases,
-          findings};
+          squareToDiskCases,
+          squareToDiskFindings};
 }
 
 }  // namespace kirireel

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/base/geometry.h"
 #include "sim/study/exact_sheet.h"
 #include "sim/study/stepped_scene.h"
 #include "sim/study/study.h"
@@ -10,8 +11,7 @@
 namespace kirireel {
 namespace {
 
-constexpr int kSide = 4;
-constexpr double kDegrees = 180 / std::numbers::pi;
+constexpr int kTessellationSide = 4;
 // Up to here a sheet counts as closed: its motion is singular there.
 constexpr double kStartDegrees = 2.3;  // 0.04 radians
 // Weak springs, so that many steps fall on every degree.
@@ -24,7 +24,7 @@ struct TessellationRun {
 };
 
 std::vector<Row> openSheet(const TessellationRun& settings) {
-  Scene scene = sheetScene(kSide, settings.planar);
+  Scene scene = sheetScene(kTessellationSide, settings.planar);
   scene.springs.springStiffness = scene.springs.torqueStiffness = kStiffness;
   SteppedScene run(scene, settings.method);
   std::vector<Row> rows;
@@ -35,21 +35,21 @@ std::vector<Row> openSheet(const TessellationRun& settings) {
   for (int step = 1; step <= steps; ++step) {
     run.advance();
     const double angle = openingAngle(run.motion().poses);
-    const VertexError error = sheetError(kSide, angle, run.tiles());
+    const VertexError error = sheetError(kTessellationSide, angle, run.tiles());
     worst = {std::max(worst.max, error.max), std::max(worst.mean, error.mean)};
     gap = std::max(gap, run.gap());
-    if (std::abs(angle * kDegrees - lastDegrees) < 1 && step < steps) continue;
+    if (std::abs(angle / kDegree - lastDegrees) < 1 && step < steps) continue;
     rows.push_back({toString(settings.method.engine), settings.planar ? "plane" : "space",
-                    cell(step / double(settings.method.rate)), cell(angle * kDegrees),
+                    cell(step / double(settings.method.rate)), cell(angle / kDegree),
                     cell(worst.max), cell(worst.mean), cell(gap)});
-    lastDegrees = angle * kDegrees;
+    lastDegrees = angle / kDegree;
     worst = {};
     gap = 0;
   }
   return rows;
 }
 
-std::vector<StudyCase> cases(Extent extent) {
+std::vector<StudyCase> tessellationCases(Extent extent) {
   const double seconds = extent == Extent::Quick ? 5 : 10;
   std::vector<StudyCase> made;
   const auto add = [&](const Method& method, bool planar) {
@@ -84,7 +84,7 @@ double largestAngle(const Table& table) {
   return largest;
 }
 
-std::vector<Finding> findings(const Table& table) {
+std::vector<Finding> tessellationFindings(const Table& table) {
   return {{"direct_error_start", largestError(table, "direct", true),
            "largest vertex error of ours up to 2.3 degrees, metres"},
           {"direct_error_open", largestError(table, "direct", false),
@@ -112,8 +112,8 @@ Study tessellationStudy() {
             "steps since the row before, metres"},
            {"mean_error_m", "mean distance of all vertices, of the worst of these steps, metres"},
            {"gap_m", "largest joint gap of these steps, metres"}},
-          cases,
-          findings};
+          tessellationCases,
+          tessellationFindings};
 }
 
 }  // namespace kirireel

@@ -160,7 +160,7 @@ std::vector<Method> allMethods(bool planar, Extent extent) {
   return methods;
 }
 
-std::vector<StudyCase> cases(Extent extent) {
+std::vector<StudyCase> workPrecisionCases(Extent extent) {
   const bool quick = extent == Extent::Quick;
   std::vector<StudyCase> made;
   const auto add = [&](const Method& method, bool planar, JointFace face) {
@@ -265,7 +265,7 @@ void addComparison(std::vector<Finding>& found, const std::vector<Point>& points
                    "largest of all its settings: our gap over its gap for no more CPU time"});
 }
 
-std::vector<Finding> findings(const Table& table) {
+std::vector<Finding> workPrecisionFindings(const Table& table) {
   std::vector<Finding> found;
   for (const std::string motion : {"plane", "space"}) {
     const std::vector<Point> points = pointsOf(table, motion);
@@ -294,8 +294,8 @@ Study workPrecisionStudy() {
             "largest distance of a vertex from the exact sheet at the same opening angle, metres"},
            {"way_error_m",
             "largest distance of a vertex from where it should be at that time, metres"}},
-          cases,
-          findings};
+          workPrecisionCases,
+          workPrecisionFindings};
 }
 
 }  // namespace kirireel

@@ -4,17 +4,13 @@
 
 #include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
 
+#include "sim/world/bullet_values.h"
+
 namespace kirireel {
 namespace {
 
-static_assert(sizeof(btScalar) == sizeof(double), "link Bullet's float64 libraries");
-
 // Wider boxes give more pairs, narrower ones must be set more often.
 constexpr double kMarginOfRadius = 0.05;
-
-btVector3 toBullet(const Vector3& v) {
-  return {v.x(), v.y(), v.z()};
-}
 
 int number(const btBroadphaseProxy* proxy) {
   return static_cast<int>(reinterpret_cast<std::intptr_t>(proxy->m_clientObject));

@@ -5,11 +5,13 @@
 #include <cstdlib>
 #include <string>
 
+#include <fmt/format.h>
+
 namespace kirireel::test {
 
 /// Whether the shell finds this program.
 inline bool hasProgram(const std::string& name) {
-  return std::system(("command -v " + name + " > /dev/null 2>&1").c_str()) == 0;
+  return std::system(fmt::format("command -v {} > /dev/null 2>&1", name).c_str()) == 0;
 }
 
 /// The standard output of a shell command, its error stream left out; empty when it fails.
