@@ -66,20 +66,30 @@ InputError missingValue(const std::string& text, const CLI::App& command) {
                                 text.substr(0, text.find(':')), fullName(command)));
 }
 
-/// PyKirigami damps turning alike whatever the size of the tiles: its command lines do so, too.
-std::vector<std::string> withPeerDamping(const std::vector<std::string>& typed,
-                                         std::vector<std::string> words) {
+/// What PyKirigami's command lines leave out is as there: springs move masses of 1 kg, bricks pass
+/// through each other and are 0.02 m thick, and turning is damped alike whatever the tiles' size.
+std::vector<std::string> withPeerDefaults(const std::vector<std::string>& typed,
+                                          std::vector<std::string> words) {
   const bool runs = !words.empty() && (words.front() == "record" || words.front() == "simulate");
-  const bool isGiven = std::ranges::any_of(
-      words, [](const std::string& word) { return word.starts_with("--torque-damping"); });
-  if (runs && !isGiven && usesPeerSpellings(typed)) words.emplace_back("--torque-damping=2");
+  if (!runs || !usesPeerSpellings(typed)) return words;
+  const std::pair<std::string, std::string> defaults[] = {{"--torque-damping", "2"},
+                                                          {"--path", "dynamic"},
+                                                          {"--contacts", "none"},
+                                                          {"--thickness", "0.02"},
+                                                          {"--search", "60"}};
+  for (const auto& [name, value] : defaults) {
+    const bool isGiven = std::ranges::any_of(words, [&](const std::string& word) {
+      return word == name || word.starts_with(name + "=");
+    });
+    if (!isGiven) words.push_back(name + "=" + value);
+  }
   return words;
 }
 
 /// Parses into what the program's options point at, or gives the page that was asked for instead.
 std::optional<PrintOrder> parseInto(CLI::App& program, const std::vector<std::string>& arguments) {
   // CLI11 takes the arguments from the back.
-  std::vector<std::string> reversed = withPeerDamping(arguments, translatePeerSpellings(arguments));
+  std::vector<std::string> reversed = withPeerDefaults(arguments, translatePeerSpellings(arguments));
   std::reverse(reversed.begin(), reversed.end());
   try {
     program.parse(reversed);

@@ -29,7 +29,7 @@ bool isBullet(const Scene& scene) {
   return scene.solver.kind == SolverKind::Bullet;
 }
 bool pullsToTarget(const Scene& scene) {
-  return scene.actuation.drive == Drive::Target;
+  return scene.actuation.drive == Drive::Target || scene.actuation.drive == Drive::Auto;
 }
 bool pullsToCurve(const Scene& scene) {
   return scene.actuation.drive == Drive::Boundary;

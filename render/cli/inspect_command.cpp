@@ -6,6 +6,7 @@
 #include "render/cli/model_place.h"
 #include "render/cli/option_group.h"
 #include "render/cli/report.h"
+#include "render/cli/run_options.h"
 #include "render/inspect/inspection.h"
 #include "render/inspect/numbered_picture.h"
 #include "render/png/png.h"
@@ -29,8 +30,8 @@ CLI::App* addInspectCommand(CLI::App& program, InspectOrder& order) {
   addPlace(*command, "MODEL", order.model, kModelHelp);
   OptionGroup group(*command, "Model");
   addTargetOption(group, order.target);
-  group.number("--thickness", order.scene.brick.thickness, {1e-9, 1e9}, "METRES",
-               "thickness of the bricks");
+  order.scene.brick.thickness = openScene().brick.thickness;
+  addThicknessOption(group, order.scene.brick);
   OptionGroup output(*command, "Output");
   output.flag("--json", "print as JSON", [&order] { order.printJson = true; });
   output.value("--picture", "FILE", "", "paint both states with numbers into a PNG file",
@@ -46,6 +47,7 @@ void completeOrder(const CLI::App& command, InspectOrder& order) {
 int carryOut(const InspectOrder& order) {
   Scene scene = order.scene;
   scene.model = readModelAt(order.model, order.target);
+  fillFromModel(scene);
   // What a run needs depends on where its start stands.
   alignStartToTarget(scene.model);
   const Inspection inspection = inspectWithProgress(scene);

@@ -35,6 +35,15 @@ bool isWithoutEffect(const std::string& name) {
   return names.contains(name);
 }
 
+const std::string kLike = "--like";
+const std::string kPeer = "pykirigami";
+
+/// Whether the argument at i, perhaps with the next one, is "--like pykirigami".
+bool asksForPeer(const std::vector<std::string>& arguments, std::size_t i) {
+  if (arguments[i] == kLike) return i + 1 < arguments.size() && arguments[i + 1] == kPeer;
+  return arguments[i] == kLike + "=" + kPeer;
+}
+
 std::string translateName(std::string name) {
   if (name.starts_with("--")) std::replace(name.begin(), name.end(), '_', '-');
   const auto found = peerOptions().find(name);
@@ -46,8 +55,13 @@ std::string translateName(std::string name) {
 std::vector<std::string> translatePeerSpellings(const std::vector<std::string>& arguments) {
   std::vector<std::string> translated;
   bool skip = false;
-  for (const std::string& argument : arguments) {
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    const std::string& argument = arguments[i];
     if (std::exchange(skip, false)) continue;
+    if (asksForPeer(arguments, i)) {
+      skip = argument == kLike;
+      continue;
+    }
     if (!argument.starts_with('-')) {
       translated.push_back(argument);
       continue;
@@ -70,6 +84,9 @@ std::vector<std::string> translatePeerSpellings(const std::vector<std::string>& 
 }
 
 bool usesPeerSpellings(const std::vector<std::string>& arguments) {
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    if (asksForPeer(arguments, i)) return true;
+  }
   return std::ranges::any_of(arguments, [](const std::string& argument) {
     if (!argument.starts_with('-')) return false;
     const std::string name = argument.substr(0, argument.find('='));

@@ -68,7 +68,8 @@ constexpr const char* kPeerNote =
     "Lengths are metres, times simulated seconds, masses kilograms. PyKirigami's spellings work\n"
     "too: --model, --brick_thickness, --spring_stiffness, --force_damping, --ground_plane,\n"
     "--no_collision (the same as --contacts unjoined), -ss, -fd, -bt, -gp, -gf. --headless is\n"
-    "accepted and does nothing: no window is ever opened.\n\n";
+    "accepted and does nothing: no window is ever opened. Such lines, and --like pykirigami, run as\n"
+    "dynamics with PyKirigami's constants for what they leave out.\n\n";
 
 /// Pins and timelines name tiles, which splitting would give other numbers.
 void requireTilesKeepNumbers(const Scene& scene) {
@@ -82,20 +83,20 @@ void requireTilesKeepNumbers(const Scene& scene) {
 void checkThickness(const Scene& scene, std::vector<std::string>& warnings) {
   constexpr double kMost = 0.1;  // of a tile's mean edge
   constexpr double kLeast = 1e-3;
-  constexpr double kUsual = 0.02;
   const double edge = tileSize(scene.model);
   const double thickness = scene.brick.thickness;
   if (thickness >= kLeast * edge && thickness <= kMost * edge) return;
   warnings.push_back(
       fmt::format("{}: warning: bricks are {:.3g} m thick, but a tile's mean edge is {:.3g} m; "
                   "lengths are in metres, and --thickness {:.2g} would be usual",
-                  scene.model.name, thickness, edge, kUsual * edge));
+                  scene.model.name, thickness, edge, kUsualThickness * edge));
 }
 
 Scene readScene(const RecordOrder& order, std::vector<std::string>& warnings) {
   Scene scene = order.scene;
   scene.model = order.madeModel ? *order.madeModel : readModelAt(order.model, {}, warnings);
   completeScene(order.request.parts, scene, warnings);
+  fillFromModel(scene);
   if (order.faces) chooseJointFaces(scene.model, *order.faces);
   if (order.splitTiles) {
     requireTilesKeepNumbers(scene);

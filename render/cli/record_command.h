@@ -23,7 +23,7 @@ struct RecordOrder {
   std::optional<Model> madeModel;  ///< takes the place of reading `model`
   std::optional<FaceRule> faces;   ///< how joints' faces are chosen; absent: as the model has them
   std::optional<std::vector<int>> splitTiles;  ///< tiles that bend, all when empty; absent: none
-  Scene scene;              ///< everything but the model; the ground's height is not known yet
+  Scene scene = openScene();  ///< everything but the model; the ground's height is not known yet
   SceneRequest request;     ///< what is added to the model
   RecordSettings settings;  ///< the folder is empty when --out was not given
   std::vector<InputFile> inputs;  ///< files that were read so far, but for the scene file

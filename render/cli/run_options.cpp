@@ -11,7 +11,7 @@ constexpr Range kFromZero{0, 1e12};
 
 void addBrickOptions(CLI::App& command, BrickRule& brick) {
   OptionGroup group(command, "Bricks");
-  group.number("--thickness", brick.thickness, {1e-9, 1e9}, "METRES", "thickness of the bricks");
+  addThicknessOption(group, brick);
   group.choice<MassRule>("--mass", brick.mass,
                          {{"unit", MassRule::Unit}, {"prism", MassRule::Prism}},
                          "mass of a brick, 1 kg whatever its size or by volume");
@@ -22,11 +22,12 @@ void addActuationOptions(CLI::App& command, Actuation& actuation) {
   OptionGroup group(command, "Actuation");
   group.choice<Drive>(
       "--actuation", actuation.drive,
-      {{"target", Drive::Target},
+      {{"auto", Drive::Auto},
+       {"target", Drive::Target},
        {"expansion", Drive::Expansion},
        {"boundary", Drive::Boundary},
        {"none", Drive::None}},
-      "what drives the bricks: springs to the target, away from the centre, springs "
+      "what drives the bricks: target or else expansion; springs to the target, away from the centre, springs "
       "from the hull to a curve round it, nothing");
   group.number("--boundary-size", actuation.boundary.size, {1e-3, 1e3}, "RATIO",
                "width of that curve over the hull's");
@@ -58,8 +59,16 @@ void addPathOptions(CLI::App& command, PathSettings& path) {
   OptionGroup group(command, "Path to the target");
   group.choice<PathKind>(
       "--path", path.kind,
-      {{"auto", PathKind::Auto}, {"straight", PathKind::Straight}, {"led", PathKind::Led}},
-      "springs pull straight, or each tile is led along its own motion; auto tries which arrives");
+      {{"auto", PathKind::Auto},
+       {"continuation", PathKind::Continuation},
+       {"dynamic", PathKind::Dynamic},
+       {"straight", PathKind::Straight},
+       {"led", PathKind::Led}},
+      "the mechanism is followed as geometry (continuation), or springs move masses (dynamic, "
+      "which tries a straight pull and then leads each tile along its own motion); auto takes "
+      "continuation where nothing given needs dynamics and that arrives");
+  group.number("--walk-time", path.walkTime, {1e-6, 1e6}, "SECONDS",
+               "in which a path of continuation is walked, at an even pace");
   group.number("--open-time", path.openTime, kFromZero, "SECONDS",
                "of expansion from the centre first, with --path led");
   group.number("--led-time", path.ledTime, {1e-6, 1e6}, "SECONDS", "of leading, with --path led");
@@ -100,10 +109,12 @@ void addEnvironmentOptions(CLI::App& command, Environment& environment) {
         return environment.ground ? numberText(environment.ground->friction) : "";
       });
   group.choice<ContactFilter>("--contacts", environment.contacts,
-                              {{"none", ContactFilter::None},
+                              {{"auto", ContactFilter::Auto},
+                               {"none", ContactFilter::None},
                                {"unjoined", ContactFilter::Unjoined},
                                {"all", ContactFilter::All}},
-                              "pairs of bricks that may touch; others pass through each other");
+                              "pairs of bricks that may touch, others pass through each other; auto: "
+                              "all where bricks would meet on the way");
   group.number("--brick-friction", environment.brickFriction, {0, 1e3}, "RATIO",
                "Coulomb friction between bricks");
   group.number("--linear-damping", environment.linearDamping, {0, 1, true}, "SHARE",
@@ -140,6 +151,15 @@ void addStopOptions(CLI::App& command, StopRules& stop) {
 }
 
 }  // namespace
+
+void addThicknessOption(OptionGroup& group, BrickRule& brick) {
+  group
+      .value("--thickness", "METRES", "0.02 of the mean edge", "thickness of the bricks",
+             [&brick](const OptionValue& typed) {
+               brick.thickness = parseNumber(typed, {1e-9, 1e9});
+             })
+      .saidAs([&brick] { return brick.thickness > 0 ? numberText(brick.thickness) : ""; });
+}
 
 void addSceneOptions(CLI::App& command, Scene& scene) {
   addBrickOptions(command, scene.brick);

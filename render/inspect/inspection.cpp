@@ -15,8 +15,6 @@ using Json = nlohmann::ordered_json;
 constexpr double kOverlap = 1e-6;
 // Flat states are flat to this part of the model's size.
 constexpr double kFlat = 1e-9;
-// Suggested thickness as a part of a tile: the paper's 0.02 for tiles of 1 m.
-constexpr double kThickness = 0.02;
 // What looking for the state nearest to the target may cost, seconds of a reference core.
 constexpr double kSearchTime = 10;
 
@@ -131,7 +129,7 @@ Inspection inspect(const Scene& scene, const std::function<void(const char*)>& t
   for (const Joint& joint : model.joints) ++inspection.jointsByKind[kindOf(joint)];
   inspection.size = modelSize(model);
   inspection.tileSize = tileSize(model);
-  inspection.suggestedThickness = kThickness * inspection.tileSize;
+  inspection.suggestedThickness = kUsualThickness * inspection.tileSize;
   lookAt("looking at the start");
   inspection.start = inspectState(scene, model.tiles);
   inspection.needs = sceneNeeds(scene);

@@ -58,7 +58,8 @@ Json accuracyJson(const RunSummary& summary, bool hasTarget) {
 Json pathJson(const RunSummary& summary) {
   const PathSettings& path = summary.path;
   const bool isLed = path.kind == PathKind::Led;
-  return {{"kind", isLed ? "led" : "straight"},
+  const bool isWalked = path.kind == PathKind::Continuation;
+  return {{"kind", isLed ? "led" : isWalked ? "continuation" : "straight"},
           {"reason", summary.pathReason},
           {"search_seconds", summary.deployCost.searchSeconds},
           {"search_budget", summary.deployCost.searchBudget},
@@ -104,6 +105,8 @@ Json costJson(const RunSummary& summary) {
 
 const char* contactsWord(ContactFilter filter) {
   switch (filter) {
+    case ContactFilter::Auto:
+      return "auto";
     case ContactFilter::None:
       return "none";
     case ContactFilter::Unjoined:
@@ -158,6 +161,8 @@ Json environmentJson(const Environment& environment) {
 
 const char* driveWord(Drive drive) {
   switch (drive) {
+    case Drive::Auto:
+      return "auto";
     case Drive::Target:
       return "target";
     case Drive::Expansion:

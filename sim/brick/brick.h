@@ -14,6 +14,9 @@ enum class MassRule {
   Prism,  ///< density times volume
 };
 
+/// The thickness that suits a model, as a part of its mean edge: the paper's for tiles of 1 m.
+inline constexpr double kUsualThickness = 0.02;
+
 /// How tiles become bricks.
 struct BrickRule {
   double thickness = 0.02;         ///< metres, positive; the paper's default

@@ -8,6 +8,7 @@
 #include "sim/base/cpu_time.h"
 #include "sim/base/error.h"
 #include "sim/deploy/assembled_state.h"
+#include "sim/deploy/geometric_path.h"
 #include "sim/deploy/run.h"
 #include "sim/deploy/target_warnings.h"
 
@@ -17,6 +18,9 @@ namespace {
 // A run that is to last a fraction of a second is not to wait for minutes: so many seconds of
 // search, on a reference core, for each of the run.
 constexpr double kSearchPerSecond = 30;
+
+// Finding the state nearest to the target may cost this part of the search.
+constexpr double kAssemblingShare = 0.3;
 
 // What is tried before any path.
 constexpr const char* kAssembling = "the state nearest to the target";
@@ -63,6 +67,125 @@ void requireSense(const Scene& scene, double sampleInterval) {
     throw InputError("the model has no tiles; add one to vertices.txt");
 }
 
+/// What the search for a path has found.
+struct Search {
+  AssembledState nearest;
+  std::vector<BlockingPair> blocking;
+  std::vector<std::string> warnings;
+  GeometricPaths geometric;
+  const GeometricPath* walked = nullptr;  ///< the one of `geometric` that is taken, if any
+  PathChoice choice;                      ///< of the dynamics where none is
+};
+
+/// Looks at the target, and for a path of the mechanism where the scene is one for it.
+Search search(const Scene& scene, SearchBudget& budget, const TrialObserver& watch) {
+  Search found;
+  watch({kAssembling, 0});
+  found.warnings = targetWarnings(scene);
+  for (const std::string& warning : found.warnings) watch({kAssembling, 0, warning});
+  SearchBudget assembling(kAssemblingShare * budget.seconds());
+  found.nearest = assembleAtTarget(
+      scene, assembling, [&] { return watch({kAssembling, kAssemblingShare * assembling.share()}); });
+  budget.spend(assembling.spent());
+  if (const std::string far = reachWarning(scene, found.nearest); !far.empty()) {
+    found.warnings.push_back(far);
+    watch({kAssembling, budget.share(), far});
+  }
+  found.blocking = blockingPairs(scene, found.nearest.restPoses, budget);
+  const PathKind kind = scene.path.kind;
+  if (kind != PathKind::Auto && kind != PathKind::Continuation) return found;
+  if (std::string reason; !isQuasiStatic(scene, reason)) {
+    if (kind == PathKind::Continuation) {
+      throw InputError(fmt::format(
+          "error: --path continuation is geometry alone, but {}; leave that away, or give --path "
+          "dynamic",
+          reason));
+    }
+    found.geometric.trouble = reason;
+  } else if (scene.model.target) {
+    found.geometric =
+        findGeometricPaths(scene, {found.nearest, !found.blocking.empty()}, budget, watch);
+  } else {
+    found.geometric = findExtension(scene, budget, watch);
+  }
+  return found;
+}
+
+/// Whether ways to the target are tried one by one, so that contacts can be decided by them.
+bool isSearched(const Scene& scene) {
+  return scene.model.target && scene.timeline.empty() && scene.springs.pull() &&
+         scene.actuation.drive == Drive::Target && scene.solver.kind == SolverKind::Direct;
+}
+
+/// Says where bricks were left free to pass through each other, and did.
+void addOverlapWarning(const Scene& scene, DeploymentResult& result) {
+  const double tile = tileSize(scene.model);
+  const double grown = result.accuracy.penetrationGrownMax;
+  if (result.needs.contacts.on || grown <= kClearShare * tile) return;
+  result.warnings.push_back(
+      fmt::format("bricks passed through each other by up to {:.2g} m ({:.2g} tiles); "
+                  "--contacts all lets them touch",
+                  grown, grown / tile));
+}
+
+/// Said of a path on which bricks pass through each other, with what would show or mend it.
+std::string passingThrough(const Scene& scene, const GeometricPath& path) {
+  return fmt::format(
+      "bricks pass through each other on the way, by up to {:.2g} m ({:.2g} tiles): no path among "
+      "touching bricks was found; thinner bricks (--thickness {:.2g}) or a longer --search may have "
+      "one, and --contacts all shows where they lock",
+      path.grown, path.grown / tileSize(scene.model), 0.25 * scene.brick.thickness);
+}
+
+/// Runs the scene by its dynamics, along the path that is chosen for it.
+DeploymentResult runDynamics(const Scene& scene, PathChoice choice, const AssembledState& nearest,
+                             const RunObservers& watch, Checkpoints* checkpoints) {
+  Scene chosen = scene;
+  chosen.path = choice.path;
+  Run run(chosen, nearest, watch, checkpoints);
+  DeploymentResult result = run.finish();
+  if (!run.seesAllPairs()) {
+    result.warnings.push_back(
+        fmt::format("too many bricks lie in one place: overlaps are the deepest of "
+                    "the first {} pairs",
+                    mostPairs(scene.model.tiles.size())));
+  }
+  if (!result.pathReason.empty()) choice.reason += "; " + result.pathReason;
+  result.pathReason = std::move(choice.reason);
+  return result;
+}
+
+/// Takes a path of the mechanism, or chooses one for the dynamics and sets the scene for it.
+void chooseWay(Scene& scene, Search& found, SearchBudget& budget, const TrialObserver& watch,
+               std::vector<TrialEnd>& trials) {
+  GeometricPaths& geometric = found.geometric;
+  if (geometric.clear) {
+    found.walked = &*geometric.clear;
+    return;
+  }
+  ContactFilter& contacts = scene.environment.contacts;
+  const bool isContactOpen = contacts == ContactFilter::Auto;
+  if (isContactOpen) contacts = isSearched(scene) ? ContactFilter::All : ContactFilter::None;
+  PathKind& kind = scene.path.kind;
+  if (kind == PathKind::Auto || kind == PathKind::Continuation) kind = PathKind::Dynamic;
+  found.choice =
+      choosePath(scene, {found.nearest, !found.blocking.empty(), geometric.through.has_value()},
+                 budget, watch, trials);
+  if (isContactOpen && found.choice.isClear) contacts = ContactFilter::None;
+  if (!found.choice.isFound && isContactOpen && geometric.through) {
+    found.walked = &*geometric.through;
+    found.warnings.push_back(passingThrough(scene, *found.walked));
+    watch({kAssembling, budget.share(), found.warnings.back()});
+    return;
+  }
+  if (!found.choice.isFound && isContactOpen && found.choice.through) {
+    contacts = ContactFilter::None;
+    found.choice.path = *found.choice.through;
+    found.choice.reason = found.choice.throughReason;
+  }
+  if (!geometric.trouble.empty()) found.choice.reason += "; dynamics: " + geometric.trouble;
+}
+
 }  // namespace
 
 std::string toString(Outcome outcome) {
@@ -81,9 +204,11 @@ std::string toString(Outcome outcome) {
   return "unknown";
 }
 
-DeploymentResult deployUnkept(const Scene& scene, double sampleInterval,
+DeploymentResult deployUnkept(const Scene& given, double sampleInterval,
                               const SampleObserver& observer, const TrialObserver& searching,
                               Checkpoints* checkpoints) {
+  Scene scene = given;
+  fillFromModel(scene);
   requireSense(scene, sampleInterval);
   if (scene.solver.kind == SolverKind::Bullet) checkpoints = nullptr;
   double ownSeconds = 0;
@@ -102,39 +227,22 @@ DeploymentResult deployUnkept(const Scene& scene, double sampleInterval,
     }
     return goOn;
   };
-  watchSearch({kAssembling, 0});
-  std::vector<std::string> warnings = targetWarnings(scene);
-  for (const std::string& warning : warnings) watchSearch({kAssembling, 0, warning});
-  const AssembledState nearest = assembleAtTarget(scene, budget, [&] {
-    return watchSearch({kAssembling, budget.share()});
-  });
-  if (const std::string far = reachWarning(scene, nearest); !far.empty()) {
-    warnings.push_back(far);
-    watchSearch({kAssembling, budget.share(), far});
-  }
-  std::vector<BlockingPair> blocking = blockingPairs(scene, nearest.restPoses, budget);
   std::vector<TrialEnd> trials;
-  PathChoice choice = choosePath(scene, {nearest, !blocking.empty()}, budget, watchSearch,
-                                 checkpoints ? checkpoints->trials() : trials);
-  Scene chosen = scene;
-  chosen.path = choice.path;
+  Search found = search(scene, budget, watchSearch);
+  chooseWay(scene, found, budget, watchSearch, checkpoints ? checkpoints->trials() : trials);
   searchSeconds = threadCpuSeconds() - startSeconds;
   // A search that was ended early ends the run with its start, on a path that may be another's.
   if (!goOn) checkpoints = nullptr;
-  const RunObservers watch{
-      sampleInterval, [&](const Sample& sample) { return observer(sample) && goOn; }, {}};
-  Run run(chosen, nearest, watch, checkpoints);
-  DeploymentResult result = run.finish();
-  if (!run.seesAllPairs()) {
-    warnings.push_back(
-        fmt::format("too many bricks lie in one place: overlaps are the deepest of "
-                    "the first {} pairs",
-                    mostPairs(scene.model.tiles.size())));
-  }
-  if (!result.pathReason.empty()) choice.reason += "; " + result.pathReason;
-  result.pathReason = std::move(choice.reason);
-  result.blocking = std::move(blocking);
-  result.warnings = std::move(warnings);
+  const SampleObserver takeSample = [&](const Sample& sample) { return observer(sample) && goOn; };
+  DeploymentResult result =
+      found.walked ? walk(scene, *found.walked, found.nearest, sampleInterval, takeSample)
+                   : runDynamics(scene, found.choice, found.nearest,
+                                 {sampleInterval, takeSample, {}}, checkpoints);
+  const bool isContactOpen = given.environment.contacts == ContactFilter::Auto;
+  if (isContactOpen && !found.walked) addOverlapWarning(scene, result);
+  result.blocking = std::move(found.blocking);
+  found.warnings.insert(found.warnings.end(), result.warnings.begin(), result.warnings.end());
+  result.warnings = std::move(found.warnings);
   result.cost.searchSeconds = budget.spentSeconds();
   result.cost.searchBudget = budget.seconds();
   result.cost.cpuSecondsSearch = searchSeconds;

@@ -1,6 +1,7 @@
 /// The seam between the deployment and the two solvers.
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -13,6 +14,9 @@ namespace kirireel {
 /// Of joints that cannot be held exactly, because the tiles do not fit each other in the states on
 /// the way, N/m: a hundred thousand times the pull's usual stiffness.
 constexpr double kMisfitStiffness = 1e7;
+
+/// Of joints that are held exactly, N/m.
+constexpr double kExactJoints = std::numeric_limits<double>::infinity();
 
 /// Advances all bricks by one step.
 class Dynamics {

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "sim/deploy/assembled_state.h"
+#include "sim/deploy/dynamics.h"
 #include "sim/deploy/run.h"
 
 namespace kirireel {
@@ -16,17 +17,15 @@ namespace {
 
 // A trial arrives when it ends within this factor of the assembled error, or this part of a tile.
 constexpr double kArrivedFactor = 1.05;
-constexpr double kArrivedShare = 1e-6;
+constexpr double kNearEnough = 1e-6;
 // In the plane the first look at the straight path takes longer steps: models that need no search
 // are most. In space steps decide too often in which local minimum a pull ends.
 constexpr double kCoarseSteps = 4;
 
 // A trial that has not come nearer to the target by this factor in so many seconds is given up.
 constexpr double kImprovement = 0.995;
-constexpr double kPatience = 2;
+constexpr double kPatienceSeconds = 2;
 
-// Overlap beyond that of the start that a path with contacts may reach, in tiles.
-constexpr double kOverlapShare = 1e-4;
 // How far joints may open on such a path, in tiles: farther, bricks could slip past each other.
 constexpr double kOpeningShare = 1e-2;
 // A trial may cost this part of what is left of the budget: where bricks wedge, steps are halved
@@ -34,7 +33,7 @@ constexpr double kOpeningShare = 1e-2;
 constexpr double kTrialShare = 1.0 / 3;
 
 // Where bricks wedge, so much thinner ones are tried, on the first few paths.
-constexpr std::array kThinner = {0.25, 0.0625};
+constexpr std::array kThinnerShares = {0.25, 0.0625};
 constexpr std::size_t kThinPaths = 2;
 
 // By this factor a later path has to come nearer than an earlier one to be taken instead.
@@ -45,15 +44,13 @@ constexpr double kJamTime = 0.5;
 // They do once most steps, and so many, have failed at their shortest: those of two whole ones.
 constexpr long kJammedSteps = 512;
 
-constexpr double kExact = std::numeric_limits<double>::infinity();
-
 /// The paths to try, in this order: how; seconds of opening and of leading; N/m that lead, and of
 /// each joint.
 constexpr auto kCandidates = std::to_array<PathSettings>({
     {PathKind::Straight},
-    {PathKind::Led, 0, 4, 200, kExact},
-    {PathKind::Led, 0, 2, 50, kExact},
-    {PathKind::Led, 0, 8, 1000, kExact},
+    {PathKind::Led, 0, 4, 200, kExactJoints},
+    {PathKind::Led, 0, 2, 50, kExactJoints},
+    {PathKind::Led, 0, 8, 1000, kExactJoints},
     {PathKind::Led, 0, 4, 10, 1e8},
     {PathKind::Led, 0, 8, 10, 1e7},
     {PathKind::Led, 0, 8, 10, 1e6},
@@ -66,13 +63,13 @@ constexpr auto kCandidates = std::to_array<PathSettings>({
 /// made first, or joints give a little.
 constexpr auto kAmongBricks = std::to_array<PathSettings>({
     {PathKind::Straight},
-    {PathKind::Led, 1, 2, 50, kExact},
-    {PathKind::Led, 1, 4, 200, kExact},
-    {PathKind::Led, 3, 4, 200, kExact},
-    {PathKind::Led, 0, 2, 50, kExact},
-    {PathKind::Led, 0, 4, 200, kExact},
-    {PathKind::Led, 0, 1, 200, kExact},
-    {PathKind::Led, 0, 2, 200, kExact},
+    {PathKind::Led, 1, 2, 50, kExactJoints},
+    {PathKind::Led, 1, 4, 200, kExactJoints},
+    {PathKind::Led, 3, 4, 200, kExactJoints},
+    {PathKind::Led, 0, 2, 50, kExactJoints},
+    {PathKind::Led, 0, 4, 200, kExactJoints},
+    {PathKind::Led, 0, 1, 200, kExactJoints},
+    {PathKind::Led, 0, 2, 200, kExactJoints},
     {PathKind::Led, 0, 4, 200, 1e8},
     {PathKind::Led, 0, 2, 50, 1e7},
     {PathKind::Led, 0, 4, 200, 1e7},
@@ -83,7 +80,7 @@ constexpr auto kAmongBricks = std::to_array<PathSettings>({
 /// comes nearest is taken.
 constexpr auto kToBlocked = std::to_array<PathSettings>({
     {PathKind::Straight},
-    {PathKind::Led, 0, 4, 200, kExact},
+    {PathKind::Led, 0, 4, 200, kExactJoints},
     {PathKind::Led, 0, 4, 200, 1e8},
     {PathKind::Led, 0, 4, 200, 1e7},
 });
@@ -116,7 +113,7 @@ class WorkLimit {
 class StallWatch {
  public:
   explicit StallWatch(const Scene& scene)
-      : patience_(kPatience + (scene.path.kind == PathKind::Led
+      : patience_(kPatienceSeconds + (scene.path.kind == PathKind::Led
                                    ? scene.path.openTime + scene.path.ledTime
                                    : 0)) {}
 
@@ -162,7 +159,7 @@ bool isJammed(const DeployCost& cost) {
 
 /// Whether bricks kept out of each other.
 bool staysClear(const Accuracy& accuracy, double tile) {
-  return accuracy.penetrationGrownMax <= kOverlapShare * tile;
+  return accuracy.penetrationGrownMax <= kClearShare * tile;
 }
 
 /// Runs a scene as the deployment itself would, so that what arrives here arrives there, for as
@@ -190,7 +187,7 @@ TrialEnd tryPath(const Scene& scene, const AssembledState& nearest, const Search
   end.error = accuracy.targetErrorEnd;
   end.opening = accuracy.jointOpeningMax;
   end.work = result.cost.work;
-  const double nearEnough = std::max(kArrivedFactor * nearest.restError, kArrivedShare * tile);
+  const double nearEnough = std::max(kArrivedFactor * nearest.restError, kNearEnough * tile);
   end.arrives = result.outcome != Outcome::Diverged && !end.jams && end.error <= nearEnough;
   end.cutShort = limit.isReached() && !end.arrives && !end.jams;
   // Joints that give may yet open where a trial was cut short.
@@ -217,11 +214,27 @@ class PathSearch {
         observer_(observer),
         trials_(trials) {}
 
-  PathChoice find(bool roomAtTarget) {
+  PathChoice find(const TargetRoom& room) {
+    const bool roomAtTarget = !room.isBlocked;
+    if (room.isReachedThrough) {
+      return findAmongBricks({{PathKind::Straight}, "a path of the mechanism arrives"}, roomAtTarget);
+    }
     PathChoice choice = findWithoutContacts();
     const bool contacts = scene_.environment.contacts != ContactFilter::None;
-    if (isOver_ || !contacts || !last_.arrives || last_.keepsClear) return choice;
-    return findAmongBricks(choice, roomAtTarget);
+    choice.isFound = last_.arrives && (!contacts || last_.keepsClear);
+    choice.isClear = last_.arrives && last_.keepsClear;
+    const bool isWanting = contacts && !choice.isFound;
+    if (isOver_ || !isWanting) return choice;
+    if (!last_.arrives) {
+      // Without contacts the straight pull goes on to where it ends, nearer than wedged bricks.
+      choice.through = choice.path;
+      choice.throughReason = choice.reason;
+      return choice;
+    }
+    PathChoice among = findAmongBricks(choice, roomAtTarget);
+    among.through = choice.path;
+    among.throughReason = choice.reason;
+    return among;
   }
 
  private:
@@ -315,7 +328,7 @@ class PathSearch {
   PathChoice findAmongBricks(const PathChoice& first, bool roomAtTarget) {
     const Paths paths = roomAtTarget ? Paths(kAmongBricks) : Paths(kToBlocked);
     if (const auto path = pathAmongBricks(paths, "touching bricks")) {
-      return {*path, describe(*path) + " among touching bricks" + arriving()};
+      return {*path, describe(*path) + " among touching bricks" + arriving(), true};
     }
     std::string reason = first.reason + " where bricks pass through each other";
     if (roomAtTarget) {
@@ -356,7 +369,7 @@ class PathSearch {
 
   /// Which thinner bricks arrive, for the summary; empty when none was found.
   std::string thinnerBricks() {
-    for (const double share : kThinner) {
+    for (const double share : kThinnerShares) {
       if (isOver_ || budget_.isSpent()) break;
       Scene thin = scene_;
       thin.brick.thickness *= share;
@@ -392,7 +405,7 @@ class PathSearch {
 PathChoice choosePath(const Scene& scene, const TargetRoom& room, SearchBudget& budget,
                       const TrialObserver& observer, std::vector<TrialEnd>& trials) {
   const TrialObserver watch = observer ? observer : [](const SearchNews&) { return true; };
-  if (scene.path.kind != PathKind::Auto) return {scene.path, "asked for"};
+  if (scene.path.kind != PathKind::Dynamic) return {scene.path, "asked for", true};
   PathSettings straight = scene.path;
   straight.kind = PathKind::Straight;
   if (scene.solver.kind == SolverKind::Bullet) return {straight, "the baseline tries no others"};
@@ -408,7 +421,7 @@ PathChoice choosePath(const Scene& scene, const TargetRoom& room, SearchBudget& 
   if (!scene.model.target) return {straight, "there is no target"};
   if (drive != Drive::Target || !scene.springs.pull())
     return {straight, "nothing pulls to the target"};
-  return PathSearch(scene, room.nearest, budget, watch, trials).find(!room.isBlocked);
+  return PathSearch(scene, room.nearest, budget, watch, trials).find(room);
 }
 
 }  // namespace kirireel

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,8 +15,13 @@ namespace kirireel {
 
 /// A path, and why it was taken.
 struct PathChoice {
-  PathSettings path;   ///< never Auto
+  PathSettings path;   ///< Straight or Led
   std::string reason;  ///< one short phrase for the summary
+  bool isFound = false;  ///< it arrives, among bricks that touch where they may
+  bool isClear = false;  ///< no bricks met on it
+  /// A path that arrives where bricks pass through each other, and why it was taken.
+  std::optional<PathSettings> through = std::nullopt;
+  std::string throughReason = {};
 };
 
 /// How a trial ended.
@@ -48,10 +54,19 @@ using TrialObserver = std::function<bool(const SearchNews&)>;
 struct TargetRoom {
   AssembledState nearest;  ///< see assembleAtTarget()
   bool isBlocked = false;  ///< bricks would overlap there; see blockingPairs()
+  /// A path is known on which the tiles arrive, but bricks pass through each other.
+  bool isReachedThrough = false;
 };
 
 /// From this part of a tile on an error is no nearness: the target counts as missed.
 inline constexpr double kFarShare = 0.1;
+
+/// At rest but farther from the target than its assembled error and this part of a tile: short of
+/// it.
+inline constexpr double kNearShare = 0.02;
+
+/// Overlap beyond that of the start, in tiles, up to which bricks count as clear of each other.
+inline constexpr double kClearShare = 1e-4;
 
 /// Chooses the scene's path where that is left to the program. Tries paths without contacts, ground
 /// and gravity first (a path that joints forbid is no path with them either), from the simplest on,

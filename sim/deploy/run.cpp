@@ -9,6 +9,7 @@
 
 #include "sim/actuation/expansion.h"
 #include "sim/base/cpu_time.h"
+#include "sim/deploy/path_choice.h"
 #include "sim/deploy/rest_probe.h"
 #include "sim/measure/mobility.h"
 
@@ -17,8 +18,6 @@ namespace {
 
 // A run has diverged once a brick is this many model sizes away from where it started.
 constexpr double kLostDistance = 1e3;
-// At rest but farther from the target than its assembled error plus this part of a tile: locked.
-constexpr double kLockedShare = 0.02;
 // At a target, a run that is this near to where springs rest, or to it, is not only slow.
 constexpr double kThere = 1.05;
 constexpr double kThereShare = 1e-6;
@@ -34,8 +33,6 @@ constexpr double kPushedShare = 1e-4;
 constexpr double kNudge = 1e-6;
 // Times closer than this part of a step are the same.
 constexpr double kSameTime = 1e-6;
-// Stiffness of joints that do not give.
-constexpr double kExact = std::numeric_limits<double>::infinity();
 
 /// Uniform in [-1, 1) with the same bits from every standard library.
 double uniform(std::mt19937& generator) {
@@ -123,7 +120,7 @@ double Run::currentTargetError() const {
 
 /// What counts as having arrived.
 double Run::reachableError() const {
-  return leastError_ + kLockedShare * tileSize_;
+  return leastError_ + kNearShare * tileSize_;
 }
 
 void Run::goTo(const std::vector<Tile>* target) {
@@ -230,13 +227,7 @@ void Run::takeSample(double time, Poses poses) {
 /// turn; then the joints are closed, where those of the step's two ends are.
 Poses Run::posesAt(double time) {
   const double share = 1 - (this->time() - time) / step_;
-  Poses poses;
-  for (std::size_t i = 0; i < bricks_.size(); ++i) {
-    const Pose& from = before_.poses[i];
-    const Pose& to = motion_.poses[i];
-    poses.push_back({from.position + share * (to.position - from.position),
-                     from.rotation.slerp(share, to.rotation)});
-  }
+  Poses poses = interpolate(before_.poses, motion_.poses, share);
   if (!figures_.wereClosed() || scene_.solver.kind != SolverKind::Direct) return poses;
   if (!projection_) {
     Scene alone = scene_;
@@ -352,7 +343,7 @@ void Run::followPath() {
   }
   if (!follower_ || follower_->prepareStep(time() + step_, *dynamics_)) return;
   const bool closed = closeJoints();
-  if (scene_.path.jointsGive()) dynamics_->setJointStiffness(closed ? kExact : kMisfitStiffness);
+  if (scene_.path.jointsGive()) dynamics_->setJointStiffness(closed ? kExactJoints : kMisfitStiffness);
   misfit_ = misfit_ || !closed;
   follower_.reset();
 }

@@ -23,6 +23,8 @@ class SearchBudget {
 
   /// What is left, in multiplications; from 0.
   double left() const { return std::max(0.0, all_ - spent_); }
+  /// What was done, in multiplications.
+  double spent() const { return spent_; }
   bool isSpent() const { return spent_ >= all_; }
   /// The part that is spent, 0 to 1.
   double share() const { return all_ > 0 ? std::min(1.0, spent_ / all_) : 1; }

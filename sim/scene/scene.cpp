@@ -73,6 +73,7 @@ Need planarNeed(const Scene& scene) {
 
 Need contactNeed(const Scene& scene) {
   switch (scene.environment.contacts) {
+    case ContactFilter::Auto:
     case ContactFilter::None:
       return {false, "not asked for"};
     case ContactFilter::Unjoined:
@@ -109,11 +110,10 @@ double lowestPoint(const std::vector<Tile>& tiles, const BrickRule& rule) {
 }  // namespace
 
 std::string describe(const StartAlignment& alignment) {
-  constexpr double kDegrees = 180 / 3.14159265358979323846;
-  return fmt::format(
+    return fmt::format(
       "the start was moved by up to {:.3g} m and turned by {:.3g} degrees onto its target{} "
       "(--no-align keeps it in its place)",
-      alignment.moved, kDegrees * alignment.turned,
+      alignment.moved, alignment.turned / kDegree,
       alignment.byHeld ? ", by its pinned tiles" : "");
 }
 
@@ -123,6 +123,49 @@ TargetSpringSettings springsOf(const Scene& scene) {
   if (springs.dampsByArea) springs.torqueDamping *= edge * edge;
   springs.dampsByArea = false;
   return springs;
+}
+
+Scene openScene() {
+  Scene scene;
+  scene.brick.thickness = 0;
+  scene.actuation.drive = Drive::Auto;
+  scene.environment.contacts = ContactFilter::Auto;
+  scene.path.kind = PathKind::Auto;
+  scene.path.searchTime = 20;  // seconds: someone waits for it
+  return scene;
+}
+
+Drive defaultDrive(const Model& model) {
+  return model.target ? Drive::Target : Drive::Expansion;
+}
+
+void fillFromModel(Scene& scene) {
+  if (scene.actuation.drive == Drive::Auto) scene.actuation.drive = defaultDrive(scene.model);
+  if (scene.brick.thickness == 0) scene.brick.thickness = kUsualThickness * tileSize(scene.model);
+}
+
+bool isQuasiStatic(const Scene& scene, std::string& reason) {
+  const Environment& around = scene.environment;
+  const TargetSpringSettings usual;
+  const TargetSpringSettings& springs = scene.springs;
+  const bool usualSprings = springs.springStiffness == usual.springStiffness &&
+                            springs.torqueStiffness == usual.torqueStiffness &&
+                            springs.forceDamping == usual.forceDamping &&
+                            springs.dampsByArea == usual.dampsByArea &&
+                            springs.adaptive == usual.adaptive;
+  const bool usualDamping = around.linearDamping == Environment{}.linearDamping &&
+                            around.angularDamping == Environment{}.angularDamping;
+  const bool isPlainSolver = scene.solver.kind == SolverKind::Direct && !scene.solver.substeps;
+  reason = scene.actuation.drive != defaultDrive(scene.model) ? "the actuation was given"
+           : !scene.timeline.empty()                 ? "the timeline leads"
+           : !around.gravity.isZero(0)               ? "there is gravity"
+           : around.ground || !around.obstacles.empty() ? "there is ground or an obstacle"
+           : around.brickFriction > 0                ? "there is friction"
+           : !usualSprings || !usualDamping          ? "springs or damping were given"
+           : scene.brick.mass != MassRule::Unit      ? "masses were given"
+           : !isPlainSolver                          ? "the solver was given"
+                                                     : "";
+  return reason.empty();
 }
 
 Needs sceneNeeds(const Scene& scene) {

@@ -23,6 +23,7 @@ struct Ground {
 
 /// Which pairs of bricks may touch.
 enum class ContactFilter {
+  Auto,      ///< all pairs where bricks would meet on the way, else none; resolved by deploy()
   None,      ///< no pair: bricks pass through each other
   Unjoined,  ///< pairs that share no joint (what PyKirigami's --no_collision does)
   All,       ///< every pair, away from shared pivots (see Environment::pivotZone)
@@ -60,6 +61,7 @@ struct TargetSpringSettings {
 
 /// What drives the bricks.
 enum class Drive {
+  Auto,       ///< Target where the model has one, else Expansion; resolved by completeScene()
   Target,     ///< springs to the target; nothing where there is none
   Expansion,  ///< away from the common centre, k (x - centre) - c v, with the springs' k_f and mu_v
   Boundary,   ///< springs of stiffness k_f from the corners of the hull to a curve round it
@@ -81,14 +83,18 @@ struct Actuation {
 
 /// How the springs bring the tiles to their target.
 enum class PathKind {
-  Auto,      ///< straight where that arrives, else led, with joints that give as little as arrives
+  /// Continuation where the scene needs no dynamics and that arrives, else Dynamic.
+  Auto,
+  Continuation,  ///< the mechanism is followed as geometry, at an even pace; see continueTo()
+  /// By springs: straight where that arrives, else led, with joints that give as little as arrives.
+  Dynamic,
   Straight,  ///< the springs pull towards the target from the start on (the paper's way)
   Led,       ///< each tile is led along its own rigid motion, by its turn more than by its place
 };
 
 /// The path to the target. Straight pulling has local minima in which hard models lock.
 struct PathSettings {
-  PathKind kind = PathKind::Auto;
+  PathKind kind = PathKind::Dynamic;
   /// Seconds of expansion from the common centre before the tiles are led: room for bricks that
   /// would wedge in each other. From 0.
   double openTime = 0;
@@ -97,9 +103,12 @@ struct PathSettings {
   /// Of each pivot, N/m: while led joints give and are closed at the end, on a straight path they
   /// give throughout. Infinity: exact.
   double jointStiffness = std::numeric_limits<double>::infinity();
-  /// What finding a path may cost with PathKind::Auto, seconds of a reference core (see
+  /// What finding a path may cost, seconds of a reference core (see
   /// SearchBudget), from 0. Short runs get less: see deploy().
   double searchTime = 60;
+  /// Seconds in which a path of the mechanism is walked, at an even pace, above 0. A shorter
+  /// duration of the run comes first.
+  double walkTime = 6;
 
   /// Whether joints are springs from the start on.
   bool jointsGive() const { return std::isfinite(jointStiffness); }
@@ -169,6 +178,22 @@ std::string describe(const StartAlignment& alignment);
 
 /// The springs' settings with the torque damping that the model's tiles have.
 TargetSpringSettings springsOf(const Scene& scene);
+
+/// A scene without a model that leaves to the program what can be found from a model: path,
+/// contacts, drive, and thickness, which is 0.
+Scene openScene();
+
+/// Sets drive and thickness from the model where they were left open.
+void fillFromModel(Scene& scene);
+
+/// What drives a model by default: Target where it has one, else Expansion.
+Drive defaultDrive(const Model& model);
+
+/// Whether a scene's deployment is geometry: it goes to its target, or to
+/// full extension without one, and nothing asked for
+/// needs mass, damping or time (gravity, ground, obstacles, friction, a timeline, other springs or
+/// damping than the usual, another solver). Else `reason` says what does.
+bool isQuasiStatic(const Scene& scene, std::string& reason);
 
 /// Decides what the scene needs. A scene is planar when start and target lie in horizontal planes,
 /// no tile faces the other way at the target, nothing pushes out of the plane, and no joint lets a

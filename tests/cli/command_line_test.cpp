@@ -310,8 +310,8 @@ TEST(CommandLine, MissingAndSurplusArgumentsAreErrors) {
 
 TEST(CommandLine, HelpTeaches) {
   const std::string help = page({"record", "--help"});
-  for (const char* part : {"Usage: kirireel record", "--thickness METRES", "(default 0.02)",
-                           "none, unjoined or all (default none)", "Examples:",
+  for (const char* part : {"Usage: kirireel record", "--thickness METRES", "(default 0.02 of the mean edge)",
+                           "auto, none, unjoined or all (default auto)", "Examples:",
                            "kirireel record data/tessellation_4x4", "PyKirigami", "--headless"}) {
     EXPECT_THAT(help, HasSubstr(part));
   }

@@ -58,6 +58,7 @@ const std::vector<Sample>& samples() {
       {"--angular-damping", {"0.3", "0.1"}},
       {"--duration", {"3", "0.1"}},
       {"--search", {"5", "200"}},
+      {"--walk-time", {"5", "0.1"}},
       {"--no-align", {}},
       {"--solver", {"bullet"}},
       {"--timestep", {"0.01", "0.001"}},
@@ -193,11 +194,12 @@ TEST(Orders, AreTheSameHoweverTheyAreSpelled) {
         Words{"--thickness", "7", "--thickness", "0.03", "--contacts", "unjoined"}}) {
     EXPECT_EQ(termsOf(words), termsOf(plain)) << words.front();
   }
-  // PyKirigami's spellings bring its torque damping with them.
+  // PyKirigami's spellings bring its defaults with them.
   Words peer = plain;
-  peer.insert(peer.end(), {"--torque-damping", "2"});
+  peer.insert(peer.end(), {"--torque-damping", "2", "--path", "dynamic", "--search", "60"});
   for (const Words& words :
        {Words{"-bt", "0.030", "--no_collision"},
+        Words{"--like", "pykirigami", "--thickness", "0.03", "--contacts", "unjoined"},
         Words{"--brick_thickness=+0.03", "--no-collision", "--fps", "60", "--headless"}}) {
     EXPECT_EQ(termsOf(words), termsOf(peer)) << words.front();
   }

@@ -97,16 +97,16 @@ TEST_F(BadScene, ADivergedRunSaysSoAndFails) {
 }
 
 TEST_F(BadScene, ARunWhoseTimeIsUpSaysWhetherItIsAtItsTarget) {
-  EXPECT_EQ(simulate("", {"--duration", "0.05"}).exitCode, kEndedShort);
+  EXPECT_EQ(simulate("", {"--duration", "0.05", "--path", "dynamic"}).exitCode, kEndedShort);
   EXPECT_EQ(summary()["outcome"], "out_of_time");
   EXPECT_EQ(summary()["at_target"], false);
   // After 1 s it is 3e-5 m from its target, and comes to rest after 1.6 s.
-  EXPECT_EQ(simulate("", {"--duration", "1"}).exitCode, 0);
+  EXPECT_EQ(simulate("", {"--duration", "1", "--path", "dynamic"}).exitCode, 0);
   EXPECT_EQ(summary()["outcome"], "out_of_time");
   EXPECT_EQ(summary()["at_target"], true);
   // Nothing to reach.
   for (const char* drive : {"none", "expansion"}) {
-    EXPECT_EQ(simulate("", {"--duration", "0.05", "--actuation", drive}).exitCode, 0) << drive;
+    EXPECT_EQ(simulate("", {"--duration", "0.05", "--path", "dynamic", "--actuation", drive}).exitCode, 0) << drive;
     EXPECT_EQ(summary()["outcome"], "out_of_time");
     EXPECT_TRUE(summary()["at_target"].is_null());
   }
@@ -114,7 +114,8 @@ TEST_F(BadScene, ARunWhoseTimeIsUpSaysWhetherItIsAtItsTarget) {
 
 TEST_F(BadScene, SpringsWithoutStiffnessPullToNothing) {
   EXPECT_EQ(simulate("", {"--spring-stiffness", "0", "--torque-stiffness", "0"}).exitCode, 0);
-  EXPECT_EQ(summary()["path"]["reason"], "nothing pulls to the target");
+  EXPECT_EQ(summary()["path"]["reason"],
+            "nothing pulls to the target; dynamics: springs or damping were given");
   EXPECT_EQ(summary()["reason"], "everything came to rest; nothing pulls to the target");
   EXPECT_TRUE(summary()["at_target"].is_null());
   const double moved = summary()["accuracy"]["target_error_start"].get<double>() -

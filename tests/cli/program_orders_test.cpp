@@ -255,9 +255,7 @@ class Respelling {
 
   static std::vector<std::string> withDefaults(std::vector<std::string> words) {
     words.insert(words.end(), {"--angular-damping", "0.050", "--elements-through=1"});
-    if (std::find(words.begin(), words.end(), "--thickness") == words.end()) {
-      words.insert(words.end(), {"--thickness", "0.020"});
-    }
+    words.insert(words.end(), {"--walk-time", "6.0", "--contacts", "auto"});
     return words;
   }
 

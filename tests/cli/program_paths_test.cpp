@@ -102,7 +102,8 @@ TEST(Links, ToTheOutputFolderAreFollowed) {
   fs::create_directory(scratch / "disk");
   fs::create_symlink(scratch / "disk", scratch / "out");
   const ProgramEnd end = runKirireel({"simulate", shippedModel("tessellation_4x4").string(),
-                                      "--out", (scratch / "out").string(), "--duration", "0.1"});
+                                      "--out", (scratch / "out").string(), "--duration", "0.1",
+                                      "--path", "dynamic"});
   EXPECT_EQ(end.exitCode, kEndedShort) << end.err;
   EXPECT_THAT(filesIn(scratch / "disk"), Contains("summary.json"));
 }
@@ -125,7 +126,7 @@ TEST(SceneTexts, AreNeverActedOn) {
   }
   const ProgramEnd titled = runKirireel({"record", shippedModel("tessellation_4x4").string(),
                                          "--out", (scratch / "out").string(), "--duration", "0.1",
-                                         "--fps", "10", "--size", "160x120", "--title", command});
+                                         "--path", "dynamic", "--fps", "10", "--size", "160x120", "--title", command});
   EXPECT_EQ(titled.exitCode, kEndedShort) << titled.err;
   EXPECT_FALSE(fs::exists(made));
 }

@@ -98,7 +98,7 @@ TEST_F(SweepProgram, EveryFileThatARunReadsCounts) {
   writeRock("10.5");
   EXPECT_THAT(sweep(text).out, HasSubstr("2 runs made"));
   // What a setting was by itself does not make another run.
-  EXPECT_THAT(sweep(text + "thickness = [0.020]\n").out, HasSubstr("0 runs made"));
+  EXPECT_THAT(sweep(text + "timestep = [0.0041666666666666666]\n").out, HasSubstr("0 runs made"));
 }
 
 TEST_F(SweepProgram, ShardsPartTheRuns) {

@@ -270,7 +270,7 @@ TEST(Checkpoints, GoOnWhereTilesAreLedFromAWaypoint) {
 
 TEST(Checkpoints, DoNotSearchAgainForAPath) {
   Scene scene = sheetScene(3, 0, 3.14159265358979323846);
-  scene.path.kind = PathKind::Auto;
+  scene.path.kind = PathKind::Dynamic;
   scene.springs.springStiffness = 400;  // place counts more than turn: a straight pull locks
   scene.springs.torqueStiffness = 10;
   const DeploymentResult undisturbed = deployWhole(scene);

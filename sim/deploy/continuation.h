@@ -1,0 +1,55 @@
+/// The deployment as geometry: a path of the mechanism from its start to its target.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "sim/base/geometry.h"
+#include "sim/brick/brick.h"
+#include "sim/deploy/search_budget.h"
+#include "sim/scene/scene.h"
+
+namespace kirireel {
+
+/// A path of the mechanism: states with their joints closed, each a small move from the one before.
+struct MechanismPath {
+  std::vector<Poses> states;    ///< the start first, one pose a tile
+  std::vector<double> lengths;  ///< of the path up to each state, metres; see pathDistance()
+  double guideLength = 0;       ///< of the tiles' own motions from the start to the goal, metres
+  double error = 0;             ///< target error at the end, metres; 0 without a target
+  bool isStuck = false;         ///< it ended early, where the bricks followed the guide no more
+  bool isCutShort = false;      ///< the budget or the caller ended it
+
+  double length() const { return lengths.back(); }
+};
+
+/// How far two states of the same bricks are apart, metres: the root of the mean over bricks of
+///   |dx|^2 + rho^2 |dphi|^2,
+/// dx the move of the centre of mass, dphi the turn in radians, and rho the root mean square
+/// distance of the brick's bottom vertices from its centre of mass.
+double pathDistance(const std::vector<Brick>& bricks, const Poses& from, const Poses& to);
+
+/// How a path is followed.
+struct ContinuationSettings {
+  /// Of turns against places, times rho^2, in what "nearest" means: a tile turns as its guide does,
+  /// and where it stands follows.
+  double turnWeight = 100;
+  /// Tiles first move away from their common centre for a path of so many mean edges.
+  double opening = 0;
+  /// A singular start is left by a leap, contacts left out: the first state is sought at this
+  /// progress of the guide. 0: the first moves are tiny instead, and grow.
+  double leap = 1.0 / 60;
+};
+
+/// Follows the mechanism from the scene's start to `goal`, a state with closed joints, among the
+/// contacts that the scene asks for. Loads and damping are left out. `goesOn` may be empty.
+MechanismPath continueTo(const Scene& scene, const Poses& goal,
+                         const ContinuationSettings& settings, SearchBudget& budget,
+                         const std::function<bool()>& goesOn = {});
+
+/// Follows the mechanism from the scene's start away from the tiles' common centre, up to the
+/// state in which the sum of squared distances from it is greatest: full extension.
+MechanismPath continueToExtension(const Scene& scene, SearchBudget& budget,
+                                  const std::function<bool()>& goesOn = {});
+
+}  // namespace kirireel

@@ -1,0 +1,327 @@
+#include "sim/deploy/geometric_path.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "sim/base/cpu_time.h"
+#include "sim/deploy/run_figures.h"
+#include "sim/measure/measures.h"
+
+namespace kirireel {
+namespace {
+
+// The paths to try without contacts, the usual first. A heavier turn follows its guide more.
+constexpr auto kAlone = std::to_array<ContinuationSettings>({
+    {.turnWeight = 100},
+    {.turnWeight = 10},
+    {.turnWeight = 1},
+});
+// The paths to try with contacts: where bricks lie flush at the start, a leap would wedge them.
+constexpr auto kTouching = std::to_array<ContinuationSettings>({
+    {.turnWeight = 100, .leap = 0},
+    {.turnWeight = 100, .opening = 1, .leap = 0},
+    {.turnWeight = 10, .leap = 1.0 / 600},
+});
+
+// A path may cost this part of the budget, and among touching bricks that: where bricks wedge, or the
+// mechanism is singular, moves are halved again and again.
+constexpr double kAloneShare = 0.1;
+constexpr double kTouchingShare = 0.1;
+// A path shorter than this part of a tile is none.
+constexpr double kLeastExtension = 1e-3;
+
+/// Overlaps of the bricks of one scene.
+class OverlapMeter {
+ public:
+  /// Overlaps beyond those of the path's first state, whose joints are closed, count.
+  OverlapMeter(const Scene& scene, const Poses& start)
+      : bricks_(makeBricks(scene.model.tiles, scene.brick)),
+        pivots_(makePivots(scene.model.joints, bricks_)),
+        meter_(bricks_, pivots_, scene.environment.pivotZone, start, 0) {}
+
+  double at(const Poses& state) { return meter_.at(state).grown; }
+
+ private:
+  std::vector<Brick> bricks_;
+  std::vector<Pivot> pivots_;
+  PenetrationMeter meter_;
+};
+
+/// The deepest overlap of any pair on a path beyond that of its first state, metres.
+double mostGrown(const Scene& scene, const MechanismPath& path) {
+  OverlapMeter overlaps(scene, path.states.front());
+  double deepest = 0;
+  for (const Poses& state : path.states) deepest = std::max(deepest, overlaps.at(state));
+  return deepest;
+}
+
+/// Tries the paths of one scene.
+class GeometricSearch {
+ public:
+  GeometricSearch(const Scene& scene, const TargetRoom& room, SearchBudget& budget,
+                  const TrialObserver& observer)
+      : scene_(scene),
+        room_(room),
+        budget_(budget),
+        observer_(observer),
+        tile_(tileSize(scene.model)) {}
+
+  GeometricPaths find() {
+    const ContactFilter wanted = scene_.environment.contacts;
+    for (const ContinuationSettings& settings : kAlone) {
+      tryAlone(settings, wanted);
+      if (found_.clear || isOver_) return std::move(found_);
+      if (isCutShort_) break;
+    }
+    if (wanted != ContactFilter::None && found_.through) {
+      for (const ContinuationSettings& settings : kTouching) {
+        tryTouching(settings, wanted == ContactFilter::Auto ? ContactFilter::All : wanted);
+        if (found_.clear || isOver_) break;
+      }
+    }
+    if (!found_.clear && !found_.through) found_.trouble = trouble();
+    return std::move(found_);
+  }
+
+ private:
+  MechanismPath follow(const ContinuationSettings& settings, ContactFilter contacts,
+                       const char* what) {
+    Scene trial = scene_;
+    trial.environment.contacts = contacts;
+    const bool isTouching = contacts != ContactFilter::None;
+    SearchBudget part(std::min(budget_.left() / kWorkPerSecond,
+                               (isTouching ? kTouchingShare : kAloneShare) * budget_.seconds()));
+    MechanismPath path = continueTo(trial, room_.nearest.poses, settings, part, [&] {
+      isOver_ = isOver_ || (observer_ && !observer_({what, budget_.share()}));
+      return !isOver_;
+    });
+    budget_.spend(part.spent());
+    return path;
+  }
+
+  /// Whether a path ends at the target: among bricks, their contacts may keep it a little away.
+  bool arrives(const MechanismPath& path, bool isAmongBricks) {
+    if (path.isStuck) ++stuck_;
+    if (path.isCutShort) isCutShort_ = true;
+    if (path.isCutShort || path.isStuck) return false;
+    const double enough = std::max(1.05 * room_.nearest.error, 1e-6 * tile_);
+    if (path.error <= enough) return true;
+    const double near = room_.isBlocked ? kFarShare : kNearShare;
+    return isAmongBricks && path.error <= room_.nearest.error + near * tile_;
+  }
+
+  void tryAlone(const ContinuationSettings& settings, ContactFilter wanted) {
+    GeometricPath trial;
+    trial.path = follow(settings, ContactFilter::None, "a path of the mechanism");
+    if (!arrives(trial.path, false)) return;
+    trial.grown = mostGrown(scene_, trial.path);
+    trial.reason = "a path of the mechanism, nothing given needs dynamics";
+    if (wanted == ContactFilter::None) {
+      trial.contactReason = "not asked for";
+      found_.clear = std::move(trial);
+    } else if (trial.grown <= kClearShare * tile_) {
+      trial.contactReason = "no bricks meet on the way";
+      found_.clear = std::move(trial);
+    } else if (!found_.through || trial.grown < found_.through->grown) {
+      trial.contactReason = "bricks pass through each other, no path among touching ones was found";
+      trial.passesThrough = true;
+      found_.through = std::move(trial);
+    }
+  }
+
+  void tryTouching(const ContinuationSettings& settings, ContactFilter contacts) {
+    GeometricPath trial;
+    trial.path = follow(settings, contacts, "a path of the mechanism among touching bricks");
+    if (!arrives(trial.path, true)) return;
+    trial.grown = mostGrown(scene_, trial.path);
+    if (contacts == ContactFilter::All && trial.grown > kClearShare * tile_) return;
+    trial.contacts = contacts;
+    trial.contactReason = "bricks meet on the way";
+    trial.reason = "a path of the mechanism among touching bricks, nothing given needs dynamics";
+    found_.clear = std::move(trial);
+  }
+
+  std::string trouble() const {
+    if (isCutShort_) return "looking for a path of the mechanism was cut short";
+    return stuck_ > 0 ? "the mechanism was followed to where it goes no further"
+                      : "paths of the mechanism end short of the target";
+  }
+
+  const Scene& scene_;
+  const TargetRoom& room_;
+  SearchBudget& budget_;
+  const TrialObserver& observer_;
+  double tile_;  // metres
+  GeometricPaths found_;
+  int stuck_ = 0;
+  bool isCutShort_ = false;
+  bool isOver_ = false;
+};
+
+const char* const kExtending = "the way to full extension";
+
+/// A walk in progress.
+class Walk {
+ public:
+  Walk(const Scene& scene, const GeometricPath& found, const AssembledState& nearest,
+       double sampleInterval, const SampleObserver& observer)
+      : scene_(scene),
+        path_(found.path),
+        interval_(sampleInterval),
+        observer_(observer),
+        bricks_(makeBricks(scene.model.tiles, scene.brick)),
+        pivots_(makePivots(scene.model.joints, bricks_)),
+        asRead_(startPoses(scene.model.tiles, bricks_)),
+        figures_(scene.model, bricks_, pivots_, scene.environment.pivotZone, asRead_, nearest) {
+    Scene alone = scene;
+    alone.environment = Environment{};
+    projection_ = makeDynamics(alone, sceneNeeds(alone), bricks_, asRead_);
+  }
+
+  DeploymentResult finish() {
+    static_cast<Subject&>(result_.trajectory) = subjectOf(scene_);
+    figures_.begin(path_.states.front(), false);
+    takeSample(0, path_.states.front());
+    for (std::size_t k = 1; k < path_.states.size() && !isAskedToEnd_; ++k) step(k);
+    if (lastTime_ < time_ && !isAskedToEnd_) takeSample(time_, *poses_);
+    figures_.leave(result_);
+    return std::move(result_);
+  }
+
+  bool isInterrupted() const { return isAskedToEnd_ && !isWhole_; }
+  double time() const { return time_; }
+
+ private:
+  /// When a state is reached, seconds.
+  double timeAt(std::size_t state) const {
+    const double whole = std::min(scene_.path.walkTime, scene_.stop.duration);
+    return path_.length() > 0 ? whole * path_.lengths[state] / path_.length() : 0;
+  }
+
+  void step(std::size_t state) {
+    const double before = time_;
+    const double next = timeAt(state);
+    isWhole_ = state + 1 == path_.states.size();
+    if (!(next > before)) return;  // a state that is the one before but for rounding
+    time_ = next;
+    const Poses& from = *poses_;
+    poses_ = &path_.states[state];
+    StepReport report;
+    report.steps = 1;
+    figures_.observe(time_, *poses_, report, false);
+    for (;;) {
+      const double due = static_cast<double>(samples_) * interval_;
+      if (!(due <= time_) || isAskedToEnd_) return;
+      takeSample(due, between(from, (due - before) / (time_ - before)));
+    }
+  }
+
+  Poses between(const Poses& from, double share) {
+    if (share >= 1) return *poses_;
+    Poses poses = interpolate(from, *poses_, share);
+    projection_->assemble(poses);
+    return poses;
+  }
+
+  void takeSample(double time, Poses poses) {
+    ++samples_;
+    lastTime_ = time;
+    const Sample sample = figures_.sampleAt(time, std::move(poses));
+    isAskedToEnd_ = observer_ && !observer_(sample);
+  }
+
+  const Scene& scene_;
+  const MechanismPath& path_;
+  double interval_;  // seconds
+  const SampleObserver& observer_;
+  std::vector<Brick> bricks_;
+  std::vector<Pivot> pivots_;
+  Poses asRead_;
+  RunFigures figures_;
+  std::unique_ptr<Dynamics> projection_;  // closes joints of states between two others
+  const Poses* poses_ = &path_.states.front();
+  double time_ = 0;      // of the last state, seconds
+  double lastTime_ = 0;  // of the last sample, seconds
+  long samples_ = 0;
+  bool isWhole_ = false;
+  bool isAskedToEnd_ = false;
+  DeploymentResult result_;
+};
+
+}  // namespace
+
+GeometricPaths findGeometricPaths(const Scene& scene, const TargetRoom& room, SearchBudget& budget,
+                                  const TrialObserver& observer) {
+  return GeometricSearch(scene, room, budget, observer).find();
+}
+
+GeometricPaths findExtension(const Scene& scene, SearchBudget& budget,
+                             const TrialObserver& observer) {
+  const ContactFilter wanted = scene.environment.contacts;
+  GeometricPaths found;
+  for (const bool isTouching : {false, true}) {
+    if (isTouching && wanted == ContactFilter::None) break;
+    Scene trial = scene;
+    trial.environment.contacts = !isTouching                    ? ContactFilter::None
+                                 : wanted == ContactFilter::Auto ? ContactFilter::All
+                                                                 : wanted;
+    GeometricPath path;
+    path.path = continueToExtension(trial, budget, [&] {
+      return !observer || observer({kExtending, budget.share()});
+    });
+    const double tile = tileSize(scene.model);
+    if (path.path.isCutShort || path.path.length() < kLeastExtension * tile) continue;
+    path.grown = mostGrown(scene, path.path);
+    path.contacts = trial.environment.contacts;
+    path.reason = "a path of the mechanism, nothing given needs dynamics";
+    const bool isClear = path.grown <= kClearShare * tile;
+    if (!isClear && path.contacts != ContactFilter::Unjoined && wanted != ContactFilter::None) continue;
+    path.contactReason = isTouching                       ? "bricks meet on the way"
+                         : wanted == ContactFilter::None ? "not asked for"
+                                                         : "no bricks meet on the way";
+    found.clear = std::move(path);
+    return found;
+  }
+  found.trouble = "no path of the mechanism leads to an extension";
+  return found;
+}
+
+DeploymentResult walk(const Scene& scene, const GeometricPath& found, const AssembledState& nearest,
+                      double sampleInterval, const SampleObserver& observer) {
+  const double startSeconds = threadCpuSeconds();
+  Scene walked = scene;
+  walked.environment.contacts = found.contacts;
+  walked.path.kind = PathKind::Continuation;
+  Walk walk(walked, found, nearest, sampleInterval, observer);
+  DeploymentResult result = walk.finish();
+  const double error = result.accuracy.targetErrorEnd;
+  const bool isFar = scene.model.target && error > kFarShare * tileSize(scene.model);
+  result.outcome = walk.isInterrupted() ? Outcome::Interrupted
+                   : isFar              ? Outcome::Locked
+                                        : Outcome::Settled;
+  result.reason = walk.isInterrupted()  ? "ended early by the caller"
+                  : isFar              ? fmt::format(
+                                "the path ends {:.3g} short of the target: no state with closed "
+                                "joints was found nearer",
+                                error)
+                  : scene.model.target ? fmt::format("the path ends {:.3g} from the target", error)
+                                       : "the path ends at full extension";
+  if (found.passesThrough && !walk.isInterrupted()) {
+    result.reason +=
+        fmt::format(", bricks pass through each other on it by up to {:.2g} m", found.grown);
+  }
+  if (scene.model.target) result.atTarget = !isFar;
+  result.trajectory.events.push_back(
+      {walk.time(), fmt::format("{}: {}", toString(result.outcome), result.reason)});
+  result.needs = sceneNeeds(walked);
+  result.needs.contacts = {found.contacts != ContactFilter::None, found.contactReason};
+  result.path = walked.path;
+  result.pathReason = found.reason;
+  result.cost.cpuSeconds = threadCpuSeconds() - startSeconds;
+  return result;
+}
+
+}  // namespace kirireel

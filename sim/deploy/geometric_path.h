@@ -1,0 +1,46 @@
+/// The default deployment: a path of the mechanism, found as geometry and walked at an even pace.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "sim/deploy/continuation.h"
+#include "sim/deploy/deployment.h"
+#include "sim/deploy/path_choice.h"
+#include "sim/deploy/run.h"
+
+namespace kirireel {
+
+/// A path that arrives.
+struct GeometricPath {
+  MechanismPath path;
+  ContactFilter contacts = ContactFilter::None;  ///< that bricks had on it
+  std::string contactReason;                     ///< why, for the summary
+  std::string reason;                            ///< why this path, for the summary
+  /// Bricks may touch, yet pass through each other: no other path was found.
+  bool passesThrough = false;
+  double grown = 0;  ///< deepest overlap of any pair beyond its start, metres
+};
+
+/// The paths that were found.
+struct GeometricPaths {
+  std::optional<GeometricPath> clear;    ///< bricks keep out of each other, or may not touch
+  std::optional<GeometricPath> through;  ///< arrives, but bricks pass through each other
+  std::string trouble;                   ///< why there is none, for the summary
+};
+
+/// Looks for a path from the start to the state nearest to the target: first without contacts; then,
+/// where bricks overlap on the way and the scene lets them touch, with contacts.
+GeometricPaths findGeometricPaths(const Scene& scene, const TargetRoom& room, SearchBudget& budget,
+                                  const TrialObserver& observer);
+
+/// The path to full extension of a scene without a target.
+GeometricPaths findExtension(const Scene& scene, SearchBudget& budget,
+                             const TrialObserver& observer);
+
+/// Walks a path at an even pace within the scene's PathSettings::walkTime, or its duration where
+/// that is shorter. Measures each state; samples lie between two states, with joints closed.
+DeploymentResult walk(const Scene& scene, const GeometricPath& found, const AssembledState& nearest,
+                      double sampleInterval, const SampleObserver& observer);
+
+}  // namespace kirireel

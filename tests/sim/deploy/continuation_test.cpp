@@ -1,0 +1,166 @@
+// Deployments as geometry: paths of the mechanism.
+#include <algorithm>
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/base/error.h"
+#include "sim/deploy/continuation.h"
+#include "sim/deploy/deployment.h"
+#include "sim/generate/shells.h"
+#include "sim/measure/brick_measures.h"
+#include "sim/model/alignment.h"
+#include "sim/model/tessellation.h"
+
+namespace kirireel {
+namespace {
+
+Scene sceneOf(Model model) {
+  Scene scene = openScene();
+  scene.model = std::move(model);
+  if (scene.model.target) alignStartToTarget(scene.model);
+  fillFromModel(scene);
+  return scene;
+}
+
+Scene cylinder() {
+  return sceneOf(makeCylinder({}));
+}
+
+Scene squares() {
+  return sceneOf(makeTessellation({}));
+}
+
+/// The distances of all tiles from their common centre, the least first, metres.
+std::vector<double> distancesFromCentre(const Poses& poses) {
+  Vector3 centre = Vector3::Zero();
+  for (const Pose& pose : poses) centre += pose.position / static_cast<double>(poses.size());
+  std::vector<double> distances;
+  for (const Pose& pose : poses) distances.push_back((pose.position - centre).norm());
+  std::ranges::sort(distances);
+  return distances;
+}
+
+TEST(Continuation, ArrivesWithClosedJointsAndNoOverlap) {
+  for (const Scene& scene : {squares(), cylinder()}) {
+    const DeploymentResult run = deploy(scene, 1.0 / 60, nullptr);
+    const double tile = tileSize(scene.model);
+    EXPECT_EQ(run.path.kind, PathKind::Continuation) << run.pathReason;
+    EXPECT_EQ(run.outcome, Outcome::Settled);
+    EXPECT_EQ(run.atTarget, true);
+    EXPECT_FALSE(run.needs.contacts.on);
+    EXPECT_LE(run.accuracy.targetErrorEnd, 1e-9 * tile);       // measured: 2e-13
+    EXPECT_LE(run.accuracy.jointGapMax, 1e-10 * tile);         // 9e-13
+    EXPECT_LE(run.accuracy.penetrationGrownMax, 1e-9 * tile);  // 2e-15
+  }
+}
+
+TEST(Continuation, IsWalkedAtAnEvenPaceForItsTime) {
+  Scene scene = cylinder();
+  scene.path.walkTime = 3;
+  const DeploymentResult run = deploy(scene, 1.0 / 20, nullptr);
+  const std::vector<Sample>& samples = run.trajectory.samples;
+  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
+  ASSERT_EQ(samples.size(), 61u);
+  EXPECT_DOUBLE_EQ(samples.back().time, 3);
+  std::vector<double> moves;
+  for (std::size_t k = 1; k < samples.size(); ++k) {
+    moves.push_back(pathDistance(bricks, samples[k - 1].poses, samples[k].poses));
+    EXPECT_LE(samples[k].jointGap, 1e-9 * tileSize(scene.model)) << k;
+  }
+  // The first sample shows the leap from the closed start.
+  const auto [least, most] = std::minmax_element(moves.begin() + 1, moves.end());
+  EXPECT_LE(*most / *least, 1.1);  // measured: 1.02
+}
+
+TEST(Continuation, KeepsTheSymmetryOfACylinder) {
+  const Scene scene = cylinder();
+  const DeploymentResult run = deploy(scene, 0.5, nullptr);
+  for (const Sample& sample : run.trajectory.samples) {
+    const std::vector<double> distances = distancesFromCentre(sample.poses);
+    for (std::size_t k = 0; k + 5 < distances.size(); k += 6) {
+      EXPECT_LE(distances[k + 5] - distances[k], 1e-9) << "at " << sample.time;  // measured: 3e-12
+    }
+  }
+}
+
+TEST(Continuation, IsTheSameButForExponentsInOtherUnits) {
+  const Scene scene = cylinder();
+  const DeploymentResult run = deploy(scene, 0.5, nullptr);
+  for (const double factor : {0x1p-10, 0x1p10}) {
+    Scene scaled = scene;
+    for (std::vector<Tile>* tiles : {&scaled.model.tiles, &*scaled.model.target}) {
+      for (Tile& tile : *tiles) {
+        for (Vector3& vertex : tile.vertices) vertex *= factor;
+      }
+    }
+    scaled.brick.thickness *= factor;
+    const DeploymentResult other = deploy(scaled, 0.5, nullptr);
+    ASSERT_EQ(run.trajectory.samples.size(), other.trajectory.samples.size());
+    for (std::size_t k = 0; k < run.trajectory.samples.size(); ++k) {
+      for (std::size_t i = 0; i < scene.model.tiles.size(); ++i) {
+        const Pose& pose = run.trajectory.samples[k].poses[i];
+        const Pose& same = other.trajectory.samples[k].poses[i];
+        EXPECT_EQ(factor * pose.position, same.position) << factor;
+        EXPECT_EQ(pose.rotation.coeffs(), same.rotation.coeffs()) << factor;
+      }
+    }
+  }
+}
+
+TEST(Continuation, NothingButTheSamplesDependsOnTheirRate) {
+  const Scene scene = squares();
+  const DeploymentResult often = deploy(scene, 1.0 / 240, nullptr);
+  const DeploymentResult seldom = deploy(scene, 1, nullptr);
+  EXPECT_EQ(often.accuracy.jointGapMax, seldom.accuracy.jointGapMax);
+  EXPECT_EQ(often.accuracy.penetrationMax, seldom.accuracy.penetrationMax);
+  EXPECT_EQ(often.cost.steps, seldom.cost.steps);
+  EXPECT_EQ(often.trajectory.samples.back().time, seldom.trajectory.samples.back().time);
+}
+
+/// At full extension rotating squares stand corner to corner, their diagonals in two lines.
+TEST(Continuation, WithoutATargetEndsAtFullExtension) {
+  Model model = makeTessellation({});
+  model.target.reset();
+  const Scene scene = sceneOf(std::move(model));
+  const DeploymentResult run = deploy(scene, 0.5, nullptr);
+  EXPECT_EQ(run.outcome, Outcome::Settled);
+  EXPECT_EQ(run.path.kind, PathKind::Continuation) << run.pathReason;
+  Eigen::AlignedBox3d box;
+  for (const Pose& pose : run.trajectory.samples.back().poses) box.extend(pose.position);
+  const double expected = 3 * std::sqrt(2) * tileSize(scene.model);
+  EXPECT_NEAR(box.sizes().x(), expected, 1e-6 * expected);  // measured: 4e-12
+  EXPECT_NEAR(box.sizes().y(), expected, 1e-6 * expected);
+}
+
+TEST(Continuation, BricksPassThroughEachOtherNeverInSilence) {
+  Scene scene = sceneOf(makeSphericalCap({.size = 4}));
+  scene.path.searchTime = 1;
+  const DeploymentResult run = deploy(scene, 0.5, nullptr);
+  const bool isClear = run.accuracy.penetrationGrownMax <= 1e-4 * tileSize(scene.model);
+  const bool isSaid = std::ranges::any_of(run.warnings, [](const std::string& warning) {
+    return warning.find("pass through each other") != std::string::npos;
+  });
+  EXPECT_NE(isClear, isSaid);
+}
+
+TEST(Continuation, GivesWayToDynamicsWhereSomethingGivenNeedsThem) {
+  Scene scene = squares();
+  std::string reason;
+  EXPECT_TRUE(isQuasiStatic(scene, reason)) << reason;
+  scene.springs.springStiffness = 25;
+  EXPECT_FALSE(isQuasiStatic(scene, reason));
+  EXPECT_EQ(reason, "springs or damping were given");
+  const DeploymentResult run = deploy(scene, 0.5, nullptr);
+  EXPECT_NE(run.path.kind, PathKind::Continuation);
+  EXPECT_THAT(run.pathReason, testing::HasSubstr("springs or damping were given"));
+  scene.path.kind = PathKind::Continuation;
+  EXPECT_THAT([&] { deploy(scene, 0.5, nullptr); },
+              testing::ThrowsMessage<InputError>(
+                  "error: --path continuation is geometry alone, but springs or damping were given; "
+                  "leave that away, or give --path dynamic"));
+}
+
+}  // namespace
+}  // namespace kirireel
