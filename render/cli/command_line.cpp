@@ -66,8 +66,9 @@ InputError missingValue(const std::string& text, const CLI::App& command) {
                                 text.substr(0, text.find(':')), fullName(command)));
 }
 
-/// What PyKirigami's command lines leave out is as there: springs move masses of 1 kg, bricks pass
-/// through each other and are 0.02 m thick, and turning is damped alike whatever the tiles' size.
+/// What PyKirigami's command lines leave out is as there: springs move masses of 1 kg, and nothing
+/// where there is no target; bricks pass through each other and are 0.02 m thick; turning is damped
+/// alike whatever the tiles' size.
 std::vector<std::string> withPeerDefaults(const std::vector<std::string>& typed,
                                           std::vector<std::string> words) {
   const bool runs = !words.empty() && (words.front() == "record" || words.front() == "simulate");
@@ -76,7 +77,8 @@ std::vector<std::string> withPeerDefaults(const std::vector<std::string>& typed,
                                                           {"--path", "dynamic"},
                                                           {"--contacts", "none"},
                                                           {"--thickness", "0.02"},
-                                                          {"--search", "60"}};
+                                                          {"--search", "60"},
+                                                          {"--actuation", "target"}};
   for (const auto& [name, value] : defaults) {
     const bool isGiven = std::ranges::any_of(words, [&](const std::string& word) {
       return word == name || word.starts_with(name + "=");
