@@ -22,7 +22,7 @@
 #include <utility>
 
 #include "sim/deploy/dynamics.h"
-#include "sim/measure/brick_measures.h"
+#include "sim/measure/measures.h"
 
 namespace kirireel {
 namespace {
