@@ -54,7 +54,6 @@ std::optional<std::pair<int, int>> readPair(std::string_view text) {
   return std::pair(*first, *second);
 }
 
-
 /// The parts of a caption, in the order in which they are written.
 const Choices<bool CaptionParts::*>& captionChoices() {
   static const Choices<bool CaptionParts::*> choices = {{"time", &CaptionParts::time},

@@ -9,12 +9,12 @@ namespace kirireel {
 /// The arguments with PyKirigami's spellings replaced by Kirireel's: underscores in the names of
 /// long options become hyphens, --brick_thickness or -bt becomes --thickness, --no_collision
 /// becomes --contacts=unjoined (which is what it does there), --model NAME becomes the model's own
-/// place, and --headless vanishes, for no window is ever opened, as does --like pykirigami. Values are
-/// left alone.
+/// place, and --headless vanishes, for no window is ever opened, as does --like pykirigami. Values
+/// are left alone.
 std::vector<std::string> translatePeerSpellings(const std::vector<std::string>& arguments);
 
-/// Whether any of the arguments is spelled as PyKirigami spells it, or is --like pykirigami, so that what is not given is to
-/// be as there.
+/// Whether any of the arguments is spelled as PyKirigami spells it, or is --like pykirigami,
+/// so that what is not given is to be as there.
 bool usesPeerSpellings(const std::vector<std::string>& arguments);
 
 }  // namespace kirireel

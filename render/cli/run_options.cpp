@@ -20,15 +20,15 @@ void addBrickOptions(CLI::App& command, BrickRule& brick) {
 
 void addActuationOptions(CLI::App& command, Actuation& actuation) {
   OptionGroup group(command, "Actuation");
-  group.choice<Drive>(
-      "--actuation", actuation.drive,
-      {{"auto", Drive::Auto},
-       {"target", Drive::Target},
-       {"expansion", Drive::Expansion},
-       {"boundary", Drive::Boundary},
-       {"none", Drive::None}},
-      "what drives the bricks: target or else expansion; springs to the target, away from the centre, springs "
-      "from the hull to a curve round it, nothing");
+  group.choice<Drive>("--actuation", actuation.drive,
+                      {{"auto", Drive::Auto},
+                       {"target", Drive::Target},
+                       {"expansion", Drive::Expansion},
+                       {"boundary", Drive::Boundary},
+                       {"none", Drive::None}},
+                      "what drives the bricks: target or else expansion; springs to the target, "
+                      "away from the centre, springs "
+                      "from the hull to a curve round it, nothing");
   group.number("--boundary-size", actuation.boundary.size, {1e-3, 1e3}, "RATIO",
                "width of that curve over the hull's");
   group.number("--boundary-aspect", actuation.boundary.aspect, {1e-3, 1e3}, "RATIO",
@@ -108,13 +108,14 @@ void addEnvironmentOptions(CLI::App& command, Environment& environment) {
       .saidAs([&environment] {
         return environment.ground ? numberText(environment.ground->friction) : "";
       });
-  group.choice<ContactFilter>("--contacts", environment.contacts,
-                              {{"auto", ContactFilter::Auto},
-                               {"none", ContactFilter::None},
-                               {"unjoined", ContactFilter::Unjoined},
-                               {"all", ContactFilter::All}},
-                              "pairs of bricks that may touch, others pass through each other; auto: "
-                              "all where bricks would meet on the way");
+  group.choice<ContactFilter>(
+      "--contacts", environment.contacts,
+      {{"auto", ContactFilter::Auto},
+       {"none", ContactFilter::None},
+       {"unjoined", ContactFilter::Unjoined},
+       {"all", ContactFilter::All}},
+      "pairs of bricks that may touch, others pass through each other; auto: "
+      "all where bricks would meet on the way");
   group.number("--brick-friction", environment.brickFriction, {0, 1e3}, "RATIO",
                "Coulomb friction between bricks");
   group.number("--linear-damping", environment.linearDamping, {0, 1, true}, "SHARE",

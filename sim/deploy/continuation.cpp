@@ -186,11 +186,13 @@ class Continuation {
 
   MechanismPath toExtension() {
     stateLength_ = kStateShare * tile_;
-    double part = kReach * stateLength_ / pathDistance(mechanism_.bricks(), poses_, spread(poses_, 1));
+    double part =
+        kReach * stateLength_ / pathDistance(mechanism_.bricks(), poses_, spread(poses_, 1));
     double reached = extent(poses_);
     for (int i = 0; i < kMostExtending && mayGoOn() && part > kLeastReach; ++i) {
       Poses tried = poses_;
-      const double moved = mechanism_.move(tried, spread(poses_, part), stateLength_, true, budget_);
+      const double moved =
+          mechanism_.move(tried, spread(poses_, part), stateLength_, true, budget_);
       const double extended = extent(tried);
       if (!(extended > reached)) {
         part *= 0.3;
@@ -223,8 +225,7 @@ class Continuation {
   }
 
   double moveTowards(const Poses& place) {
-    const double moved =
-        mechanism_.move(poses_, place, kLongestMove * stateLength_, true, budget_);
+    const double moved = mechanism_.move(poses_, place, kLongestMove * stateLength_, true, budget_);
     keep();
     return moved;
   }
@@ -250,7 +251,8 @@ class Continuation {
     double reach = kFirstProgress * tile_;
     while (path_.length() < end && mayGoOn() && reach > kLeastReach * tile_) {
       const double whole = pathDistance(mechanism_.bricks(), poses_, spread(poses_, 1));
-      const double moved = loose.move(poses_, spread(poses_, kReach * reach / whole), reach, false, budget_);
+      const double moved =
+          loose.move(poses_, spread(poses_, kReach * reach / whole), reach, false, budget_);
       keep();
       reach = moved > kOpened * reach ? std::min(kGrowth * reach, stateLength_) : 0.3 * reach;
     }

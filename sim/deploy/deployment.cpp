@@ -84,8 +84,9 @@ Search search(const Scene& scene, SearchBudget& budget, const TrialObserver& wat
   found.warnings = targetWarnings(scene);
   for (const std::string& warning : found.warnings) watch({kAssembling, 0, warning});
   SearchBudget assembling(kAssemblingShare * budget.seconds());
-  found.nearest = assembleAtTarget(
-      scene, assembling, [&] { return watch({kAssembling, kAssemblingShare * assembling.share()}); });
+  found.nearest = assembleAtTarget(scene, assembling, [&] {
+    return watch({kAssembling, kAssemblingShare * assembling.share()});
+  });
   budget.spend(assembling.spent());
   if (const std::string far = reachWarning(scene, found.nearest); !far.empty()) {
     found.warnings.push_back(far);
@@ -132,7 +133,8 @@ void addOverlapWarning(const Scene& scene, DeploymentResult& result) {
 std::string passingThrough(const Scene& scene, const GeometricPath& path) {
   return fmt::format(
       "bricks pass through each other on the way, by up to {:.2g} m ({:.2g} tiles): no path among "
-      "touching bricks was found; thinner bricks (--thickness {:.2g}) or a longer --search may have "
+      "touching bricks was found; thinner bricks (--thickness {:.2g}) or a longer --search may "
+      "have "
       "one, and --contacts all shows where they lock",
       path.grown, path.grown / tileSize(scene.model), 0.25 * scene.brick.thickness);
 }

@@ -26,35 +26,20 @@ constexpr auto kTouching = std::to_array<ContinuationSettings>({
     {.turnWeight = 10, .leap = 1.0 / 600},
 });
 
-// A path may cost this part of the budget, and among touching bricks that: where bricks wedge, or the
-// mechanism is singular, moves are halved again and again.
-constexpr double kAloneShare = 0.1;
-constexpr double kTouchingShare = 0.1;
+// A path may cost this part of the budget: where bricks wedge, or the mechanism is singular, moves
+// are halved again and again.
+constexpr double kPathShare = 0.1;
 // A path shorter than this part of a tile is none.
 constexpr double kLeastExtension = 1e-3;
 
-/// Overlaps of the bricks of one scene.
-class OverlapMeter {
- public:
-  /// Overlaps beyond those of the path's first state, whose joints are closed, count.
-  OverlapMeter(const Scene& scene, const Poses& start)
-      : bricks_(makeBricks(scene.model.tiles, scene.brick)),
-        pivots_(makePivots(scene.model.joints, bricks_)),
-        meter_(bricks_, pivots_, scene.environment.pivotZone, start, 0) {}
-
-  double at(const Poses& state) { return meter_.at(state).grown; }
-
- private:
-  std::vector<Brick> bricks_;
-  std::vector<Pivot> pivots_;
-  PenetrationMeter meter_;
-};
-
-/// The deepest overlap of any pair on a path beyond that of its first state, metres.
+/// The deepest overlap of any pair on a path beyond that of its first state, whose joints are
+/// closed, metres.
 double mostGrown(const Scene& scene, const MechanismPath& path) {
-  OverlapMeter overlaps(scene, path.states.front());
+  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<Pivot> pivots = makePivots(scene.model.joints, bricks);
+  PenetrationMeter meter(bricks, pivots, scene.environment.pivotZone, path.states.front(), 0);
   double deepest = 0;
-  for (const Poses& state : path.states) deepest = std::max(deepest, overlaps.at(state));
+  for (const Poses& state : path.states) deepest = std::max(deepest, meter.at(state).grown);
   return deepest;
 }
 
@@ -91,9 +76,7 @@ class GeometricSearch {
                        const char* what) {
     Scene trial = scene_;
     trial.environment.contacts = contacts;
-    const bool isTouching = contacts != ContactFilter::None;
-    SearchBudget part(std::min(budget_.left() / kWorkPerSecond,
-                               (isTouching ? kTouchingShare : kAloneShare) * budget_.seconds()));
+    SearchBudget part(std::min(budget_.left() / kWorkPerSecond, kPathShare * budget_.seconds()));
     MechanismPath path = continueTo(trial, room_.nearest.poses, settings, part, [&] {
       isOver_ = isOver_ || (observer_ && !observer_({what, budget_.share()}));
       return !isOver_;
@@ -265,7 +248,7 @@ GeometricPaths findExtension(const Scene& scene, SearchBudget& budget,
   for (const bool isTouching : {false, true}) {
     if (isTouching && wanted == ContactFilter::None) break;
     Scene trial = scene;
-    trial.environment.contacts = !isTouching                    ? ContactFilter::None
+    trial.environment.contacts = !isTouching                     ? ContactFilter::None
                                  : wanted == ContactFilter::Auto ? ContactFilter::All
                                                                  : wanted;
     GeometricPath path;
@@ -278,8 +261,9 @@ GeometricPaths findExtension(const Scene& scene, SearchBudget& budget,
     path.contacts = trial.environment.contacts;
     path.reason = "a path of the mechanism, nothing given needs dynamics";
     const bool isClear = path.grown <= kClearShare * tile;
-    if (!isClear && path.contacts != ContactFilter::Unjoined && wanted != ContactFilter::None) continue;
-    path.contactReason = isTouching                       ? "bricks meet on the way"
+    if (!isClear && path.contacts != ContactFilter::Unjoined && wanted != ContactFilter::None)
+      continue;
+    path.contactReason = isTouching                      ? "bricks meet on the way"
                          : wanted == ContactFilter::None ? "not asked for"
                                                          : "no bricks meet on the way";
     found.clear = std::move(path);
@@ -302,11 +286,11 @@ DeploymentResult walk(const Scene& scene, const GeometricPath& found, const Asse
   result.outcome = walk.isInterrupted() ? Outcome::Interrupted
                    : isFar              ? Outcome::Locked
                                         : Outcome::Settled;
-  result.reason = walk.isInterrupted()  ? "ended early by the caller"
+  result.reason = walk.isInterrupted() ? "ended early by the caller"
                   : isFar              ? fmt::format(
-                                "the path ends {:.3g} short of the target: no state with closed "
-                                "joints was found nearer",
-                                error)
+                                             "the path ends {:.3g} short of the target: no state with closed "
+                                                          "joints was found nearer",
+                                             error)
                   : scene.model.target ? fmt::format("the path ends {:.3g} from the target", error)
                                        : "the path ends at full extension";
   if (found.passesThrough && !walk.isInterrupted()) {

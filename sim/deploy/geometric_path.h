@@ -29,8 +29,8 @@ struct GeometricPaths {
   std::string trouble;                   ///< why there is none, for the summary
 };
 
-/// Looks for a path from the start to the state nearest to the target: first without contacts; then,
-/// where bricks overlap on the way and the scene lets them touch, with contacts.
+/// Looks for a path from the start to the state nearest to the target: first without contacts;
+/// then, where bricks overlap on the way and the scene lets them touch, with contacts.
 GeometricPaths findGeometricPaths(const Scene& scene, const TargetRoom& room, SearchBudget& budget,
                                   const TrialObserver& observer);
 

@@ -110,11 +110,10 @@ double lowestPoint(const std::vector<Tile>& tiles, const BrickRule& rule) {
 }  // namespace
 
 std::string describe(const StartAlignment& alignment) {
-    return fmt::format(
+  return fmt::format(
       "the start was moved by up to {:.3g} m and turned by {:.3g} degrees onto its target{} "
       "(--no-align keeps it in its place)",
-      alignment.moved, alignment.turned / kDegree,
-      alignment.byHeld ? ", by its pinned tiles" : "");
+      alignment.moved, alignment.turned / kDegree, alignment.byHeld ? ", by its pinned tiles" : "");
 }
 
 TargetSpringSettings springsOf(const Scene& scene) {
@@ -157,14 +156,14 @@ bool isQuasiStatic(const Scene& scene, std::string& reason) {
                             around.angularDamping == Environment{}.angularDamping;
   const bool isPlainSolver = scene.solver.kind == SolverKind::Direct && !scene.solver.substeps;
   reason = scene.actuation.drive != defaultDrive(scene.model) ? "the actuation was given"
-           : !scene.timeline.empty()                 ? "the timeline leads"
-           : !around.gravity.isZero(0)               ? "there is gravity"
-           : around.ground || !around.obstacles.empty() ? "there is ground or an obstacle"
-           : around.brickFriction > 0                ? "there is friction"
-           : !usualSprings || !usualDamping          ? "springs or damping were given"
-           : scene.brick.mass != MassRule::Unit      ? "masses were given"
-           : !isPlainSolver                          ? "the solver was given"
-                                                     : "";
+           : !scene.timeline.empty()                          ? "the timeline leads"
+           : !around.gravity.isZero(0)                        ? "there is gravity"
+           : around.ground || !around.obstacles.empty()       ? "there is ground or an obstacle"
+           : around.brickFriction > 0                         ? "there is friction"
+           : !usualSprings || !usualDamping                   ? "springs or damping were given"
+           : scene.brick.mass != MassRule::Unit               ? "masses were given"
+           : !isPlainSolver                                   ? "the solver was given"
+                                                              : "";
   return reason.empty();
 }
 

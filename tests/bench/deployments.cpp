@@ -1,6 +1,6 @@
 // Default deployments: every model of the given folders as `kirireel record` would deploy it, one a
-// row. Prints where it ended, against the least error found, the path's length over its guide's, how
-// deep bricks overlapped beyond the start, the largest joint gap, and CPU seconds.
+// row. Prints where it ended, against the least error found, the path's length over its guide's,
+// how deep bricks overlapped beyond the start, the largest joint gap, and CPU seconds.
 //
 //     build/release/tests/bench/deployments [FOLDER ...] [--search SECONDS] [--contacts auto]
 
@@ -46,14 +46,15 @@ void printRow(const fs::path& path, Scene scene) {
   const DeploymentResult result = deploy(scene, 1.0 / 30, nullptr);
   const double tile = tileSize(scene.model);
   const bool isWalked = result.path.kind == PathKind::Continuation;
-  fmt::print("{:<30} {:>4} {:<11} {:<12} error {:8.1e} least {:8.1e} overlap {:8.1e} gap {:8.1e} "
-             "contacts {} {:6.2f} + {:6.2f} s  {}\n",
-             path.filename().string(), scene.model.tiles.size(), toString(result.outcome),
-             isWalked ? "continuation" : "dynamic", result.accuracy.targetErrorEnd / tile,
-             result.assembledError / tile, result.accuracy.penetrationGrownMax / tile,
-             result.accuracy.jointGapMax / tile, result.needs.contacts.on ? "on " : "off",
-             result.cost.cpuSecondsSearch, result.cost.cpuSeconds,
-             isWalked ? result.needs.contacts.reason : result.pathReason);
+  fmt::print(
+      "{:<30} {:>4} {:<11} {:<12} error {:8.1e} least {:8.1e} overlap {:8.1e} gap {:8.1e} "
+      "contacts {} {:6.2f} + {:6.2f} s  {}\n",
+      path.filename().string(), scene.model.tiles.size(), toString(result.outcome),
+      isWalked ? "continuation" : "dynamic", result.accuracy.targetErrorEnd / tile,
+      result.assembledError / tile, result.accuracy.penetrationGrownMax / tile,
+      result.accuracy.jointGapMax / tile, result.needs.contacts.on ? "on " : "off",
+      result.cost.cpuSecondsSearch, result.cost.cpuSeconds,
+      isWalked ? result.needs.contacts.reason : result.pathReason);
   std::fflush(stdout);
 }
 

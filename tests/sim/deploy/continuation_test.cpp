@@ -1,4 +1,6 @@
 // Deployments as geometry: paths of the mechanism.
+#include "sim/deploy/continuation.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -6,7 +8,6 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
-#include "sim/deploy/continuation.h"
 #include "sim/deploy/deployment.h"
 #include "sim/generate/shells.h"
 #include "sim/measure/brick_measures.h"
@@ -156,10 +157,11 @@ TEST(Continuation, GivesWayToDynamicsWhereSomethingGivenNeedsThem) {
   EXPECT_NE(run.path.kind, PathKind::Continuation);
   EXPECT_THAT(run.pathReason, testing::HasSubstr("springs or damping were given"));
   scene.path.kind = PathKind::Continuation;
-  EXPECT_THAT([&] { deploy(scene, 0.5, nullptr); },
-              testing::ThrowsMessage<InputError>(
-                  "error: --path continuation is geometry alone, but springs or damping were given; "
-                  "leave that away, or give --path dynamic"));
+  EXPECT_THAT(
+      [&] { deploy(scene, 0.5, nullptr); },
+      testing::ThrowsMessage<InputError>(
+          "error: --path continuation is geometry alone, but springs or damping were given; "
+          "leave that away, or give --path dynamic"));
 }
 
 }  // namespace
