@@ -12,6 +12,13 @@
 // move, so that no brick passes through another however long the move. s goes on by equal parts:
 // where the mechanism follows its guide, the path is even.
 //
+// Compliant joints replace c(q) = 0 by a spring energy: the state minimises
+//   |q - g(s)|_W^2 + r |c(q)|^2,  r the stiffness of a joint over that of the pull to the guide,
+// so that a design without freedom leaves its start, its joints open where they must.
+//
+// Full extension is sought by gradient ascent of the sum of squared distances from the common
+// centre on the mechanism, with momentum: Nesterov (1983), Soviet Math. Doklady 27.
+//
 // Nearest points are followed as in predictor-corrector continuation: Allgower, Georg (1990),
 // Introduction to Numerical Continuation Methods, chapters 2 and 6.
 #include "sim/deploy/continuation.h"
@@ -55,10 +62,15 @@ constexpr double kWeakestPull = 1e-6;
 // While opening, the place is so many reaches away, and below this reach the bricks are stuck.
 constexpr double kReach = 5;
 constexpr double kLeastReach = 1e-6;
-// Towards full extension, places are at most so much farther from the centre than the state.
+// Towards full extension, places are at first this part of the usual distance away, and at most so
+// much farther from the centre than the state.
+constexpr double kFirstReach = 1e-3;
 constexpr double kWider = 1.0;
 constexpr double kNoGain = 1e-12;  // of the sum of squares, relative
 constexpr int kMostExtending = 2000;
+// A saddle is left by a turn of so many radians, and where that gains so much extent.
+constexpr double kNudge = 0.02;
+constexpr double kMoreExtent = 1e-6;
 
 double gyrationRadius(const Brick& brick) {
   double sum = 0;
@@ -107,13 +119,21 @@ double extent(const Poses& poses) {
 /// The mechanism in one metric, moved from place to place.
 class Mechanism {
  public:
-  Mechanism(const Scene& scene, double turnWeight, const Poses& start)
+  Mechanism(const Scene& scene, const ContinuationSettings& settings, const Poses& start)
       : scene_(scene),
-        bricks_(metricBricks(scene, turnWeight)),
-        dynamics_(makeDynamics(scene_, sceneNeeds(scene_), bricks_, start)) {}
+        jointStiffness_(settings.jointStiffness * kPull),
+        bricks_(metricBricks(scene, settings.turnWeight)) {
+    restart(start);
+  }
 
   void restart(const Poses& start) {
     dynamics_ = makeDynamics(scene_, sceneNeeds(scene_), bricks_, start);
+    dynamics_->setJointStiffness(jointStiffness_);
+  }
+
+  void makeJointsExact() {
+    jointStiffness_ = std::numeric_limits<double>::infinity();
+    dynamics_->setJointStiffness(jointStiffness_);
   }
 
   const std::vector<Brick>& bricks() const { return bricks_; }
@@ -152,59 +172,77 @@ class Mechanism {
   }
 
   const Scene& scene_;
+  double jointStiffness_;  // over the bricks' unit mass and the unit step squared
   std::vector<Brick> bricks_;
   std::unique_ptr<Dynamics> dynamics_;
 };
 
+/// What a path follows: straight from each of its states to the next, at an even pace.
+class Guide {
+ public:
+  Guide(const std::vector<Brick>& bricks, std::vector<Poses> states) : states_(std::move(states)) {
+    for (std::size_t k = 1; k < states_.size(); ++k) {
+      lengths_.push_back(lengths_.back() + pathDistance(bricks, states_[k - 1], states_[k]));
+    }
+  }
+
+  double length() const { return lengths_.back(); }
+  const Poses& end() const { return states_.back(); }
+
+  /// The place at a progress from 0 to 1.
+  Poses at(double progress) const {
+    const double length = progress * lengths_.back();
+    const auto next = std::upper_bound(lengths_.begin() + 1, lengths_.end() - 1, length);
+    const auto k = static_cast<std::size_t>(next - lengths_.begin());
+    const double part = lengths_[k] - lengths_[k - 1];
+    const double share = part > 0 ? (length - lengths_[k - 1]) / part : 1;
+    return interpolate(states_[k - 1], states_[k], share);
+  }
+
+ private:
+  std::vector<Poses> states_;
+  std::vector<double> lengths_ = {0};  // up to each state, metres
+};
+
 class Continuation {
  public:
-  Continuation(const Scene& scene, const ContinuationSettings& settings, SearchBudget& budget,
-               const std::function<bool()>& goesOn)
+  Continuation(const Scene& scene, Poses start, const ContinuationSettings& settings,
+               SearchBudget& budget, const std::function<bool()>& goesOn)
       : scene_(withoutLoads(scene)),
         settings_(settings),
         tile_(tileSize(scene.model)),
-        poses_(startPoses(scene.model.tiles, makeBricks(scene.model.tiles, scene.brick))),
-        mechanism_(scene_, settings.turnWeight, poses_),
+        poses_(std::move(start)),
+        mechanism_(scene_, settings, poses_),
         budget_(budget),
         goesOn_(goesOn) {
-    mechanism_.close(poses_);
+    if (!settings.areJointsCompliant()) mechanism_.close(poses_);
     keep();
   }
 
-  MechanismPath to(const Poses& goal) {
-    path_.guideLength = pathDistance(mechanism_.bricks(), poses_, goal);
-    const double states =
+  /// Follows the given states from the first, closed, to the last.
+  MechanismPath along(std::vector<Poses> states) {
+    states.front() = poses_;
+    const Guide guide(mechanism_.bricks(), std::move(states));
+    path_.guideLength = guide.length();
+    const double count =
         std::clamp(path_.guideLength / (kStateShare * tile_), kLeastStates, kMostStates);
-    stateLength_ = path_.guideLength / states;
+    stateLength_ = path_.guideLength / count;
     if (stateLength_ > 0) {
-      const double done = settings_.leap > 0 ? leap(goal) : 0;
-      const bool isOpened = open();
-      follow(goal, isOpened ? 0 : done, 1 / states);
+      const double done = settings_.leap > 0 ? leap(guide) : 0;
+      if (open()) {
+        follow(Guide(mechanism_.bricks(), {poses_, guide.end()}), 0, 1 / count);
+      } else {
+        follow(guide, done, 1 / count);
+      }
     }
     return finish();
   }
 
   MechanismPath toExtension() {
     stateLength_ = kStateShare * tile_;
-    double part =
-        kReach * stateLength_ / pathDistance(mechanism_.bricks(), poses_, spread(poses_, 1));
-    double reached = extent(poses_);
-    for (int i = 0; i < kMostExtending && mayGoOn() && part > kLeastReach; ++i) {
-      Poses tried = poses_;
-      const double moved =
-          mechanism_.move(tried, spread(poses_, part), stateLength_, true, budget_);
-      const double extended = extent(tried);
-      if (!(extended > reached)) {
-        part *= 0.3;
-        continue;
-      }
-      poses_ = std::move(tried);
-      keep();
-      if (extended - reached < kNoGain * reached) break;
-      reached = extended;
-      // Far places cost halved moves: they come nearer where moves are as long as they may be.
-      part = moved < 0.5 * stateLength_ ? std::min(kGrowth * part, kWider) : part / kGrowth;
-    }
+    extend();
+    // Where nothing extends the tiles, they stand at a maximum or, often by symmetry, at a saddle.
+    while (mayGoOn() && leaveSaddle()) continue;
     path_.guideLength = path_.length();
     return finish();
   }
@@ -230,9 +268,58 @@ class Continuation {
     return moved;
   }
 
+  /// Moves the tiles apart until nothing extends them any more.
+  void extend() {
+    const double whole = pathDistance(mechanism_.bricks(), poses_, spread(poses_, 1));
+    const double widest = kReach * stateLength_ / whole;
+    // Bricks that lie flush part by tiny moves, and would wedge by larger ones.
+    double part = kFirstReach * widest;
+    double reached = extent(poses_);
+    Poses last = poses_;
+    int gains = 0;  // in a row
+    for (int i = 0; i < kMostExtending && part > kLeastReach * widest && mayGoOn(); ++i) {
+      // Going on as before, more so the longer it gains.
+      const double momentum = gains / (gains + 3.0);
+      const Poses ahead = interpolate(last, poses_, 1 + momentum);
+      Poses tried = poses_;
+      const double moved = mechanism_.move(tried, spread(ahead, part), stateLength_, true, budget_);
+      const double extended = extent(tried);
+      if (!(extended - reached > kNoGain * reached)) {
+        if (gains == 0) part *= 0.3;
+        gains = 0;
+        continue;
+      }
+      ++gains;
+      last = std::exchange(poses_, std::move(tried));
+      keep();
+      reached = extended;
+      // Far places cost halved moves: they come nearer where moves are as long as they may be.
+      part = moved < 0.5 * stateLength_ ? std::min(kGrowth * part, kWider) : part / kGrowth;
+    }
+  }
+
+  /// Turns all tiles a little in one sense, which keeps a symmetry by turns but no mirror symmetry,
+  /// and extends them from there. Returns whether they came farther; else they stay.
+  bool leaveSaddle() {
+    const Poses before = poses_;
+    const MechanismPath soFar = path_;
+    Poses place = poses_;
+    for (std::size_t i = 0; i < place.size(); ++i) {
+      const Vector3 normal = place[i].rotation * mechanism_.bricks()[i].normal;
+      place[i].rotation = Quaternion(Eigen::AngleAxisd(kNudge, normal)) * place[i].rotation;
+    }
+    moveTowards(place);
+    extend();
+    if (extent(poses_) > (1 + kMoreExtent) * extent(before)) return true;
+    poses_ = before;
+    path_ = soFar;
+    mechanism_.restart(poses_);
+    return false;
+  }
+
   /// Returns the progress that the leap made, 0 where there is no closed state nearby.
-  double leap(const Poses& goal) {
-    Poses first = interpolate(poses_, goal, settings_.leap);
+  double leap(const Guide& guide) {
+    Poses first = guide.at(settings_.leap);
     if (!mechanism_.close(first)) return 0;
     const double far = pathDistance(mechanism_.bricks(), poses_, first);
     if (far > kLongestLeap * settings_.leap * path_.guideLength + stateLength_) return 0;
@@ -246,7 +333,7 @@ class Continuation {
   /// Moves the tiles apart, turns free. Returns whether that was asked for.
   bool open() {
     if (settings_.opening <= 0) return false;
-    Mechanism loose(scene_, 1, poses_);
+    Mechanism loose(scene_, {.turnWeight = 1}, poses_);
     const double end = path_.length() + settings_.opening * tile_;
     double reach = kFirstProgress * tile_;
     while (path_.length() < end && mayGoOn() && reach > kLeastReach * tile_) {
@@ -259,23 +346,26 @@ class Continuation {
     return true;
   }
 
-  void follow(const Poses& goal, double progress, double largest) {
-    const Poses from = settings_.opening > 0 ? poses_ : path_.states.front();
+  void follow(const Guide& guide, double progress, double largest) {
     double advance = progress > 0 ? std::min(progress, largest) : kFirstProgress;
     int still = 0;
     for (; progress < 1 && mayGoOn(); advance = std::min(kGrowth * advance, largest)) {
       progress = std::min(1.0, progress + advance);
       const double wanted = advance * path_.guideLength;
       const double before = path_.length();
-      const Poses place = interpolate(from, goal, progress);
+      const Poses place = guide.at(progress);
       for (int i = 0; i < kMovesAState && mayGoOn(); ++i) {
         if (moveTowards(place) < kShortMove * wanted) break;
       }
       still = path_.length() - before < kShortMove * wanted ? still + 1 : 0;
       path_.isStuck = still >= kStuckPlaces;
     }
+    if (settings_.areJointsCompliant()) {
+      for (int i = 0; i < kMovesAState && mayGoOn(); ++i) moveTowards(guide.end());
+      mechanism_.makeJointsExact();
+    }
     for (int i = 0; i < kMovesAtGoal && mayGoOn(); ++i) {
-      if (moveTowards(goal) < kNoMove * tile_) break;
+      if (moveTowards(guide.end()) < kNoMove * tile_) break;
     }
   }
 
@@ -309,15 +399,16 @@ double pathDistance(const std::vector<Brick>& bricks, const Poses& from, const P
   return std::sqrt(sum / static_cast<double>(bricks.size()));
 }
 
-MechanismPath continueTo(const Scene& scene, const Poses& goal,
-                         const ContinuationSettings& settings, SearchBudget& budget,
-                         const std::function<bool()>& goesOn) {
-  return Continuation(scene, settings, budget, goesOn).to(goal);
+MechanismPath continueAlong(const Scene& scene, std::vector<Poses> guide,
+                            const ContinuationSettings& settings, SearchBudget& budget,
+                            const std::function<bool()>& goesOn) {
+  return Continuation(scene, guide.front(), settings, budget, goesOn).along(std::move(guide));
 }
 
 MechanismPath continueToExtension(const Scene& scene, SearchBudget& budget,
                                   const std::function<bool()>& goesOn) {
-  return Continuation(scene, {.turnWeight = 1}, budget, goesOn).toExtension();
+  const Poses start = startPoses(scene.model.tiles, makeBricks(scene.model.tiles, scene.brick));
+  return Continuation(scene, start, {.turnWeight = 1}, budget, goesOn).toExtension();
 }
 
 }  // namespace kirireel

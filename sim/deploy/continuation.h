@@ -1,7 +1,9 @@
 /// The deployment as geometry: a path of the mechanism from its start to its target.
 #pragma once
 
+#include <cmath>
 #include <functional>
+#include <limits>
 #include <vector>
 
 #include "sim/base/geometry.h"
@@ -39,13 +41,20 @@ struct ContinuationSettings {
   /// A singular start is left by a leap, contacts left out: the first state is sought at this
   /// progress of the guide. 0: the first moves are tiny instead, and grow.
   double leap = 1.0 / 60;
+  /// Of each joint, over that of the springs that move a tile along its guide. Designs without
+  /// freedom leave their start only by opening their joints: the stiffer, the less. Infinity:
+  /// exact.
+  double jointStiffness = std::numeric_limits<double>::infinity();
+
+  bool areJointsCompliant() const { return std::isfinite(jointStiffness); }
 };
 
-/// Follows the mechanism from the scene's start to `goal`, a state with closed joints, among the
-/// contacts that the scene asks for. Loads and damping are left out. `goesOn` may be empty.
-MechanismPath continueTo(const Scene& scene, const Poses& goal,
-                         const ContinuationSettings& settings, SearchBudget& budget,
-                         const std::function<bool()>& goesOn = {});
+/// Follows the mechanism from the first state of `guide`, once its joints are closed, along the
+/// others to the last, whose joints are closed; among the contacts that the scene asks for. Loads
+/// and damping are left out. `goesOn` may be empty.
+MechanismPath continueAlong(const Scene& scene, std::vector<Poses> guide,
+                            const ContinuationSettings& settings, SearchBudget& budget,
+                            const std::function<bool()>& goesOn = {});
 
 /// Follows the mechanism from the scene's start away from the tiles' common centre, up to the
 /// state in which the sum of squared distances from it is greatest: full extension.

@@ -165,6 +165,17 @@ void chooseWay(Scene& scene, Search& found, SearchBudget& budget, const TrialObs
     found.walked = &*geometric.clear;
     return;
   }
+  const auto passThrough = [&] {
+    found.walked = &*geometric.through;
+    found.warnings.push_back(passingThrough(scene, *found.walked));
+    watch({kAssembling, budget.share(), found.warnings.back()});
+  };
+  if (!scene.model.target && geometric.through) return passThrough();
+  // Where bricks alone are in the way, dynamics may find a path on which joints stay closed.
+  if (geometric.compliant && !geometric.mayBeExact) {
+    found.walked = &*geometric.compliant;
+    return;
+  }
   ContactFilter& contacts = scene.environment.contacts;
   const bool isContactOpen = contacts == ContactFilter::Auto;
   if (isContactOpen) contacts = isSearched(scene) ? ContactFilter::All : ContactFilter::None;
@@ -173,13 +184,13 @@ void chooseWay(Scene& scene, Search& found, SearchBudget& budget, const TrialObs
   found.choice =
       choosePath(scene, {found.nearest, !found.blocking.empty(), geometric.through.has_value()},
                  budget, watch, trials);
-  if (isContactOpen && found.choice.isClear) contacts = ContactFilter::None;
-  if (!found.choice.isFound && isContactOpen && geometric.through) {
-    found.walked = &*geometric.through;
-    found.warnings.push_back(passingThrough(scene, *found.walked));
-    watch({kAssembling, budget.share(), found.warnings.back()});
+  const bool isExact = found.choice.isFound && !found.choice.path.jointsGive();
+  if (geometric.compliant && !isExact) {
+    found.walked = &*geometric.compliant;
     return;
   }
+  if (isContactOpen && found.choice.isClear) contacts = ContactFilter::None;
+  if (!found.choice.isFound && isContactOpen && geometric.through) return passThrough();
   if (!found.choice.isFound && isContactOpen && found.choice.through) {
     contacts = ContactFilter::None;
     found.choice.path = *found.choice.through;

@@ -26,10 +26,21 @@ constexpr auto kTouching = std::to_array<ContinuationSettings>({
     {.turnWeight = 10, .leap = 1.0 / 600},
 });
 
+// The paths to try with compliant joints: the first that arrives is then followed with stiffer
+// ones.
+constexpr auto kCompliant = std::to_array<ContinuationSettings>({
+    {.turnWeight = 100, .leap = 0, .jointStiffness = 1e3},
+    {.turnWeight = 100, .leap = 0, .jointStiffness = 1e2},
+    {.turnWeight = 1, .leap = 0, .jointStiffness = 1e1},
+});
+constexpr double kStiffer = 10;
+
 // A path may cost this part of the budget: where bricks wedge, or the mechanism is singular, moves
 // are halved again and again.
 constexpr double kPathShare = 0.1;
-// A path shorter than this part of a tile is none.
+// Extending without contacts may cost this part of the budget, so that enough is left with them.
+constexpr double kAloneShare = 0.4;
+// An extension shorter than this part of a tile is none.
 constexpr double kLeastExtension = 1e-3;
 
 /// The deepest overlap of any pair on a path beyond that of its first state, whose joints are
@@ -43,6 +54,20 @@ double mostGrown(const Scene& scene, const MechanismPath& path) {
   return deepest;
 }
 
+/// The largest gap of any joint on a path, metres.
+double mostOpened(const Scene& scene, const MechanismPath& path) {
+  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<Pivot> pivots = makePivots(scene.model.joints, bricks);
+  double largest = 0;
+  for (const Poses& state : path.states) largest = std::max(largest, jointGap(pivots, state).max);
+  return largest;
+}
+
+const char* const kAmongBricks = "a path of the mechanism among touching bricks";
+const char* const kCompliantTried = "a path of the mechanism with compliant joints";
+const char* const kThrough =
+    "bricks pass through each other, no path among touching ones was found";
+
 /// Tries the paths of one scene.
 class GeometricSearch {
  public:
@@ -52,7 +77,8 @@ class GeometricSearch {
         room_(room),
         budget_(budget),
         observer_(observer),
-        tile_(tileSize(scene.model)) {}
+        tile_(tileSize(scene.model)),
+        start_(startPoses(scene.model.tiles, makeBricks(scene.model.tiles, scene.brick))) {}
 
   GeometricPaths find() {
     const ContactFilter wanted = scene_.environment.contacts;
@@ -61,23 +87,31 @@ class GeometricSearch {
       if (found_.clear || isOver_) return std::move(found_);
       if (isCutShort_) break;
     }
+    const ContactFilter touching = wanted == ContactFilter::Auto ? ContactFilter::All : wanted;
     if (wanted != ContactFilter::None && found_.through) {
       for (const ContinuationSettings& settings : kTouching) {
-        tryTouching(settings, wanted == ContactFilter::Auto ? ContactFilter::All : wanted);
-        if (found_.clear || isOver_) break;
+        tryTouching(settings, touching);
+        if (found_.clear || isOver_) return std::move(found_);
       }
     }
-    if (!found_.clear && !found_.through) found_.trouble = trouble();
+    found_.mayBeExact = found_.through || isCutShort_;
+    tryCompliant(touching);
+    if (!found_.compliant && !found_.mayBeExact && wanted == ContactFilter::Auto) {
+      tryCompliant(ContactFilter::None);
+    }
+    if (!found_.compliant && !found_.through) found_.trouble = trouble();
     return std::move(found_);
   }
 
  private:
-  MechanismPath follow(const ContinuationSettings& settings, ContactFilter contacts,
-                       const char* what) {
+  std::vector<Poses> tilesOwnMotion() const { return {start_, room_.nearest.poses}; }
+
+  MechanismPath follow(std::vector<Poses> guide, const ContinuationSettings& settings,
+                       ContactFilter contacts, const char* what) {
     Scene trial = scene_;
     trial.environment.contacts = contacts;
     SearchBudget part(std::min(budget_.left() / kWorkPerSecond, kPathShare * budget_.seconds()));
-    MechanismPath path = continueTo(trial, room_.nearest.poses, settings, part, [&] {
+    MechanismPath path = continueAlong(trial, std::move(guide), settings, part, [&] {
       isOver_ = isOver_ || (observer_ && !observer_({what, budget_.share()}));
       return !isOver_;
     });
@@ -98,7 +132,7 @@ class GeometricSearch {
 
   void tryAlone(const ContinuationSettings& settings, ContactFilter wanted) {
     GeometricPath trial;
-    trial.path = follow(settings, ContactFilter::None, "a path of the mechanism");
+    trial.path = follow(tilesOwnMotion(), settings, ContactFilter::None, "a path of the mechanism");
     if (!arrives(trial.path, false)) return;
     trial.grown = mostGrown(scene_, trial.path);
     trial.reason = "a path of the mechanism, nothing given needs dynamics";
@@ -109,7 +143,7 @@ class GeometricSearch {
       trial.contactReason = "no bricks meet on the way";
       found_.clear = std::move(trial);
     } else if (!found_.through || trial.grown < found_.through->grown) {
-      trial.contactReason = "bricks pass through each other, no path among touching ones was found";
+      trial.contactReason = kThrough;
       trial.passesThrough = true;
       found_.through = std::move(trial);
     }
@@ -117,7 +151,7 @@ class GeometricSearch {
 
   void tryTouching(const ContinuationSettings& settings, ContactFilter contacts) {
     GeometricPath trial;
-    trial.path = follow(settings, contacts, "a path of the mechanism among touching bricks");
+    trial.path = follow(tilesOwnMotion(), settings, contacts, kAmongBricks);
     if (!arrives(trial.path, true)) return;
     trial.grown = mostGrown(scene_, trial.path);
     if (contacts == ContactFilter::All && trial.grown > kClearShare * tile_) return;
@@ -125,6 +159,48 @@ class GeometricSearch {
     trial.contactReason = "bricks meet on the way";
     trial.reason = "a path of the mechanism among touching bricks, nothing given needs dynamics";
     found_.clear = std::move(trial);
+  }
+
+  /// Compliant joints, opening as little as they can: once a path is found, it guides the next.
+  void tryCompliant(ContactFilter contacts) {
+    const bool isAmongBricks = contacts != ContactFilter::None;
+    std::optional<GeometricPath> best;
+    for (ContinuationSettings settings : kCompliant) {
+      best = compliantPath(tilesOwnMotion(), settings, contacts);
+      while (best && !isOver_) {
+        settings.jointStiffness *= kStiffer;
+        std::optional<GeometricPath> next = compliantPath(best->path.states, settings, contacts);
+        if (!next || !(next->opening < best->opening)) break;
+        best = std::move(next);
+      }
+      if (best || isOver_) break;
+    }
+    if (!best) return;
+    const bool isClear = best->grown <= kClearShare * tile_;
+    best->contacts = contacts;
+    best->contactReason = isAmongBricks ? "bricks meet on the way"
+                          : isClear     ? "no bricks meet on the way"
+                                        : kThrough;
+    best->reason = fmt::format(
+        "a path of the mechanism with compliant joints, which open by up to {:.2g} m ({:.2g} "
+        "tiles): "
+        "none with exact joints was found",
+        best->opening, best->opening / tile_);
+    best->passesThrough = !isClear && scene_.environment.contacts != ContactFilter::None;
+    (best->passesThrough ? found_.through : found_.compliant) = std::move(best);
+  }
+
+  std::optional<GeometricPath> compliantPath(std::vector<Poses> guide,
+                                             const ContinuationSettings& settings,
+                                             ContactFilter contacts) {
+    GeometricPath trial;
+    trial.hasCompliantJoints = true;
+    trial.path = follow(std::move(guide), settings, contacts, kCompliantTried);
+    if (!arrives(trial.path, contacts != ContactFilter::None)) return std::nullopt;
+    trial.grown = mostGrown(scene_, trial.path);
+    if (contacts == ContactFilter::All && trial.grown > kClearShare * tile_) return std::nullopt;
+    trial.opening = mostOpened(scene_, trial.path);
+    return trial;
   }
 
   std::string trouble() const {
@@ -138,6 +214,7 @@ class GeometricSearch {
   SearchBudget& budget_;
   const TrialObserver& observer_;
   double tile_;  // metres
+  Poses start_;
   GeometricPaths found_;
   int stuck_ = 0;
   bool isCutShort_ = false;
@@ -146,6 +223,25 @@ class GeometricSearch {
 
 const char* const kExtending = "the way to full extension";
 
+/// The path to full extension with these contacts, unless a share of the budget's rest is not
+/// enough.
+std::optional<GeometricPath> extension(const Scene& scene, ContactFilter contacts, double share,
+                                       SearchBudget& budget, const TrialObserver& observer) {
+  Scene trial = scene;
+  trial.environment.contacts = contacts;
+  SearchBudget part(share * budget.left() / kWorkPerSecond);
+  GeometricPath found;
+  found.path = continueToExtension(trial, part, [&] {
+    return !observer || observer({kExtending, budget.share()});
+  });
+  budget.spend(part.spent());
+  if (found.path.isCutShort) return std::nullopt;
+  found.grown = mostGrown(scene, found.path);
+  found.contacts = contacts;
+  found.reason = "a path of the mechanism, nothing given needs dynamics";
+  return found;
+}
+
 /// A walk in progress.
 class Walk {
  public:
@@ -153,6 +249,7 @@ class Walk {
        double sampleInterval, const SampleObserver& observer)
       : scene_(scene),
         path_(found.path),
+        hasCompliantJoints_(found.hasCompliantJoints),
         interval_(sampleInterval),
         observer_(observer),
         bricks_(makeBricks(scene.model.tiles, scene.brick)),
@@ -166,7 +263,7 @@ class Walk {
 
   DeploymentResult finish() {
     static_cast<Subject&>(result_.trajectory) = subjectOf(scene_);
-    figures_.begin(path_.states.front(), false);
+    figures_.begin(path_.states.front(), hasCompliantJoints_);
     takeSample(0, path_.states.front());
     for (std::size_t k = 1; k < path_.states.size() && !isAskedToEnd_; ++k) step(k);
     if (lastTime_ < time_ && !isAskedToEnd_) takeSample(time_, *poses_);
@@ -194,7 +291,7 @@ class Walk {
     poses_ = &path_.states[state];
     StepReport report;
     report.steps = 1;
-    figures_.observe(time_, *poses_, report, false);
+    figures_.observe(time_, *poses_, report, hasCompliantJoints_);
     for (;;) {
       const double due = static_cast<double>(samples_) * interval_;
       if (!(due <= time_) || isAskedToEnd_) return;
@@ -205,7 +302,7 @@ class Walk {
   Poses between(const Poses& from, double share) {
     if (share >= 1) return *poses_;
     Poses poses = interpolate(from, *poses_, share);
-    projection_->assemble(poses);
+    if (!hasCompliantJoints_) projection_->assemble(poses);
     return poses;
   }
 
@@ -218,6 +315,7 @@ class Walk {
 
   const Scene& scene_;
   const MechanismPath& path_;
+  bool hasCompliantJoints_;
   double interval_;  // seconds
   const SampleObserver& observer_;
   std::vector<Brick> bricks_;
@@ -244,32 +342,34 @@ GeometricPaths findGeometricPaths(const Scene& scene, const TargetRoom& room, Se
 GeometricPaths findExtension(const Scene& scene, SearchBudget& budget,
                              const TrialObserver& observer) {
   const ContactFilter wanted = scene.environment.contacts;
+  const double clear = kClearShare * tileSize(scene.model);
   GeometricPaths found;
-  for (const bool isTouching : {false, true}) {
-    if (isTouching && wanted == ContactFilter::None) break;
-    Scene trial = scene;
-    trial.environment.contacts = !isTouching                     ? ContactFilter::None
-                                 : wanted == ContactFilter::Auto ? ContactFilter::All
-                                                                 : wanted;
-    GeometricPath path;
-    path.path = continueToExtension(trial, budget, [&] {
-      return !observer || observer({kExtending, budget.share()});
-    });
-    const double tile = tileSize(scene.model);
-    if (path.path.isCutShort || path.path.length() < kLeastExtension * tile) continue;
-    path.grown = mostGrown(scene, path.path);
-    path.contacts = trial.environment.contacts;
-    path.reason = "a path of the mechanism, nothing given needs dynamics";
-    const bool isClear = path.grown <= kClearShare * tile;
-    if (!isClear && path.contacts != ContactFilter::Unjoined && wanted != ContactFilter::None)
-      continue;
-    path.contactReason = isTouching                      ? "bricks meet on the way"
-                         : wanted == ContactFilter::None ? "not asked for"
-                                                         : "no bricks meet on the way";
-    found.clear = std::move(path);
+  found.trouble = "looking for the way to full extension was cut short";
+  std::optional<GeometricPath> alone =
+      extension(scene, ContactFilter::None, kAloneShare, budget, observer);
+  if (alone && (wanted == ContactFilter::None || alone->grown <= clear)) {
+    alone->contactReason =
+        wanted == ContactFilter::None ? "not asked for" : "no bricks meet on the way";
+    found.clear = std::move(alone);
     return found;
   }
-  found.trouble = "no path of the mechanism leads to an extension";
+  if (wanted == ContactFilter::None) return found;
+  const bool isOpen = wanted == ContactFilter::Auto;
+  std::optional<GeometricPath> touching =
+      extension(scene, isOpen ? ContactFilter::All : wanted, 1, budget, observer);
+  if (touching && touching->contacts == ContactFilter::All && touching->grown > clear)
+    touching.reset();
+  // Flush bricks may hold each other. A sheet that stands still shows nobody how it opens.
+  const bool standsStill =
+      touching && touching->path.length() < kLeastExtension * tileSize(scene.model);
+  if (touching && !(isOpen && alone && standsStill)) {
+    touching->contactReason = "bricks meet on the way";
+    found.clear = std::move(touching);
+  } else if (isOpen && alone) {
+    alone->contactReason = kThrough;
+    alone->passesThrough = true;
+    found.through = std::move(alone);
+  }
   return found;
 }
 
@@ -292,10 +392,17 @@ DeploymentResult walk(const Scene& scene, const GeometricPath& found, const Asse
                                                           "joints was found nearer",
                                              error)
                   : scene.model.target ? fmt::format("the path ends {:.3g} from the target", error)
-                                       : "the path ends at full extension";
+                  : found.path.length() < kLeastExtension * tileSize(scene.model)
+                      ? "the tiles are at full extension from the start: no motion of the "
+                        "mechanism takes them farther apart"
+                      : "the path ends at full extension";
   if (found.passesThrough && !walk.isInterrupted()) {
     result.reason +=
         fmt::format(", bricks pass through each other on it by up to {:.2g} m", found.grown);
+  }
+  if (found.hasCompliantJoints && !walk.isInterrupted()) {
+    result.reason += fmt::format(", joints open by up to {:.2g} m ({:.2g} tiles) on it",
+                                 found.opening, found.opening / tileSize(scene.model));
   }
   if (scene.model.target) result.atTarget = !isFar;
   result.trajectory.events.push_back(

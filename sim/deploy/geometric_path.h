@@ -19,18 +19,24 @@ struct GeometricPath {
   std::string reason;                            ///< why this path, for the summary
   /// Bricks may touch, yet pass through each other: no other path was found.
   bool passesThrough = false;
-  double grown = 0;  ///< deepest overlap of any pair beyond its start, metres
+  double grown = 0;                 ///< deepest overlap of any pair beyond its start, metres
+  bool hasCompliantJoints = false;  ///< no path with exact joints was found
+  double opening = 0;               ///< of compliant joints, the largest on the path, metres
 };
 
 /// The paths that were found.
 struct GeometricPaths {
-  std::optional<GeometricPath> clear;    ///< bricks keep out of each other, or may not touch
+  std::optional<GeometricPath> clear;  ///< bricks keep out of each other, or may not touch
+  /// Bricks keep out of each other, but joints open on the way.
+  std::optional<GeometricPath> compliant;
   std::optional<GeometricPath> through;  ///< arrives, but bricks pass through each other
-  std::string trouble;                   ///< why there is none, for the summary
+  bool mayBeExact = false;  ///< joints may stay closed on a path that was not found
+  std::string trouble;      ///< why there is none, for the summary
 };
 
 /// Looks for a path from the start to the state nearest to the target: first without contacts;
-/// then, where bricks overlap on the way and the scene lets them touch, with contacts.
+/// then, where bricks overlap on the way and the scene lets them touch, with contacts; then with
+/// compliant joints, for designs that have no freedom and bricks that wedge.
 GeometricPaths findGeometricPaths(const Scene& scene, const TargetRoom& room, SearchBudget& budget,
                                   const TrialObserver& observer);
 

@@ -1,8 +1,11 @@
-// Default deployments: every model of the given folders as `kirireel record` would deploy it, one a
-// row. Prints where it ended, against the least error found, the path's length over its guide's,
-// how deep bricks overlapped beyond the start, the largest joint gap, and CPU seconds.
+// Default deployments: every model of the given folders as `kirireel record` would deploy it, or
+// members of all families drawn at random, one a row. Prints where it ended against the least error
+// found, the path's length over the one of the tiles' own motions, how deep bricks overlapped
+// beyond the start, the largest joint gap, and CPU seconds: of the search, and of the run. Lengths
+// are in tiles.
 //
 //     build/release/tests/bench/deployments [FOLDER ...] [--search SECONDS] [--contacts auto]
+//     build/release/tests/bench/deployments --seed 1 --count 40 [--tiles 100]
 
 #include <algorithm>
 #include <filesystem>
@@ -14,9 +17,11 @@
 #include <fmt/format.h>
 
 #include "sim/base/error.h"
+#include "sim/deploy/continuation.h"
 #include "sim/deploy/deployment.h"
 #include "sim/model/alignment.h"
 #include "sim/model/read_model.h"
+#include "tests/support/drawn_models.h"
 
 namespace kirireel {
 namespace {
@@ -38,37 +43,62 @@ std::vector<fs::path> modelsIn(const fs::path& folder) {
   return models;
 }
 
-void printRow(const fs::path& path, Scene scene) {
-  std::vector<std::string> warnings;
-  scene.model = readModel(path, std::nullopt, warnings);
-  alignStartToTarget(scene.model);
+/// The length of the run's motion over the one of the tiles' own motions to where it ends.
+double windingOf(const Scene& scene, const Trajectory& trajectory) {
+  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<Sample>& samples = trajectory.samples;
+  double length = 0;
+  for (std::size_t k = 1; k < samples.size(); ++k) {
+    length += pathDistance(bricks, samples[k - 1].poses, samples[k].poses);
+  }
+  if (length == 0) return 1;
+  return length / pathDistance(bricks, samples.front().poses, samples.back().poses);
+}
+
+void printRow(const std::string& name, Scene scene) {
+  if (scene.model.target) alignStartToTarget(scene.model);
   fillFromModel(scene);
   const DeploymentResult result = deploy(scene, 1.0 / 30, nullptr);
   const double tile = tileSize(scene.model);
   const bool isWalked = result.path.kind == PathKind::Continuation;
   fmt::print(
       "{:<30} {:>4} {:<11} {:<12} error {:8.1e} least {:8.1e} overlap {:8.1e} gap {:8.1e} "
-      "contacts {} {:6.2f} + {:6.2f} s  {}\n",
-      path.filename().string(), scene.model.tiles.size(), toString(result.outcome),
+      "winding {:5.2f} contacts {} {:6.2f} + {:6.2f} s  {}\n",
+      name, scene.model.tiles.size(), toString(result.outcome),
       isWalked ? "continuation" : "dynamic", result.accuracy.targetErrorEnd / tile,
       result.assembledError / tile, result.accuracy.penetrationGrownMax / tile,
-      result.accuracy.jointGapMax / tile, result.needs.contacts.on ? "on " : "off",
-      result.cost.cpuSecondsSearch, result.cost.cpuSeconds,
-      isWalked ? result.needs.contacts.reason : result.pathReason);
+      result.accuracy.jointGapMax / tile, windingOf(scene, result.trajectory),
+      result.needs.contacts.on ? "on " : "off", result.cost.cpuSecondsSearch,
+      result.cost.cpuSeconds, isWalked ? result.needs.contacts.reason : result.pathReason);
   std::fflush(stdout);
 }
 
-int deployAll(const std::vector<std::string>& folders, const Scene& scene) {
+void deployAll(const std::vector<std::string>& folders, Scene scene) {
   for (const std::string& folder : folders) {
     for (const fs::path& path : modelsIn(folder)) {
+      const std::string name = path.filename().string();
       try {
-        printRow(path, scene);
+        std::vector<std::string> warnings;
+        scene.model = readModel(path, std::nullopt, warnings);
+        printRow(name, scene);
       } catch (const std::exception& error) {
-        fmt::print("{:<30} {}\n", path.filename().string(), error.what());
+        fmt::print("{:<30} {}\n", name, error.what());
       }
     }
   }
-  return 0;
+}
+
+void deployDrawn(DrawnModels models, int first, int count, const Scene& scene) {
+  for (int i = 0; i < first + count; ++i) {
+    DrawnModel drawn = models.next();
+    if (i < first) continue;
+    Scene member = scene;
+    member.model = std::move(drawn.model);
+    if (member.brick.thickness == 0) {
+      member.brick.thickness = drawn.thickness * tileSize(member.model);
+    }
+    printRow(fmt::format("{} {} thick={:.2g}", i, drawn.name, drawn.thickness), std::move(member));
+  }
 }
 
 }  // namespace
@@ -79,11 +109,22 @@ int main(int count, char** arguments) {
   std::vector<std::string> folders = {std::string(KIRIREEL_SOURCE_DIR) + "/data"};
   kirireel::Scene scene = kirireel::openScene();
   std::string contacts = "auto";
+  unsigned seed = 0;
+  int first = 0, members = 40;
+  std::size_t tiles = 100;
   program.add_option("folders", folders, "models, or folders of models");
   program.add_option("--search", scene.path.searchTime, "seconds of a reference core");
   program.add_option("--thickness", scene.brick.thickness, "metres; else from the model");
   program.add_option("--contacts", contacts, "auto, none, unjoined or all");
+  const CLI::Option* drawn = program.add_option("--seed", seed, "draw members of all families");
+  program.add_option("--first", first, "member to begin with, counted from 0")->needs("--seed");
+  program.add_option("--count", members, "members to deploy")->needs("--seed");
+  program.add_option("--tiles", tiles, "of a member, at most")->needs("--seed");
   CLI11_PARSE(program, count, arguments);
   scene.environment.contacts = kirireel::kFilters.at(contacts);
-  return kirireel::deployAll(folders, scene);
+  if (*drawn) {
+    kirireel::deployDrawn({seed, tiles}, first, members, scene);
+  } else {
+    kirireel::deployAll(folders, scene);
+  }
 }
