@@ -1,8 +1,8 @@
 // Whether anything but the samples depends on how often a run is looked at: every model of a
-// folder, deployed at eight rates, contacts none and all. Prints a row for each model, and ends
-// with 1 where a run differs from the one at 60 samples a second.
+// folder, deployed at eight rates, contacts auto, none and all. Prints a row for each model, and
+// ends with 1 where a run differs from the one at 60 samples a second.
 //
-//     build/release/tests/bench/frame_rates [MODELS] [--duration SECONDS]
+//     build/release/tests/bench/frame_rates [MODELS] [--dynamic] [--search SECONDS]
 
 #include <algorithm>
 #include <filesystem>
@@ -49,6 +49,7 @@ bool compareRates(const std::string& name, const Scene& scene, const char* conta
 }
 
 std::vector<std::filesystem::path> modelsIn(const std::filesystem::path& folder) {
+  if (std::filesystem::exists(folder / "vertices.txt")) return {folder};
   std::vector<std::filesystem::path> models;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     if (std::filesystem::exists(entry.path() / "vertices.txt")) models.push_back(entry.path());
@@ -57,17 +58,17 @@ std::vector<std::filesystem::path> modelsIn(const std::filesystem::path& folder)
   return models;
 }
 
-int compareModels(const std::filesystem::path& folder, double duration) {
+int compareModels(const std::filesystem::path& folder, Scene scene) {
   bool same = true;
+  const std::pair<const char*, ContactFilter> filters[] = {
+      {"auto", ContactFilter::Auto}, {"none", ContactFilter::None}, {"all", ContactFilter::All}};
   for (const std::filesystem::path& path : modelsIn(folder)) {
-    Scene scene;
     std::vector<std::string> warnings;
     scene.model = readModel(path, std::nullopt, warnings);
     alignStartToTarget(scene.model);
-    scene.stop.duration = duration;
-    for (const bool contacts : {false, true}) {
-      scene.environment.contacts = contacts ? ContactFilter::All : ContactFilter::None;
-      same = compareRates(path.filename().string(), scene, contacts ? "all" : "none") && same;
+    for (const auto& [name, filter] : filters) {
+      scene.environment.contacts = filter;
+      same = compareRates(path.filename().string(), scene, name) && same;
     }
   }
   return same ? 0 : 1;
@@ -79,12 +80,15 @@ int compareModels(const std::filesystem::path& folder, double duration) {
 int main(int count, char** arguments) {
   CLI::App program{"Runs every model of a folder at eight sample rates and compares the runs"};
   std::string folder = KIRIREEL_SOURCE_DIR "/data";
-  double duration = 20;
-  program.add_option("models", folder, "a folder of model folders");
-  program.add_option("--duration", duration, "simulated seconds at most");
+  kirireel::Scene scene = kirireel::openScene();
+  bool isDynamic = false;
+  program.add_option("models", folder, "a model, or a folder of models");
+  program.add_option("--search", scene.path.searchTime, "seconds of a reference core");
+  program.add_flag("--dynamic", isDynamic, "springs that move masses, instead of the default path");
   CLI11_PARSE(program, count, arguments);
+  if (isDynamic) scene.path.kind = kirireel::PathKind::Dynamic;
   try {
-    return kirireel::compareModels(folder, duration);
+    return kirireel::compareModels(folder, scene);
   } catch (const kirireel::Error& error) {
     fmt::print(stderr, "{}\n", error.what());
     return 1;
