@@ -207,7 +207,7 @@ class Guide {
 class Continuation {
  public:
   Continuation(const Scene& scene, Poses start, const ContinuationSettings& settings,
-               SearchBudget& budget, const std::function<bool()>& goesOn)
+               SearchBudget& budget, const PathObserver& goesOn)
       : scene_(withoutLoads(scene)),
         settings_(settings),
         tile_(tileSize(scene.model)),
@@ -228,11 +228,12 @@ class Continuation {
         std::clamp(path_.guideLength / (kStateShare * tile_), kLeastStates, kMostStates);
     stateLength_ = path_.guideLength / count;
     if (stateLength_ > 0) {
-      const double done = settings_.leap > 0 ? leap(guide) : 0;
+      if (settings_.leap > 0) leap(guide);
       if (open()) {
-        follow(Guide(mechanism_.bricks(), {poses_, guide.end()}), 0, 1 / count);
+        progress_ = 0;
+        follow(Guide(mechanism_.bricks(), {poses_, guide.end()}), 1 / count);
       } else {
-        follow(guide, done, 1 / count);
+        follow(guide, 1 / count);
       }
     }
     return finish();
@@ -249,7 +250,7 @@ class Continuation {
 
  private:
   bool mayGoOn() {
-    path_.isCutShort = path_.isCutShort || budget_.isSpent() || (goesOn_ && !goesOn_());
+    path_.isCutShort = path_.isCutShort || budget_.isSpent() || (goesOn_ && !goesOn_(progress_));
     return !path_.isCutShort && !path_.isStuck;
   }
 
@@ -317,17 +318,17 @@ class Continuation {
     return false;
   }
 
-  /// Returns the progress that the leap made, 0 where there is no closed state nearby.
-  double leap(const Guide& guide) {
+  /// Goes to the closed state near the guide, where there is one.
+  void leap(const Guide& guide) {
     Poses first = guide.at(settings_.leap);
-    if (!mechanism_.close(first)) return 0;
+    if (!mechanism_.close(first)) return;
     const double far = pathDistance(mechanism_.bricks(), poses_, first);
-    if (far > kLongestLeap * settings_.leap * path_.guideLength + stateLength_) return 0;
+    if (far > kLongestLeap * settings_.leap * path_.guideLength + stateLength_) return;
     poses_ = std::move(first);
     keep();
     // The overlaps that a leap makes count as those of the start.
     mechanism_.restart(poses_);
-    return settings_.leap;
+    progress_ = settings_.leap;
   }
 
   /// Moves the tiles apart, turns free. Returns whether that was asked for.
@@ -346,14 +347,14 @@ class Continuation {
     return true;
   }
 
-  void follow(const Guide& guide, double progress, double largest) {
-    double advance = progress > 0 ? std::min(progress, largest) : kFirstProgress;
+  void follow(const Guide& guide, double largest) {
+    double advance = progress_ > 0 ? std::min(progress_, largest) : kFirstProgress;
     int still = 0;
-    for (; progress < 1 && mayGoOn(); advance = std::min(kGrowth * advance, largest)) {
-      progress = std::min(1.0, progress + advance);
+    for (; progress_ < 1 && mayGoOn(); advance = std::min(kGrowth * advance, largest)) {
+      progress_ = std::min(1.0, progress_ + advance);
       const double wanted = advance * path_.guideLength;
       const double before = path_.length();
-      const Poses place = guide.at(progress);
+      const Poses place = guide.at(progress_);
       for (int i = 0; i < kMovesAState && mayGoOn(); ++i) {
         if (moveTowards(place) < kShortMove * wanted) break;
       }
@@ -382,8 +383,9 @@ class Continuation {
   Poses poses_;  // the last state
   Mechanism mechanism_;
   double stateLength_ = 0;  // of the guide from state to state, metres
+  double progress_ = 0;     // along the guide, 0 to 1
   SearchBudget& budget_;
-  const std::function<bool()>& goesOn_;
+  const PathObserver& goesOn_;
   MechanismPath path_;
 };
 
@@ -401,12 +403,12 @@ double pathDistance(const std::vector<Brick>& bricks, const Poses& from, const P
 
 MechanismPath continueAlong(const Scene& scene, std::vector<Poses> guide,
                             const ContinuationSettings& settings, SearchBudget& budget,
-                            const std::function<bool()>& goesOn) {
+                            const PathObserver& goesOn) {
   return Continuation(scene, guide.front(), settings, budget, goesOn).along(std::move(guide));
 }
 
 MechanismPath continueToExtension(const Scene& scene, SearchBudget& budget,
-                                  const std::function<bool()>& goesOn) {
+                                  const PathObserver& goesOn) {
   const Poses start = startPoses(scene.model.tiles, makeBricks(scene.model.tiles, scene.brick));
   return Continuation(scene, start, {.turnWeight = 1}, budget, goesOn).toExtension();
 }

@@ -49,16 +49,19 @@ struct ContinuationSettings {
   bool areJointsCompliant() const { return std::isfinite(jointStiffness); }
 };
 
+/// Called before each move with the progress along the guide, 0 to 1; return false to end the path.
+using PathObserver = std::function<bool(double progress)>;
+
 /// Follows the mechanism from the first state of `guide`, once its joints are closed, along the
 /// others to the last, whose joints are closed; among the contacts that the scene asks for. Loads
 /// and damping are left out. `goesOn` may be empty.
 MechanismPath continueAlong(const Scene& scene, std::vector<Poses> guide,
                             const ContinuationSettings& settings, SearchBudget& budget,
-                            const std::function<bool()>& goesOn = {});
+                            const PathObserver& goesOn = {});
 
 /// Follows the mechanism from the scene's start away from the tiles' common centre, up to the
 /// state in which the sum of squared distances from it is greatest: full extension.
 MechanismPath continueToExtension(const Scene& scene, SearchBudget& budget,
-                                  const std::function<bool()>& goesOn = {});
+                                  const PathObserver& goesOn = {});
 
 }  // namespace kirireel

@@ -35,9 +35,10 @@ constexpr auto kCompliant = std::to_array<ContinuationSettings>({
 });
 constexpr double kStiffer = 10;
 
-// A path may cost this part of the budget: where bricks wedge, or the mechanism is singular, moves
-// are halved again and again.
+// A path may cost this part of the budget, and as much again for each fifth of it that is found:
+// where bricks wedge, or the mechanism is singular, moves are halved again and again.
 constexpr double kPathShare = 0.1;
+constexpr double kParts = 5;
 // Extending without contacts may cost this part of the budget, so that enough is left with them.
 constexpr double kAloneShare = 0.4;
 // An extension shorter than this part of a tile is none.
@@ -110,11 +111,13 @@ class GeometricSearch {
                        ContactFilter contacts, const char* what) {
     Scene trial = scene_;
     trial.environment.contacts = contacts;
-    SearchBudget part(std::min(budget_.left() / kWorkPerSecond, kPathShare * budget_.seconds()));
-    MechanismPath path = continueAlong(trial, std::move(guide), settings, part, [&] {
+    SearchBudget part(budget_.left() / kWorkPerSecond);
+    const double least = kPathShare * budget_.seconds();
+    const auto goesOn = [&](double progress) {
       isOver_ = isOver_ || (observer_ && !observer_({what, budget_.share()}));
-      return !isOver_;
-    });
+      return !isOver_ && part.spentSeconds() <= least * (1 + (kParts - 1) * progress);
+    };
+    MechanismPath path = continueAlong(trial, std::move(guide), settings, part, goesOn);
     budget_.spend(part.spent());
     return path;
   }
@@ -231,7 +234,7 @@ std::optional<GeometricPath> extension(const Scene& scene, ContactFilter contact
   trial.environment.contacts = contacts;
   SearchBudget part(share * budget.left() / kWorkPerSecond);
   GeometricPath found;
-  found.path = continueToExtension(trial, part, [&] {
+  found.path = continueToExtension(trial, part, [&](double) {
     return !observer || observer({kExtending, budget.share()});
   });
   budget.spend(part.spent());
