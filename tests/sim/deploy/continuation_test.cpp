@@ -88,6 +88,46 @@ TEST(Continuation, KeepsTheSymmetryOfACylinder) {
   }
 }
 
+/// The tile at the place that half a turn about the vertical through the common centre gives.
+std::vector<std::size_t> afterHalfATurn(const std::vector<Vector3>& fromCentre) {
+  std::vector<std::size_t> images;
+  for (const Vector3& place : fromCentre) {
+    const Vector3 turned(-place.x(), -place.y(), place.z());
+    const auto nearest = std::ranges::min_element(
+        fromCentre, {}, [&](const Vector3& other) { return (other - turned).norm(); });
+    images.push_back(static_cast<std::size_t>(nearest - fromCentre.begin()));
+  }
+  return images;
+}
+
+std::vector<Vector3> placesFromCentre(const Poses& poses) {
+  Vector3 centre = Vector3::Zero();
+  for (const Pose& pose : poses) centre += pose.position / static_cast<double>(poses.size());
+  std::vector<Vector3> places;
+  for (const Pose& pose : poses) places.push_back(pose.position - centre);
+  return places;
+}
+
+TEST(Continuation, KeepsTheHalfTurnsOfTessellations) {
+  for (const Scene& scene :
+       {squares(), sceneOf(generateModel(familyNamed("hexagons"), {})),
+        sceneOf(generateModel(familyNamed("tessellation"), {{"length", 2}, {"skew", 20}}))}) {
+    const DeploymentResult run = deploy(scene, 0.5, nullptr);
+    const std::vector<Sample>& samples = run.trajectory.samples;
+    const std::vector<std::size_t> images = afterHalfATurn(placesFromCentre(samples[0].poses));
+    double farthest = 0;
+    for (const Sample& sample : samples) {
+      const std::vector<Vector3> places = placesFromCentre(sample.poses);
+      for (std::size_t i = 0; i < places.size(); ++i) {
+        const Vector3 turned(-places[i].x(), -places[i].y(), places[i].z());
+        farthest = std::max(farthest, (places[images[i]] - turned).norm());
+      }
+    }
+    // Measured: 2e-15, hexagons 2e-11.
+    EXPECT_LE(farthest, 1e-9 * tileSize(scene.model)) << scene.model.name;
+  }
+}
+
 TEST(Continuation, IsTheSameButForExponentsInOtherUnits) {
   const Scene scene = cylinder();
   const DeploymentResult run = deploy(scene, 0.5, nullptr);
