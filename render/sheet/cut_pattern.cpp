@@ -8,61 +8,13 @@
 
 #include <fmt/format.h>
 
+#include "render/sheet/flat_sheet.h"
 #include "sim/base/error.h"
 
 namespace kirireel {
 namespace {
 
-using Vector2 = Eigen::Vector2d;
-
-constexpr double kFlatness = 1e-6;     ///< of the model size, that vertices may be off the plane
-constexpr double kSameVertex = 1e-4;   ///< of the tile size, within which edges coincide
-constexpr double kClosedAngle = 1e-6;  ///< radians: a narrower gap counts as closed
-
-/// A tile seen from the side that it faces: anticlockwise.
-using FlatTile = std::vector<Vector2>;
-
-void requireFlat(const Model& model, const Vector3& normal) {
-  const Vector3& origin = model.tiles[0].vertices[0];
-  const double allowed = kFlatness * modelSize(model);
-  for (std::size_t t = 0; t < model.tiles.size(); ++t) {
-    if (tileNormal(model.tiles[t]).dot(normal) < 0) {
-      throw InputError(
-          fmt::format("error: tile {} faces the other way than tile 0; a cut pattern "
-                      "needs all tiles on one side: reverse its vertices",
-                      t));
-    }
-    for (const Vector3& vertex : model.tiles[t].vertices) {
-      const double height = std::abs((vertex - origin).dot(normal));
-      if (height <= allowed) continue;
-      throw InputError(
-          fmt::format("error: the start is not flat: tile {} reaches {:.3g} m out of "
-                      "the plane of tile 0; only planar models have a cut pattern",
-                      t, height));
-    }
-  }
-}
-
-std::vector<FlatTile> flatTiles(const Model& model) {
-  const Vector3 normal = tileNormal(model.tiles[0]);
-  requireFlat(model, normal);
-  const Quaternion turn = Quaternion::FromTwoVectors(normal, Vector3::UnitZ());
-  std::vector<FlatTile> tiles;
-  for (const Tile& tile : model.tiles) {
-    FlatTile& flat = tiles.emplace_back();
-    for (const Vector3& vertex : tile.vertices) flat.push_back((turn * vertex).head<2>());
-  }
-  return tiles;
-}
-
-/// The end of an edge of a tile: edge k runs from vertex k to the next.
-struct EdgeEnd {
-  int tile = 0;
-  int edge = 0;
-  bool atStart = false;
-
-  auto operator<=>(const EdgeEnd&) const = default;
-};
+constexpr double kSameVertex = 1e-4;  ///< of the tile size, within which edges coincide
 
 /// How much shorter edges are at their ends than in the model, metres.
 using Trims = std::map<EdgeEnd, double>;
@@ -72,18 +24,10 @@ double trimAt(const Trims& trims, const EdgeEnd& end) {
   return found == trims.end() ? 0 : found->second;
 }
 
-/// The gap between two tiles at a corner that they share, anticlockwise from the first's edge to
-/// the second's.
-struct CornerGap {
-  EdgeEnd first;
-  EdgeEnd second;
-  double angle = 0;  ///< radians, 0 when closed
-};
-
 class PatternMaker {
  public:
   PatternMaker(const Model& model, double hingeWidth)
-      : tiles_(flatTiles(model)), width_(hingeWidth), same_(kSameVertex * tileSize(model)) {
+      : tiles_(flatSheet(model).tiles), width_(hingeWidth), same_(kSameVertex * tileSize(model)) {
     for (std::size_t j = 0; j < model.joints.size(); ++j) addHinge(model.joints[j], j);
     addEdges();
   }
@@ -93,43 +37,16 @@ class PatternMaker {
  private:
   int sides(int tile) const { return static_cast<int>(tiles_[tile].size()); }
   int after(int tile, int k) const { return (k + 1) % sides(tile); }
-  int before(int tile, int k) const { return (k + sides(tile) - 1) % sides(tile); }
 
   const Vector2& corner(const Corner& c) const { return tiles_[c.tile][c.vertex]; }
 
-  /// From the given end into the edge.
-  Vector2 direction(const EdgeEnd& end) const {
-    const FlatTile& tile = tiles_[end.tile];
-    const Vector2 along = (tile[after(end.tile, end.edge)] - tile[end.edge]).normalized();
-    return end.atStart ? along : Vector2(-along);
-  }
-
-  CornerGap gapBetween(const Corner& a, const Corner& b) const {
-    CornerGap gap;
-    gap.first = {a.tile, before(a.tile, a.vertex), false};
-    gap.second = {b.tile, b.vertex, true};
-    const Vector2 from = direction(gap.first);
-    const Vector2 to = direction(gap.second);
-    gap.angle = std::atan2(from.x() * to.y() - from.y() * to.x(), from.dot(to));
-    if (gap.angle < -kClosedAngle) gap.angle += 2 * std::numbers::pi;
-    gap.angle = std::max(gap.angle, 0.0);
-    return gap;
-  }
-
   void addHinge(const Joint& joint, std::size_t number) {
-    if (joint.kind != JointKind::Pivot) {
-      throw InputError(
-          fmt::format("error: joint {} does not hold two corners together; a cut "
-                      "pattern knows hinges at corners alone",
-                      number));
-    }
-    const CornerGap ahead = gapBetween(joint.a, joint.b);
-    const CornerGap behind = gapBetween(joint.b, joint.a);
-    const CornerGap& gap = ahead.angle <= behind.angle ? ahead : behind;
+    requirePivot(joint, number);
+    const CornerGap gap = narrowGap(tiles_, joint);
     const double trim = width_ / std::cos(gap.angle / 2);
     const Vector2 middle = 0.5 * (corner(joint.a) + corner(joint.b));
-    const Vector2 ends[] = {middle + trim * direction(gap.first),
-                            middle + trim * direction(gap.second)};
+    const Vector2 ends[] = {middle + trim * directionFrom(tiles_, gap.first),
+                            middle + trim * directionFrom(tiles_, gap.second)};
     for (const EdgeEnd& end : {gap.first, gap.second}) {
       double& kept = trims_[end];
       kept = std::max(kept, trim);

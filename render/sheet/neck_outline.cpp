@@ -1,0 +1,407 @@
+#include "render/sheet/neck_outline.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <optional>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "sim/base/error.h"
+
+namespace kirireel {
+namespace {
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+constexpr double kTiny = 1e-9;  ///< of the tile size: shorter lines are left out
+constexpr int kArcLines = 6;    ///< of a quarter circle
+
+/// What a shape cannot have, and where.
+struct Misfit {
+  enum Kind { TooWide, TooShort, TooRound } kind = TooWide;
+  std::string where;
+};
+
+double cross(const Vector2& a, const Vector2& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+/// How a tile lies at a joint: the gap's bisector is up (y), the tile right of it (x > 0). Its two
+/// edges, moved inwards by half the kerf, are straight lines.
+struct Wedge {
+  double half = 0;    ///< of the gap, radians: from the bisector to the upper edge
+  double lowest = 0;  ///< from the bisector to the lower edge
+  double inset = 0;   ///< half the kerf
+
+  /// Between which heights the tile lies at this x.
+  double top(double x) const {
+    const double sine = std::sin(half);
+    return sine < kClosedAngle ? kInfinite : (x * std::cos(half) - inset) / sine;
+  }
+  double bottom(double x) const {
+    const double sine = std::sin(lowest);
+    return sine < kClosedAngle || lowest > std::numbers::pi ? -kInfinite
+                                                            : (inset + x * std::cos(lowest)) / sine;
+  }
+
+  /// Where its edges are at this height.
+  double upperEdge(double y) const { return (inset + y * std::sin(half)) / std::cos(half); }
+  double lowerEdge(double y) const { return (y * std::sin(lowest) - inset) / std::cos(lowest); }
+};
+
+/// The lines of a tile near one neck, in the joint's axes, from the upper edge to the lower.
+struct NeckEnd {
+  std::vector<Vector2> above;  ///< the slot above
+  Vector2 high;                ///< the line that tile and neck share
+  Vector2 low;
+  std::vector<Vector2> below;
+  bool roundAbove = false;  ///< whether there is a fillet
+  bool roundBelow = false;
+};
+
+/// What stands for a corner of a tile: points from the edge that arrives to the edge that leaves.
+struct CornerPoints {
+  std::vector<int> arriving;
+  int middle = -1;  ///< of necks without length: the joint
+  std::vector<int> leaving;
+  bool isCut = false;  ///< `arriving` is all of it
+};
+
+class OutlineMaker {
+ public:
+  OutlineMaker(const Model& model, const FlatSheet& sheet, const NeckShape& shape)
+      : model_(model), shape_(shape), tiny_(kTiny * tileSize(model)) {
+    outline_.sheet = sheet;
+    outline_.neckWidth = shape.width;
+    shape_.length = std::max(shape.length, shape.kerf);
+  }
+
+  /// Throws Misfit.
+  NeckOutline make() {
+    for (const FlatTile& tile : tiles()) corners_.emplace_back(tile.size());
+    for (std::size_t j = 0; j < model_.joints.size(); ++j) {
+      const CornerGap gap = narrowGap(tiles(), model_.joints[j]);
+      shape_.length > 0 ? addBeam(gap, j) : addWeb(gap);
+    }
+    for (std::size_t t = 0; t < tiles().size(); ++t) addTile(static_cast<int>(t));
+    return std::move(outline_);
+  }
+
+ private:
+  const std::vector<FlatTile>& tiles() const { return outline_.sheet.tiles; }
+
+  int addPoint(const Vector2& at, bool isAtNeck) {
+    outline_.points.push_back(at);
+    outline_.isAtNeck.push_back(isAtNeck);
+    return static_cast<int>(outline_.points.size()) - 1;
+  }
+
+  int vertexOf(const EdgeEnd& end) const {
+    const int sides = static_cast<int>(tiles()[end.tile].size());
+    return end.atStart ? end.edge : (end.edge + 1) % sides;
+  }
+  CornerPoints& cornerAt(const EdgeEnd& end) { return corners_[end.tile][vertexOf(end)]; }
+
+  Vector2 jointPoint(const CornerGap& gap) const {
+    return 0.5 * (tiles()[gap.first.tile][vertexOf(gap.first)] +
+                  tiles()[gap.second.tile][vertexOf(gap.second)]);
+  }
+
+  /// A neck without length: a line across a shut slit, a triangle across an open gap.
+  void addWeb(const CornerGap& gap) {
+    CornerPoints& first = cornerAt(gap.first);
+    CornerPoints& second = cornerAt(gap.second);
+    const Vector2 joint = jointPoint(gap);
+    const double reach = shape_.width / std::cos(gap.angle / 2);
+    const Vector2 firstEnd = joint + reach * directionFrom(tiles(), gap.first);
+    const Vector2 secondEnd = joint + reach * directionFrom(tiles(), gap.second);
+    const bool isShut = gap.angle <= kClosedAngle;
+    const int a = addPoint(firstEnd, true);
+    const int b = isShut ? a : addPoint(secondEnd, true);
+    const int middle = joinMiddles(first, second, joint);
+    first.arriving = {a};
+    second.leaving = {b};
+    if (!isShut) outline_.necks.push_back({middle, a, b});
+  }
+
+  /// One point for the corners of both tiles, and of all that are joined to them already.
+  int joinMiddles(CornerPoints& first, CornerPoints& second, const Vector2& joint) {
+    if (first.middle < 0 && second.middle < 0) first.middle = addPoint(joint, true);
+    if (first.middle < 0) first.middle = second.middle;
+    const int old = second.middle;
+    second.middle = first.middle;
+    if (old < 0 || old == first.middle) return first.middle;
+    for (std::vector<CornerPoints>& tile : corners_) {
+      for (CornerPoints& corner : tile) {
+        if (corner.middle == old) corner.middle = first.middle;
+      }
+    }
+    for (std::vector<int>& neck : outline_.necks) std::ranges::replace(neck, old, first.middle);
+    return first.middle;
+  }
+
+  Wedge wedgeOf(const EdgeEnd& end, double half) const {
+    const FlatTile& tile = tiles()[end.tile];
+    const int sides = static_cast<int>(tile.size());
+    const int vertex = vertexOf(end);
+    const Vector2 after = tile[(vertex + 1) % sides] - tile[vertex];
+    const Vector2 before = tile[(vertex + sides - 1) % sides] - tile[vertex];
+    double angle = std::atan2(cross(after, before), after.dot(before));
+    if (angle < 0) angle += 2 * std::numbers::pi;
+    return {half, half + angle, shape_.kerf / 2};
+  }
+
+  /// A neck with length: a strip between two ports that are cut into the tiles.
+  void addBeam(const CornerGap& gap, std::size_t joint) {
+    CornerPoints& first = cornerAt(gap.first);
+    CornerPoints& second = cornerAt(gap.second);
+    if (first.isCut || second.isCut) {
+      throw InputError(
+          fmt::format("error: joint {} shares a corner with another one, where necks with a length "
+                      "or a kerf would cross; leave --neck-length and --kerf out",
+                      joint));
+    }
+    const double half = gap.angle / 2;
+    const Wedge wedges[] = {wedgeOf(gap.first, half), wedgeOf(gap.second, half)};
+    const double x = shape_.length / 2;
+    const double bottom = std::max(wedges[0].bottom(x), wedges[1].bottom(x));
+    const double top = std::min(wedges[0].top(x), wedges[1].top(x));
+    if (top - bottom < shape_.width - tiny_) {
+      throw Misfit{Misfit::TooShort, fmt::format("joint {}", joint)};
+    }
+    const double low = std::max(std::min(-shape_.width / 2, top - shape_.width), bottom);
+    const NeckEnd ends[] = {endOf(wedges[0], low, joint), endOf(wedges[1], low, joint)};
+
+    const Vector2 along = directionFrom(tiles(), gap.first);
+    const Vector2 up = Eigen::Rotation2Dd(half) * along;
+    const Vector2 right(up.y(), -up.x());
+    const Vector2 origin = jointPoint(gap);
+    const auto place = [&](const Vector2& p, double side) {
+      return addPoint(origin + side * p.x() * right + p.y() * up, true);
+    };
+    std::vector<int> ports;
+    for (const auto& [corner, end, side] :
+         {std::tuple{&first, &ends[0], 1.0}, {&second, &ends[1], -1.0}}) {
+      std::vector<int> chain;
+      for (const Vector2& p : end->above) chain.push_back(place(p, side));
+      ports.push_back(place(end->high, side));
+      ports.push_back(place(end->low, side));
+      chain.insert(chain.end(), ports.end() - 2, ports.end());
+      for (const Vector2& p : end->below) chain.push_back(place(p, side));
+      if (side < 0) std::ranges::reverse(chain);
+      corner->arriving = chain;
+      corner->isCut = true;
+    }
+    addStrip(ports, ends, low, place);
+  }
+
+  /// The end of a neck at a tile right of the joint; the strip begins at the height `low`.
+  NeckEnd endOf(const Wedge& wedge, double low, std::size_t joint) const {
+    const double x = shape_.length / 2;
+    const double high = low + shape_.width;
+    const double depth = std::max({shape_.width, shape_.radius, shape_.kerf});
+    const double radius = shape_.radius;
+    const double roomAbove = wedge.top(x) - high;
+    const double roomBelow = low - wedge.bottom(x);
+    NeckEnd end;
+    end.roundAbove = radius > 0 && roomAbove > tiny_;
+    end.roundBelow = radius > 0 && roomBelow > tiny_;
+    if ((end.roundAbove && roomAbove < radius) || (end.roundBelow && roomBelow < radius)) {
+      throw Misfit{Misfit::TooRound, fmt::format("joint {}", joint)};
+    }
+    end.high = {x, end.roundAbove ? high + radius : high};
+    end.low = {x, end.roundBelow ? low - radius : low};
+    if (roomAbove <= depth) {
+      if (wedge.top(x) > end.high.y() + tiny_) end.above = {{x, wedge.top(x)}};
+    } else if (const double edge = wedge.upperEdge(high + depth); edge < x - tiny_) {
+      end.above = {{edge, high + depth}, {x, high + depth}};
+    }
+    if (roomBelow <= depth) {
+      if (wedge.bottom(x) < end.low.y() - tiny_) end.below = {{x, wedge.bottom(x)}};
+    } else if (const double edge = wedge.lowerEdge(low - depth); edge < x - tiny_) {
+      end.below = {{x, low - depth}, {edge, low - depth}};
+    }
+    return end;
+  }
+
+  /// The neck itself: up its right end, back along its upper side, down its left end.
+  template <typename Place>
+  void addStrip(const std::vector<int>& ports, const NeckEnd (&ends)[2], double low,
+                const Place& place) {
+    const double x = shape_.length / 2;
+    const double high = low + shape_.width;
+    const double r = shape_.radius;
+    std::vector<int> loop = {ports[1], ports[0]};
+    // Fillets are quarter circles inside the corners, given by their centres and first angles.
+    const auto appendArc = [&](const Vector2& centre, double from) {
+      for (int k = 0; k <= kArcLines; ++k) {
+        const double angle = from - k * std::numbers::pi / (2 * kArcLines);
+        const Vector2 at = centre + r * Vector2(std::cos(angle), std::sin(angle));
+        const bool isPort = std::abs(std::abs(at.x()) - x) <= tiny_;
+        const bool isMiddle = std::abs(at.x()) <= tiny_ && centre.x() < 0 && from < 0;
+        const bool isMiddleBelow = std::abs(at.x()) <= tiny_ && centre.x() > 0 && from > 1;
+        const bool isTwice = 2 * r >= shape_.length - tiny_ && (isMiddle || isMiddleBelow);
+        if (!isPort && !isTwice) loop.push_back(place(at, 1));
+      }
+    };
+    const double quarter = std::numbers::pi / 2;
+    if (ends[0].roundAbove) appendArc({x - r, high + r}, 0);
+    if (ends[1].roundAbove) appendArc({r - x, high + r}, -quarter);
+    loop.push_back(ports[2]);
+    loop.push_back(ports[3]);
+    if (ends[1].roundBelow) appendArc({r - x, low - r}, 2 * quarter);
+    if (ends[0].roundBelow) appendArc({x - r, low - r}, quarter);
+    outline_.necks.push_back(loop);
+  }
+
+  /// A corner without a joint: the tile's own, moved inwards by half the kerf.
+  int insetCorner(int tile, int vertex) {
+    const FlatTile& points = tiles()[tile];
+    const int sides = static_cast<int>(points.size());
+    const auto inward = [&](int edge) {
+      const Vector2 along = (points[(edge + 1) % sides] - points[edge]).normalized();
+      return Vector2(-along.y(), along.x());
+    };
+    const Vector2 a = inward((vertex + sides - 1) % sides);
+    const Vector2 b = inward(vertex);
+    return addPoint(points[vertex] + shape_.kerf / 2 * (a + b) / (1 + a.dot(b)), false);
+  }
+
+  void addTile(int tile) {
+    const int sides = static_cast<int>(tiles()[tile].size());
+    std::vector<std::vector<int>> chains;
+    for (int k = 0; k < sides; ++k) {
+      const CornerPoints& corner = corners_[tile][k];
+      std::vector<int> chain = corner.arriving;
+      if (corner.middle >= 0) chain.push_back(corner.middle);
+      chain.insert(chain.end(), corner.leaving.begin(), corner.leaving.end());
+      if (chain.empty()) chain = {insetCorner(tile, k)};
+      chains.push_back(chain);
+    }
+    std::vector<int> loop;
+    for (int k = 0; k < sides; ++k) {
+      requireRest(tile, k, chains[k].back(), chains[(k + 1) % sides].front());
+      loop.insert(loop.end(), chains[k].begin(), chains[k].end());
+    }
+    requireSimple(tile, loop);
+    outline_.tiles.push_back(loop);
+  }
+
+  /// Something of each edge must be left to cut.
+  void requireRest(int tile, int edge, int from, int to) const {
+    const FlatTile& points = tiles()[tile];
+    const Vector2 along = points[(edge + 1) % points.size()] - points[edge];
+    const Vector2 rest = outline_.points[to] - outline_.points[from];
+    if (rest.dot(along.normalized()) > tiny_) return;
+    throw Misfit{Misfit::TooWide, fmt::format("edge {} of tile {}", edge, tile)};
+  }
+
+  /// No two lines of a tile's outline may cross.
+  void requireSimple(int tile, const std::vector<int>& loop) const {
+    const std::size_t count = loop.size();
+    const auto at = [&](std::size_t k) { return outline_.points[loop[k % count]]; };
+    const auto side = [&](std::size_t line, std::size_t point) {
+      return cross(at(line + 1) - at(line), at(point) - at(line));
+    };
+    for (std::size_t a = 0; a < count; ++a) {
+      for (std::size_t b = a + 2; b < count; ++b) {
+        if (b + 1 == count && a == 0) continue;
+        const bool crosses = side(a, b) * side(a, b + 1) < 0 && side(b, a) * side(b, a + 1) < 0;
+        if (crosses) throw Misfit{Misfit::TooWide, fmt::format("tile {}", tile)};
+      }
+    }
+  }
+
+  const Model& model_;
+  NeckShape shape_;
+  double tiny_;  ///< metres
+  NeckOutline outline_;
+  std::vector<std::vector<CornerPoints>> corners_;
+};
+
+void requirePossible(const NeckShape& shape) {
+  if (!(shape.width > 0)) {
+    throw InputError(
+        fmt::format("error: necks cannot be {} m wide; give a positive --neck-width, or the sheet "
+                    "falls apart",
+                    shape.width));
+  }
+  const double length = std::max(shape.length, shape.kerf);
+  if (shape.length >= 0 && shape.kerf >= 0 && shape.radius >= 0 && 2 * shape.radius <= length) {
+    return;
+  }
+  throw InputError(fmt::format(
+      "error: fillets of radius {} m do not fit necks {} m long; choose a --neck-radius "
+      "of at most {} m, or a --neck-length of at least {} m",
+      shape.radius, length, length / 2, 2 * shape.radius));
+}
+
+bool fits(const Model& model, const FlatSheet& sheet, const NeckShape& shape) {
+  try {
+    OutlineMaker(model, sheet, shape).make();
+    return true;
+  } catch (const Misfit&) {
+    return false;
+  }
+}
+
+/// The bound up to which a length fits, between one that does and one that does not; three digits.
+std::optional<double> boundOf(const Model& model, const FlatSheet& sheet, NeckShape shape,
+                              double NeckShape::*length, double good) {
+  double bad = shape.*length;
+  shape.*length = good;
+  if (!fits(model, sheet, shape)) return std::nullopt;
+  for (int k = 0; k < 12; ++k) {
+    shape.*length = 0.5 * (good + bad);
+    (fits(model, sheet, shape) ? good : bad) = shape.*length;
+  }
+  // Not the bound itself, which rounding could miss.
+  return good < bad ? 0.99 * good : 1.01 * good;
+}
+
+[[noreturn]] void refuse(const Model& model, const FlatSheet& sheet, const NeckShape& shape,
+                         const Misfit& misfit) {
+  std::string cure = "; no neck of this length and kerf fits";
+  const auto offer = [&](double NeckShape::*length, double good, const char* words) {
+    const std::optional<double> bound = boundOf(model, sheet, shape, length, good);
+    if (bound) cure = fmt::format("; {} {:.3g} m does", words, *bound);
+    return bound.has_value();
+  };
+  const double size = tileSize(model);
+  if (misfit.kind == Misfit::TooRound) {
+    offer(&NeckShape::radius, 0, "a --neck-radius of");
+  } else if (misfit.kind == Misfit::TooShort) {
+    // The least of the lengths doubled from width / 64 that fits, or else one that does not.
+    NeckShape longer = shape;
+    longer.length = shape.width / 64;
+    while (longer.length < size && !fits(model, sheet, longer)) longer.length *= 2;
+    offer(&NeckShape::length, longer.length, "a --neck-length of") ||
+        offer(&NeckShape::width, 1e-6 * size, "a --neck-width of");
+  } else {
+    offer(&NeckShape::width, 1e-6 * size, "a --neck-width of") ||
+        offer(&NeckShape::length, shape.kerf, "a --neck-length of");
+  }
+  throw InputError(fmt::format(
+      "error: {}: a neck {} m wide and {} m long with fillets of {} m and a kerf of {} m does not "
+      "fit{}",
+      misfit.where, shape.width, std::max(shape.length, shape.kerf), shape.radius, shape.kerf,
+      cure));
+}
+
+}  // namespace
+
+NeckOutline neckOutline(const Model& model, const NeckShape& shape) {
+  requirePossible(shape);
+  for (std::size_t j = 0; j < model.joints.size(); ++j) requirePivot(model.joints[j], j);
+  const FlatSheet sheet = flatSheet(model);
+  try {
+    return OutlineMaker(model, sheet, shape).make();
+  } catch (const Misfit& misfit) {
+    refuse(model, sheet, shape, misfit);
+  }
+}
+
+}  // namespace kirireel
