@@ -53,17 +53,81 @@ void addStateOptions(OptionGroup& group, ExportSettings& settings) {
 
 void addElementOptions(CLI::App& command, ElementRule& elements) {
   OptionGroup group(command, "Elements (inp, msh)");
-  group.integer("--elements-per-edge", elements.perEdge, {1, 64}, "COUNT",
-                "along each edge of a tile");
+  const auto length = [&group](const char* name, const char* usual, const char* help,
+                               double& target) {
+    group
+        .value(name, "METRES", usual, help,
+               [&target](const OptionValue& typed) {
+                 target = parseNumber(typed, {1e-12, 1e9});
+               })
+        .saidAs([&target] { return target > 0 ? numberText(target) : ""; });
+  };
+  group
+      .value("--elements-per-edge", "COUNT", "8", "along each edge of a tile",
+             [&elements](const OptionValue& typed) {
+               elements.perEdge = static_cast<int>(parseInteger(typed, {1, 64}));
+             })
+      .saidAs([&elements] { return elements.perEdge > 0 ? numberText(elements.perEdge) : ""; });
+  length("--element-size", "", "the longest element edge, in place of the count", elements.size);
   group.integer("--elements-through", elements.through, {1, 64}, "COUNT", "through the thickness");
-  group.flag("--quadratic", elements.quadratic, "20 and 15 nodes an element, for bending");
+  group.flag("--linear", elements.quadratic,
+             "8 nodes an element (C3D8I); needs twice as many for the same accuracy", false);
+  group
+      .flag("--quadratic", "20 nodes an element (C3D20R); the default",
+            [&elements] { elements.quadratic = true; })
+      .decidesNothing();
   group.choice<JointStyle>("--joints", elements.joints,
                            {{"shared", JointStyle::Shared},
                             {"equation", JointStyle::Equation},
-                            {"patch", JointStyle::Patch}},
-                           "shared nodes, *EQUATION, or rigid patches");
-  group.number("--patch-radius", elements.patchRadius, {0, 1e9}, "METRES",
-               "of rigid patches; below half of an edge");
+                            {"patch", JointStyle::Patch},
+                            {"neck", JointStyle::Neck}},
+                           "shared nodes, *EQUATION, rigid patches, or one sheet with necks");
+  length("--patch-radius", "a quarter of the shortest edge",
+         "of rigid patches; below half of an edge", elements.patchRadius);
+  length("--neck-width", "", "of necks: the material that stays at a joint", elements.neck.width);
+  length("--neck-length", "the kerf", "of necks, from tile to tile", elements.neck.length);
+  length("--neck-radius", "0", "of the fillets at the ends of necks", elements.neck.radius);
+  length("--kerf", "0", "width of the cuts of a sheet with necks", elements.neck.kerf);
+  group.flag("--shells", "shells in the middle of a sheet with necks (S8R, S4)",
+             [&elements] { elements.family = ElementFamily::Shell; });
+  group.flag("--plane-stress", "plane elements of a sheet with necks (CPS8R, CPS4)",
+             [&elements] { elements.family = ElementFamily::Plane; });
+}
+
+DriveChoice parseDrive(const OptionValue& typed) {
+  if (typed.text == "all") return {DriveChoice::All, {}};
+  if (typed.text == "edge") return {DriveChoice::Edge, {}};
+  DriveChoice drive{DriveChoice::Some, {}};
+  for (const std::string& word : splitAtCommas(typed)) {
+    drive.tiles.push_back(parseInteger({typed.name, word}, {0, 1e9}));
+  }
+  return drive;
+}
+
+/// `isAlone` tells the command whose options are these alone: names may be short there.
+void addDeckOptions(CLI::App& command, DeckSettings& decks, bool isAlone) {
+  OptionGroup group(command, "Decks (inp)");
+  group.choice<Solver>(isAlone ? "--solver,--deck-solver" : "--deck-solver", decks.solver,
+                       {{"calculix", Solver::Calculix}, {"abaqus", Solver::Abaqus}},
+                       "whose keywords are written where they differ");
+  group.value(
+      "--sets", "WORD", "all up to 1000 tiles",
+      "named sets of each tile and joint: none, joints, all", [&decks](const OptionValue& typed) {
+        decks.sets = parseChoice<SetChoice>(
+            typed,
+            {{"none", SetChoice::None}, {"joints", SetChoice::Joints}, {"all", SetChoice::All}});
+      });
+  group.number("--youngs", decks.material.youngs, {1e-12, 1e18}, "PASCAL", "Young's modulus");
+  group.number("--poisson", decks.material.poisson, {-0.99, 0.499}, "", "Poisson's ratio");
+  group.number(isAlone ? "--density,--deck-density" : "--deck-density", decks.material.density,
+               {1e-12, 1e9}, "KG/M3", "of the material");
+  group.choice<DeckUnit>("--deck-unit", decks.unit,
+                         {{"m", DeckUnit::Model}, {"mm-N", DeckUnit::MillimetresNewtons}},
+                         "metres with Pa and kg/m3, or millimetres with MPa and t/mm3");
+  group.value("--drive", "TILES", "",
+              "a second job whose tiles move as in the trajectory: all, edge, or tiles (0,5,12)",
+              [&decks](const OptionValue& typed) { decks.drive = parseDrive(typed); });
+  group.flag("--buckle", "a further job, for buckling loads", [&decks] { decks.buckling = true; });
 }
 
 std::filesystem::path trajectoryFile(const std::filesystem::path& given) {
@@ -99,6 +163,7 @@ void addExportOptions(CLI::App& command, const std::string& formatOption,
       .saidAs(
           [&settings] { return settings.hingeWidth > 0 ? numberText(settings.hingeWidth) : ""; });
   addElementOptions(command, settings.elements);
+  addDeckOptions(command, settings.decks, formatOption == "--format");
 }
 
 CLI::App* addExportCommand(CLI::App& program, ExportOrder& order) {
@@ -112,7 +177,8 @@ CLI::App* addExportCommand(CLI::App& program, ExportOrder& order) {
   command->footer(
       "Examples:\n"
       "  kirireel export out/tessellation_4x4 --format obj,stl --states 0%,25%,50%,100%\n"
-      "  kirireel export out/tessellation_4x4 --format inp --state final --quadratic\n"
+      "  kirireel export out/tessellation_4x4 --format inp --state final --joints patch\n"
+      "  kirireel export out/tessellation_4x4 --format inp --joints neck --neck-width 0.1\n"
       "  kirireel export out/tessellation_4x4 --format vtu --states all\n"
       "  kirireel export out/tessellation_4x4 --format glb,svg --hinge-width 0.03\n\n"
       "Lengths are metres, times simulated seconds.");
@@ -131,6 +197,9 @@ int carryOut(const ExportOrder& order) {
   const std::filesystem::path file = trajectoryFile(order.trajectory);
   const TrajectoryReader trajectory(file);
   const std::filesystem::path folder = order.folder.empty() ? file.parent_path() : order.folder;
+  for (const std::string& line : exportWarnings(trajectory, order.settings)) {
+    fmt::print(stderr, "kirireel: {}\n", line);
+  }
   for (const std::string& name : exportStates(trajectory, order.settings, folder)) {
     fmt::print("{}\n", (folder / name).string());
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -11,6 +12,8 @@
 #include "render/export/state_choice.h"
 #include "render/fea/deck.h"
 #include "render/fea/gmsh.h"
+#include "render/fea/job.h"
+#include "render/fea/neck_sheet.h"
 #include "render/folder/file_set.h"
 #include "render/mesh/animation.h"
 #include "render/mesh/mesh.h"
@@ -53,6 +56,9 @@ struct ExportFile {
   const char* name;
 };
 
+constexpr const char* kDriveFile = "_drive.inp";
+constexpr const char* kBucklingFile = "_buckle.inp";
+
 constexpr auto kFiles = std::to_array<ExportFile>({
     {ExportFormat::Obj, true, ".obj"},
     {ExportFormat::Ply, true, ".ply"},
@@ -61,6 +67,8 @@ constexpr auto kFiles = std::to_array<ExportFile>({
     {ExportFormat::Vertices, true, "_vertices.txt"},
     {ExportFormat::Inp, true, "_mesh.inp"},
     {ExportFormat::Inp, true, "_job.inp"},
+    {ExportFormat::Inp, true, kDriveFile},
+    {ExportFormat::Inp, true, kBucklingFile},
     {ExportFormat::Msh, true, ".msh"},
     {ExportFormat::Vtu, true, ".vtu"},
     {ExportFormat::Vtu, false, "deployment.pvd"},
@@ -70,8 +78,25 @@ constexpr auto kFiles = std::to_array<ExportFile>({
     {ExportFormat::Dxf, false, "cut_pattern.dxf"},
 });
 
-std::string stateName(std::size_t number) {
-  return fmt::format("state_{:04}", number);
+std::string fileStem(const std::string& label) {
+  return "state_" + label;
+}
+
+/// What the names of files of the flat start with necks begin with.
+constexpr const char* kSheet = "sheet";
+
+/// Whether a format shows the flat start with necks, not the states.
+bool isOfSheet(ExportFormat format, const ExportSettings& settings) {
+  return settings.elements.joints == JointStyle::Neck &&
+         (format == ExportFormat::Inp || format == ExportFormat::Msh);
+}
+
+/// Whether an export may write such files.
+bool wants(const ExportSettings& settings, const ExportFile& file) {
+  const std::string_view name = file.name;
+  if (name == kDriveFile && settings.decks.drive.kind == DriveChoice::None) return false;
+  if (name == kBucklingFile && !settings.decks.buckling) return false;
+  return wants(settings, file.format);
 }
 
 /// The files that were written into a folder; without keep() they are removed.
@@ -105,20 +130,27 @@ class Exporter {
       : trajectory_(trajectory),
         subject_(trajectory.subject()),
         settings_(settings),
-        samples_(chooseStates(trajectory, settings.states)),
-        files_(files) {}
+        states_(chooseStates(trajectory, settings.states)),
+        files_(files) {
+    requireFuture();
+  }
 
   void writeAll() {
-    for (const std::size_t number : samples_) writeState(number, trajectory_.sample(number));
+    if (isNecked()) writeNeckSheet();
+    for (const ChosenState& state : states_) writeState(state, trajectory_.sample(state.sample));
     for (const ExportFormat format : settings_.formats) writeDeployment(format);
   }
 
  private:
   bool wants(ExportFormat format) const { return kirireel::wants(settings_, format); }
 
-  void writeState(std::size_t number, const Sample& sample) {
-    const std::string name = stateName(number);
-    if (wants(ExportFormat::Inp) || wants(ExportFormat::Msh)) writeElements(name, sample);
+  void writeState(const ChosenState& state, const Sample& sample) {
+    const std::string name = fileStem(state.label);
+    if (wantsElements() && !isNecked()) {
+      const ElementMesh mesh =
+          makeElementMesh(subject_.bricks, subject_.model.joints, sample.poses, settings_.elements);
+      writeElements(mesh, name, originOf(state.label, sample), state.sample);
+    }
     for (const auto& [format, ending] : {std::pair{ExportFormat::Obj, ".obj"},
                                          {ExportFormat::Ply, ".ply"},
                                          {ExportFormat::Stl, ".stl"}}) {
@@ -135,14 +167,69 @@ class Exporter {
     if (wants(ExportFormat::Vertices)) writeTiles(tiles, files_.add(name + "_vertices.txt"));
   }
 
-  void writeElements(const std::string& name, const Sample& sample) {
-    const ElementMesh mesh =
-        makeElementMesh(subject_.bricks, subject_.model.joints, sample.poses, settings_.elements);
-    if (wants(ExportFormat::Msh)) writeTextFile(files_.add(name + ".msh"), gmshMesh(mesh));
+  /// A drive needs a state that something follows.
+  void requireFuture() const {
+    const bool isFinalAlone = std::ranges::all_of(states_, [this](const ChosenState& state) {
+      return state.sample + 1 == trajectory_.times().size();
+    });
+    if (settings_.decks.drive.kind == DriveChoice::None || isNecked() || !isFinalAlone) return;
+    throw InputError(
+        "error: --drive moves tiles from a state on, and the final state has no motion after it; "
+        "choose --states initial");
+  }
+
+  bool wantsElements() const { return wants(ExportFormat::Inp) || wants(ExportFormat::Msh); }
+  bool isNecked() const { return settings_.elements.joints == JointStyle::Neck; }
+
+  /// The flat start as it is cut, whatever states are asked for.
+  void writeNeckSheet() {
+    if (!wantsElements()) return;
+    const double thickness = subject_.brickRule.thickness;
+    const ElementMesh mesh = makeNeckMesh(subject_.model, thickness, settings_.elements);
+    writeElements(mesh, kSheet, originOf("flat sheet", trajectory_.sample(0)), 0);
+  }
+
+  void writeElements(const ElementMesh& mesh, const std::string& name, const DeckOrigin& origin,
+                     std::size_t sample) {
+    if (wants(ExportFormat::Msh)) {
+      writeTextFile(files_.add(name + ".msh"), gmshMesh(mesh, settings_.decks.sets));
+    }
     if (!wants(ExportFormat::Inp)) return;
-    const std::string title = fmt::format("State at {} s", sample.time);
-    writeTextFile(files_.add(name + "_mesh.inp"), meshDeck(mesh, title));
-    writeTextFile(files_.add(name + "_job.inp"), jobDeck(mesh, name + "_mesh.inp"));
+    writeTextFile(files_.add(name + "_mesh.inp"), meshDeck(mesh, settings_.decks, origin));
+    writeTextFile(files_.add(name + "_job.inp"),
+                  staticJob(mesh, settings_.decks, origin, name + "_mesh.inp"));
+    if (settings_.decks.buckling) {
+      writeTextFile(files_.add(name + kBucklingFile),
+                    bucklingJob(mesh, settings_.decks, origin, name + "_mesh.inp"));
+    }
+    const bool hasFuture = sample + 1 < trajectory_.times().size();
+    if (settings_.decks.drive.kind == DriveChoice::None || !hasFuture) return;
+    writeTextFile(files_.add(name + kDriveFile),
+                  driveJob(mesh, settings_.decks, origin, name + "_mesh.inp", historyFrom(sample)));
+  }
+
+  TileHistory historyFrom(std::size_t first) const {
+    TileHistory history;
+    for (std::size_t k = first; k < trajectory_.times().size(); ++k) {
+      history.times.push_back(trajectory_.times()[k] - trajectory_.times()[first]);
+      history.poses.push_back(trajectory_.sample(k).poses);
+    }
+    return history;
+  }
+
+  DeckOrigin originOf(const std::string& label, const Sample& sample) const {
+    return {subject_.model.name, label,
+            sample.time,         subject_.brickRule.thickness,
+            sample.penetration,  std::string("Kirireel ") + KIRIREEL_VERSION,
+            runWords()};
+  }
+
+  /// What tells this run from others, whatever folder it lies in.
+  std::string runWords() const {
+    const std::vector<Event>& events = trajectory_.end().events;
+    return fmt::format("trajectory.h5, {} samples to {} s{}{}", trajectory_.times().size(),
+                       trajectory_.times().back(), events.empty() ? "" : "; ",
+                       events.empty() ? "" : events.back().text);
   }
 
   void writeDeployment(ExportFormat format) {
@@ -162,8 +249,8 @@ class Exporter {
 
   std::vector<std::pair<double, std::string>> series() const {
     std::vector<std::pair<double, std::string>> files;
-    for (const std::size_t number : samples_) {
-      files.emplace_back(trajectory_.times()[number], stateName(number) + ".vtu");
+    for (const ChosenState& state : states_) {
+      files.emplace_back(trajectory_.times()[state.sample], fileStem(state.label) + ".vtu");
     }
     return files;
   }
@@ -177,8 +264,8 @@ class Exporter {
 
   std::vector<SheetState> sheets() const {
     std::vector<SheetState> states;
-    for (const std::size_t number : samples_) {
-      const Sample sample = trajectory_.sample(number);
+    for (const ChosenState& state : states_) {
+      const Sample sample = trajectory_.sample(state.sample);
       states.push_back({sample.time, bottomTiles(subject_.bricks, sample.poses)});
     }
     return states;
@@ -187,7 +274,7 @@ class Exporter {
   const TrajectoryReader& trajectory_;
   const Subject& subject_;
   const ExportSettings& settings_;
-  std::vector<std::size_t> samples_;
+  std::vector<ChosenState> states_;
   WrittenFiles& files_;
   Poses start_;
 };
@@ -208,10 +295,16 @@ const std::vector<std::pair<std::string, ExportFormat>>& exportFormatNames() {
 
 void requireExportable(const Model& model, const BrickRule& rule, const ExportSettings& settings) {
   requireDifferent(settings.formats);
+  requireValidRule(settings.elements);
+  requireDrivable(settings.decks.drive, model.tiles.size());
   const bool isPattern = wants(settings, ExportFormat::Svg) || wants(settings, ExportFormat::Dxf);
   if (isPattern) patternOf(model, settings);
   const bool isDivided = wants(settings, ExportFormat::Inp) || wants(settings, ExportFormat::Msh);
   if (!isDivided) return;
+  if (settings.elements.joints == JointStyle::Neck) {
+    neckOutline(model, settings.elements.neck);
+    return;
+  }
   ElementRule elements = settings.elements;
   // How well corners meet that share a node is known of the run's own states alone.
   if (elements.joints == JointStyle::Shared) elements.joints = JointStyle::Equation;
@@ -220,12 +313,45 @@ void requireExportable(const Model& model, const BrickRule& rule, const ExportSe
 }
 
 bool isExported(const std::string& name, const ExportSettings& settings) {
+  const auto isOfState = [&](const std::string& state, const char* ending) {
+    const auto nameOf = [&](std::size_t sample) {
+      return fileStem(stateLabel(state, sample)) + ending;
+    };
+    return name == nameOf(0) ||
+           isNumbered(name, [&](int k) { return nameOf(static_cast<std::size_t>(k)); });
+  };
   return std::ranges::any_of(kFiles, [&](const ExportFile& file) {
-    if (!wants(settings, file.format)) return false;
+    if (!wants(settings, file)) return false;
     if (!file.ofEachState) return name == file.name;
-    return isNumbered(
-        name, [&](int number) { return stateName(static_cast<std::size_t>(number)) + file.name; });
+    if (isOfSheet(file.format, settings)) return name == std::string(kSheet) + file.name;
+    return std::ranges::any_of(
+        settings.states, [&](const std::string& state) { return isOfState(state, file.name); });
   });
+}
+
+std::vector<std::string> exportWarnings(const TrajectoryReader& trajectory,
+                                        const ExportSettings& settings) {
+  std::vector<std::string> lines;
+  const bool isDivided = wants(settings, ExportFormat::Inp) || wants(settings, ExportFormat::Msh);
+  if (!isDivided || settings.elements.joints == JointStyle::Neck) return lines;
+  const std::vector<Brick>& bricks = trajectory.subject().bricks;
+  if (isCoarsened(bricks, settings.elements)) {
+    lines.push_back(
+        fmt::format("warning: a sheet of {} tiles gets {} elements per edge, and 8 would bend more "
+                    "truly; choose with --elements-per-edge or --element-size",
+                    bricks.size(), usualPerEdge(bricks, settings.elements)));
+  }
+  if (!wants(settings, ExportFormat::Inp)) return lines;
+  const double thickness = trajectory.subject().brickRule.thickness;
+  for (const ChosenState& state : chooseStates(trajectory, settings.states)) {
+    const double overlap = trajectory.sample(state.sample).penetration;
+    if (!isOverlapToTell(overlap, thickness)) continue;
+    lines.push_back(
+        fmt::format("warning: in state {} bricks overlap by {:.2g} m, {:.0f}% of their thickness; "
+                    "an analysis with contact would start overclosed",
+                    state.label, overlap, 100 * overlap / thickness));
+  }
+  return lines;
 }
 
 std::vector<std::string> exportStates(const TrajectoryReader& trajectory,

@@ -6,20 +6,23 @@
 #include <utility>
 #include <vector>
 
+#include "render/fea/deck_text.h"
 #include "render/fea/element_mesh.h"
 #include "sim/trajectory/trajectory_file.h"
 
 namespace kirireel {
 
-/// What a state, or the whole deployment, is written as. #### is the number of the sample.
+/// What a state, or the whole deployment, is written as. #### is the state as it was asked for
+/// (final, 50pct, 1.5s, 30deg), or the number of the sample with `all`.
 enum class ExportFormat {
   Obj,       ///< state_####.obj: closed bricks, a group a tile
   Ply,       ///< state_####.ply: closed bricks, triangles
   Stl,       ///< state_####.stl: closed bricks, triangles, binary
   Planar,    ///< state_####_planar.obj: the tiles as polygons, as PyKirigami has them
   Vertices,  ///< state_####_vertices.txt: the tiles in the format of vertices.txt
-  Inp,       ///< state_####_mesh.inp and _job.inp: an Abaqus and CalculiX deck and a job on it
-  Msh,       ///< state_####.msh: a Gmsh 2.2 mesh of the same elements
+  Inp,       ///< state_####_mesh.inp and _job.inp: a CalculiX or Abaqus deck and a job on it; with
+             ///< a drive or buckling, _drive.inp and _buckle.inp too; with necks, sheet_*.inp
+  Msh,       ///< state_####.msh (sheet.msh): a Gmsh 4.1 mesh of the same elements
   Vtu,       ///< state_####.vtu and deployment.pvd: ParaView, measures as fields
   Glb,       ///< deployment.glb: the whole deployment, animated
   Fold,      ///< deployment.fold: the states as frames of a FOLD file
@@ -35,15 +38,23 @@ struct ExportSettings {
   std::vector<std::string> states = {"initial", "final"};  ///< as chooseStates reads them
   std::vector<ExportFormat> formats;
   ElementRule elements;   ///< of decks and meshes
+  DeckSettings decks;     ///< how decks are written
   double hingeWidth = 0;  ///< of cut patterns, metres; 0 for a twentieth of the tile size
 };
 
 /// Throws what exportStates would of this model whatever its run is like: InputError for formats
-/// given twice, and for cut patterns, elements and joint patches that it cannot have.
+/// given twice, cut patterns, elements, joint patches and necks that it cannot have, and drives of
+/// tiles that it does not have.
 void requireExportable(const Model& model, const BrickRule& rule, const ExportSettings& settings);
 
 /// Whether an export of some run may write a file of this name.
 bool isExported(const std::string& name, const ExportSettings& settings);
+
+/// What to tell the person who asked for decks of this trajectory, one line each: bricks that
+/// overlap in a state that is exported, and elements that are fewer than usual because the tiles
+/// are many.
+std::vector<std::string> exportWarnings(const TrajectoryReader& trajectory,
+                                        const ExportSettings& settings);
 
 /// Writes the files into the folder, which is made if need be. Returns their names in order. Either
 /// all of them appear or none; contents.json lists them. Throws InputError for states that are not

@@ -1,6 +1,7 @@
 #include "render/export/state_choice.h"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <map>
@@ -137,29 +138,65 @@ std::pair<std::size_t, std::size_t> samplesNamed(const TrajectoryReader& traject
   return one(0);
 }
 
+void requireDifferentLabels(const std::vector<ChosenState>& states) {
+  for (std::size_t a = 0; a < states.size(); ++a) {
+    for (std::size_t b = 0; b < a; ++b) {
+      if (states[a].label != states[b].label) continue;
+      throw InputError(
+          fmt::format("error: samples {} and {} would both be written as {}; name them otherwise",
+                      states[b].sample, states[a].sample, states[a].label));
+    }
+  }
+}
+
 }  // namespace
 
 void requireStateName(const std::string& name) {
   readName(name);
 }
 
-std::vector<std::size_t> chooseStates(const TrajectoryReader& trajectory,
+std::string stateLabel(const std::string& name, std::size_t sample) {
+  const StateName read = readName(name);
+  switch (read.kind) {
+    case StateName::All:
+      return fmt::format("{:04}", sample);
+    case StateName::Share:
+      return fmt::format("{}pct", read.number);
+    case StateName::Time:
+      return fmt::format("{}s", read.number);
+    case StateName::Angle:
+      return fmt::format("{}deg", read.number);
+    case StateName::Event:
+      break;
+    default:
+      return name;
+  }
+  std::string label = "event_" + read.text;
+  for (char& letter : label) {
+    const bool isPlain =
+        std::isalnum(static_cast<unsigned char>(letter)) != 0 || letter == '.' || letter == '-';
+    if (!isPlain) letter = '_';
+  }
+  return label;
+}
+
+std::vector<ChosenState> chooseStates(const TrajectoryReader& trajectory,
                                       const std::vector<std::string>& names) {
-  std::map<std::size_t, std::string> chosen;
+  std::map<std::size_t, std::pair<std::string, std::string>> chosen;  // names and labels
   for (const std::string& name : names) {
     const auto [first, last] = samplesNamed(trajectory, name);
     for (std::size_t sample = first; sample <= last; ++sample) {
-      const auto [place, isNew] = chosen.try_emplace(sample, name);
+      const auto [place, isNew] = chosen.try_emplace(sample, name, stateLabel(name, sample));
       if (isNew) continue;
       throw InputError(
-          fmt::format("error: states '{}' and '{}' are both sample {}, so their files "
-                      "would have one name; leave one of them out",
-                      place->second, name, sample));
+          fmt::format("error: states '{}' and '{}' are both sample {}; leave one of them out",
+                      place->second.first, name, sample));
     }
   }
-  std::vector<std::size_t> samples;
-  for (const auto& [sample, name] : chosen) samples.push_back(sample);
-  return samples;
+  std::vector<ChosenState> states;
+  for (const auto& [sample, words] : chosen) states.push_back({sample, words.second});
+  requireDifferentLabels(states);
+  return states;
 }
 
 }  // namespace kirireel

@@ -8,8 +8,20 @@
 
 namespace kirireel {
 
+/// A sample and what its files are called.
+struct ChosenState {
+  std::size_t sample = 0;
+  std::string label;  ///< "final", "50pct", "1.5s", "30deg", "event_TEXT"; "0007" of `all`
+
+  bool operator==(const ChosenState&) const = default;
+};
+
 /// Throws InputError for a name that means nothing below, whatever the trajectory.
 void requireStateName(const std::string& name);
+
+/// A name as part of a file's: letters, digits, points and hyphens. The sample counts for `all`
+/// alone. Throws as requireStateName does.
+std::string stateLabel(const std::string& name, std::size_t sample);
 
 /// The samples that are named, rising. A name is one of
 /// - `initial`, `final`, `all`;
@@ -19,9 +31,8 @@ void requireStateName(const std::string& name);
 /// - `event:TEXT`: the first event whose text contains this.
 ///
 /// Shares, times and events stand for the nearest sample. Throws InputError for a name that means
-/// nothing, a state that is not in the trajectory, and two names of one sample, whose files would
-/// have one name.
-std::vector<std::size_t> chooseStates(const TrajectoryReader& trajectory,
+/// nothing, a state that is not in the trajectory, and two names of one sample.
+std::vector<ChosenState> chooseStates(const TrajectoryReader& trajectory,
                                       const std::vector<std::string>& names);
 
 }  // namespace kirireel

@@ -1,42 +1,15 @@
 #include "render/fea/deck.h"
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
-#include <numeric>
 
-#include <fmt/format.h>
+#include "render/fea/boundary_sets.h"
 
 namespace kirireel {
 namespace {
 
-constexpr std::size_t kLongestNumber = 20;  ///< characters that CalculiX reads of a number
-constexpr int kNumbersInLine = 16;          ///< that CalculiX and Abaqus read of a line
-/// Smaller coordinates are rounding; their exponents would take a third digit.
-constexpr double kSmallest = 1e-90;
-
-template <typename... Arguments>
-void append(std::string& text, fmt::format_string<Arguments...> format, Arguments&&... arguments) {
-  fmt::format_to(std::back_inserter(text), format, std::forward<Arguments>(arguments)...);
-}
-
-/// Numbers from 0 become numbers from 1.
-void appendNumbers(std::string& text, const int* numbers, std::size_t count) {
-  for (std::size_t k = 0; k < count; ++k) {
-    const bool endsLine = (k + 1) % kNumbersInLine == 0 || k + 1 == count;
-    append(text, "{}{}", numbers[k] + 1, endsLine ? "\n" : ", ");
-  }
-}
-
-void appendNodeSet(std::string& text, const std::string& name, const std::vector<int>& nodes) {
-  append(text, "*NSET, NSET={}\n", name);
-  appendNumbers(text, nodes.data(), nodes.size());
-}
-
-const char* elementType(int sides, bool quadratic) {
-  if (sides == 4) return quadratic ? "C3D20" : "C3D8";
-  return quadratic ? "C3D15" : "C3D6";
-}
+/// Above this number of tiles, sets are left out unless they are asked for.
+constexpr std::size_t kMostTilesWithSets = 1000;
 
 const char* jointWord(JointStyle style) {
   switch (style) {
@@ -44,136 +17,153 @@ const char* jointWord(JointStyle style) {
       return "shared nodes, each at the mean of its corners";
     case JointStyle::Equation:
       return "*EQUATION, the lowest node leads; corners keep their gaps";
+    case JointStyle::Neck:
+      return "necks of material";
     case JointStyle::Patch:
       break;
   }
   return "rigid patches that turn about shared reference nodes";
 }
 
-void appendHeader(std::string& text, const ElementMesh& mesh, const std::string& title) {
+void appendHeader(std::string& text, const ElementMesh& mesh, const DeckSettings& settings,
+                  const DeckOrigin& origin) {
+  text += "** A sheet of tiles as finite elements. No material and no step.\n";
+  appendOrigin(text, origin, settings.unit);
   append(text,
-         "** {}\n"
-         "** Written by Kirireel. Lengths in the model's unit, unscaled. No material and no step.\n"
-         "** {} tiles, {} nodes, {} elements; four-sided tiles are grids, others fans of wedges.\n"
-         "** Joints: {}.\n"
-         "** Largest gap between corners that a joint holds together: {}.\n"
+         "** {} tiles, {} nodes, {} elements, {}.\n"
+         "** Keywords of {}. Joints: {}.\n",
+         mesh.tiles.size(), mesh.nodes.size(), mesh.elements.size(),
+         mesh.rule.quadratic ? "quadratic" : "linear",
+         settings.solver == Solver::Abaqus ? "Abaqus" : "CalculiX", jointWord(mesh.rule.joints));
+  text +=
+      "** Slits that are shut have nodes in one place on both sides: never merge duplicate "
+      "nodes.\n";
+  if (mesh.rule.joints == JointStyle::Neck) {
+    const NeckShape& neck = mesh.rule.neck;
+    append(
+        text,
+        "** The flat start as it is cut, in one piece: necks {} m wide and {} m long, fillets of "
+        "{} m,\n** kerf {} m.\n",
+        deckNumber(neck.width), deckNumber(std::max(neck.length, neck.kerf)),
+        deckNumber(neck.radius), deckNumber(neck.kerf));
+    return;
+  }
+  append(text,
+         "** Largest gap between corners that a joint holds together: {} m.\n"
          "** WARNING: joints are ideal hinges, so the sheet is a mechanism. A linear static step "
          "that\n"
          "** holds too little of it ends without a warning and with meaningless displacements.\n",
-         title, mesh.tiles.size(), mesh.nodes.size(), mesh.elements.size(),
-         jointWord(mesh.rule.joints), deckNumber(mesh.largestGap));
-  if (mesh.rule.joints != JointStyle::Patch) {
-    text +=
-        "** WARNING: forces through a single node depend on the mesh: finer elements make a "
-        "softer\n"
-        "** joint, without limit. Use rigid patches of a fixed radius where its stiffness "
-        "matters.\n";
+         deckNumber(mesh.largestGap));
+  if (mesh.rule.joints == JointStyle::Patch) {
+    append(text, "** Patches have a radius of {} m.\n", deckNumber(mesh.rule.patchRadius));
+    return;
   }
-  if (!mesh.rule.quadratic) {
-    text += "** Linear elements are too stiff in bending; use quadratic ones where bricks bend.\n";
-  }
+  text +=
+      "** WARNING: forces through a single node depend on the mesh: finer elements make a softer\n"
+      "** joint, without limit. Use rigid patches of a fixed radius where its stiffness matters.\n";
 }
 
-void appendNode(std::string& text, std::size_t number, const Vector3& at) {
-  append(text, "{}, {}, {}, {}\n", number, deckNumber(at.x()), deckNumber(at.y()),
-         deckNumber(at.z()));
-}
-
-void appendNodes(std::string& text, const ElementMesh& mesh) {
+/// All nodes in one block, those of rigid patches last: some readers know one block alone.
+void appendNodes(std::string& text, const std::vector<Vector3>& nodes, DeckUnit unit) {
+  const double scale = unitScale(unit).length;
   text += "*NODE, NSET=NALL\n";
-  for (std::size_t k = 0; k < mesh.nodes.size(); ++k) appendNode(text, k + 1, mesh.nodes[k]);
-}
-
-void appendElements(std::string& text, const ElementMesh& mesh, std::size_t tileNumber) {
-  const TileElements& tile = mesh.tiles[tileNumber];
-  const int sides = mesh.elements[tile.firstElement].sides;
-  append(text, "*ELEMENT, TYPE={}, ELSET=TILE_{:05}\n", elementType(sides, mesh.rule.quadratic),
-         tileNumber);
-  for (int k = tile.firstElement; k < tile.firstElement + tile.elementCount; ++k) {
-    std::array<int, 21> row{k};
-    std::ranges::copy(mesh.elements[k].nodes, row.begin() + 1);
-    const std::size_t count = nodeCount(sides, mesh.rule.quadratic) + 1;
-    if (count <= kNumbersInLine) {
-      appendNumbers(text, row.data(), count);
-      continue;
-    }
-    appendNumbers(text, row.data(), kNumbersInLine);
-    text.back() = ',';  // the row goes on
-    text += '\n';
-    appendNumbers(text, row.data() + kNumbersInLine, count - kNumbersInLine);
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    const Vector3 at = scale * nodes[k];
+    append(text, "{}, {}, {}, {}\n", k + 1, deckNumber(at.x()), deckNumber(at.y()),
+           deckNumber(at.z()));
   }
 }
 
-/// Face 1 of a prism is its bottom, face 2 its top.
-void appendSurfaces(std::string& text, const TileElements& tile, std::size_t number) {
-  append(text, "*SURFACE, NAME=TILE_{:05}_SBOT, TYPE=ELEMENT\n", number);
+/// The numbers of one element; a row too long for one line goes on in the next.
+void appendElement(std::string& text, const ElementMesh& mesh, int number) {
+  constexpr std::size_t kNumbersInLine = 16;
+  std::array<int, 21> row{number};
+  std::ranges::copy(mesh.elements[number].nodes, row.begin() + 1);
+  const std::size_t count = nodeCount(mesh.rule) + 1;
+  if (count <= kNumbersInLine) return appendNumbers(text, row.data(), count);
+  appendNumbers(text, row.data(), kNumbersInLine);
+  text.back() = ',';
+  text += '\n';
+  appendNumbers(text, row.data() + kNumbersInLine, count - kNumbersInLine);
+}
+
+/// The tiles, then the necks between them, by name.
+std::vector<std::pair<std::string, const TileElements*>> partsOf(const ElementMesh& mesh) {
+  std::vector<std::pair<std::string, const TileElements*>> parts;
+  for (const auto& [word, tiles] : {std::pair{"TILE", &mesh.tiles}, {"NECK", &mesh.necks}}) {
+    for (std::size_t k = 0; k < tiles->size(); ++k) {
+      parts.emplace_back(fmt::format("{}_{:05}", word, k), &(*tiles)[k]);
+    }
+  }
+  return parts;
+}
+
+void appendPart(std::string& text, const ElementMesh& mesh, const std::string& name,
+                const TileElements& tile) {
+  append(text, "*ELEMENT, TYPE={}, ELSET={}\n", elementType(tile, mesh.rule), name);
+  for (int k = 0; k < tile.elementCount; ++k) appendElement(text, mesh, tile.firstElement + k);
+}
+
+/// All elements of one type in one block without a set of their own.
+void appendAllElements(std::string& text, const ElementMesh& mesh) {
+  std::string last;
+  for (const auto& [name, tile] : partsOf(mesh)) {
+    const std::string type = elementType(*tile, mesh.rule);
+    if (type != last) append(text, "*ELEMENT, TYPE={}\n", type);
+    last = type;
+    for (int k = 0; k < tile->elementCount; ++k) appendElement(text, mesh, tile->firstElement + k);
+  }
+}
+
+/// Faces 1 and 2 of a prism are its bottom and its top, 3 to 6 its sides.
+void appendSurfaces(std::string& text, const TileElements& tile, const std::string& name) {
+  append(text, "*SURFACE, NAME={}_SBOT, TYPE=ELEMENT\n", name);
   for (int k = 0; k < tile.layerCount; ++k) append(text, "{}, S1\n", tile.firstElement + k + 1);
-  append(text, "*SURFACE, NAME=TILE_{:05}_STOP, TYPE=ELEMENT\n", number);
+  append(text, "*SURFACE, NAME={}_STOP, TYPE=ELEMENT\n", name);
   const int lastLayer = tile.firstElement + tile.elementCount - tile.layerCount;
   for (int k = 0; k < tile.layerCount; ++k) append(text, "{}, S2\n", lastLayer + k + 1);
+  append(text, "*SURFACE, NAME={}_SIDE, TYPE=ELEMENT\n", name);
+  for (const ElementFace& face : tile.sides) {
+    append(text, "{}, S{}\n", face.element + 1, face.side + 3);
+  }
+  int edge = -1;
+  for (const ElementFace& face : tile.sides) {
+    if (face.tileEdge < 0) continue;
+    if (face.tileEdge != edge) {
+      append(text, "*SURFACE, NAME={}_S{}, TYPE=ELEMENT\n", name, face.tileEdge);
+    }
+    edge = face.tileEdge;
+    append(text, "{}, S{}\n", face.element + 1, face.side + 3);
+  }
 }
 
 void appendTileSets(std::string& text, const ElementMesh& mesh) {
-  for (std::size_t t = 0; t < mesh.tiles.size(); ++t) {
-    const TileElements& tile = mesh.tiles[t];
-    appendNodeSet(text, fmt::format("TILE_{:05}_N", t), tile.nodes);
-    appendNodeSet(text, fmt::format("TILE_{:05}_BOT", t), tile.bottom);
-    appendNodeSet(text, fmt::format("TILE_{:05}_TOP", t), tile.top);
-    appendSurfaces(text, tile, t);
+  for (const auto& [name, tile] : partsOf(mesh)) {
+    appendNodeSet(text, name + "_N", tile->nodes);
+    if (mesh.rule.family != ElementFamily::Solid) continue;
+    appendNodeSet(text, name + "_BOT", tile->bottom);
+    appendNodeSet(text, name + "_TOP", tile->top);
+    appendSurfaces(text, *tile, name);
   }
 }
 
-std::vector<int> sortedOnce(std::vector<int> nodes) {
+void appendJointSets(std::string& text, const ElementMesh& mesh) {
+  for (std::size_t j = 0; j < mesh.joints.size(); ++j) {
+    appendNodeSet(text, fmt::format("JOINT_{:05}_A", j), mesh.joints[j].a);
+    appendNodeSet(text, fmt::format("JOINT_{:05}_B", j), mesh.joints[j].b);
+  }
+}
+
+std::vector<int> allJointNodes(const ElementMesh& mesh) {
+  std::vector<int> nodes;
+  for (const JointNodes& joint : mesh.joints) {
+    std::ranges::copy(joint.a, std::back_inserter(nodes));
+    std::ranges::copy(joint.b, std::back_inserter(nodes));
+  }
   std::ranges::sort(nodes);
   const auto repeated = std::ranges::unique(nodes);
   nodes.erase(repeated.begin(), repeated.end());
   return nodes;
-}
-
-void appendJointSets(std::string& text, const ElementMesh& mesh) {
-  std::vector<int> all;
-  for (std::size_t j = 0; j < mesh.joints.size(); ++j) {
-    const JointNodes& joint = mesh.joints[j];
-    appendNodeSet(text, fmt::format("JOINT_{:05}_A", j), joint.a);
-    appendNodeSet(text, fmt::format("JOINT_{:05}_B", j), joint.b);
-    std::ranges::copy(joint.a, std::back_inserter(all));
-    std::ranges::copy(joint.b, std::back_inserter(all));
-  }
-  if (!all.empty()) appendNodeSet(text, "NJOINT", sortedOnce(std::move(all)));
-}
-
-/// The node that the patches of a cluster turn about, numbered after all others.
-int referenceNode(const ElementMesh& mesh, std::size_t cluster) {
-  return static_cast<int>(mesh.nodes.size() + cluster);
-}
-
-/// For each node whether it follows others, so that nothing else may hold it.
-std::vector<bool> followers(const ElementMesh& mesh) {
-  std::vector<bool> follows(mesh.nodes.size());
-  for (const NodeCluster& cluster : mesh.clusters) {
-    if (mesh.rule.joints == JointStyle::Equation) {
-      for (std::size_t k = 1; k < cluster.nodes.size(); ++k) follows[cluster.nodes[k]] = true;
-    }
-    for (const std::vector<int>& patch : cluster.patches) {
-      for (const int node : patch) follows[node] = true;
-    }
-  }
-  return follows;
-}
-
-/// The bottom corners of all tiles, or what they follow.
-std::vector<int> nodesToHold(const ElementMesh& mesh) {
-  const std::vector<bool> follows = followers(mesh);
-  std::vector<int> nodes;
-  for (const TileElements& tile : mesh.tiles) {
-    for (const std::vector<int>& edge : tile.edges) {
-      if (!follows[edge.front()]) nodes.push_back(edge.front());
-    }
-  }
-  if (mesh.rule.joints == JointStyle::Patch) {
-    for (std::size_t c = 0; c < mesh.clusters.size(); ++c) nodes.push_back(referenceNode(mesh, c));
-  }
-  return sortedOnce(std::move(nodes));
 }
 
 void appendEquations(std::string& text, const ElementMesh& mesh) {
@@ -187,82 +177,99 @@ void appendEquations(std::string& text, const ElementMesh& mesh) {
   }
 }
 
-void appendPatches(std::string& text, const ElementMesh& mesh) {
-  if (mesh.clusters.empty()) return;
-  text += "*NODE, NSET=NREFERENCE\n";
-  for (std::size_t c = 0; c < mesh.clusters.size(); ++c) {
-    Vector3 sum = Vector3::Zero();
-    for (const int node : mesh.clusters[c].nodes) sum += mesh.nodes[node];
-    appendNode(text, referenceNode(mesh, c) + 1,
-               sum / static_cast<double>(mesh.clusters[c].nodes.size()));
-  }
-  for (std::size_t c = 0; c < mesh.clusters.size(); ++c) {
-    for (std::size_t k = 0; k < mesh.clusters[c].patches.size(); ++k) {
-      const std::string name = fmt::format("PATCH_{:05}_{}", c, k);
-      appendNodeSet(text, name, mesh.clusters[c].patches[k]);
-      append(text, "*RIGID BODY, NSET={}, REF NODE={}\n", name, referenceNode(mesh, c) + 1);
+/// The rigid patches of a mesh with the nodes that they turn about. In CalculiX the patches of a
+/// joint share one node. In Abaqus a node governs one rigid body, so that each patch has its own,
+/// and *MPC pins them together; the first of a joint is the one that may be held.
+class PatchDeck {
+ public:
+  PatchDeck(const ElementMesh& mesh, Solver solver) : mesh_(mesh), solver_(solver) {}
+
+  /// The positions of the nodes of patches, to be numbered after the mesh's own.
+  std::vector<Vector3> referenceNodes() const {
+    std::vector<Vector3> nodes;
+    for (std::size_t c = 0; c < mesh_.clusters.size(); ++c) {
+      nodes.push_back(referencePosition(mesh_, c));
     }
+    if (solver_ == Solver::Calculix) return nodes;
+    for (std::size_t c = 0; c < mesh_.clusters.size(); ++c) {
+      const std::size_t others = mesh_.clusters[c].patches.size() - 1;
+      nodes.insert(nodes.end(), others, referencePosition(mesh_, c));
+    }
+    return nodes;
   }
+
+  void append(std::string& text) const {
+    int nextOwn = referenceNode(mesh_, mesh_.clusters.size());
+    std::string pins;
+    for (std::size_t c = 0; c < mesh_.clusters.size(); ++c) {
+      const int shared = referenceNode(mesh_, c);
+      for (std::size_t k = 0; k < mesh_.clusters[c].patches.size(); ++k) {
+        const std::string name = fmt::format("PATCH_{:05}_{}", c, k);
+        appendNodeSet(text, name, mesh_.clusters[c].patches[k]);
+        if (solver_ == Solver::Calculix) {
+          kirireel::append(text, "*RIGID BODY, NSET={}, REF NODE={}\n", name, shared + 1);
+          continue;
+        }
+        const int own = k == 0 ? shared : nextOwn++;
+        kirireel::append(text, "*RIGID BODY, PIN NSET={}, REF NODE={}\n", name, own + 1);
+        if (k > 0) kirireel::append(pins, "PIN, {}, {}\n", own + 1, shared + 1);
+      }
+    }
+    if (!pins.empty()) text += "*MPC\n" + pins;
+  }
+
+ private:
+  const ElementMesh& mesh_;
+  Solver solver_;
+};
+
+std::vector<int> countedFrom(std::size_t first, std::size_t count) {
+  std::vector<int> numbers;
+  for (std::size_t k = 0; k < count; ++k) numbers.push_back(static_cast<int>(first + k));
+  return numbers;
+}
+
+SetChoice chosenSets(SetChoice choice, std::size_t tiles) {
+  if (choice != SetChoice::Usual) return choice;
+  return tiles <= kMostTilesWithSets ? SetChoice::All : SetChoice::None;
 }
 
 }  // namespace
 
-std::string deckNumber(double value) {
-  if (std::abs(value) < kSmallest) return "0.";
-  const std::string exact = fmt::format("{}", value);
-  return exact.size() <= kLongestNumber ? exact : fmt::format("{:.14g}", value);
+const char* elementType(const TileElements& tile, const ElementRule& rule) {
+  if (rule.family == ElementFamily::Shell) return rule.quadratic ? "S8R" : "S4";
+  if (rule.family == ElementFamily::Plane) return rule.quadratic ? "CPS8R" : "CPS4";
+  if (!rule.quadratic) return "C3D8I";
+  // A row of elements with reduced integration bends at no cost.
+  return tile.isRow ? "C3D20" : "C3D20R";
 }
 
-std::string meshDeck(const ElementMesh& mesh, const std::string& title) {
+std::string meshDeck(const ElementMesh& mesh, const DeckSettings& settings,
+                     const DeckOrigin& origin) {
+  const bool isPatched = mesh.rule.joints == JointStyle::Patch;
+  const PatchDeck patches(mesh, settings.solver);
+  std::vector<Vector3> references;
+  if (isPatched) references = patches.referenceNodes();
+  std::vector<Vector3> nodes = mesh.nodes;
+  nodes.insert(nodes.end(), references.begin(), references.end());
+  const SetChoice sets = chosenSets(settings.sets, mesh.tiles.size());
+
   std::string text;
-  appendHeader(text, mesh, title);
-  appendNodes(text, mesh);
-  for (std::size_t t = 0; t < mesh.tiles.size(); ++t) appendElements(text, mesh, t);
+  appendHeader(text, mesh, settings, origin);
+  appendNodes(text, nodes, settings.unit);
+  if (sets == SetChoice::None) {
+    appendAllElements(text, mesh);
+  } else {
+    for (const auto& [name, tile] : partsOf(mesh)) appendPart(text, mesh, name, *tile);
+  }
   append(text, "*ELSET, ELSET=EALL, GENERATE\n1, {}, 1\n", mesh.elements.size());
-  appendTileSets(text, mesh);
-  appendJointSets(text, mesh);
+  if (sets == SetChoice::All) appendTileSets(text, mesh);
+  if (sets != SetChoice::None) appendJointSets(text, mesh);
+  appendNodeSet(text, "NJOINT", allJointNodes(mesh));
+  for (const NamedNodes& set : boundarySets(mesh)) appendNodeSet(text, set.name, set.nodes);
+  appendNodeSet(text, "NREFERENCE", countedFrom(mesh.nodes.size(), references.size()));
   if (mesh.rule.joints == JointStyle::Equation) appendEquations(text, mesh);
-  if (mesh.rule.joints == JointStyle::Patch) appendPatches(text, mesh);
-  appendNodeSet(text, "NHOLD", nodesToHold(mesh));
-  return text;
-}
-
-std::string jobDeck(const ElementMesh& mesh, const std::string& meshFile) {
-  std::string text(
-      "** A job to start from: every tile rests on its corners and bends under its own weight.\n"
-      "** Replace material, boundary and load by yours; units must fit the mesh's unit of length.\n"
-      "** WARNING: joints are ideal hinges. Holding less than NHOLD may leave a mechanism, on "
-      "which\n"
-      "** a linear static step gives huge displacements and no warning; check the largest |U|.\n");
-  if (mesh.rule.joints == JointStyle::Equation) {
-    text +=
-        "** WARNING: nodes that follow in *EQUATION cannot be held: clamping TILE_00000_N works "
-        "for\n"
-        "** the tile whose joints all lead, not for others. NHOLD holds leading nodes alone.\n";
-  }
-  if (mesh.rule.joints == JointStyle::Patch) {
-    text += "** WARNING: nodes of rigid patches cannot be held; hold their reference nodes.\n";
-  }
-  append(text,
-         "*INCLUDE, INPUT={}\n"
-         "*MATERIAL, NAME=SHEET\n"
-         "*ELASTIC\n"
-         "1.e9, 0.3\n"
-         "*DENSITY\n"
-         "1000.\n"
-         "*SOLID SECTION, ELSET=EALL, MATERIAL=SHEET\n"
-         "*BOUNDARY\n"
-         "NHOLD, 1, 3\n"
-         "*STEP\n"
-         "*STATIC\n"
-         "*DLOAD\n"
-         "EALL, GRAV, 9.81, 0., 0., -1.\n"
-         "*NODE FILE\n"
-         "U\n"
-         "*EL FILE\n"
-         "S\n"
-         "*END STEP\n",
-         meshFile);
+  if (isPatched) patches.append(text);
   return text;
 }
 

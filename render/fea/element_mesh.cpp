@@ -1,46 +1,99 @@
 #include "render/fea/element_mesh.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include <fmt/format.h>
 
 #include "render/fea/footprint.h"
 #include "render/fea/node_clusters.h"
+#include "render/fea/prism_layers.h"
 #include "sim/base/error.h"
 
 namespace kirireel {
 namespace {
 
+constexpr int kMostUsualPerEdge = 8;
+constexpr int kLeastUsualPerEdge = 2;
 constexpr int kMostElements = 64;
 /// More would fill memory, and no program reads them.
 constexpr std::size_t kMostElementsInAll = 4'000'000;
+
+/// What nobody chose stays below this: half a million nodes at most, which a direct solver can
+/// still factorise on a workstation.
+constexpr std::size_t kUsualElementsInAll = 60'000;
 /// Elements this many times longer than thick are useless in any program.
 constexpr double kMostAspect = 500;
 
-void requireValidRule(const ElementRule& rule) {
-  const auto require = [](int found, const char* what) {
-    if (found >= 1 && found <= kMostElements) return;
-    throw InputError(fmt::format("error: {} elements {} are not possible; choose 1 to {}", found,
-                                 what, kMostElements));
-  };
-  require(rule.perEdge, "per edge");
-  require(rule.through, "through the thickness");
-  if (rule.joints == JointStyle::Patch && !(rule.patchRadius > 0)) {
-    throw InputError(
-        fmt::format("error: a joint patch cannot have the radius {} m; give a positive "
-                    "one, at least the length of an element's edge",
-                    rule.patchRadius));
+/// The lengths of a tile's edges, metres.
+std::vector<double> edgeLengths(const Brick& brick) {
+  std::vector<double> lengths;
+  for (std::size_t k = 0; k < brick.bottom.size(); ++k) {
+    lengths.push_back((brick.bottom[(k + 1) % brick.bottom.size()] - brick.bottom[k]).norm());
   }
+  return lengths;
 }
 
-void requireReasonableCount(const std::vector<Brick>& bricks, const ElementRule& rule) {
-  std::size_t cells = 0;
-  for (const Brick& brick : bricks) {
-    const std::size_t sides = brick.bottom.size();
-    cells += (sides > 4 ? sides : 1) * rule.perEdge * rule.perEdge;
+/// A quarter of the least distance between two corners of a tile: patches at both stay apart.
+double usualPatchRadius(const std::vector<Brick>& bricks) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Brick& brick : bricks) least = std::min(least, leastDistance(brick.bottom));
+  return 0.25 * least;
+}
+
+/// How many elements along an edge of this length put its first node into the patch at its end.
+int perEdgeForPatch(double length, const ElementRule& rule) {
+  const int nodesAnElement = rule.quadratic ? 2 : 1;
+  return static_cast<int>(std::ceil(length / (nodesAnElement * rule.patchRadius) - 1e-9));
+}
+
+/// How many elements lie along an edge; `usual` where the rule does not say.
+int elementsAlong(double length, const ElementRule& rule, int usual) {
+  if (rule.size > 0) return std::max(1, static_cast<int>(std::ceil(length / rule.size - 1e-9)));
+  if (rule.perEdge > 0) return rule.perEdge;
+  return rule.joints == JointStyle::Patch ? std::max(usual, perEdgeForPatch(length, rule)) : usual;
+}
+
+/// How a tile is divided, so that tiles divided alike share one footprint.
+struct Division {
+  int sides = 0;
+  int first = 0;   ///< cells along edge 0 of a grid; half the cells along an edge of a fan
+  int second = 0;  ///< cells along edge 1 of a grid; 0 of a fan
+
+  auto operator<=>(const Division&) const = default;
+
+  std::size_t cells() const {
+    const auto square = static_cast<std::size_t>(first) * (second > 0 ? second : 3 * first);
+    return second > 0 || sides == 3 ? square : sides * square;
   }
-  const std::size_t count = cells * rule.through;
+};
+
+Division divisionOf(const Brick& brick, const ElementRule& rule, int usual) {
+  const std::vector<double> lengths = edgeLengths(brick);
+  const int sides = static_cast<int>(lengths.size());
+  if (takesGrid(brick.bottom, brick.normal)) {
+    return {sides, elementsAlong(std::max(lengths[0], lengths[2]), rule, usual),
+            elementsAlong(std::max(lengths[1], lengths[3]), rule, usual)};
+  }
+  return {sides, (elementsAlong(std::ranges::max(lengths), rule, usual) + 1) / 2, 0};
+}
+
+std::vector<Division> divisionsOf(const std::vector<Brick>& bricks, const ElementRule& rule,
+                                  int usual) {
+  std::vector<Division> divisions;
+  for (const Brick& brick : bricks) divisions.push_back(divisionOf(brick, rule, usual));
+  return divisions;
+}
+
+std::size_t elementsIn(const std::vector<Division>& divisions, const ElementRule& rule) {
+  std::size_t count = 0;
+  for (const Division& division : divisions) count += rule.through * division.cells();
+  return count;
+}
+
+void requireReasonableCount(const std::vector<Division>& divisions, const ElementRule& rule) {
+  const std::size_t count = elementsIn(divisions, rule);
   if (count <= kMostElementsInAll) return;
   throw InputError(
       fmt::format("error: {} elements would be made, at most {} are allowed; use fewer "
@@ -48,135 +101,54 @@ void requireReasonableCount(const std::vector<Brick>& bricks, const ElementRule&
                   count, kMostElementsInAll));
 }
 
-/// Cells, points and edges of each shape of tile, made once.
-class Footprints {
- public:
-  explicit Footprints(int perEdge) : perEdge_(perEdge) {}
+Footprint footprintOf(const Division& division) {
+  return division.second > 0 ? gridFootprint(division.first, division.second)
+                             : fanFootprint(division.sides, division.first);
+}
 
-  const Footprint& of(const Brick& brick) {
-    const bool isGrid = takesGrid(brick.bottom, brick.normal);
-    const int sides = static_cast<int>(brick.bottom.size());
-    const auto [place, isNew] = made_.try_emplace({sides, isGrid});
-    if (isNew) place->second = isGrid ? gridFootprint(perEdge_) : fanFootprint(sides, perEdge_);
-    return place->second;
-  }
-
- private:
-  int perEdge_;
-  std::map<std::pair<int, bool>, Footprint> made_;
-};
-
-/// Appends one brick after the other to a mesh.
-class MeshBuilder {
- public:
-  MeshBuilder(ElementMesh& mesh) : mesh_(mesh), levels_(mesh.rule.through * step() + 1) {}
-
-  void append(const Brick& brick, const Pose& pose, const Footprint& footprint) {
-    footprint_ = &footprint;
-    tile_ = {};
-    pointNode_.assign(levels_, std::vector<int>(footprint.points.size(), -1));
-    edgeNode_.assign(levels_, {});
-    for (int level = 0; level < levels_; ++level) appendLevel(brick, pose, level);
-    appendElements();
-    for (const int corner : footprint.corners) {
-      std::vector<int>& edge = tile_.edges.emplace_back();
-      for (int level = 0; level < levels_; ++level) edge.push_back(pointNode_[level][corner]);
-    }
-    mesh_.tiles.push_back(std::move(tile_));
-  }
-
- private:
-  /// Quadratic elements have a level of nodes halfway up.
-  int step() const { return mesh_.rule.quadratic ? 2 : 1; }
-
-  void appendLevel(const Brick& brick, const Pose& pose, int level) {
-    const double share = static_cast<double>(level) / (levels_ - 1);
+/// The points of a brick's footprint at each level, in world axes.
+std::vector<std::vector<Vector3>> levelsOf(const Brick& brick, const Pose& pose,
+                                           const Footprint& footprint, int count) {
+  std::vector<Vector3> bases = brick.bottom;
+  // The centre of mass is the origin of brick axes, the bottom's half a thickness below it.
+  bases.emplace_back(-0.5 * brick.thickness * brick.normal);
+  std::vector<std::vector<Vector3>> levels(count);
+  for (int level = 0; level < count; ++level) {
+    const double share = static_cast<double>(level) / (count - 1);
     const Vector3 up = share * brick.thickness * brick.normal;
-    std::vector<Vector3> bases = brick.bottom;
-    // The centre of mass is the origin of brick axes, the bottom's half a thickness below it.
-    bases.emplace_back(-0.5 * brick.thickness * brick.normal);
-    std::vector<Vector3> points;
-    for (const FootprintPoint& point : footprint_->points) points.push_back(point.at(bases) + up);
-    for (std::size_t k = 0; k < points.size(); ++k) {
-      pointNode_[level][k] = addNode(pose.apply(points[k]), level);
-    }
-    if (!mesh_.rule.quadratic || level % 2 == 1) return;
-    for (const auto& [a, b] : footprint_->edges) {
-      edgeNode_[level].push_back(addNode(pose.apply(0.5 * (points[a] + points[b])), level));
+    for (const FootprintPoint& point : footprint.points) {
+      levels[level].push_back(pose.apply(point.at(bases) + up));
     }
   }
+  return levels;
+}
 
-  int addNode(const Vector3& position, int level) {
-    const int number = static_cast<int>(mesh_.nodes.size());
-    mesh_.nodes.push_back(position);
-    tile_.nodes.push_back(number);
-    if (level == 0) tile_.bottom.push_back(number);
-    if (level == levels_ - 1) tile_.top.push_back(number);
-    return number;
-  }
-
-  void appendElements() {
-    tile_.firstElement = static_cast<int>(mesh_.elements.size());
-    tile_.layerCount = static_cast<int>(footprint_->cells.size());
-    tile_.elementCount = mesh_.rule.through * tile_.layerCount;
-    for (int layer = 0; layer < mesh_.rule.through; ++layer) {
-      for (const std::array<int, 4>& cell : footprint_->cells) {
-        mesh_.elements.push_back(elementOn(cell, layer * step()));
-      }
-    }
-  }
-
-  Element elementOn(const std::array<int, 4>& cell, int level) const {
-    Element element;
-    element.sides = cell[3] < 0 ? 3 : 4;
-    int count = 0;
-    const auto appendCorners = [&](int at) {
-      for (int k = 0; k < element.sides; ++k) element.nodes[count++] = pointNode_[at][cell[k]];
-    };
-    const auto appendMiddles = [&](int at) {
-      for (int k = 0; k < element.sides; ++k) {
-        element.nodes[count++] = edgeNode_[at][edgeNumber(cell[k], cell[(k + 1) % element.sides])];
-      }
-    };
-    appendCorners(level);
-    appendCorners(level + step());
-    if (!mesh_.rule.quadratic) return element;
-    appendMiddles(level);
-    appendMiddles(level + 2);
-    appendCorners(level + 1);
-    return element;
-  }
-
-  std::size_t edgeNumber(int a, int b) const {
-    const std::array<int, 2> edge = {std::min(a, b), std::max(a, b)};
-    return std::ranges::lower_bound(footprint_->edges, edge) - footprint_->edges.begin();
-  }
-
-  ElementMesh& mesh_;
-  int levels_;
-  const Footprint* footprint_ = nullptr;
-  TileElements tile_;
-  std::vector<std::vector<int>> pointNode_;  ///< by level and point
-  std::vector<std::vector<int>> edgeNode_;   ///< by level and edge
-};
+void appendBrick(ElementMesh& mesh, const Brick& brick, const Pose& pose,
+                 const Footprint& footprint) {
+  const int levels = PrismLayers::levelCount(mesh.rule);
+  PrismLayers layers(mesh, footprint.cells, levelsOf(brick, pose, footprint, levels));
+  TileElements tile = layers.append(0, footprint.cells.size(), footprint.sides);
+  tile.isRow = footprint.isRow;
+  for (const int corner : footprint.corners) tile.edges.push_back(layers.nodesAt(corner));
+  mesh.tiles.push_back(std::move(tile));
+}
 
 /// Six times the volume of the tetrahedron that a corner and its three neighbours span.
 double cornerVolume(const ElementMesh& mesh, const Element& element, int corner) {
-  const int sides = element.sides;
-  const int base = corner < sides ? 0 : sides;
+  const int base = corner < 4 ? 0 : 4;
   const auto at = [&](int k) { return mesh.nodes[element.nodes[k]]; };
   const Vector3 origin = at(corner);
-  const Vector3 next = at(base + (corner - base + 1) % sides) - origin;
-  const Vector3 previous = at(base + (corner - base + sides - 1) % sides) - origin;
-  const Vector3 up = base == 0 ? at(corner + sides) - origin : origin - at(corner - sides);
+  const Vector3 next = at(base + (corner - base + 1) % 4) - origin;
+  const Vector3 previous = at(base + (corner - base + 3) % 4) - origin;
+  const Vector3 up = base == 0 ? at(corner + 4) - origin : origin - at(corner - 4);
   return next.cross(previous).dot(up);
 }
 
 double longestEdge(const ElementMesh& mesh, const Element& element) {
   double longest = 0;
-  for (int k = 0; k < element.sides; ++k) {
+  for (int k = 0; k < 4; ++k) {
     const Vector3& a = mesh.nodes[element.nodes[k]];
-    const Vector3& b = mesh.nodes[element.nodes[(k + 1) % element.sides]];
+    const Vector3& b = mesh.nodes[element.nodes[(k + 1) % 4]];
     longest = std::max(longest, (b - a).norm());
   }
   return longest;
@@ -194,7 +166,7 @@ void checkAspect(const ElementMesh& mesh, const Element& element, int tile, doub
 }
 
 void checkCorners(const ElementMesh& mesh, const Element& element, int tile) {
-  for (int k = 0; k < 2 * element.sides; ++k) {
+  for (int k = 0; k < 8; ++k) {
     if (cornerVolume(mesh, element, k) > 0) continue;
     throw InputError(
         fmt::format("error: tile {} cannot be divided into elements: they would fold "
@@ -215,32 +187,114 @@ void checkElements(const ElementMesh& mesh, const std::vector<Brick>& bricks) {
   }
 }
 
+/// Divides every brick by itself; the rule's patch radius is known.
+void divideBricks(const std::vector<Brick>& bricks, const Poses& poses, ElementMesh& mesh) {
+  const std::vector<Division> divisions =
+      divisionsOf(bricks, mesh.rule, usualPerEdge(bricks, mesh.rule));
+  requireReasonableCount(divisions, mesh.rule);
+  std::map<Division, Footprint> footprints;
+  for (std::size_t t = 0; t < bricks.size(); ++t) {
+    const auto [place, isNew] = footprints.try_emplace(divisions[t]);
+    if (isNew) place->second = footprintOf(divisions[t]);
+    appendBrick(mesh, bricks[t], poses[t], place->second);
+  }
+}
+
+/// The least number of elements per edge whose nodes fill every patch.
+int leastPerEdge(const std::vector<Brick>& bricks, const ElementRule& rule) {
+  int least = 1;
+  for (const Brick& brick : bricks) {
+    least = std::max(least, perEdgeForPatch(std::ranges::max(edgeLengths(brick)), rule));
+  }
+  return least;
+}
+
 }  // namespace
 
-int nodeCount(int sides, bool quadratic) {
-  return quadratic ? 5 * sides : 2 * sides;
+int nodeCount(const ElementRule& rule) {
+  if (rule.family != ElementFamily::Solid) return rule.quadratic ? 8 : 4;
+  return rule.quadratic ? 20 : 8;
+}
+
+void requireValidRule(const ElementRule& rule) {
+  const auto require = [](int found, int least, const char* what) {
+    if (found >= least && found <= kMostElements) return;
+    throw InputError(fmt::format("error: {} elements {} are not possible; choose 1 to {}", found,
+                                 what, kMostElements));
+  };
+  require(rule.perEdge, 0, "per edge");
+  require(rule.through, 1, "through the thickness");
+  if (rule.perEdge > 0 && rule.size > 0) {
+    throw InputError(
+        fmt::format("error: {} elements per edge and elements of {} m contradict each "
+                    "other; give one of the two",
+                    rule.perEdge, rule.size));
+  }
+  if (!(rule.size >= 0) || !(rule.patchRadius >= 0)) {
+    throw InputError(
+        fmt::format("error: elements of {} m and patches of radius {} m are not "
+                    "possible; give positive lengths",
+                    rule.size, rule.patchRadius));
+  }
+}
+
+int usualPerEdge(const std::vector<Brick>& bricks, const ElementRule& rule) {
+  int usual = kMostUsualPerEdge;
+  while (usual > kLeastUsualPerEdge &&
+         elementsIn(divisionsOf(bricks, rule, usual), rule) > kUsualElementsInAll) {
+    --usual;
+  }
+  return usual;
+}
+
+bool isCoarsened(const std::vector<Brick>& bricks, const ElementRule& rule) {
+  return rule.perEdge == 0 && rule.size == 0 && usualPerEdge(bricks, rule) < kMostUsualPerEdge;
 }
 
 ElementMesh makeElementMesh(const std::vector<Brick>& bricks, const std::vector<Joint>& joints,
                             const Poses& poses, const ElementRule& rule) {
   requireValidRule(rule);
-  requireReasonableCount(bricks, rule);
+  if (rule.family != ElementFamily::Solid || rule.joints == JointStyle::Neck) {
+    throw InputError(
+        "error: shells and plane elements are made of one sheet with necks alone; give --joints "
+        "neck with a --neck-width, or leave --shells and --plane-stress out");
+  }
   ElementMesh mesh;
   mesh.rule = rule;
-  Footprints footprints(rule.perEdge);
-  MeshBuilder builder(mesh);
-  for (std::size_t t = 0; t < bricks.size(); ++t) {
-    builder.append(bricks[t], poses[t], footprints.of(bricks[t]));
-  }
+  if (rule.patchRadius == 0) mesh.rule.patchRadius = usualPatchRadius(bricks);
+  divideBricks(bricks, poses, mesh);
   mesh.joints = jointNodes(joints, mesh.tiles);
   mesh.clusters = findClusters(mesh);
   for (const NodeCluster& cluster : mesh.clusters) {
     mesh.largestGap = std::max(mesh.largestGap, cluster.gap);
   }
   if (rule.joints == JointStyle::Shared) mergeClusters(mesh);
-  if (rule.joints == JointStyle::Patch) spreadPatches(mesh);
+  if (rule.joints == JointStyle::Patch) spreadPatches(mesh, leastPerEdge(bricks, mesh.rule));
   checkElements(mesh, bricks);
   return mesh;
+}
+
+std::vector<bool> followers(const ElementMesh& mesh) {
+  std::vector<bool> follows(mesh.nodes.size());
+  for (const NodeCluster& cluster : mesh.clusters) {
+    if (mesh.rule.joints == JointStyle::Equation) {
+      for (std::size_t k = 1; k < cluster.nodes.size(); ++k) follows[cluster.nodes[k]] = true;
+    }
+    for (const std::vector<int>& patch : cluster.patches) {
+      for (const int node : patch) follows[node] = true;
+    }
+  }
+  return follows;
+}
+
+int referenceNode(const ElementMesh& mesh, std::size_t cluster) {
+  return static_cast<int>(mesh.nodes.size() + cluster);
+}
+
+Vector3 referencePosition(const ElementMesh& mesh, std::size_t cluster) {
+  Vector3 sum = Vector3::Zero();
+  for (const int node : mesh.clusters[cluster].nodes) sum += mesh.nodes[node];
+  return sum / static_cast<double>(mesh.clusters[cluster].nodes.size());
 }
 
 }  // namespace kirireel

@@ -1,9 +1,10 @@
-/// Bricks as solid elements, with the sets that a finite element program needs.
+/// Bricks as finite elements, with the sets that a finite element program needs.
 #pragma once
 
 #include <array>
 #include <vector>
 
+#include "render/sheet/neck_outline.h"
 #include "sim/base/geometry.h"
 #include "sim/brick/brick.h"
 #include "sim/model/model.h"
@@ -15,42 +16,65 @@ enum class JointStyle {
   Shared,    ///< one node for all corners that meet
   Equation,  ///< a node each, tied by linear equations: gaps stay as they are
   Patch,     ///< a rigid patch round each corner, patches that meet turn about one reference node
+  Neck,      ///< necks of material: the flat sheet as it is cut, in one piece (neck_sheet.h)
 };
 
-/// How bricks become elements.
+/// What kind of elements a sheet consists of.
+enum class ElementFamily {
+  Solid,  ///< C3D20R or C3D8I
+  Shell,  ///< S8R or S4, of necks alone
+  Plane,  ///< plane stress, CPS8R or CPS4, of necks alone
+};
+
+/// How bricks become elements. The defaults bend as plates do, in sheets of up to 468 squares: a
+/// clamped plate 50 times as wide as thick to 1.1%, a cantilever 20 times as long as thick to 1.7%.
 struct ElementRule {
-  int perEdge = 2;         ///< elements along each edge of a tile, 1 to 64
-  int through = 1;         ///< elements through the thickness, 1 to 64
-  bool quadratic = false;  ///< 20 and 15 nodes an element instead of 8 and 6
+  int perEdge = 0;        ///< elements along each edge of a tile, 1 to 64; 0 for usualPerEdge, and
+                          ///< more where joint patches need them
+  int through = 2;        ///< elements through the thickness, 1 to 64
+  bool quadratic = true;  ///< 20 nodes an element instead of 8
   JointStyle joints = JointStyle::Shared;
-  double patchRadius = 0;  ///< of JointStyle::Patch, metres, positive
+  double patchRadius = 0;  ///< of JointStyle::Patch, metres; 0 for a quarter of the shortest edge
+  double size = 0;         ///< the longest that elements are along edges, metres; 0 for `perEdge`
+  ElementFamily family = ElementFamily::Solid;
+  NeckShape neck;  ///< of JointStyle::Neck
 };
 
-/// A prism on a quadrilateral (8 or 20 nodes) or on a triangle (6 or 15). Nodes in the order of
-/// Abaqus: bottom corners, top corners, then of quadratic ones the middles of the bottom edges, of
-/// the top edges and of the upright edges.
+/// A prism on a quadrilateral, or the quadrilateral alone. Nodes in the order of Abaqus: bottom
+/// corners, top corners, then of quadratic ones the middles of the bottom edges, of the top edges
+/// and of the upright edges; of shells and plane elements the corners, then the middles.
 struct Element {
-  int sides = 4;                ///< 4 or 3
-  std::array<int, 20> nodes{};  ///< numbers from 0
+  std::array<int, 20> nodes{};  ///< numbers from 0; the first nodeCount of them
 };
 
-/// How many nodes an element of so many sides has.
-int nodeCount(int sides, bool quadratic);
+/// How many nodes an element has: 20 or 8, of shells and plane elements 8 or 4.
+int nodeCount(const ElementRule& rule);
+
+/// A face of an element.
+struct ElementFace {
+  int element = 0;
+  int side = 0;      ///< from its bottom corner `side` to the next, 0 to 3
+  int tileEdge = 0;  ///< the tile's edge that it lies on
+};
 
 /// The elements and nodes of one brick. Nodes in rising order unless said otherwise.
 struct TileElements {
   int firstElement = 0;  ///< elements of a tile follow each other
   int elementCount = 0;
   int layerCount = 0;                   ///< elements in one layer; the bottom layer comes first
+  bool isRow = false;                   ///< one element wide
   std::vector<int> nodes;               ///< all of them
   std::vector<int> bottom;              ///< on the bottom face
   std::vector<int> top;                 ///< on the top face
   std::vector<std::vector<int>> edges;  ///< of each corner, through the thickness, bottom first
+  std::vector<ElementFace> sides;       ///< the faces all round, by tile edge
 };
 
 /// The nodes of a joint on its two tiles, pair by pair: the bottom node, the top node, or all nodes
 /// of the edge through the thickness.
 struct JointNodes {
+  int tileA = 0;
+  int tileB = 0;
   std::vector<int> a;
   std::vector<int> b;
 };
@@ -64,23 +88,46 @@ struct NodeCluster {
 
 /// A mesh of all bricks. Coordinates in metres, world axes.
 struct ElementMesh {
-  ElementRule rule;
+  ElementRule rule;  ///< a patch radius of 0 replaced by the one in use
   std::vector<Vector3> nodes;
   std::vector<Element> elements;
   std::vector<TileElements> tiles;    ///< one a brick
+  std::vector<TileElements> necks;    ///< of JointStyle::Neck: those with an area of their own
   std::vector<JointNodes> joints;     ///< one a joint
   std::vector<NodeCluster> clusters;  ///< in order of their first node; none are left when shared
   double largestGap = 0;              ///< between corners that meet, metres
 };
 
-/// Divides all bricks at the given poses. Four-sided tiles become grids of hexahedra, triangles and
-/// other polygons (fanned round the centre of area) wedges. Corners of tiles lie where the bricks
-/// have them, to the last bit; with JointStyle::Shared, where corners meet, at their mean.
+/// Throws InputError for numbers of elements and sizes that are out of range or contradict each
+/// other, whatever the bricks.
+void requireValidRule(const ElementRule& rule);
+
+/// How many elements lie along edges when nobody chose: 8, or as many as keep the sheet below
+/// 60,000 elements, at least 2.
+int usualPerEdge(const std::vector<Brick>& bricks, const ElementRule& rule);
+
+/// Whether nobody chose how many elements lie along edges, and they are fewer than 8.
+bool isCoarsened(const std::vector<Brick>& bricks, const ElementRule& rule);
+
+/// Divides all bricks at the given poses. Four-sided tiles become grids, triangles and other
+/// polygons (fanned round the centre of area) three grids a triangle; all elements stand on
+/// quadrilaterals, because wedges bend badly. Corners of tiles lie where the bricks have them, to
+/// the last bit; with JointStyle::Shared, where corners meet, at their mean.
 ///
 /// Throws InputError for a rule out of range, too many elements, bricks too thin for such elements,
 /// a tile that is not star-shaped round its centre, joints that would merge two corners of one
 /// tile, and patches that are too small for the elements or so large that they overlap.
 ElementMesh makeElementMesh(const std::vector<Brick>& bricks, const std::vector<Joint>& joints,
                             const Poses& poses, const ElementRule& rule);
+
+/// For each node whether it follows others, so that nothing else may hold it: of *EQUATION all but
+/// the first of a cluster, of rigid patches all.
+std::vector<bool> followers(const ElementMesh& mesh);
+
+/// The node that the patches of a cluster turn about, numbered after all others.
+int referenceNode(const ElementMesh& mesh, std::size_t cluster);
+
+/// Where that node is: the mean of the cluster's corners.
+Vector3 referencePosition(const ElementMesh& mesh, std::size_t cluster);
 
 }  // namespace kirireel

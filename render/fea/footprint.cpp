@@ -9,12 +9,13 @@ namespace {
 /// Below this sine of its angle, a corner of a quadrilateral counts as straight.
 constexpr double kStraightSine = 0.05;
 
-/// Grid points that triangles share, found by their whole-numbered weights on the bases.
+/// Grid points that quadrilaterals share, found by their whole-numbered shares of the bases.
 class SharedPoints {
  public:
-  SharedPoints(Footprint& footprint, int perEdge) : footprint_(footprint), perEdge_(perEdge) {}
+  /// All shares of one point add up to `whole`.
+  SharedPoints(Footprint& footprint, int whole) : footprint_(footprint), whole_(whole) {}
 
-  /// The point with these shares (of perEdge, in sum) of three bases.
+  /// The point with these shares of three bases.
   int find(const std::array<int, 3>& bases, const std::array<int, 3>& shares) {
     std::vector<std::pair<int, int>> key;
     for (int k = 0; k < 3; ++k) {
@@ -31,44 +32,48 @@ class SharedPoints {
     FootprintPoint point;
     for (std::size_t k = 0; k < key.size(); ++k) {
       point.bases[k] = key[k].first;
-      point.weights[k] = static_cast<double>(key[k].second) / perEdge_;
+      point.weights[k] = static_cast<double>(key[k].second) / whole_;
     }
     return point;
   }
 
   Footprint& footprint_;
-  int perEdge_;
+  int whole_;
   std::map<std::vector<std::pair<int, int>>, int> numbers_;
 };
 
-/// Divides one triangle: row i counts from the first base, place j along the row.
-void appendTriangles(const std::array<int, 3>& bases, int perEdge, SharedPoints& points,
-                     Footprint& footprint) {
-  const auto point = [&](int i, int j) { return points.find(bases, {perEdge - i, i - j, j}); };
-  for (int i = 0; i < perEdge; ++i) {
-    for (int j = 0; j <= i; ++j) {
-      footprint.cells.push_back({point(i, j), point(i + 1, j), point(i + 1, j + 1), -1});
-      if (j == i) continue;
-      footprint.cells.push_back({point(i, j), point(i + 1, j + 1), point(i, j + 1), -1});
+/// Cuts a triangle into three quadrilaterals of n x n cells each. The one at corner c reaches from
+/// there to the middles of the two sides and to the centre; its point (i, j) lies i / n of the way
+/// along the side to the next corner and j / n along the other. In shares of 6 n^2 all points are
+/// whole numbers: a corner counts 6, a middle 3 + 3, the centre 2 + 2 + 2.
+/// `onEdge` tells the tile's edge on the side from corner c to the next, or -1.
+void appendTriangle(const std::array<int, 3>& bases, const std::array<int, 3>& onEdge, int n,
+                    SharedPoints& points, Footprint& footprint) {
+  for (int c = 0; c < 3; ++c) {
+    const int next = (c + 1) % 3;
+    const int previous = (c + 2) % 3;
+    const auto point = [&](int i, int j) {
+      std::array<int, 3> shares{};
+      shares[c] = 6 * (n - i) * (n - j) + 3 * i * (n - j) + 3 * (n - i) * j + 2 * i * j;
+      shares[next] = 3 * i * (n - j) + 2 * i * j;
+      shares[previous] = 3 * (n - i) * j + 2 * i * j;
+      return points.find(bases, shares);
+    };
+    for (int j = 0; j < n; ++j) {
+      for (int i = 0; i < n; ++i) {
+        const int cell = static_cast<int>(footprint.cells.size());
+        footprint.cells.push_back(
+            {point(i, j), point(i + 1, j), point(i + 1, j + 1), point(i, j + 1)});
+        if (j == 0 && onEdge[c] >= 0) footprint.sides.push_back({cell, 0, onEdge[c]});
+        if (i == 0 && onEdge[previous] >= 0) footprint.sides.push_back({cell, 3, onEdge[previous]});
+      }
     }
   }
 }
 
-int cornersOf(const std::array<int, 4>& cell) {
-  return cell[3] < 0 ? 3 : 4;
-}
-
-void collectEdges(Footprint& footprint) {
-  for (const std::array<int, 4>& cell : footprint.cells) {
-    const int count = cornersOf(cell);
-    for (int k = 0; k < count; ++k) {
-      const auto [low, high] = std::minmax(cell[k], cell[(k + 1) % count]);
-      footprint.edges.push_back({low, high});
-    }
-  }
-  std::ranges::sort(footprint.edges);
-  const auto repeated = std::ranges::unique(footprint.edges);
-  footprint.edges.erase(repeated.begin(), repeated.end());
+void finish(Footprint& footprint) {
+  footprint.edges = edgesOf(footprint.cells);
+  std::ranges::stable_sort(footprint.sides, {}, &FootprintSide::tileEdge);
 }
 
 }  // namespace
@@ -81,41 +86,61 @@ Vector3 FootprintPoint::at(const std::vector<Vector3>& verticesAndCentre) const 
   return sum;
 }
 
-Footprint gridFootprint(int perEdge) {
+Footprint gridFootprint(int first, int second) {
   Footprint footprint;
-  const auto share = [&](int k) { return static_cast<double>(k) / perEdge; };
-  const auto point = [&](int i, int j) { return j * (perEdge + 1) + i; };
-  for (int j = 0; j <= perEdge; ++j) {
-    for (int i = 0; i <= perEdge; ++i) {
-      const double u = share(i);
-      const double v = share(j);
+  const auto point = [&](int i, int j) { return j * (first + 1) + i; };
+  for (int j = 0; j <= second; ++j) {
+    for (int i = 0; i <= first; ++i) {
+      const double u = static_cast<double>(i) / first;
+      const double v = static_cast<double>(j) / second;
       footprint.points.push_back(
           {{0, 1, 2, 3}, {(1 - u) * (1 - v), u * (1 - v), u * v, (1 - u) * v}});
-      if (i == perEdge || j == perEdge) continue;
+      if (i == first || j == second) continue;
+      const int cell = static_cast<int>(footprint.cells.size());
       footprint.cells.push_back(
           {point(i, j), point(i + 1, j), point(i + 1, j + 1), point(i, j + 1)});
+      if (j == 0) footprint.sides.push_back({cell, 0, 0});
+      if (i + 1 == first) footprint.sides.push_back({cell, 1, 1});
+      if (j + 1 == second) footprint.sides.push_back({cell, 2, 2});
+      if (i == 0) footprint.sides.push_back({cell, 3, 3});
     }
   }
-  footprint.corners = {point(0, 0), point(perEdge, 0), point(perEdge, perEdge), point(0, perEdge)};
-  collectEdges(footprint);
+  footprint.corners = {point(0, 0), point(first, 0), point(first, second), point(0, second)};
+  footprint.isRow = std::min(first, second) == 1;
+  finish(footprint);
   return footprint;
 }
 
-Footprint fanFootprint(int sides, int perEdge) {
+Footprint fanFootprint(int sides, int halfPerEdge) {
+  const int whole = 6 * halfPerEdge * halfPerEdge;
   Footprint footprint;
-  SharedPoints points(footprint, perEdge);
+  SharedPoints points(footprint, whole);
   if (sides == 3) {
-    appendTriangles({0, 1, 2}, perEdge, points, footprint);
+    appendTriangle({0, 1, 2}, {0, 1, 2}, halfPerEdge, points, footprint);
   } else {
     for (int k = 0; k < sides; ++k) {
-      appendTriangles({sides, k, (k + 1) % sides}, perEdge, points, footprint);
+      appendTriangle({sides, k, (k + 1) % sides}, {-1, k, -1}, halfPerEdge, points, footprint);
     }
   }
   for (int k = 0; k < sides; ++k) {
-    footprint.corners.push_back(points.find({k, k, k}, {perEdge, 0, 0}));
+    footprint.corners.push_back(points.find({k, k, k}, {whole, 0, 0}));
   }
-  collectEdges(footprint);
+  finish(footprint);
   return footprint;
+}
+
+std::vector<std::array<int, 2>> edgesOf(const std::vector<std::array<int, 4>>& cells) {
+  std::vector<std::array<int, 2>> edges;
+  for (const std::array<int, 4>& cell : cells) {
+    for (int k = 0; k < 4; ++k) {
+      const auto [low, high] = std::minmax(cell[k], cell[(k + 1) % 4]);
+      edges.push_back({low, high});
+    }
+  }
+  std::ranges::sort(edges);
+  const auto repeated = std::ranges::unique(edges);
+  edges.erase(repeated.begin(), repeated.end());
+  return edges;
 }
 
 bool takesGrid(const std::vector<Vector3>& vertices, const Vector3& normal) {

@@ -1,4 +1,4 @@
-/// How a tile is divided into quadrilaterals or triangles; a brick's elements stand on these.
+/// How a tile is divided into quadrilaterals; a brick's elements stand on these.
 #pragma once
 
 #include <array>
@@ -17,24 +17,37 @@ struct FootprintPoint {
   Vector3 at(const std::vector<Vector3>& verticesAndCentre) const;
 };
 
-/// Points, and the cells between them. The points of an edge between two tiles lie at equal shares
-/// of it, whatever the tiles' numbers of sides.
+/// A side of a cell that lies on an edge of the tile.
+struct FootprintSide {
+  int cell = 0;
+  int side = 0;      ///< of the cell: from its point `side` to the next
+  int tileEdge = 0;  ///< from vertex `tileEdge` to the next
+};
+
+/// Points, and the quadrilaterals between them.
 struct Footprint {
   std::vector<FootprintPoint> points;
   std::vector<int> corners;               ///< the point at each vertex of the tile
-  std::vector<std::array<int, 4>> cells;  ///< points, anticlockwise; the last is -1 in triangles
-  std::vector<std::array<int, 2>> edges;  ///< of the cells, each once
+  std::vector<std::array<int, 4>> cells;  ///< points, anticlockwise
+  std::vector<std::array<int, 2>> edges;  ///< of the cells, each once, the lower point first
+  std::vector<FootprintSide> sides;       ///< by tile edge
+  bool isRow = false;  ///< one cell wide: nothing but full integration holds its shape
 };
 
-/// A four-sided tile as a grid of perEdge x perEdge quadrilaterals; perEdge at least 1.
-Footprint gridFootprint(int perEdge);
+/// A four-sided tile as a grid of quadrilaterals: `first` along the edges 0 and 2, `second` along
+/// the edges 1 and 3, each at least 1. The points of an edge lie at equal shares of it.
+Footprint gridFootprint(int first, int second);
 
-/// A tile of any number of sides as triangles: a triangle alone, others fanned round the centre,
-/// each divided into perEdge x perEdge triangles.
-Footprint fanFootprint(int sides, int perEdge);
+/// A tile of any number of sides as triangles (a triangle alone, others fanned round the centre),
+/// each cut through the middles of its sides into three quadrilaterals, and these into grids of
+/// halfPerEdge x halfPerEdge: 2 halfPerEdge cells along each edge of the tile.
+Footprint fanFootprint(int sides, int halfPerEdge);
 
 /// Whether a convex or star-shaped tile is better divided as a grid: it has four vertices, and none
 /// of its corners is so straight or so sharp that a quadrilateral there would have no shape.
 bool takesGrid(const std::vector<Vector3>& vertices, const Vector3& normal);
+
+/// The edges of quadrilaterals, each once, the lower point first, sorted.
+std::vector<std::array<int, 2>> edgesOf(const std::vector<std::array<int, 4>>& cells);
 
 }  // namespace kirireel

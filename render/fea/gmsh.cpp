@@ -1,127 +1,253 @@
 #include "render/fea/gmsh.h"
 
-#include <iterator>
-
-#include <fmt/format.h>
+#include <algorithm>
+#include <map>
 
 namespace kirireel {
 namespace {
 
-/// The places of Gmsh's edge nodes in Abaqus's order.
-constexpr std::array<int, 12> kHexahedronEdges = {8, 11, 16, 9, 17, 10, 18, 19, 12, 15, 13, 14};
-constexpr std::array<int, 9> kWedgeEdges = {6, 8, 12, 7, 13, 14, 9, 11, 10};
+// Gmsh's numbers for kinds of elements.
+constexpr int kPoint = 15;
+constexpr int kQuadrilateral[] = {3, 16};  ///< linear, quadratic
+constexpr int kHexahedron[] = {5, 17};
 
-/// What Gmsh calls an element: its type and its nodes in Gmsh's order.
-struct GmshElement {
-  int type = 0;
+/// The places of Gmsh's edge nodes of a hexahedron in Abaqus's order.
+constexpr std::array<int, 12> kHexahedronEdges = {8, 11, 16, 9, 17, 10, 18, 19, 12, 15, 13, 14};
+
+/// An element's nodes in Gmsh's order.
+std::vector<int> solid(const Element& element, bool quadratic) {
+  std::vector<int> nodes(element.nodes.begin(), element.nodes.begin() + 8);
+  if (!quadratic) return nodes;
+  for (const int place : kHexahedronEdges) nodes.push_back(element.nodes[place]);
+  return nodes;
+}
+
+/// The nodes of a face, seen from outside: corners, then the middles of its edges.
+std::vector<int> face(const Element& element, const std::array<int, 8>& places, bool quadratic) {
   std::vector<int> nodes;
+  for (int k = 0; k < (quadratic ? 8 : 4); ++k) nodes.push_back(element.nodes[places[k]]);
+  return nodes;
+}
+
+constexpr std::array<int, 8> kBottomFace = {0, 3, 2, 1, 11, 10, 9, 8};
+constexpr std::array<int, 8> kTopFace = {4, 5, 6, 7, 12, 13, 14, 15};
+
+std::array<int, 8> sideFace(int side) {
+  const int next = (side + 1) % 4;
+  return {side, next, next + 4, side + 4, 8 + side, 16 + next, 12 + side, 16 + side};
+}
+
+/// Elements of one kind that belong to one entity.
+struct Block {
+  int dimension = 0;
+  int entity = 0;
+  int kind = 0;
+  std::vector<std::vector<int>> elements;  ///< their nodes, from 0
 };
 
-GmshElement solid(const Element& element, bool quadratic) {
-  GmshElement made;
-  made.nodes.assign(element.nodes.begin(), element.nodes.begin() + 2 * element.sides);
-  const bool isWedge = element.sides == 3;
-  if (!quadratic) {
-    made.type = isWedge ? 6 : 5;
-    return made;
-  }
-  made.type = isWedge ? 18 : 17;
-  const auto appendEdges = [&](const auto& places) {
-    for (const int place : places) made.nodes.push_back(element.nodes[place]);
-  };
-  isWedge ? appendEdges(kWedgeEdges) : appendEdges(kHexahedronEdges);
-  return made;
-}
+/// A named group and its number, which counts by dimension.
+struct Group {
+  int dimension = 0;
+  int number = 0;
+  std::string name;
+};
 
-/// The bottom or the top of an element, seen from outside.
-GmshElement faceOf(const Element& element, bool isTop, bool quadratic) {
-  const int n = element.sides;
-  GmshElement made;
-  for (int k = 0; k < n; ++k) {
-    made.nodes.push_back(element.nodes[isTop ? n + k : (n - k) % n]);
-  }
-  made.type = n == 3 ? 2 : 3;
-  if (!quadratic) return made;
-  made.type = n == 3 ? 9 : 16;
-  for (int k = 0; k < n; ++k) {
-    made.nodes.push_back(element.nodes[isTop ? 3 * n + k : 2 * n + (n - 1 - k)]);
-  }
-  return made;
-}
-
-/// Collects elements and the names of their groups. Each group is an entity of its own.
+/// Collects groups, entities and elements, and writes them section by section.
 class GmshText {
  public:
-  void beginGroup(int dimension, const std::string& name) {
-    ++group_;
-    fmt::format_to(std::back_inserter(names_), "{} {} \"{}\"\n", dimension, group_, name);
+  GmshText(const ElementMesh& mesh, SetChoice sets) : mesh_(mesh), sets_(sets) {
+    for (const TileElements& tile : mesh.tiles) parts_.push_back(&tile);
+    for (const TileElements& neck : mesh.necks) parts_.push_back(&neck);
+    addGroup(bodyDimension(), "TILES");
+    if (!mesh.necks.empty()) addGroup(bodyDimension(), "NECKS");
+    if (isSolid()) {
+      for (const char* name : {"BOTTOM", "TOP"}) addGroup(2, name);
+      if (sets == SetChoice::All) addGroup(2, "SIDES");
+    }
+    const bool areNamed = sets == SetChoice::All || sets == SetChoice::Joints;
+    if (!mesh.joints.empty() && (areNamed || mesh.rule.joints == JointStyle::Shared)) {
+      addGroup(0, "JOINTS");
+      addJoints();
+    }
+    for (std::size_t k = 0; k < parts_.size(); ++k) addPart(k);
   }
 
-  void add(const GmshElement& element) {
-    ++elementCount_;
-    fmt::format_to(std::back_inserter(elements_), "{} {} 2 {} {}", elementCount_, element.type,
-                   group_, group_);
-    for (const int node : element.nodes) {
-      fmt::format_to(std::back_inserter(elements_), " {}", node + 1);
+  std::string text() const {
+    std::string text = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n";
+    append(text, "$PhysicalNames\n{}\n", groups_.size());
+    for (const Group& group : groups_) {
+      append(text, "{} {} \"{}\"\n", group.dimension, group.number, group.name);
     }
-    elements_ += '\n';
-  }
-
-  std::string text(const std::vector<Vector3>& nodes) const {
-    std::string text = fmt::format(
-        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n{}\n{}$EndPhysicalNames\n"
-        "$Nodes\n{}\n",
-        group_, names_, nodes.size());
-    for (std::size_t k = 0; k < nodes.size(); ++k) {
-      fmt::format_to(std::back_inserter(text), "{} {} {} {}\n", k + 1, nodes[k].x(), nodes[k].y(),
-                     nodes[k].z());
-    }
-    fmt::format_to(std::back_inserter(text), "$EndNodes\n$Elements\n{}\n{}$EndElements\n",
-                   elementCount_, elements_);
+    text += "$EndPhysicalNames\n";
+    appendEntities(text);
+    appendNodes(text);
+    appendElements(text);
     return text;
   }
 
  private:
-  int group_ = 0;
-  std::size_t elementCount_ = 0;
-  std::string names_;
-  std::string elements_;
+  int addGroup(int dimension, const std::string& name) {
+    groups_.push_back({dimension, ++groupsOf_[dimension], name});
+    return groups_.back().number;
+  }
+
+  /// One entity for each node of a joint, whatever the number of joints that share it.
+  void addJoints() {
+    for (std::size_t j = 0; j < mesh_.joints.size(); ++j) {
+      for (const auto& [nodes, ending] :
+           {std::pair{&mesh_.joints[j].a, "A"}, {&mesh_.joints[j].b, "B"}}) {
+        const bool isNamed = sets_ == SetChoice::All || sets_ == SetChoice::Joints;
+        const int group = isNamed ? addGroup(0, fmt::format("JOINT_{:05}_{}", j, ending)) : 0;
+        for (const int node : *nodes) {
+          std::vector<int>& groups = pointGroups_[node];
+          if (groups.empty()) groups.push_back(1);
+          if (isNamed) groups.push_back(group);
+        }
+      }
+    }
+    int entity = 0;
+    for (const auto& [node, groups] : pointGroups_) {
+      blocks_.push_back({0, ++entity, kPoint, {{node}}});
+    }
+  }
+
+  bool isSolid() const { return mesh_.rule.family == ElementFamily::Solid; }
+  int bodyDimension() const { return isSolid() ? 3 : 2; }
+
+  void addPart(std::size_t number) {
+    const TileElements& part = *parts_[number];
+    const bool quadratic = mesh_.rule.quadratic;
+    const int k = static_cast<int>(number);
+    Block body{bodyDimension(), k + 1, (isSolid() ? kHexahedron : kQuadrilateral)[quadratic], {}};
+    for (int e = part.firstElement; e < part.firstElement + part.elementCount; ++e) {
+      const std::array<int, 20>& nodes = mesh_.elements[e].nodes;
+      body.elements.push_back(
+          isSolid() ? solid(mesh_.elements[e], quadratic)
+                    : std::vector<int>(nodes.begin(), nodes.begin() + nodeCount(mesh_.rule)));
+    }
+    if (isSolid()) addFaces(part, k);
+    blocks_.push_back(std::move(body));
+    namePart(number);
+  }
+
+  void addFaces(const TileElements& part, int number) {
+    const bool quadratic = mesh_.rule.quadratic;
+    Block faces[3];
+    for (int k = 0; k < 3; ++k) faces[k] = {2, 3 * number + k + 1, kQuadrilateral[quadratic], {}};
+    const int lastLayer = part.firstElement + part.elementCount - part.layerCount;
+    for (int k = 0; k < part.layerCount; ++k) {
+      faces[0].elements.push_back(
+          face(mesh_.elements[part.firstElement + k], kBottomFace, quadratic));
+      faces[1].elements.push_back(face(mesh_.elements[lastLayer + k], kTopFace, quadratic));
+    }
+    for (const ElementFace& side : part.sides) {
+      faces[2].elements.push_back(
+          face(mesh_.elements[side.element], sideFace(side.side), quadratic));
+    }
+    for (Block& block : faces) {
+      const bool isSide = &block == &faces[2];
+      if (isSide && (sets_ != SetChoice::All || block.elements.empty())) continue;
+      blocks_.push_back(std::move(block));
+    }
+  }
+
+  void namePart(std::size_t number) {
+    if (sets_ != SetChoice::All) return;
+    const std::size_t tiles = mesh_.tiles.size();
+    const std::string name = number < tiles ? fmt::format("TILE_{:05}", number)
+                                            : fmt::format("NECK_{:05}", number - tiles);
+    bodyGroups_.push_back(addGroup(bodyDimension(), name));
+    if (!isSolid()) return;
+    for (const char* ending : {"_SBOT", "_STOP", "_SIDE"}) {
+      surfaceGroups_.push_back(addGroup(2, name + ending));
+    }
+  }
+
+  void appendEntities(std::string& text) const {
+    const int parts = static_cast<int>(parts_.size());
+    append(text, "$Entities\n{} 0 {} {}\n", pointGroups_.size(), isSolid() ? 3 * parts : parts,
+           isSolid() ? parts : 0);
+    int entity = 0;
+    for (const auto& [node, groups] : pointGroups_) {
+      const Vector3& at = mesh_.nodes[node];
+      append(text, "{} {} {} {} {}", ++entity, at.x(), at.y(), at.z(), groups.size());
+      for (const int group : groups) append(text, " {}", group);
+      text += '\n';
+    }
+    if (isSolid()) {
+      for (int k = 0; k < 3 * parts; ++k) appendEntity(text, k, k / 3, 1 + k % 3, surfaceGroups_);
+    }
+    const int tiles = static_cast<int>(mesh_.tiles.size());
+    for (int k = 0; k < parts; ++k) appendEntity(text, k, k, k < tiles ? 1 : 2, bodyGroups_);
+    text += "$EndEntities\n";
+  }
+
+  /// One entity with its box, its kind's group and, if it has one, a group of its own.
+  void appendEntity(std::string& text, int number, int part, int kind,
+                    const std::vector<int>& own) const {
+    Eigen::AlignedBox3d box;
+    for (const int node : parts_[part]->nodes) box.extend(mesh_.nodes[node]);
+    append(text, "{} {} {} {} {} {} {} ", number + 1, box.min().x(), box.min().y(), box.min().z(),
+           box.max().x(), box.max().y(), box.max().z());
+    own.empty() ? append(text, "1 {} 0\n", kind) : append(text, "2 {} {} 0\n", kind, own[number]);
+  }
+
+  void appendNodes(std::string& text) const {
+    std::vector<bool> isWritten(mesh_.nodes.size());
+    append(text, "$Nodes\n{0} {1} 1 {1}\n", pointGroups_.size() + parts_.size(),
+           mesh_.nodes.size());
+    const auto appendBlock = [&](int dimension, int entity, const std::vector<int>& nodes) {
+      append(text, "{} {} 0 {}\n", dimension, entity, nodes.size());
+      for (const int node : nodes) append(text, "{}\n", node + 1);
+      for (const int node : nodes) {
+        const Vector3& at = mesh_.nodes[node];
+        append(text, "{} {} {}\n", at.x(), at.y(), at.z());
+        isWritten[node] = true;
+      }
+    };
+    int entity = 0;
+    for (const auto& [node, groups] : pointGroups_) appendBlock(0, ++entity, {node});
+    for (std::size_t k = 0; k < parts_.size(); ++k) {
+      std::vector<int> own;
+      std::ranges::copy_if(parts_[k]->nodes, std::back_inserter(own),
+                           [&](int node) { return !isWritten[node]; });
+      appendBlock(bodyDimension(), static_cast<int>(k) + 1, own);
+    }
+    text += "$EndNodes\n";
+  }
+
+  void appendElements(std::string& text) const {
+    std::size_t count = 0;
+    for (const Block& block : blocks_) count += block.elements.size();
+    append(text, "$Elements\n{0} {1} 1 {1}\n", blocks_.size(), count);
+    std::size_t number = 0;
+    for (const Block& block : blocks_) {
+      append(text, "{} {} {} {}\n", block.dimension, block.entity, block.kind,
+             block.elements.size());
+      for (const std::vector<int>& nodes : block.elements) {
+        append(text, "{}", ++number);
+        for (const int node : nodes) append(text, " {}", node + 1);
+        text += '\n';
+      }
+    }
+    text += "$EndElements\n";
+  }
+
+  const ElementMesh& mesh_;
+  SetChoice sets_;
+  std::vector<const TileElements*> parts_;  ///< tiles, then necks
+  std::vector<Group> groups_;
+  std::array<int, 4> groupsOf_{};                ///< by dimension
+  std::map<int, std::vector<int>> pointGroups_;  ///< by node
+  std::vector<int> surfaceGroups_;               ///< of single faces, in order of entities
+  std::vector<int> bodyGroups_;                  ///< of single tiles and necks
+  std::vector<Block> blocks_;
 };
-
-void addTile(GmshText& text, const ElementMesh& mesh, std::size_t number) {
-  const TileElements& tile = mesh.tiles[number];
-  const bool quadratic = mesh.rule.quadratic;
-  const std::string name = fmt::format("TILE_{:05}", number);
-  text.beginGroup(3, name);
-  for (int k = 0; k < tile.elementCount; ++k) {
-    text.add(solid(mesh.elements[tile.firstElement + k], quadratic));
-  }
-  text.beginGroup(2, name + "_SBOT");
-  for (int k = 0; k < tile.layerCount; ++k) {
-    text.add(faceOf(mesh.elements[tile.firstElement + k], false, quadratic));
-  }
-  text.beginGroup(2, name + "_STOP");
-  const int lastLayer = tile.firstElement + tile.elementCount - tile.layerCount;
-  for (int k = 0; k < tile.layerCount; ++k) {
-    text.add(faceOf(mesh.elements[lastLayer + k], true, quadratic));
-  }
-}
-
-void addPoints(GmshText& text, const std::string& name, const std::vector<int>& nodes) {
-  text.beginGroup(0, name);
-  for (const int node : nodes) text.add({15, {node}});
-}
 
 }  // namespace
 
-std::string gmshMesh(const ElementMesh& mesh) {
-  GmshText text;
-  for (std::size_t t = 0; t < mesh.tiles.size(); ++t) addTile(text, mesh, t);
-  for (std::size_t j = 0; j < mesh.joints.size(); ++j) {
-    addPoints(text, fmt::format("JOINT_{:05}_A", j), mesh.joints[j].a);
-    addPoints(text, fmt::format("JOINT_{:05}_B", j), mesh.joints[j].b);
-  }
-  return text.text(mesh.nodes);
+std::string gmshMesh(const ElementMesh& mesh, SetChoice sets) {
+  return GmshText(mesh, sets).text();
 }
 
 }  // namespace kirireel

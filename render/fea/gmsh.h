@@ -3,13 +3,19 @@
 
 #include <string>
 
+#include "render/fea/deck_text.h"
 #include "render/fea/element_mesh.h"
 
 namespace kirireel {
 
-/// The text of a Gmsh 2.2 mesh: the solid elements with one physical volume a tile (TILE_00000),
-/// its faces as physical surfaces (TILE_00000_SBOT, _STOP) and the nodes of each joint as physical
-/// points (JOINT_00000_A, _B). Coordinates read back to the same doubles.
-std::string gmshMesh(const ElementMesh& mesh);
+/// The text of a Gmsh 4.1 mesh with one physical group a kind: the volumes TILES (and NECKS), the
+/// surfaces BOTTOM and TOP, the points JOINTS where joined tiles share nodes. Tile t is the entity
+/// t + 1 of its volume, its faces the entities 3 t + 1 and 3 t + 2, and each node of a joint an
+/// entity of its own. No element stands in it twice. With SetChoice::All or Joints the nodes of
+/// each joint have a group (JOINT_00000_A, _B) besides, with All each tile and its faces too
+/// (TILE_00000, _SBOT, _STOP) and the surfaces SIDES (_SIDE, entity 3 t + 3): flanks that touch lie
+/// in one place then. Gmsh reads thousands of groups slowly. Coordinates in metres, to the last
+/// bit.
+std::string gmshMesh(const ElementMesh& mesh, SetChoice sets = SetChoice::Usual);
 
 }  // namespace kirireel

@@ -1,6 +1,7 @@
 #include "render/fea/node_clusters.h"
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -84,7 +85,7 @@ void renumber(std::vector<int>& nodes, const std::vector<int>& numbers) {
 
 void renumberAll(ElementMesh& mesh, const std::vector<int>& numbers) {
   for (Element& element : mesh.elements) {
-    const int count = nodeCount(element.sides, mesh.rule.quadratic);
+    const int count = nodeCount(mesh.rule);
     for (int k = 0; k < count; ++k) element.nodes[k] = numbers[element.nodes[k]];
   }
   for (TileElements& tile : mesh.tiles) {
@@ -106,36 +107,52 @@ Vector3 meanOf(const std::vector<int>& nodes, const std::vector<Vector3>& positi
   return sum / static_cast<double>(nodes.size());
 }
 
+/// A node at the radius itself belongs to the patch, whatever the rounding.
+constexpr double kRoundedUp = 1 + 1e-9;
+
 std::vector<int> patchAround(const ElementMesh& mesh, const TileElements& tile, int corner) {
   const bool isBottom = std::ranges::binary_search(tile.bottom, corner);
   std::vector<int> patch;
   for (const int node : isBottom ? tile.bottom : tile.top) {
     const double distance = (mesh.nodes[node] - mesh.nodes[corner]).norm();
-    if (distance <= mesh.rule.patchRadius) patch.push_back(node);
+    if (distance <= kRoundedUp * mesh.rule.patchRadius) patch.push_back(node);
   }
   return patch;
 }
 
-void requireApart(const std::vector<int>& patch, int tile, std::vector<bool>& isTaken,
-                  double radius) {
-  if (patch.size() < 3) {
-    throw InputError(
-        fmt::format("error: a joint patch of radius {} m holds {} nodes of tile {}, "
-                    "at least 3 are needed; enlarge it or use more elements per edge",
-                    radius, patch.size(), tile));
-  }
+void requireEnough(const std::vector<int>& patch, int tile, const ElementMesh& mesh,
+                   int leastPerEdge) {
+  if (patch.size() >= 3) return;
+  throw InputError(
+      fmt::format("error: a joint patch of radius {:.4g} m holds {} nodes of tile {}, at least 3 "
+                  "are needed; use {} elements per edge or a larger radius",
+                  mesh.rule.patchRadius, patch.size(), tile, leastPerEdge));
+}
+
+void requireApart(const std::vector<int>& patch, int tile, const ElementMesh& mesh,
+                  std::vector<bool>& isTaken) {
   for (const int node : patch) {
     if (isTaken[node]) {
+      std::vector<Vector3> corners;
+      for (const auto& edge : mesh.tiles[tile].edges) corners.push_back(mesh.nodes[edge.front()]);
       throw InputError(
-          fmt::format("error: joint patches of radius {} m overlap on tile {}; keep "
-                      "the radius below half of its shortest edge",
-                      radius, tile));
+          fmt::format("error: joint patches of radius {:.4g} m overlap on tile {}; choose one "
+                      "below {:.4g} m, half the distance of its nearest corners",
+                      mesh.rule.patchRadius, tile, 0.5 * leastDistance(corners)));
     }
     isTaken[node] = true;
   }
 }
 
 }  // namespace
+
+double leastDistance(const std::vector<Vector3>& points) {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t a = 0; a < points.size(); ++a) {
+    for (std::size_t b = 0; b < a; ++b) least = std::min(least, (points[a] - points[b]).norm());
+  }
+  return least;
+}
 
 std::vector<JointNodes> jointNodes(const std::vector<Joint>& joints,
                                    const std::vector<TileElements>& tiles) {
@@ -147,7 +164,8 @@ std::vector<JointNodes> jointNodes(const std::vector<Joint>& joints,
                       "hold pivots alone",
                       nodes.size()));
     }
-    nodes.push_back({nodesAt(tiles[joint.a.tile].edges[joint.a.vertex], joint.face),
+    nodes.push_back({joint.a.tile, joint.b.tile,
+                     nodesAt(tiles[joint.a.tile].edges[joint.a.vertex], joint.face),
                      nodesAt(tiles[joint.b.tile].edges[joint.b.vertex], joint.face)});
   }
   return nodes;
@@ -195,14 +213,15 @@ void mergeClusters(ElementMesh& mesh) {
   mesh.clusters.clear();
 }
 
-void spreadPatches(ElementMesh& mesh) {
+void spreadPatches(ElementMesh& mesh, int leastPerEdge) {
   const std::vector<int> owner = tilesOfNodes(mesh);
   std::vector<bool> isTaken(mesh.nodes.size());
   for (NodeCluster& cluster : mesh.clusters) {
     for (const int corner : cluster.nodes) {
       const int tile = owner[corner];
       cluster.patches.push_back(patchAround(mesh, mesh.tiles[tile], corner));
-      requireApart(cluster.patches.back(), tile, isTaken, mesh.rule.patchRadius);
+      requireEnough(cluster.patches.back(), tile, mesh, leastPerEdge);
+      requireApart(cluster.patches.back(), tile, mesh, isTaken);
     }
   }
 }

@@ -7,6 +7,9 @@
 
 namespace kirireel {
 
+/// The least distance between two of the points, infinite for less than two.
+double leastDistance(const std::vector<Vector3>& points);
+
 /// The nodes of each joint. Throws InputError for a joint that no deck can hold.
 std::vector<JointNodes> jointNodes(const std::vector<Joint>& joints,
                                    const std::vector<TileElements>& tiles);
@@ -20,7 +23,7 @@ std::vector<NodeCluster> findClusters(const ElementMesh& mesh);
 void mergeClusters(ElementMesh& mesh);
 
 /// Gives each node of each cluster its patch. Throws InputError when a patch holds fewer than three
-/// nodes or two of them overlap.
-void spreadPatches(ElementMesh& mesh);
+/// nodes (`leastPerEdge` elements along each edge would do, it says) or two of them overlap.
+void spreadPatches(ElementMesh& mesh, int leastPerEdge);
 
 }  // namespace kirireel

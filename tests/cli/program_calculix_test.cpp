@@ -16,7 +16,7 @@ void expectDecksToRun(const std::filesystem::path& model) {
   const std::string out = scratch.path().string();
   runKirireel({"simulate", model.string(), "--out", out, "--fps", "10", "--duration", "5", "--path",
                "straight"});
-  for (const char* perEdge : {"1", "3"}) {
+  for (const char* perEdge : {"1", "2"}) {
     const ProgramEnd end = runKirireel(
         {"export", out, "--format", "inp", "--states", "final", "--elements-per-edge", perEdge});
     ASSERT_EQ(end.exitCode, 0) << end.err;

@@ -35,9 +35,9 @@ TEST_F(ProgramExport, WritesStatesAndPrintsTheirNames) {
   const ProgramEnd end = exported({"--format", "obj,vertices", "--states", "0%,50%"});
   EXPECT_EQ(end.exitCode, 0) << end.err;
   EXPECT_THAT(filesIn(out()),
-              ElementsAre("contents.json", "state_0000.obj", "state_0000_vertices.txt",
-                          "state_0005.obj", "state_0005_vertices.txt"));
-  EXPECT_THAT(end.out, HasSubstr("state_0005.obj\n"));
+              ElementsAre("contents.json", "state_0pct.obj", "state_0pct_vertices.txt",
+                          "state_50pct.obj", "state_50pct_vertices.txt"));
+  EXPECT_THAT(end.out, HasSubstr("state_50pct.obj\n"));
 }
 
 TEST_F(ProgramExport, SaysWhatIsWrongInOneLine) {
@@ -55,8 +55,15 @@ TEST_F(ProgramExport, SaysWhatIsWrongInOneLine) {
             "obj,inp; see kirireel export --help\n");
   EXPECT_THAT(complaint({"--format", "obj", "--states", "0,half"}),
               HasSubstr("error: 'half' names no state; write initial,"));
-  EXPECT_THAT(complaint({"--format", "inp", "--joints", "patch"}),
-              HasSubstr("a joint patch cannot have the radius 0 m"));
+  EXPECT_THAT(complaint({"--format", "inp", "--joints", "patch", "--elements-per-edge", "4",
+                         "--patch-radius", "0.01"}),
+              HasSubstr("use 50 elements per edge or a larger radius"));
+  EXPECT_THAT(complaint({"--format", "inp", "--joints", "neck"}),
+              HasSubstr("necks cannot be 0 m wide; give a positive --neck-width"));
+  EXPECT_THAT(complaint({"--format", "inp", "--joints", "neck", "--neck-width", "3"}),
+              HasSubstr("a --neck-width of 0.99 m does"));
+  EXPECT_THAT(complaint({"--format", "inp", "--drive", "99"}),
+              HasSubstr("--drive names tile 99, but the model has tiles 0 to 15"));
   EXPECT_THAT(filesIn(out()), ElementsAre());
 }
 
@@ -65,9 +72,9 @@ TEST_F(ProgramExport, IsPartOfARun) {
       runKirireel({"simulate", shippedModel("tessellation_4x4").string(), "--out", out().string(),
                    "--duration", "0.5", "--fps", "10", "--export", "stl,svg", "--states", "100%"});
   EXPECT_EQ(end.exitCode, 0) << end.err;
-  EXPECT_THAT(filesIn(out()), ElementsAre("cut_pattern.svg", "final_vertices.txt", "state_0005.stl",
-                                          "summary.json", "trajectory.h5"));
-  EXPECT_THAT(readText(out() / "summary.json"), HasSubstr("\"state_0005.stl\""));
+  EXPECT_THAT(filesIn(out()), ElementsAre("cut_pattern.svg", "final_vertices.txt",
+                                          "state_100pct.stl", "summary.json", "trajectory.h5"));
+  EXPECT_THAT(readText(out() / "summary.json"), HasSubstr("\"state_100pct.stl\""));
 }
 
 TEST(ProgramRun, RefusesExportsThatTheModelCannotHaveBeforeItStarts) {

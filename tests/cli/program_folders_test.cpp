@@ -142,7 +142,7 @@ TEST_F(Folders, OfOtherCommandsAreHeldToo) {
   const Words exported = {"export", run.string(), "--format", "obj,glb", "--out", out_.string()};
   const Words rendered = {
       "render", (run / "trajectory.h5").string(), "--size", "96x64", "--out", out_.string()};
-  for (const char* name : {"state_0000.obj", "deployment.glb", "contents.json"}) {
+  for (const char* name : {"state_initial.obj", "deployment.glb", "contents.json"}) {
     emptyOut();
     writeText(out_ / name, "theirs");
     expectRefused(exported, name);
@@ -174,13 +174,13 @@ TEST_F(Folders, TakeASecondExportAndASecondPicture) {
     const ProgramEnd end = runKirireel({"verify", out_.string()});
     EXPECT_EQ(end.exitCode, 0) << end.out;
   }
-  writeText(out_ / "state_0000.stl", "changed");
-  EXPECT_THAT(runKirireel({"verify", out_.string()}).out, HasSubstr("state_0000.stl: 7 bytes"));
-  fs::remove(out_ / "state_0000.stl");
+  writeText(out_ / "state_initial.stl", "changed");
+  EXPECT_THAT(runKirireel({"verify", out_.string()}).out, HasSubstr("state_initial.stl: 7 bytes"));
+  fs::remove(out_ / "state_initial.stl");
   // A new run takes the place of all of it.
   runKirireel(recordInto(out_, {"--thickness", "0.03"}));
   EXPECT_EQ(runKirireel({"verify", out_.string()}).exitCode, 0);
-  EXPECT_FALSE(fs::exists(out_ / "state_0000.obj"));
+  EXPECT_FALSE(fs::exists(out_ / "state_initial.obj"));
   EXPECT_FALSE(fs::exists(out_ / "contents.json"));
 }
 

@@ -154,14 +154,16 @@ TEST(Boundaries, ProductDependsOnNothingBesideTheRepository) {
   }
 }
 
-TEST(Boundaries, NoOtherProgramIsEverStarted) {
+TEST(Boundaries, NoOtherProgramIsStartedButGmshOnRequest) {
   const std::regex start(
       "::(system|popen|execl|execle|execlp|execv|execve|execvp|execvpe|fexecve|"
       "posix_spawn|posix_spawnp|wordexp|dlopen)\\s*\\(");
+  std::vector<std::string> starters;
   for (const SourceFile& file : sources()) {
     const std::string text = readText(fs::path(KIRIREEL_SOURCE_DIR) / file.path);
-    EXPECT_FALSE(std::regex_search(text, start)) << file.path;
+    if (std::regex_search(text, start)) starters.push_back(file.path);
   }
+  EXPECT_THAT(starters, testing::ElementsAre("render/fea/gmsh_program.cpp"));
 }
 
 // A run is known again by the files that it read, so that none may be read unnoticed.

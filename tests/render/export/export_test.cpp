@@ -49,7 +49,9 @@ class Export : public testing::Test {
   }
 
   std::vector<std::size_t> states(const std::vector<std::string>& names) const {
-    return chooseStates(*reader_, names);
+    std::vector<std::size_t> samples;
+    for (const ChosenState& state : chooseStates(*reader_, names)) samples.push_back(state.sample);
+    return samples;
   }
 
   std::string refusal(const std::vector<std::string>& names) const {
@@ -105,8 +107,39 @@ TEST_F(Export, SaysWhatIsNotInTheTrajectory) {
 
 TEST_F(Export, RefusesStatesWhoseFilesWouldClash) {
   EXPECT_EQ(refusal({"50%", "0.52"}),
-            "error: states '50%' and '0.52' are both sample 5, so their files would have one name; "
-            "leave one of them out");
+            "error: states '50%' and '0.52' are both sample 5; leave one of them out");
+  EXPECT_EQ(refusal({"event:off", "event:pinned tile", "event:tile 3"}),
+            "error: states 'event:pinned tile' and 'event:tile 3' are both sample 7; leave one of "
+            "them out");
+}
+
+TEST_F(Export, NamesFilesByTheStatesAskedFor) {
+  std::vector<std::string> labels;
+  for (const ChosenState& state :
+       chooseStates(*reader_, {"initial", "25%", "10deg", "0.5s", "event:pinned tile", "final"})) {
+    labels.push_back(state.label);
+  }
+  EXPECT_THAT(labels,
+              ElementsAre("initial", "25pct", "10deg", "0.5s", "event_pinned_tile", "final"));
+  EXPECT_EQ(chooseStates(*reader_, {"all"})[7].label, "0007");
+}
+
+TEST_F(Export, WritesJobsThatFollowTheDeployment) {
+  ExportSettings settings;
+  settings.formats = {ExportFormat::Inp};
+  settings.elements.perEdge = 2;
+  settings.decks.drive = {DriveChoice::Some, {0}};
+  settings.decks.buckling = true;
+  settings.states = {"initial", "final"};
+  const std::vector<std::string> names = exportStates(*reader_, settings, out());
+  for (const std::string& name : names) EXPECT_TRUE(isExported(name, settings)) << name;
+  EXPECT_THAT(filesOut(), ElementsAre("contents.json", "state_final_buckle.inp",
+                                      "state_final_job.inp", "state_final_mesh.inp",
+                                      "state_initial_buckle.inp", "state_initial_drive.inp",
+                                      "state_initial_job.inp", "state_initial_mesh.inp"));
+  EXPECT_THAT(test::bytesOf(out() / "state_initial_drive.inp"), HasSubstr("*AMPLITUDE, NAME=A"));
+  settings.states = {"final"};
+  EXPECT_THROW(exportStates(*reader_, settings, out()), InputError);
 }
 
 TEST_F(Export, WritesEveryFormat) {
@@ -117,17 +150,35 @@ TEST_F(Export, WritesEveryFormat) {
   EXPECT_THAT(
       filesOut(),
       ElementsAre("contents.json", "cut_pattern.dxf", "cut_pattern.svg", "deployment.fold",
-                  "deployment.glb", "deployment.pvd", "state_0005.msh", "state_0005.obj",
-                  "state_0005.ply", "state_0005.stl", "state_0005.vtu", "state_0005_job.inp",
-                  "state_0005_mesh.inp", "state_0005_planar.obj", "state_0005_vertices.txt"));
+                  "deployment.glb", "deployment.pvd", "state_50pct.msh", "state_50pct.obj",
+                  "state_50pct.ply", "state_50pct.stl", "state_50pct.vtu", "state_50pct_job.inp",
+                  "state_50pct_mesh.inp", "state_50pct_planar.obj", "state_50pct_vertices.txt"));
   EXPECT_EQ(names.size() + 1, filesOut().size());
   for (const std::string& name : names) {
     EXPECT_GT(std::filesystem::file_size(out() / name), 0U);
     EXPECT_TRUE(isExported(name, settings)) << name;
     EXPECT_FALSE(isExported(name, {})) << name;
   }
-  EXPECT_THAT(test::bytesOf(out() / "state_0005_job.inp"), HasSubstr("INPUT=state_0005_mesh.inp"));
-  EXPECT_THAT(test::bytesOf(out() / "state_0005_mesh.inp"), HasSubstr("** State at 0.5 s\n"));
+  EXPECT_THAT(test::bytesOf(out() / "state_50pct_job.inp"),
+              HasSubstr("INPUT=state_50pct_mesh.inp"));
+  EXPECT_THAT(test::bytesOf(out() / "state_50pct_mesh.inp"), HasSubstr("state 50pct, at 0.5 s.\n"));
+}
+
+TEST_F(Export, KnowsTheNamesOfFilesBeforehand) {
+  ExportSettings settings;
+  settings.formats = {ExportFormat::Inp, ExportFormat::Stl};
+  settings.states = {"final", "30deg", "all"};
+  for (const char* name : {"state_final.stl", "state_30deg_job.inp", "state_0123_mesh.inp"}) {
+    EXPECT_TRUE(isExported(name, settings)) << name;
+  }
+  for (const char* name : {"state_initial.stl", "state_31deg.stl", "state_123.stl",
+                           "state_final_drive.inp", "state_final_buckle.inp", "sheet_job.inp"}) {
+    EXPECT_FALSE(isExported(name, settings)) << name;
+  }
+  settings.elements.joints = JointStyle::Neck;
+  EXPECT_TRUE(isExported("sheet_job.inp", settings));
+  EXPECT_TRUE(isExported("state_final.stl", settings));
+  EXPECT_FALSE(isExported("state_final_job.inp", settings));
 }
 
 TEST_F(Export, LeavesNothingOfASetThatFails) {
@@ -136,6 +187,27 @@ TEST_F(Export, LeavesNothingOfASetThatFails) {
   settings.hingeWidth = 2;  // wider than a tile, found after the meshes are written
   EXPECT_THROW(exportStates(*reader_, settings, out()), InputError);
   EXPECT_THAT(filesOut(), ElementsAre());
+}
+
+TEST(ExportWarnings, TellOfElementsFewerThanUsual) {
+  const auto warnings = [](int side, const ExportSettings& settings) {
+    Trajectory run;
+    run.model = makeTessellation(test::squares(side, side, 0.5));
+    run.bricks = makeBricks(run.model.tiles, run.brickRule);
+    run.samples.push_back({.time = 0, .poses = startPoses(run.model.tiles, run.bricks)});
+    const TemporaryFolder folder;
+    writeTrajectory(run, folder / "trajectory.h5");
+    return exportWarnings(TrajectoryReader(folder / "trajectory.h5"), settings);
+  };
+  ExportSettings settings;
+  settings.states = {"initial"};
+  settings.formats = {ExportFormat::Msh};
+  EXPECT_THAT(warnings(21, settings), ElementsAre());
+  EXPECT_THAT(warnings(22, settings),
+              ElementsAre("warning: a sheet of 484 tiles gets 7 elements per edge, and 8 would "
+                          "bend more truly; choose with --elements-per-edge or --element-size"));
+  settings.elements.perEdge = 2;
+  EXPECT_THAT(warnings(22, settings), ElementsAre());
 }
 
 TEST_F(Export, RefusesAFormatGivenTwice) {

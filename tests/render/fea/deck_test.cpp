@@ -5,6 +5,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "render/fea/job.h"
+#include "render/fea/supports.h"
+#include "sim/base/error.h"
+#include "sim/measure/mobility.h"
 #include "tests/render/fea/read_deck.h"
 #include "tests/support/layouts.h"
 
@@ -30,8 +34,14 @@ ElementMesh meshOf(const Layout& layout, const ElementRule& rule = {}) {
   return makeElementMesh(layout.bricks, layout.joints, layout.poses, rule);
 }
 
-Deck deckOf(const Layout& layout, const ElementRule& rule = {}) {
-  return test::readDeck(meshDeck(meshOf(layout, rule), "test"));
+const DeckOrigin kOrigin = {"squares", "final", 0.5, 0.02, 0, "Kirireel", "a run"};
+
+std::string textOf(const ElementMesh& mesh, const DeckSettings& settings = {}) {
+  return meshDeck(mesh, settings, kOrigin);
+}
+
+Deck deckOf(const Layout& layout, const ElementRule& rule = {}, const DeckSettings& settings = {}) {
+  return test::readDeck(textOf(meshOf(layout, rule), settings));
 }
 
 TEST(Deck, NumbersFitAndReadBack) {
@@ -56,7 +66,7 @@ TEST(Deck, KeepsTheLimitsOfItsReaders) {
 
 TEST(Deck, HasTheVolumeOfEveryBrick) {
   for (const Layout& layout : {turned(test::hingedSquares()), turned(test::polygons())}) {
-    for (const ElementRule rule : {ElementRule{1, 1}, {2, 1, true}, {3, 2}, {4, 3, true}}) {
+    for (const ElementRule& rule : {ElementRule{1, 1}, {2, 1, false}, {3, 2}, {4, 3, false}}) {
       const Deck deck = deckOf(layout, rule);
       for (std::size_t t = 0; t < layout.bricks.size(); ++t) {
         const std::string name = "TILE_0000" + std::to_string(t);
@@ -70,35 +80,39 @@ TEST(Deck, HasTheVolumeOfEveryBrick) {
   }
 }
 
-TEST(Deck, ChoosesElementsByTheSidesOfTiles) {
-  const Deck deck = deckOf(test::polygons(), {.perEdge = 3, .through = 2});
-  const auto typeOf = [&](const char* tile) {
-    return deck.elements.at(deck.elementSets.at(tile)[0]).type;
-  };
-  EXPECT_EQ(typeOf("TILE_00000"), "C3D6");
-  EXPECT_EQ(typeOf("TILE_00001"), "C3D8");
-  EXPECT_EQ(typeOf("TILE_00002"), "C3D6");
-  EXPECT_EQ(deck.elementSets.at("TILE_00000").size(), 2U * 9U);
-  EXPECT_EQ(deck.elementSets.at("TILE_00001").size(), 2U * 9U);
-  EXPECT_EQ(deck.elementSets.at("TILE_00002").size(), 2U * 5U * 9U);
+TEST(Deck, DividesTilesOfAnyNumberOfSidesIntoHexahedra) {
+  const Deck deck = deckOf(test::polygons(), {.perEdge = 4, .through = 2});
+  // A triangle is three grids of 2 x 2, a pentagon five triangles.
+  EXPECT_EQ(deck.elementSets.at("TILE_00000").size(), 2U * 12U);
+  EXPECT_EQ(deck.elementSets.at("TILE_00001").size(), 2U * 16U);
+  EXPECT_EQ(deck.elementSets.at("TILE_00002").size(), 2U * 5U * 12U);
   EXPECT_EQ(deck.elementSets.at("EALL").size(), deck.elements.size());
-  const Deck quadratic = deckOf(test::polygons(), {.quadratic = true});
-  EXPECT_EQ(quadratic.elements.at(1).type, "C3D15");
-  EXPECT_EQ(quadratic.elements.at(1).nodes.size(), 15U);
-  EXPECT_EQ(quadratic.elements.at(5).type, "C3D20");
-  EXPECT_EQ(quadratic.elements.at(5).nodes.size(), 20U);
+  for (const auto& [number, element] : deck.elements) {
+    EXPECT_EQ(element.type, "C3D20R");
+    EXPECT_EQ(element.nodes.size(), 20U);
+  }
+  EXPECT_EQ(deckOf(test::polygons(), {.quadratic = false}).elements.at(1).type, "C3D8I");
+  // One element across has no shape of its own with reduced integration.
+  EXPECT_EQ(deckOf(test::polygons(), {.perEdge = 1}).elements.at(7).type, "C3D20");
+}
+
+TEST(Deck, DividesEdgesByTheirLengths) {
+  const Layout strip = test::layoutOf({Tile{{{0, 0, 0}, {10, 0, 0}, {10, 1, 0}, {0, 1, 0}}}}, {});
+  EXPECT_EQ(deckOf(strip, {.through = 1, .size = 0.5}).elements.size(), 20U * 2U);
+  EXPECT_EQ(deckOf(strip, {.through = 1, .size = 0.51}).elements.size(), 20U * 2U);
+  EXPECT_EQ(deckOf(strip).elements.size(), 8U * 8U * 2U);
 }
 
 TEST(Deck, PutsMiddleNodesWhereAbaqusHasThem) {
   const Deck deck = deckOf(turned(test::polygons()), {.quadratic = true});
   for (const auto& [number, element] : deck.elements) {
-    EXPECT_LT(largestMiddleMiss(deck, element), 1e-14);  // measured: 8.9e-16
+    EXPECT_LT(largestMiddleMiss(deck, element), 1e-14);  // measured: 1.0e-15
   }
 }
 
 TEST(Deck, SharesNodesAtHinges) {
   const Layout layout = test::hingedSquares();
-  const Deck deck = deckOf(layout, {.perEdge = 2, .through = 2});
+  const Deck deck = deckOf(layout, {.perEdge = 2, .through = 2, .quadratic = false});
   // Four tiles of 3 x 3 x 3 nodes, less the three nodes of each hinge.
   EXPECT_EQ(deck.nodes.size(), 4U * 27U - 4U * 3U);
   for (int j = 0; j < 4; ++j) {
@@ -114,7 +128,7 @@ TEST(Deck, SharesTheNodesOfOneFaceAlone) {
   for (const JointFace face : {JointFace::Bottom, JointFace::Top}) {
     Layout layout = test::hingedSquares();
     for (Joint& joint : layout.joints) joint.face = face;
-    const Deck deck = deckOf(layout);
+    const Deck deck = deckOf(layout, {2, 1, false});
     EXPECT_EQ(deck.nodes.size(), 4U * 18U - 4U);
     const int node = deck.nodeSets.at("JOINT_00000_A").at(0);
     const auto& onFace =
@@ -126,11 +140,10 @@ TEST(Deck, SharesTheNodesOfOneFaceAlone) {
 TEST(Deck, SaysHowFarCornersWereApart) {
   Layout layout = test::hingedSquares();
   layout.poses[3].position.x() += 0.001;
-  const Deck shared = deckOf(layout);
-  EXPECT_THAT(meshDeck(meshOf(layout), "test"), HasSubstr("holds together: 0.00"));
-  EXPECT_NEAR(meshOf(layout).largestGap, 0.001, 1e-15);  // measured: 1e-17
+  EXPECT_THAT(textOf(meshOf(layout)), HasSubstr("holds together: 0.00"));
+  EXPECT_NEAR(meshOf(layout).largestGap, 0.001, 1e-15);  // measured: 8.7e-19
   // Equations keep corners where they are.
-  const Deck tied = deckOf(layout, {.joints = JointStyle::Equation});
+  const Deck tied = deckOf(layout, {2, 1, false, JointStyle::Equation});
   EXPECT_EQ(tied.nodes.size(), 4U * 18U);
   EXPECT_EQ(tied.equations.size(), 4U * 2U * 3U);
   for (const std::vector<double>& row : tied.equations) {
@@ -138,8 +151,6 @@ TEST(Deck, SaysHowFarCornersWereApart) {
     EXPECT_GT(row[0], row[3]);  // the lowest node leads
     EXPECT_EQ(row[1], row[4]);
     EXPECT_EQ(row[2], -row[5]);
-    const auto& held = tied.nodeSets.at("NHOLD");
-    EXPECT_FALSE(std::ranges::binary_search(held, static_cast<int>(row[0])));
   }
 }
 
@@ -154,16 +165,17 @@ TEST(Deck, LetsOneNodeLeadACluster) {
     tiles[t].vertices.emplace_back(0, 0, 0);
   }
   const Layout layout = test::layoutOf(tiles, {{{2, 2}, {1, 2}}, {{1, 2}, {0, 2}}});
-  const ElementMesh mesh = meshOf(layout, {.joints = JointStyle::Equation});
+  const ElementMesh mesh = meshOf(layout, {2, 1, false, JointStyle::Equation});
   ASSERT_EQ(mesh.clusters.size(), 1U);
   EXPECT_EQ(mesh.clusters[0].nodes.size(), 3U);
   EXPECT_EQ(mesh.clusters[0].nodes[0], mesh.tiles[0].edges[2][0]);
-  EXPECT_EQ(test::readDeck(meshDeck(mesh, "")).equations.size(), 6U);
+  EXPECT_EQ(test::readDeck(textOf(mesh)).equations.size(), 6U);
 }
 
+constexpr ElementRule kPatches{4, 1, false, JointStyle::Patch, 0.26};
+
 TEST(Deck, TiesPatchesToReferenceNodes) {
-  const Deck deck = deckOf(test::hingedSquares(),
-                           {.perEdge = 4, .joints = JointStyle::Patch, .patchRadius = 0.26});
+  const Deck deck = deckOf(test::hingedSquares(), kPatches);
   // Four hinges, each with a patch on two faces of two tiles.
   EXPECT_EQ(deck.rigidBodies.size(), 16U);
   std::map<int, int> uses;
@@ -175,8 +187,71 @@ TEST(Deck, TiesPatchesToReferenceNodes) {
   for (const auto& [node, count] : uses) EXPECT_EQ(count, 2);
 }
 
+TEST(Deck, GivesAbaqusOneNodeForEachRigidBody) {
+  const ElementMesh mesh = meshOf(test::hingedSquares(), kPatches);
+  const std::string text = textOf(mesh, {.solver = Solver::Abaqus});
+  const Deck deck = test::readDeck(text);
+  std::map<int, int> uses;
+  for (const auto& [set, node] : deck.rigidBodies) ++uses[node];
+  EXPECT_EQ(uses.size(), 16U);
+  EXPECT_EQ(deck.nodes.size(), mesh.nodes.size() + 16U);
+  EXPECT_THAT(text, HasSubstr("*RIGID BODY, PIN NSET=PATCH_00000_0, REF NODE="));
+  EXPECT_THAT(text, HasSubstr("*MPC\nPIN, "));
+  EXPECT_EQ(text.find("*NODE,"), text.rfind("*NODE,"));  // one block, for readers that know one
+}
+
+TEST(Deck, FindsRadiusAndElementsOfPatchesByItself) {
+  const ElementMesh mesh = meshOf(test::hingedSquares(), {.joints = JointStyle::Patch});
+  EXPECT_DOUBLE_EQ(mesh.rule.patchRadius, 0.25);  // of edges 1 m long
+  for (const NodeCluster& cluster : mesh.clusters) {
+    for (const auto& patch : cluster.patches) EXPECT_GE(patch.size(), 3U);
+  }
+  // A radius of a hundredth of an edge needs 50 quadratic elements along it.
+  const ElementMesh small = meshOf(
+      test::hingedSquares(), {.through = 1, .joints = JointStyle::Patch, .patchRadius = 0.01});
+  EXPECT_EQ(small.tiles[0].layerCount, 50 * 50);
+}
+
+TEST(Deck, LeavesOutSetsThatAreNotWanted) {
+  const Layout layout = test::hingedSquares();
+  const Deck none = deckOf(layout, {}, {.sets = SetChoice::None});
+  EXPECT_THAT(none.elementSets, testing::SizeIs(1));
+  EXPECT_FALSE(none.nodeSets.contains("JOINT_00000_A"));
+  EXPECT_TRUE(none.nodeSets.contains("XMIN"));
+  const Deck joints = deckOf(layout, {}, {.sets = SetChoice::Joints});
+  EXPECT_TRUE(joints.nodeSets.contains("JOINT_00000_A"));
+  EXPECT_TRUE(joints.surfaces.empty());
+}
+
+TEST(Deck, NamesTheEndsOfTheSheet) {
+  const Layout layout = test::hingedSquares(0);
+  const Deck deck = deckOf(layout, {2, 1, false});
+  for (const auto& [name, axis, end] :
+       {std::tuple{"XMIN", 0, -1}, {"XMAX", 0, 1}, {"YMIN", 1, -1}, {"YMAX", 1, 1}}) {
+    std::vector<int> wanted;
+    for (const auto& [number, at] : deck.nodes) {
+      if (std::abs(at[axis] - end) < 1e-12) wanted.push_back(number);
+    }
+    EXPECT_EQ(deck.nodeSets.at(name), wanted) << name;
+    EXPECT_GE(wanted.size(), 2U * 5U);  // two edges of three nodes on two faces, some shared
+  }
+  EXPECT_EQ(deck.nodeSets.at("BOXCORNERS").size(), 2U * 4U);
+  EXPECT_FALSE(deck.nodeSets.contains("ZMIN"));  // the tiles' own bottoms
+}
+
+TEST(Deck, WritesMillimetresToo) {
+  const Layout layout = test::hingedSquares();
+  const ElementMesh mesh = meshOf(layout);
+  const DeckSettings settings{.material = {2e9, 0.3, 1200}, .unit = DeckUnit::MillimetresNewtons};
+  const Deck deck = test::readDeck(textOf(mesh, settings));
+  EXPECT_LT((deck.nodes.at(1) - 1000 * mesh.nodes[0]).norm(), 1e-9);
+  const std::string job = staticJob(mesh, settings, kOrigin, "a_mesh.inp");
+  EXPECT_THAT(job, HasSubstr("*ELASTIC\n2000, 0.3\n*DENSITY\n1.2e-09\n"));
+  EXPECT_THAT(job, HasSubstr("mm, N, t, s, MPa"));
+}
+
 TEST(Deck, NamesSetsAndSurfacesOfTiles) {
-  const Deck deck = deckOf(test::hingedSquares(), {.perEdge = 2, .through = 2});
+  const Deck deck = deckOf(test::hingedSquares(), {.perEdge = 2, .through = 2, .quadratic = false});
   EXPECT_EQ(deck.nodeSets.at("TILE_00003_N").size(), 27U);
   EXPECT_EQ(deck.nodeSets.at("TILE_00003_BOT").size(), 9U);
   EXPECT_EQ(deck.nodeSets.at("TILE_00003_TOP").size(), 9U);
@@ -190,15 +265,91 @@ TEST(Deck, NamesSetsAndSurfacesOfTiles) {
                           Face{first + 7, "S2"}));
 }
 
-TEST(Deck, WarnsOfWhatIdealHingesDo) {
+TEST(Deck, NamesTheSidesOfTilesByTheirEdges) {
+  const Deck deck = deckOf(test::polygons(), {.perEdge = 4, .through = 2});
+  EXPECT_EQ(deck.surfaces.at("TILE_00001_SIDE").size(), 4U * 4U * 2U);
+  for (int edge = 0; edge < 5; ++edge) {
+    const std::string name = "TILE_00002_S" + std::to_string(edge);
+    EXPECT_EQ(deck.surfaces.at(name).size(), 4U * 2U) << name;
+  }
+  // The corners of a face lie on the line between two corners of the tile.
+  const test::Layout layout = test::polygons();
+  const Vector3 from = layout.poses[1].apply(layout.bricks[1].bottom[2]);
+  const Vector3 along = (layout.poses[1].apply(layout.bricks[1].bottom[3]) - from).normalized();
+  for (const auto& [number, face] : deck.surfaces.at("TILE_00001_S2")) {
+    const int side = face[1] - '3';
+    for (const int k : {side, (side + 1) % 4}) {
+      Vector3 offset = deck.nodes.at(deck.elements.at(number).nodes[k]) - from;
+      offset.z() = 0;
+      EXPECT_LT(offset.cross(along).norm(), 1e-12);  // measured: 1.1e-16
+    }
+  }
+}
+
+TEST(Deck, SaysWhereItComesFromAndWhatIdealHingesDo) {
   const ElementMesh mesh = meshOf(test::hingedSquares());
-  EXPECT_THAT(meshDeck(mesh, "square at 0.5 s"), HasSubstr("** square at 0.5 s\n"));
-  EXPECT_THAT(meshDeck(mesh, ""), HasSubstr("WARNING: joints are ideal hinges"));
-  EXPECT_THAT(meshDeck(mesh, ""), HasSubstr("WARNING: forces through a single node"));
-  EXPECT_THAT(jobDeck(mesh, "a_mesh.inp"), HasSubstr("*INCLUDE, INPUT=a_mesh.inp\n"));
-  EXPECT_THAT(jobDeck(mesh, "a_mesh.inp"), Not(HasSubstr("*EQUATION")));
+  EXPECT_THAT(textOf(mesh), HasSubstr("** Model squares, state final, at 0.5 s.\n"));
+  EXPECT_THAT(textOf(mesh), HasSubstr("bricks 0.02 m thick.\n** Run: a run\n"));
+  EXPECT_THAT(textOf(mesh), HasSubstr("overlap of two bricks in this state: 0. m.\n"));
+  EXPECT_THAT(textOf(mesh), Not(HasSubstr("WARNING: bricks overlap")));
+  DeckOrigin overlapping = kOrigin;
+  overlapping.overlap = 0.01;
+  EXPECT_THAT(meshDeck(mesh, {}, overlapping),
+              HasSubstr("WARNING: bricks overlap by 0.5 of their thickness"));
+  EXPECT_THAT(textOf(mesh), HasSubstr("WARNING: joints are ideal hinges"));
+  EXPECT_THAT(textOf(mesh), HasSubstr("WARNING: forces through a single node"));
+  const std::string job = staticJob(mesh, {}, kOrigin, "a_mesh.inp");
+  EXPECT_THAT(job, testing::StartsWith("*HEADING\nsquares, state final: pulled at both ends"));
+  EXPECT_THAT(job, HasSubstr("*INCLUDE, INPUT=a_mesh.inp\n"));
+  EXPECT_THAT(job, Not(HasSubstr("*EQUATION")));
+  EXPECT_THAT(job, HasSubstr("*NODE FILE\nU, RF\n*EL FILE\nS, E\n"));
+  EXPECT_THAT(staticJob(mesh, {.solver = Solver::Abaqus}, kOrigin, ""),
+              HasSubstr("*ELEMENT OUTPUT\nS, E, MISES\n"));
   const ElementMesh tied = meshOf(test::hingedSquares(), {.joints = JointStyle::Equation});
-  EXPECT_THAT(jobDeck(tied, ""), HasSubstr("WARNING: nodes that follow in *EQUATION"));
+  EXPECT_THAT(staticJob(tied, {}, kOrigin, ""),
+              HasSubstr("WARNING: nodes that follow in *EQUATION"));
+}
+
+/// How many motions of rigid tiles strain nothing, by another method: the first-order mobility
+/// (sim/measure/mobility.h), and the six of the whole.
+std::size_t freeMotions(const Layout& layout, double thickness) {
+  Model model;
+  model.joints = layout.joints;
+  model.tiles = bottomTiles(layout.bricks, layout.poses);
+  return 6 + mobility(model, model.tiles, Freedom::Space, thickness).freedoms;
+}
+
+TEST(Supports, AreSixAndOneForEachMechanism) {
+  // Four squares on hinges: one mechanism in the plane. On ball joints of one face a square can
+  // also tilt.
+  for (const JointFace face : {JointFace::Both, JointFace::Bottom}) {
+    Layout layout = test::hingedSquares();
+    for (Joint& joint : layout.joints) joint.face = face;
+    for (const JointStyle style : {JointStyle::Shared, JointStyle::Equation, JointStyle::Patch}) {
+      const ElementMesh mesh = meshOf(layout, {.joints = style});
+      EXPECT_EQ(leastSupports(mesh).size(), freeMotions(layout, 0.02));
+      const std::vector<bool> follows = followers(mesh);
+      for (const NodeDisplacement& held : leastSupports(mesh)) EXPECT_FALSE(follows[held.node]);
+    }
+  }
+  EXPECT_EQ(leastSupports(meshOf(test::polygons())).size(), 3U * 6U);  // nothing joins them
+}
+
+TEST(Drive, RefusesTilesThatAreNotThereOrTwice) {
+  const ElementMesh mesh = meshOf(test::hingedSquares());
+  const auto refusal = [&](const std::vector<int>& tiles) -> std::string {
+    try {
+      drivenTiles(mesh, {DriveChoice::Some, tiles});
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_EQ(refusal({0, 3}), "accepted");
+  EXPECT_EQ(refusal({4}), "error: --drive names tile 4, but the model has tiles 0 to 3");
+  EXPECT_EQ(refusal({2, 0, 2}),
+            "error: --drive names tile 2 twice, which would prescribe its displacements twice; "
+            "leave one out");
 }
 
 }  // namespace

@@ -58,30 +58,36 @@ TEST(ElementMesh, RefusesTilesThatTheirCentreDoesNotSee) {
 
 TEST(ElementMesh, FansFourCornersOfWhichOneIsStraight) {
   const Layout layout = plane({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {1, 1, 0}});
-  const ElementMesh mesh = makeElementMesh(layout.bricks, {}, layout.poses, {.perEdge = 1});
-  ASSERT_EQ(mesh.elements.size(), 4U);
-  EXPECT_EQ(mesh.elements[0].sides, 3);
+  const ElementMesh mesh =
+      makeElementMesh(layout.bricks, {}, layout.poses, {.perEdge = 2, .through = 1});
+  EXPECT_EQ(mesh.elements.size(), 4U * 3U);
 }
 
 TEST(ElementMesh, RefusesBricksTooThinForTheElements) {
   Layout layout = plane({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
   layout = test::layoutOf({bottomTiles(layout.bricks, layout.poses)}, {}, 0.0009);
-  EXPECT_EQ(refusal(layout, {.perEdge = 2}),
+  EXPECT_EQ(refusal(layout, {.perEdge = 2, .through = 1}),
             "error: tile 0 is too thin for its elements, 0.5 m long and 0.0009 m high; at most 500 "
             "times as long as high are allowed: use more elements per edge, fewer through the "
             "thickness, or thicker bricks");
-  EXPECT_EQ(refusal(layout, {.perEdge = 3}), "accepted");
+  EXPECT_EQ(refusal(layout, {.perEdge = 3, .through = 1}), "accepted");
 }
 
 TEST(ElementMesh, RefusesImpossibleRules) {
   const Layout layout = test::polygons();
-  EXPECT_EQ(refusal(layout, {.perEdge = 0}),
-            "error: 0 elements per edge are not possible; choose 1 to 64");
+  EXPECT_EQ(refusal(layout, {.perEdge = -1}),
+            "error: -1 elements per edge are not possible; choose 1 to 64");
   EXPECT_EQ(refusal(layout, {.through = 65}),
             "error: 65 elements through the thickness are not possible; choose 1 to 64");
-  EXPECT_EQ(refusal(layout, {.joints = JointStyle::Patch}),
-            "error: a joint patch cannot have the radius 0 m; give a positive one, at least the "
-            "length of an element's edge");
+  EXPECT_EQ(refusal(layout, {.perEdge = 4, .size = 0.1}),
+            "error: 4 elements per edge and elements of 0.1 m contradict each other; give one of "
+            "the two");
+  EXPECT_EQ(refusal(layout, {.patchRadius = -1}),
+            "error: elements of 0 m and patches of radius -1 m are not possible; give positive "
+            "lengths");
+  EXPECT_EQ(refusal(layout, {.family = ElementFamily::Shell}),
+            "error: shells and plane elements are made of one sheet with necks alone; give "
+            "--joints neck with a --neck-width, or leave --shells and --plane-stress out");
 }
 
 TEST(ElementMesh, RefusesMoreElementsThanFit) {
@@ -94,12 +100,14 @@ TEST(ElementMesh, RefusesMoreElementsThanFit) {
 
 TEST(ElementMesh, RefusesPatchesThatAreTooSmallOrTooLarge) {
   const Layout layout = test::hingedSquares();
-  EXPECT_EQ(refusal(layout, {.joints = JointStyle::Patch, .patchRadius = 0.1}),
+  EXPECT_EQ(refusal(layout, {.perEdge = 4, .joints = JointStyle::Patch, .patchRadius = 0.1}),
             "error: a joint patch of radius 0.1 m holds 1 nodes of tile 0, at least 3 are needed; "
-            "enlarge it or use more elements per edge");
+            "use 5 elements per edge or a larger radius");
+  EXPECT_EQ(refusal(layout, {.perEdge = 5, .joints = JointStyle::Patch, .patchRadius = 0.1}),
+            "accepted");
   EXPECT_EQ(refusal(layout, {.perEdge = 8, .joints = JointStyle::Patch, .patchRadius = 0.8}),
-            "error: joint patches of radius 0.8 m overlap on tile 0; keep the radius below half of "
-            "its shortest edge");
+            "error: joint patches of radius 0.8 m overlap on tile 0; choose one below 0.5 m, half "
+            "the distance of its nearest corners");
 }
 
 TEST(ElementMesh, RefusesJointsThatHoldNoCornersTogether) {

@@ -1,8 +1,15 @@
 // Gmsh as the judge of its own format: skipped where it is not installed.
+#include <algorithm>
+#include <iterator>
+#include <numbers>
+#include <numeric>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "render/fea/gmsh.h"
+#include "render/fea/neck_sheet.h"
+#include "sim/base/error.h"
 #include "sim/base/pending_file.h"
 #include "tests/render/fea/read_deck.h"
 #include "tests/support/files.h"
@@ -15,7 +22,7 @@ namespace {
 /// The mesh as a deck that Gmsh wrote.
 test::Deck throughGmsh(const ElementMesh& mesh) {
   const test::TemporaryFolder folder;
-  writeTextFile(folder / "x.msh", gmshMesh(mesh));
+  writeTextFile(folder / "x.msh", gmshMesh(mesh, SetChoice::All));
   test::outputOf("cd '" + folder.path().string() +
                  "' && gmsh x.msh -save -setnumber Mesh.SaveGroupsOfNodes 1 -o x.inp");
   return test::readDeck(test::bytesOf(folder / "x.inp"));
@@ -27,7 +34,7 @@ TEST_P(GmshProgram, KeepsSetsAndElements) {
   if (!test::hasProgram("gmsh")) GTEST_SKIP() << "install gmsh to judge its meshes by it";
   const test::Layout layout = test::hingedSquares();
   const ElementMesh mesh = makeElementMesh(layout.bricks, layout.joints, layout.poses,
-                                           {.perEdge = 2, .quadratic = GetParam()});
+                                           {.perEdge = 2, .through = 1, .quadratic = GetParam()});
   const test::Deck deck = throughGmsh(mesh);
   EXPECT_EQ(deck.nodes.size(), mesh.nodes.size());
   for (int t = 0; t < 4; ++t) {
@@ -48,6 +55,129 @@ TEST_P(GmshProgram, KeepsSetsAndElements) {
                 GetParam() ? 3U : 2U);
     }
   }
+}
+
+/// What gmsh -check says of a mesh.
+std::string checked(const ElementMesh& mesh) {
+  const test::TemporaryFolder folder;
+  writeTextFile(folder / "x.msh", gmshMesh(mesh));
+  return test::outputOf("cd '" + folder.path().string() + "' && gmsh -check x.msh 2>&1; true");
+}
+
+TEST(GmshProgram, FindsNothingTwice) {
+  if (!test::hasProgram("gmsh")) GTEST_SKIP() << "install gmsh to judge its meshes by it";
+  for (const JointStyle style : {JointStyle::Shared, JointStyle::Equation, JointStyle::Patch}) {
+    const test::Layout layout = test::hingedSquares();
+    const std::string said =
+        checked(makeElementMesh(layout.bricks, layout.joints, layout.poses, {.joints = style}));
+    EXPECT_THAT(said, testing::HasSubstr("Done checking mesh coherence"));
+    EXPECT_THAT(said, testing::Not(testing::ContainsRegex("[0-9] duplicate elements"))) << said;
+  }
+}
+
+/// How many pieces the elements of a mesh make, by the nodes that they share.
+int piecesOf(const ElementMesh& mesh) {
+  std::vector<int> parent(mesh.nodes.size());
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](int node) {
+    while (parent[node] != node) node = parent[node] = parent[parent[node]];
+    return node;
+  };
+  for (const Element& element : mesh.elements) {
+    for (int k = 1; k < nodeCount(mesh.rule); ++k) {
+      parent[root(element.nodes[k])] = root(element.nodes[0]);
+    }
+  }
+  int pieces = 0;
+  for (int node = 0; node < static_cast<int>(parent.size()); ++node) pieces += root(node) == node;
+  return pieces;
+}
+
+ElementRule necks(const NeckShape& shape, ElementFamily family = ElementFamily::Plane) {
+  ElementRule rule{.joints = JointStyle::Neck, .family = family, .neck = shape};
+  rule.perEdge = 4;
+  return rule;
+}
+
+/// The area of the quadrilaterals of a plane mesh.
+double areaOf(const ElementMesh& mesh) {
+  double area = 0;
+  for (const Element& element : mesh.elements) {
+    const auto at = [&](int k) { return mesh.nodes[element.nodes[k]]; };
+    area += 0.5 * (at(2) - at(0)).cross(at(3) - at(1)).z();
+  }
+  return area;
+}
+
+TEST(NeckMesh, IsOneSheetWhoseSlitsAreOpen) {
+  if (!test::hasProgram("gmsh")) GTEST_SKIP() << "install gmsh to mesh sheets with necks";
+  const Model model = makeTessellation(test::squares(3, 3, 0));
+  const ElementMesh shut = makeNeckMesh(model, 0.02, necks({.width = 0.1}));
+  EXPECT_EQ(piecesOf(shut), 1);
+  EXPECT_NEAR(areaOf(shut), 9, 1e-9);  // nine squares of 1 m; measured: exactly that
+  // Tiles share nodes at necks alone: within the width of a neck from a corner.
+  for (std::size_t t = 0; t < shut.tiles.size(); ++t) {
+    for (std::size_t other = 0; other < t; ++other) {
+      std::vector<int> common;
+      std::ranges::set_intersection(shut.tiles[t].nodes, shut.tiles[other].nodes,
+                                    std::back_inserter(common));
+      for (const int node : common) {
+        double distance = 1;
+        for (const Vector3& corner : model.tiles[t].vertices) {
+          distance = std::min(distance, (shut.nodes[node] - corner).head<2>().norm());
+        }
+        EXPECT_LE(distance, 0.1 + 1e-9);
+      }
+    }
+  }
+  // With a kerf each of the 36 edges loses half of it; slots and necks by hand: 12 of them, each
+  // slot cuts (length - kerf) x width from its tiles, each neck adds length x width, less what its
+  // tiles lose there.
+  const NeckShape beam{.width = 0.05, .length = 0.2, .kerf = 0.01};
+  const ElementMesh open = makeNeckMesh(model, 0.02, necks(beam));
+  EXPECT_EQ(piecesOf(open), 1);
+  const double tiles = 9 * 0.99 * 0.99;
+  const double wanted = tiles + 12 * (0.01 * 0.05 - (0.2 - 0.01) * 0.05);
+  EXPECT_NEAR(areaOf(open), wanted, 1e-9);
+}
+
+TEST(NeckMesh, SaysWhichNecksFit) {
+  const Model shut = makeTessellation(test::squares(2, 2, 0));
+  const auto refusal = [](const Model& model, const NeckShape& shape) -> std::string {
+    try {
+      neckOutline(model, shape);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_EQ(refusal(shut, {}),
+            "error: necks cannot be 0 m wide; give a positive --neck-width, or the sheet falls "
+            "apart");
+  EXPECT_EQ(
+      refusal(shut, {.width = 0.1, .length = 0.1, .radius = 0.06}),
+      "error: fillets of radius 0.06 m do not fit necks 0.1 m long; choose a --neck-radius of "
+      "at most 0.05 m, or a --neck-length of at least 0.12 m");
+  EXPECT_THAT(refusal(shut, {.width = 2}), testing::HasSubstr("; a --neck-width of 0.99 m does"));
+  EXPECT_EQ(refusal(shut, {.width = 0.99}), "accepted");
+  // Squares that meet at their corners are narrow there: a neck needs its own width of length.
+  const Model open = makeTessellation(test::squares(2, 2, std::numbers::pi / 2));
+  EXPECT_THAT(refusal(open, {.width = 0.1, .length = 0.05}),
+              testing::HasSubstr("; a --neck-length of 0.101 m does"));
+  EXPECT_EQ(refusal(open, {.width = 0.1, .length = 0.101}), "accepted");
+  Model bent = shut;
+  bent.tiles[1].vertices[0].z() += 0.1;
+  EXPECT_THAT(refusal(bent, {.width = 0.1}), testing::HasSubstr("the start is not flat"));
+}
+
+TEST(NeckMesh, JoinsOpenTilesAndTilesOfManySides) {
+  if (!test::hasProgram("gmsh")) GTEST_SKIP() << "install gmsh to mesh sheets with necks";
+  const Model open = makeTessellation(test::squares(2, 2, 0.7));
+  EXPECT_EQ(piecesOf(makeNeckMesh(open, 0.02, necks({.width = 0.1}))), 1);
+  EXPECT_EQ(piecesOf(makeNeckMesh(open, 0.02, necks({.width = 0.05, .length = 0.1}))), 1);
+  const ElementMesh solid = makeNeckMesh(open, 0.02, necks({.width = 0.1}, ElementFamily::Solid));
+  EXPECT_EQ(piecesOf(solid), 1);
+  EXPECT_THAT(checked(solid), testing::Not(testing::ContainsRegex("[0-9] duplicate elements")));
 }
 
 INSTANTIATE_TEST_SUITE_P(Orders, GmshProgram, testing::Bool());

@@ -17,18 +17,29 @@ TEST(Gmsh, NamesItsGroupsAndKeepsEveryDouble) {
   for (Pose& pose : layout.poses) pose.position.x() += 1.0 / 3;
   const ElementMesh mesh = makeElementMesh(layout.bricks, layout.joints, layout.poses, {});
   const std::string text = gmshMesh(mesh);
-  EXPECT_THAT(text, HasSubstr("$MeshFormat\n2.2 0 8\n"));
-  EXPECT_THAT(text, HasSubstr("$PhysicalNames\n20\n3 1 \"TILE_00000\"\n2 2 \"TILE_00000_SBOT\"\n"));
-  EXPECT_THAT(text, HasSubstr("0 20 \"JOINT_00003_B\"\n"));
+  EXPECT_THAT(text, HasSubstr("$MeshFormat\n4.1 0 8\n"));
+  EXPECT_THAT(text, HasSubstr("$PhysicalNames\n4\n3 1 \"TILES\"\n2 1 \"BOTTOM\"\n2 2 \"TOP\"\n"
+                              "0 1 \"JOINTS\"\n"));
+  EXPECT_THAT(gmshMesh(mesh, SetChoice::All), HasSubstr("3 5 \"TILE_00003\"\n"));
   std::istringstream nodes(text.substr(text.find("$Nodes\n") + 7));
-  std::size_t count = 0;
-  nodes >> count;
+  std::size_t blocks = 0, count = 0, first = 0, last = 0;
+  nodes >> blocks >> count >> first >> last;
   ASSERT_EQ(count, mesh.nodes.size());
-  for (const Vector3& node : mesh.nodes) {
-    std::string number, x, y, z;
-    nodes >> number >> x >> y >> z;
-    EXPECT_EQ(Vector3(std::stod(x), std::stod(y), std::stod(z)), node);
+  std::size_t seen = 0;
+  for (std::size_t b = 0; b < blocks; ++b) {
+    int dimension = 0, entity = 0, parametric = 0;
+    std::size_t size = 0;
+    nodes >> dimension >> entity >> parametric >> size;
+    std::vector<std::size_t> numbers(size);
+    for (std::size_t& number : numbers) nodes >> number;
+    for (const std::size_t number : numbers) {
+      std::string x, y, z;
+      nodes >> x >> y >> z;
+      EXPECT_EQ(Vector3(std::stod(x), std::stod(y), std::stod(z)), mesh.nodes[number - 1]);
+      ++seen;
+    }
   }
+  EXPECT_EQ(seen, count);
 }
 
 }  // namespace

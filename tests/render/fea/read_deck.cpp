@@ -49,7 +49,7 @@ void readRow(const Card& card, const std::vector<std::string>& fields, Deck& dec
     DeckElement& element = deck.elements[whole(0)];
     element.type = parameter("TYPE");
     for (std::size_t k = 1; k < fields.size(); ++k) element.nodes.push_back(whole(k));
-    deck.elementSets[parameter("ELSET")].push_back(whole(0));
+    if (card.parameters.contains("ELSET")) deck.elementSets[parameter("ELSET")].push_back(whole(0));
   } else if (card.keyword == "*ELSET") {
     std::vector<int>& set = deck.elementSets[parameter("ELSET")];
     if (card.parameters.contains("GENERATE")) {
@@ -80,10 +80,6 @@ void measure(const std::string& line, Deck& deck) {
   }
 }
 
-int sidesOf(const DeckElement& element) {
-  return element.type == "C3D8" || element.type == "C3D20" ? 4 : 3;
-}
-
 }  // namespace
 
 Deck readDeck(const std::string& text) {
@@ -97,7 +93,9 @@ Deck readDeck(const std::string& text) {
     if (line[0] == '*') {
       card = cardOf(line);
       if (card.keyword == "*RIGID BODY") {
-        deck.rigidBodies[card.parameters.at("NSET")] = std::stoi(card.parameters.at("REF NODE"));
+        const bool isPinned = card.parameters.contains("PIN NSET");
+        deck.rigidBodies[card.parameters.at(isPinned ? "PIN NSET" : "NSET")] =
+            std::stoi(card.parameters.at("REF NODE"));
       }
       continue;
     }
@@ -110,7 +108,7 @@ Deck readDeck(const std::string& text) {
 }
 
 double largestMiddleMiss(const Deck& deck, const DeckElement& element) {
-  const int n = sidesOf(element);
+  const int n = 4;
   const auto at = [&](int k) { return deck.nodes.at(element.nodes.at(k)); };
   const auto miss = [&](int middle, int a, int b) {
     return (at(middle) - 0.5 * (at(a) + at(b))).norm();
@@ -125,7 +123,7 @@ double largestMiddleMiss(const Deck& deck, const DeckElement& element) {
 }
 
 double volumeOf(const Deck& deck, const DeckElement& element) {
-  const int n = sidesOf(element);
+  const int n = 4;
   const Vector3 origin = deck.nodes.at(element.nodes[0]);
   double sixfold = 0;
   const auto addTriangle = [&](int a, int b, int c) {

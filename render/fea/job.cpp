@@ -1,0 +1,276 @@
+#include "render/fea/job.h"
+
+#include <algorithm>
+#include <iterator>
+#include <numeric>
+
+#include "render/fea/boundary_sets.h"
+#include "render/fea/supports.h"
+#include "sim/base/error.h"
+
+namespace kirireel {
+namespace {
+
+void appendSection(std::string& text, const ElementMesh& mesh, const DeckSettings& settings,
+                   double thickness) {
+  const UnitScale scale = unitScale(settings.unit);
+  append(text, "*MATERIAL, NAME=SHEET\n*ELASTIC\n{}, {}\n*DENSITY\n{}\n",
+         deckNumber(scale.stress * settings.material.youngs), deckNumber(settings.material.poisson),
+         deckNumber(scale.density * settings.material.density));
+  const bool isShell = mesh.rule.family == ElementFamily::Shell;
+  append(text, "*{} SECTION, ELSET=EALL, MATERIAL=SHEET\n", isShell ? "SHELL" : "SOLID");
+  if (mesh.rule.family == ElementFamily::Solid) return;
+  append(text, "{}\n", deckNumber(scale.length * thickness));
+}
+
+void appendSupports(std::string& text, const std::vector<NodeDisplacement>& supports) {
+  text += "*BOUNDARY\n";
+  for (const NodeDisplacement& held : supports) {
+    append(text, "{0}, {1}, {1}\n", held.node + 1, held.axis + 1);
+  }
+}
+
+std::vector<int> nodesOf(const std::vector<NodeDisplacement>& supports) {
+  std::vector<int> nodes;
+  for (const NodeDisplacement& held : supports) {
+    if (nodes.empty() || nodes.back() != held.node) nodes.push_back(held.node);
+  }
+  return nodes;
+}
+
+/// GRIP_XMIN and GRIP_XMAX, or of another axis: the nodes at the sheet's two ends that are not
+/// held. Programs would count what is applied at held nodes among the reactions.
+std::vector<NamedNodes> gripSets(const ElementMesh& mesh, const std::vector<int>& held) {
+  const std::vector<NamedNodes> ends = boundarySets(mesh);
+  std::vector<NamedNodes> grips;
+  for (const int end : {0, 1}) {
+    const std::size_t place = 2 * longestAxis(mesh) + end;
+    NamedNodes& grip = grips.emplace_back();
+    grip.name = "GRIP_" + ends[place].name;
+    std::ranges::set_difference(ends[place].nodes, held, std::back_inserter(grip.nodes));
+    if (grip.nodes.empty()) grip.nodes = ends[place].nodes;
+  }
+  return grips;
+}
+
+/// Equal forces on the nodes of both grips, 1 N in sum at each: apart with sign 1, together with
+/// -1.
+void appendGripForces(std::string& text, const std::vector<NamedNodes>& grips, int axis,
+                      double sign) {
+  text += "*CLOAD\n";
+  for (const NamedNodes& grip : grips) {
+    sign = -sign;
+    append(text, "{}, {}, {}\n", grip.name, axis + 1,
+           deckNumber(sign / static_cast<double>(grip.nodes.size())));
+  }
+}
+
+/// Displacements, reactions, stresses and strains in the program's own result file, and the held
+/// nodes' reactions with their sum in NAME.dat.
+void appendRequests(std::string& text, Solver solver, const char* set) {
+  if (solver == Solver::Calculix) {
+    text +=
+        "*NODE FILE\nU, RF\n"
+        "*EL FILE\nS, E\n"
+        "** Viewers of .frd files compute the von Mises stress from S.\n";
+  } else {
+    text +=
+        "*OUTPUT, FIELD\n*NODE OUTPUT\nU, RF\n"
+        "*ELEMENT OUTPUT\nS, E, MISES\n";
+  }
+  append(text, "*NODE PRINT, NSET={}, TOTALS=YES\nRF\n", set);
+}
+
+void appendJointWarnings(std::string& text, const ElementMesh& mesh) {
+  if (mesh.rule.joints == JointStyle::Equation) {
+    text +=
+        "** WARNING: nodes that follow in *EQUATION cannot be held, and CalculiX leaves the forces "
+        "of\n"
+        "** equations out of RF: hold nodes that no joint touches, as here.\n";
+  }
+  if (mesh.rule.joints == JointStyle::Patch) {
+    text += "** WARNING: nodes of rigid patches cannot be held; hold their reference nodes.\n";
+  }
+}
+
+/// The mesh, a set of nodes that is held or driven, and the material.
+void appendModel(std::string& text, const ElementMesh& mesh, const DeckSettings& settings,
+                 const DeckOrigin& origin, const std::string& meshFile,
+                 const std::vector<int>& nodes, const std::string& set) {
+  append(text, "*INCLUDE, INPUT={}\n", meshFile);
+  appendNodeSet(text, set, nodes);
+  appendSection(text, mesh, settings, origin.thickness);
+}
+
+/// Displacements from the mesh's state on, at each time, of the point that a node is of its tile.
+std::vector<double> displacementsOf(const NodeDisplacement& driven, const ElementMesh& mesh,
+                                    const TileHistory& history) {
+  const Vector3& start = mesh.nodes[driven.node];
+  const Pose& first = history.poses[0][driven.tile];
+  const Vector3 inTile = first.rotation.conjugate() * (start - first.position);
+  std::vector<double> displacements;
+  for (const Poses& poses : history.poses) {
+    displacements.push_back((poses[driven.tile].apply(inTile) - start)[driven.axis]);
+  }
+  return displacements;
+}
+
+/// *AMPLITUDE, four pairs of time and value a line.
+void appendAmplitude(std::string& text, const std::string& name, const std::vector<double>& times,
+                     const std::vector<double>& values, double scale) {
+  append(text, "*AMPLITUDE, NAME={}\n", name);
+  for (std::size_t k = 0; k < times.size(); ++k) {
+    const bool endsLine = k % 4 == 3 || k + 1 == times.size();
+    append(text, "{}, {}{}", deckNumber(times[k]), deckNumber(scale * values[k]),
+           endsLine ? "\n" : ", ");
+  }
+}
+
+std::string amplitudeName(const NodeDisplacement& driven) {
+  return fmt::format("A{}_{}", driven.node + 1, driven.axis + 1);
+}
+
+/// The tiles with nodes at either end of the longest axis.
+std::vector<int> tilesAtEnds(const ElementMesh& mesh) {
+  const std::vector<NamedNodes> sets = boundarySets(mesh);
+  std::vector<bool> isAtEnd(mesh.nodes.size());
+  for (const int end : {0, 1}) {
+    const std::size_t place = 2 * longestAxis(mesh) + end;
+    for (const int node : sets[place].nodes) {
+      if (static_cast<std::size_t>(node) < isAtEnd.size()) isAtEnd[node] = true;
+    }
+  }
+  std::vector<int> tiles;
+  for (std::size_t t = 0; t < mesh.tiles.size(); ++t) {
+    const std::vector<int>& nodes = mesh.tiles[t].nodes;
+    if (std::ranges::any_of(nodes, [&](int node) { return isAtEnd[node]; })) {
+      tiles.push_back(static_cast<int>(t));
+    }
+  }
+  return tiles;
+}
+
+}  // namespace
+
+std::string staticJob(const ElementMesh& mesh, const DeckSettings& settings,
+                      const DeckOrigin& origin, const std::string& meshFile) {
+  const std::vector<NodeDisplacement> supports = leastSupports(mesh);
+  std::string text = heading(origin, "pulled at both ends");
+  appendOrigin(text, origin, settings.unit);
+  const std::size_t rigid = mesh.rule.family == ElementFamily::Plane ? 3 : 6;
+  append(text,
+         "** A job to start from: the sheet is pulled apart at both ends, 1 N each, through its "
+         "joints.\n"
+         "** Held are {} displacements: {} rigid motions and {} mechanisms of ideal hinges, each "
+         "by\n"
+         "** one displacement, so that nothing else is strained. Holding less leaves a mechanism, "
+         "on\n"
+         "** which a linear static step gives huge displacements and no warning: look at the "
+         "largest |U|.\n"
+         "** Replace material, supports and loads by yours. Its weight would be\n"
+         "**   *DLOAD\n**   EALL, GRAV, {}, 0., 0., -1.\n",
+         supports.size(), rigid, supports.size() - rigid,
+         deckNumber(9.81 * unitScale(settings.unit).length));
+  appendJointWarnings(text, mesh);
+  appendModel(text, mesh, settings, origin, meshFile, nodesOf(supports), "NHOLD");
+  const std::vector<NamedNodes> grips = gripSets(mesh, nodesOf(supports));
+  for (const NamedNodes& grip : grips) appendNodeSet(text, grip.name, grip.nodes);
+  appendSupports(text, supports);
+  text += "*STEP\n*STATIC\n";
+  appendGripForces(text, grips, longestAxis(mesh), 1);
+  appendRequests(text, settings.solver, "NHOLD");
+  return text + "*END STEP\n";
+}
+
+std::string bucklingJob(const ElementMesh& mesh, const DeckSettings& settings,
+                        const DeckOrigin& origin, const std::string& meshFile) {
+  const std::vector<NodeDisplacement> supports = leastSupports(mesh);
+  std::string text = heading(origin, "buckling under pressure at both ends");
+  appendOrigin(text, origin, settings.unit);
+  text +=
+      "** Both ends are pushed together by 1 N each; the buckling factors are forces in N. The "
+      "supports\n"
+      "** hold mechanisms of ideal hinges too: replace them by those of your test.\n";
+  appendJointWarnings(text, mesh);
+  appendModel(text, mesh, settings, origin, meshFile, nodesOf(supports), "NHOLD");
+  const std::vector<NamedNodes> grips = gripSets(mesh, nodesOf(supports));
+  for (const NamedNodes& grip : grips) appendNodeSet(text, grip.name, grip.nodes);
+  appendSupports(text, supports);
+  text += "*STEP\n*BUCKLE\n5\n";
+  appendGripForces(text, grips, longestAxis(mesh), -1);
+  text +=
+      settings.solver == Solver::Calculix ? "*NODE FILE\nU\n" : "*OUTPUT, FIELD\n*NODE OUTPUT\nU\n";
+  return text + "*END STEP\n";
+}
+
+void requireDrivable(const DriveChoice& choice, std::size_t tiles) {
+  std::vector<int> named = choice.tiles;
+  std::ranges::sort(named);
+  for (std::size_t k = 0; k < named.size(); ++k) {
+    if (named[k] < 0 || static_cast<std::size_t>(named[k]) >= tiles) {
+      throw InputError(fmt::format("error: --drive names tile {}, but the model has tiles 0 to {}",
+                                   named[k], tiles - 1));
+    }
+    if (k > 0 && named[k] == named[k - 1]) {
+      throw InputError(
+          fmt::format("error: --drive names tile {} twice, which would prescribe its displacements "
+                      "twice; leave one out",
+                      named[k]));
+    }
+  }
+}
+
+std::vector<int> drivenTiles(const ElementMesh& mesh, const DriveChoice& choice) {
+  requireDrivable(choice, mesh.tiles.size());
+  if (choice.kind == DriveChoice::Edge) return tilesAtEnds(mesh);
+  std::vector<int> tiles = choice.tiles;
+  if (choice.kind == DriveChoice::All) {
+    tiles.resize(mesh.tiles.size());
+    std::iota(tiles.begin(), tiles.end(), 0);
+  }
+  std::ranges::sort(tiles);
+  return tiles;
+}
+
+std::string driveJob(const ElementMesh& mesh, const DeckSettings& settings,
+                     const DeckOrigin& origin, const std::string& meshFile,
+                     const TileHistory& history) {
+  const std::vector<int> tiles = drivenTiles(mesh, settings.drive);
+  std::vector<NodeDisplacement> driven;
+  for (const auto& own : tileDisplacements(mesh, tiles)) {
+    driven.insert(driven.end(), own.begin(), own.end());
+  }
+  const std::vector<NodeDisplacement> rest = leastSupports(mesh, tiles);
+  driven.insert(driven.end(), rest.begin(), rest.end());
+  std::ranges::sort(driven);
+
+  std::string text = heading(origin, "moved as in the trajectory");
+  appendOrigin(text, origin, settings.unit);
+  append(
+      text,
+      "** {} tiles are moved as in the trajectory, each by six displacements of its nodes; so "
+      "are {}\n"
+      "** displacements more, which the joints' mechanisms would leave free. Between samples the "
+      "path of\n"
+      "** a node is a straight line. Time is that of the deployment.\n",
+      tiles.size(), rest.size());
+  appendJointWarnings(text, mesh);
+  appendModel(text, mesh, settings, origin, meshFile, nodesOf(driven), "NDRIVE");
+  const double scale = unitScale(settings.unit).length;
+  for (const NodeDisplacement& one : driven) {
+    appendAmplitude(text, amplitudeName(one), history.times, displacementsOf(one, mesh, history),
+                    scale);
+  }
+  const double end = history.times.back();
+  append(text, "*STEP, NLGEOM, INC=100000\n*STATIC\n{}, {}, {}, {}\n", deckNumber(end / 20),
+         deckNumber(end), deckNumber(end / 1e6), deckNumber(end / 20));
+  for (const NodeDisplacement& one : driven) {
+    append(text, "*BOUNDARY, AMPLITUDE={0}\n{1}, {2}, {2}, 1.\n", amplitudeName(one), one.node + 1,
+           one.axis + 1);
+  }
+  appendRequests(text, settings.solver, "NDRIVE");
+  if (settings.solver == Solver::Calculix) text += "*EL PRINT, ELSET=EALL, TOTALS=ONLY\nELSE\n";
+  return text + "*END STEP\n";
+}
+
+}  // namespace kirireel

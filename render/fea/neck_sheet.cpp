@@ -1,0 +1,267 @@
+// The outline's regions become surfaces that share lines where tiles and necks meet, so that Gmsh
+// makes one mesh of them; the sides of a slit are lines of their own, so that it stays open. All
+// cells are quadrilaterals: Gmsh pairs triangles to quadrilaterals and then divides each cell into
+// quadrilaterals of half its size. At a distance d from the necks their size is
+//
+//     h(d) = clamp(h_neck + 0.25 (d - w / 2), h_neck, h_tile),   h_neck = w / 6, h_tile = size / 8,
+//
+// and at a distance d from their corners, where stresses are singular, at most h_neck / 8 + 0.25 d;
+// all in proportion to the number of elements per edge, for linear elements half as much.
+#include "render/fea/neck_sheet.h"
+
+#include <algorithm>
+#include <map>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "render/fea/deck_text.h"
+#include "render/fea/gmsh_program.h"
+#include "render/fea/prism_layers.h"
+#include "sim/base/error.h"
+
+namespace kirireel {
+namespace {
+
+constexpr double kUsualPerEdge = 8;
+constexpr double kAcrossNeck = 6;  ///< elements, at the usual number per edge
+constexpr double kFinerAtCorners = 8;
+constexpr double kGrowth = 0.25;
+
+/// Quadrilaterals by region: tiles first, then necks.
+struct RegionMesh {
+  std::vector<Vector2> points;
+  std::vector<std::array<int, 4>> cells;
+  std::vector<std::size_t> firstCell;  ///< of each region, and the number of cells at the end
+};
+
+/// Lines between points, each once, and how often regions use them.
+class OutlineLines {
+ public:
+  /// The signed number of a line, from 1.
+  int find(int from, int to) {
+    const auto [place, isNew] =
+        numbers_.try_emplace(std::minmax(from, to), static_cast<int>(numbers_.size()) + 1);
+    if (isNew) ends_.emplace_back(std::min(from, to), std::max(from, to));
+    return from < to ? place->second : -place->second;
+  }
+
+  const std::vector<std::pair<int, int>>& ends() const { return ends_; }
+
+ private:
+  std::map<std::pair<int, int>, int> numbers_;
+  std::vector<std::pair<int, int>> ends_;
+};
+
+/// Points along the lines of necks, close enough for distances to the necks.
+std::vector<Vector2> pointsOnNecks(const NeckOutline& outline) {
+  std::vector<Vector2> points;
+  for (std::size_t k = 0; k < outline.points.size(); ++k) {
+    if (outline.isAtNeck[k]) points.push_back(outline.points[k]);
+  }
+  const auto appendBetween = [&](int from, int to) {
+    const Vector2 along = outline.points[to] - outline.points[from];
+    const int count = static_cast<int>(along.norm() / (0.25 * outline.neckWidth));
+    for (int k = 1; k < count; ++k) {
+      points.push_back(outline.points[from] + along * k / count);
+    }
+  };
+  for (const std::vector<int>& neck : outline.necks) {
+    for (std::size_t k = 0; k < neck.size(); ++k)
+      appendBetween(neck[k], neck[(k + 1) % neck.size()]);
+  }
+  return points;
+}
+
+/// Two fields of Gmsh, from this number on: the distance to some points, and sizes that grow with
+/// it beyond a distance. Gmsh halves sizes when it divides the cells.
+void appendField(std::string& text, int number, int firstPoint, std::size_t count, double least,
+                 double most, double from) {
+  append(text, "Field[{}] = Distance;\nField[{}].PointsList = {{", number, number);
+  for (std::size_t k = 0; k < count; ++k) {
+    append(text, "{}{}", k > 0 ? "," : "", firstPoint + static_cast<int>(k));
+  }
+  append(text,
+         "}};\nField[{0}] = Threshold;\nField[{0}].InField = {1};\nField[{0}].SizeMin = {2};\n"
+         "Field[{0}].SizeMax = {3};\nField[{0}].DistMin = {4};\nField[{0}].DistMax = {5};\n",
+         number + 1, number, 2 * least, 2 * most, from,
+         from + std::max(most - least, 1e-9) / kGrowth);
+}
+
+void appendSizes(std::string& text, const NeckOutline& outline, const ElementRule& rule,
+                 double tileSize, int firstSample, std::size_t samples) {
+  const double perEdge = rule.perEdge > 0 ? rule.perEdge
+                         : rule.size > 0  ? tileSize / rule.size
+                                          : kUsualPerEdge;
+  const double linear = rule.quadratic ? 1 : 0.5;
+  const double finest = linear * outline.neckWidth / kAcrossNeck * kUsualPerEdge / perEdge;
+  const double coarsest = std::max(linear * tileSize / perEdge, finest);
+  // Corners where a neck begins and ends of slits are singular: much finer there.
+  std::size_t corners = 0;
+  for (const bool isAtNeck : outline.isAtNeck) corners += isAtNeck ? 1 : 0;
+  appendField(text, 1, firstSample, corners, finest / kFinerAtCorners, coarsest, 0);
+  appendField(text, 3, firstSample, samples, finest, coarsest, 0.5 * outline.neckWidth);
+  text += "Field[5] = Min;\nField[5].FieldsList = {2, 4};\nBackground Field = 5;\n";
+  text +=
+      "Mesh.MeshSizeFromPoints = 0;\nMesh.MeshSizeExtendFromBoundary = 0;\n"
+      "Mesh.Algorithm = 6;\nMesh.RecombineAll = 1;\nMesh.RecombinationAlgorithm = 1;\n"
+      "Mesh.SubdivisionAlgorithm = 1;\n";
+}
+
+/// Reads what Gmsh wrote: nodes, and quadrilaterals whose first tag is their region.
+RegionMesh readMesh(const std::string& text, std::size_t regions) {
+  std::istringstream stream(text);
+  RegionMesh mesh;
+  std::map<long, int> numbers;
+  std::vector<std::vector<std::array<int, 4>>> cells(regions);
+  std::string word;
+  while (stream >> word) {
+    std::size_t count = 0;
+    if (word == "$Nodes") {
+      stream >> count;
+      for (std::size_t k = 0; k < count; ++k) {
+        long number = 0;
+        double x = 0, y = 0, z = 0;
+        stream >> number >> x >> y >> z;
+        numbers[number] = static_cast<int>(mesh.points.size());
+        mesh.points.emplace_back(x, y);
+      }
+    } else if (word == "$Elements") {
+      stream >> count;
+      for (std::size_t k = 0; k < count; ++k) {
+        long number = 0, tag = 0;
+        std::size_t region = 0;
+        int kind = 0, tags = 0;
+        stream >> number >> kind >> tags >> region;
+        for (int t = 1; t < tags; ++t) stream >> tag;
+        if (kind != 3 || region < 1 || region > regions) {
+          throw RunError("error: gmsh made other cells of this sheet than quadrilaterals");
+        }
+        std::array<int, 4>& cell = cells[region - 1].emplace_back();
+        for (int& point : cell) {
+          stream >> number;
+          point = numbers.at(number);
+        }
+      }
+    }
+  }
+  for (const auto& own : cells) {
+    mesh.firstCell.push_back(mesh.cells.size());
+    mesh.cells.insert(mesh.cells.end(), own.begin(), own.end());
+  }
+  mesh.firstCell.push_back(mesh.cells.size());
+  return mesh;
+}
+
+/// All cells anticlockwise, whatever Gmsh made of a region, and no points that no cell uses.
+void tidy(RegionMesh& mesh) {
+  std::vector<int> numbers(mesh.points.size(), -1);
+  std::vector<Vector2> used;
+  for (std::array<int, 4>& cell : mesh.cells) {
+    const auto at = [&](int k) { return mesh.points[cell[k]]; };
+    const Vector2 a = at(2) - at(0);
+    const Vector2 b = at(3) - at(1);
+    if (a.x() * b.y() - a.y() * b.x() < 0) std::swap(cell[1], cell[3]);
+    for (const int point : cell) {
+      if (numbers[point] >= 0) continue;
+      numbers[point] = static_cast<int>(used.size());
+      used.push_back(mesh.points[point]);
+    }
+  }
+  for (std::array<int, 4>& cell : mesh.cells) {
+    for (int& point : cell) point = numbers[point];
+  }
+  mesh.points = std::move(used);
+}
+
+/// The sides of cells that no other cell has, by region; their cells count from the region's first.
+std::vector<std::vector<FootprintSide>> freeSides(const RegionMesh& mesh) {
+  std::map<std::pair<int, int>, int> uses;
+  const auto sideOf = [](const std::array<int, 4>& cell, int k) {
+    return std::pair<int, int>(std::minmax(cell[k], cell[(k + 1) % 4]));
+  };
+  for (const auto& cell : mesh.cells) {
+    for (int k = 0; k < 4; ++k) ++uses[sideOf(cell, k)];
+  }
+  std::vector<std::vector<FootprintSide>> sides(mesh.firstCell.size() - 1);
+  for (std::size_t region = 0; region < sides.size(); ++region) {
+    for (std::size_t c = mesh.firstCell[region]; c < mesh.firstCell[region + 1]; ++c) {
+      for (int k = 0; k < 4; ++k) {
+        if (uses[sideOf(mesh.cells[c], k)] > 1) continue;
+        sides[region].push_back({static_cast<int>(c - mesh.firstCell[region]), k, -1});
+      }
+    }
+  }
+  return sides;
+}
+
+/// The points at each level, in the world; plane elements in the plane z = 0.
+std::vector<std::vector<Vector3>> levelsOf(const RegionMesh& region, const FlatSheet& sheet,
+                                           double thickness, const ElementRule& rule) {
+  const int count = PrismLayers::levelCount(rule);
+  const Quaternion back = sheet.turn.conjugate();
+  std::vector<std::vector<Vector3>> levels(count);
+  for (int level = 0; level < count; ++level) {
+    const double share = count > 1 ? static_cast<double>(level) / (count - 1) : 0.5;
+    for (const Vector2& point : region.points) {
+      const bool isPlane = rule.family == ElementFamily::Plane;
+      const Vector3 flat(point.x(), point.y(), isPlane ? 0 : sheet.height + share * thickness);
+      levels[level].push_back(isPlane ? flat : back * flat);
+    }
+  }
+  return levels;
+}
+
+}  // namespace
+
+std::string neckGeometry(const NeckOutline& outline, const ElementRule& rule, double tileSize) {
+  std::string text = "// A sheet with necks, by Kirireel. Metres.\n";
+  const auto appendPoint = [&](std::size_t number, const Vector2& at) {
+    append(text, "Point({}) = {{{}, {}, 0, 1}};\n", number, at.x(), at.y());
+  };
+  for (std::size_t k = 0; k < outline.points.size(); ++k) appendPoint(k + 1, outline.points[k]);
+  const std::vector<Vector2> samples = pointsOnNecks(outline);
+  const std::size_t firstSample = outline.points.size() + 1;
+  for (std::size_t k = 0; k < samples.size(); ++k) appendPoint(firstSample + k, samples[k]);
+  OutlineLines lines;
+  std::string surfaces;
+  int region = 0;
+  for (const auto* loops : {&outline.tiles, &outline.necks}) {
+    for (const std::vector<int>& loop : *loops) {
+      append(surfaces, "Curve Loop({}) = {{", ++region);
+      for (std::size_t k = 0; k < loop.size(); ++k) {
+        append(surfaces, "{}{}", k > 0 ? "," : "",
+               lines.find(loop[k], loop[(k + 1) % loop.size()]));
+      }
+      append(surfaces, "}};\nPlane Surface({0}) = {{{0}}};\nPhysical Surface({0}) = {{{0}}};\n",
+             region);
+    }
+  }
+  for (std::size_t k = 0; k < lines.ends().size(); ++k) {
+    append(text, "Line({}) = {{{}, {}}};\n", k + 1, lines.ends()[k].first + 1,
+           lines.ends()[k].second + 1);
+  }
+  text += surfaces;
+  appendSizes(text, outline, rule, tileSize, static_cast<int>(firstSample), samples.size());
+  return text;
+}
+
+ElementMesh makeNeckMesh(const Model& model, double thickness, const ElementRule& rule) {
+  requireValidRule(rule);
+  const NeckOutline outline = neckOutline(model, rule.neck);
+  const std::size_t regions = outline.tiles.size() + outline.necks.size();
+  RegionMesh region = readMesh(meshedByGmsh(neckGeometry(outline, rule, tileSize(model))), regions);
+  tidy(region);
+  ElementMesh mesh;
+  mesh.rule = rule;
+  PrismLayers layers(mesh, region.cells, levelsOf(region, outline.sheet, thickness, rule));
+  const std::vector<std::vector<FootprintSide>> sides = freeSides(region);
+  for (std::size_t k = 0; k < regions; ++k) {
+    const std::size_t first = region.firstCell[k];
+    TileElements part = layers.append(first, region.firstCell[k + 1] - first, sides[k]);
+    (k < outline.tiles.size() ? mesh.tiles : mesh.necks).push_back(std::move(part));
+  }
+  return mesh;
+}
+
+}  // namespace kirireel

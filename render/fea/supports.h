@@ -1,0 +1,34 @@
+/// Which displacements to hold so that a sheet of hinged tiles can stand a static step.
+#pragma once
+
+#include <vector>
+
+#include "render/fea/element_mesh.h"
+
+namespace kirireel {
+
+/// A displacement of a node along an axis of the world.
+struct NodeDisplacement {
+  int node = 0;  ///< from 0
+  int axis = 0;  ///< 0, 1, 2: x, y, z
+  int tile = 0;  ///< that the node belongs to
+
+  auto operator<=>(const NodeDisplacement&) const = default;
+};
+
+/// For each of these tiles six displacements of its nodes that fix it as a rigid body and strain
+/// nothing. They lie on nodes that follow no others and belong to no joint, so that what holds or
+/// drives them acts through the joints on the other tiles; where a tile has no such nodes, on nodes
+/// of joints. Plane elements have three. Throws InputError when even these do not fix a tile: all
+/// of them follow others.
+std::vector<std::vector<NodeDisplacement>> tileDisplacements(const ElementMesh& mesh,
+                                                             const std::vector<int>& tiles);
+
+/// The fewest displacements that leave the sheet no way to move without strain, were its tiles
+/// rigid: six for the motions of the whole and one for each mechanism of the first order. None of
+/// them takes load from another; the reactions follow from equilibrium alone. `fixedTiles` are held
+/// by other means already. Sorted. Throws InputError as tileDisplacements does.
+std::vector<NodeDisplacement> leastSupports(const ElementMesh& mesh,
+                                            const std::vector<int>& fixedTiles = {});
+
+}  // namespace kirireel
