@@ -1,31 +1,33 @@
 // Let the unknowns be six displacements u_t of nodes of each tile t, which fix it as a rigid body.
 // A point p of the tile then moves by R(p) B_t^-1 u_t, where R(p) = [1, -[p - c]x] maps velocity
 // and spin to the point and B_t holds the rows of R that belong to u_t. A joint asks that two tiles
-// move alike at its points: J u = 0. What J leaves free is the null space of M = J^T J.
+// move alike at its middle and, where it goes through the thickness along d, that they turn its
+// line alike, s w x d with a length s of the tiles' size: J u = 0. (Two points a thickness apart
+// would ask the same, but of thin bricks so softly that what they hold looks free.)
 //
-// A symmetric elimination M = L D L^T meets a zero pivot exactly where an unknown can be chosen
-// freely, given those before it: holding just these unknowns makes M regular, and their number is
-// the nullity (C. Farhat, M. Geradin, On the general solution by a direct method of a large-scale
-// singular system of linear equations, Int. J. Numer. Meth. Engng. 41, 1998). A shift of 1e-13
-// keeps the elimination running past such a pivot.
+// What J leaves free is the first-order motions of rigid tiles. free_columns.h finds as many
+// unknowns as there are of them, and holding these leaves none (compare C. Farhat, M. Geradin, On
+// the general solution by a direct method of a large-scale singular system of linear equations,
+// Int. J. Numer. Meth. Engng. 41, 1998).
+//
+// Elimination leaves of a column |J u| for a motion u with this unknown at 1. For a motion that
+// strains nothing that is rounding times |u|; where corners that meet are g apart, J is wrong by
+// g / s, and it is up to g / s |u|. |u| is about the root of the number of unknowns n. Free is
+// hence what lies below root(n) (1e-8 + g / s), but never above 1e-3: a motion that opens joints by
+// more than a thousandth of what it moves is none of a mechanism, whatever g.
 #include "render/fea/supports.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <Eigen/Dense>
-#include <Eigen/SparseCholesky>
 #include <fmt/format.h>
 
+#include "render/fea/free_columns.h"
 #include "sim/base/error.h"
 
 namespace kirireel {
 namespace {
-
-using Sparse = Eigen::SparseMatrix<double>;
-
-/// Both are parts of the largest diagonal entry.
-constexpr double kShift = 1e-14;
-constexpr double kZeroPivot = 1e-6;
 
 /// How a tile's points follow its six displacements.
 struct TileMotion {
@@ -137,29 +139,36 @@ class MotionFinder {
   std::vector<bool> follows_;
 };
 
-/// The matrix M of all joints.
-Sparse jointMatrix(const ElementMesh& mesh, const std::vector<TileMotion>& motions) {
-  std::vector<Eigen::Triplet<double>> entries;
-  int row = 0;
-  for (const JointNodes& joint : mesh.joints) {
-    // Points between the two faces say nothing new, and one face has a single point.
-    for (std::size_t k = 0; k < joint.a.size(); k += std::max<std::size_t>(joint.a.size() - 1, 1)) {
-      const Vector3 point = 0.5 * (mesh.nodes[joint.a[k]] + mesh.nodes[joint.b[k]]);
-      for (const auto& [tile, sign] : {std::pair{joint.tileA, 1.0}, {joint.tileB, -1.0}}) {
-        const TileMotion& motion = motions[tile];
-        const Eigen::Matrix<double, 3, 6> block =
-            sign * motion.motionOf(point) * motion.fromDisplacements;
-        for (int axis = 0; axis < 3; ++axis) {
-          for (int c = 0; c < 6; ++c)
-            entries.emplace_back(row + axis, 6 * tile + c, block(axis, c));
-        }
-      }
-      row += 3;
+/// What a joint asks of two tiles.
+PairEquations equationsOf(const ElementMesh& mesh, const JointNodes& joint,
+                          const std::vector<TileMotion>& motions) {
+  const auto at = [&](std::size_t k) {
+    return Vector3(0.5 * (mesh.nodes[joint.a[k]] + mesh.nodes[joint.b[k]]));
+  };
+  const Vector3 bottom = at(0);
+  const Vector3 top = at(joint.a.size() - 1);
+  const bool isHinge = joint.a.size() > 1;
+  const double size = 0.5 * (motions[joint.tileA].size + motions[joint.tileB].size);
+  const auto rowsOf = [&](const TileMotion& motion, double sign) {
+    PairEquations::Rows rows = PairEquations::Rows::Zero(isHinge ? 6 : 3, 6);
+    rows.topRows<3>() = motion.motionOf(0.5 * (bottom + top));
+    if (isHinge) {
+      const Vector3 line = (top - bottom).normalized();
+      rows.bottomRightCorner<3, 3>() = -size / motion.size * crossMatrix(line);
     }
-  }
-  Sparse jacobian(row, static_cast<Eigen::Index>(6 * motions.size()));
-  jacobian.setFromTriplets(entries.begin(), entries.end());
-  return jacobian.transpose() * jacobian;
+    return PairEquations::Rows(sign * rows * motion.fromDisplacements);
+  };
+  return {joint.tileA, joint.tileB, rowsOf(motions[joint.tileA], 1),
+          rowsOf(motions[joint.tileB], -1)};
+}
+
+/// How short the columns are that have nothing left.
+double nothingLeft(const ElementMesh& mesh, const std::vector<TileMotion>& motions) {
+  constexpr double kRounding = 1e-8;
+  constexpr double kMost = 1e-3;
+  const double least = std::ranges::min(motions, {}, &TileMotion::size).size;
+  const auto unknowns = static_cast<double>(6 * motions.size());
+  return std::min(kMost, std::sqrt(unknowns) * (kRounding + mesh.largestGap / least));
 }
 
 }  // namespace
@@ -185,20 +194,16 @@ std::vector<NodeDisplacement> leastSupports(const ElementMesh& mesh,
   for (std::size_t t = 0; t < mesh.tiles.size(); ++t) {
     motions.push_back(finder.of(static_cast<int>(t)));
   }
-  Sparse matrix = jointMatrix(mesh, motions);
-  const double largest = mesh.joints.empty() ? 1 : matrix.diagonal().maxCoeff();
-  for (const int tile : fixedTiles) {
-    for (int k = 0; k < 6; ++k) matrix.coeffRef(6 * tile + k, 6 * tile + k) += largest;
+  std::vector<PairEquations> equations;
+  for (const JointNodes& joint : mesh.joints) {
+    equations.push_back(equationsOf(mesh, joint, motions));
   }
-  Sparse identity(matrix.rows(), matrix.cols());
-  identity.setIdentity();
-  const Eigen::SimplicialLDLT<Sparse> factors(Sparse(matrix + kShift * largest * identity));
-  const Eigen::VectorXd pivots = factors.vectorD();
+  std::vector<bool> isFixed(motions.size());
+  for (const int tile : fixedTiles) isFixed[tile] = true;
   std::vector<NodeDisplacement> held;
-  for (Eigen::Index k = 0; k < pivots.size(); ++k) {
-    const auto place = factors.permutationP().indices()[k];
-    if (pivots[place] > kZeroPivot * largest) continue;
-    held.push_back(motions[k / 6].displacements[k % 6]);
+  for (const FreeColumn& column : freeColumns(static_cast<int>(motions.size()), equations, isFixed,
+                                              nothingLeft(mesh, motions))) {
+    held.push_back(motions[column.tile].displacements[column.unknown]);
   }
   std::ranges::sort(held);
   return held;

@@ -335,6 +335,27 @@ TEST(Supports, AreSixAndOneForEachMechanism) {
   EXPECT_EQ(leastSupports(meshOf(test::polygons())).size(), 3U * 6U);  // nothing joins them
 }
 
+TEST(Supports, AreAsManyHoweverThinLongOrInaccurateTheSheet) {
+  for (const double thickness : {0.02, 0.002}) {
+    for (const auto& [rows, columns] : {std::pair{2, 2}, {5, 5}, {2, 30}}) {
+      const Model model = makeTessellation(test::squares(rows, columns, 0.7));
+      Layout layout = test::layoutOf(model.tiles, model.joints, thickness);
+      const std::size_t known = freeMotions(layout, thickness);
+      const ElementRule rule{.perEdge = 2, .through = 1, .joints = JointStyle::Equation};
+      const auto supports = [&] {
+        return leastSupports(makeElementMesh(layout.bricks, layout.joints, layout.poses, rule));
+      };
+      EXPECT_EQ(supports().size(), known) << rows << 'x' << columns << ' ' << thickness;
+      // Corners a millionth of a tile apart, each by a different step.
+      for (std::size_t t = 0; t < layout.poses.size(); ++t) {
+        const double phase = 1.7 * static_cast<double>(t);
+        layout.poses[t].position += 1e-6 * Vector3(std::sin(phase), std::cos(phase), 0);
+      }
+      EXPECT_EQ(supports().size(), known) << rows << 'x' << columns << ' ' << thickness;
+    }
+  }
+}
+
 TEST(Drive, RefusesTilesThatAreNotThereOrTwice) {
   const ElementMesh mesh = meshOf(test::hingedSquares());
   const auto refusal = [&](const std::vector<int>& tiles) -> std::string {
