@@ -1,6 +1,7 @@
 #include "render/fea/deck.h"
 
 #include <algorithm>
+#include <filesystem>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,6 +10,7 @@
 #include "render/fea/supports.h"
 #include "sim/base/error.h"
 #include "sim/measure/mobility.h"
+#include "sim/model/read_model.h"
 #include "tests/render/fea/read_deck.h"
 #include "tests/support/layouts.h"
 
@@ -354,6 +356,26 @@ TEST(Supports, AreAsManyHoweverThinLongOrInaccurateTheSheet) {
       EXPECT_EQ(supports().size(), known) << rows << 'x' << columns << ' ' << thickness;
     }
   }
+}
+
+TEST(Supports, AreThoseOfTheMobilityOnEveryModel) {
+  int states = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(KIRIREEL_SOURCE_DIR "/data")) {
+    if (!std::filesystem::exists(entry.path() / "vertices.txt")) continue;
+    std::vector<std::string> notes;
+    const Model model = readModel(entry.path(), std::nullopt, notes);
+    std::vector<std::vector<Tile>> tried = {model.tiles};
+    if (model.target) tried.push_back(*model.target);
+    for (const std::vector<Tile>& tiles : tried) {
+      const Layout layout = test::layoutOf(tiles, model.joints);
+      const ElementMesh mesh =
+          meshOf(layout, {.perEdge = 2, .through = 1, .joints = JointStyle::Equation});
+      if (mesh.largestGap > 1e-9) continue;  // torn: not a state of the sheet
+      ++states;
+      EXPECT_EQ(leastSupports(mesh).size(), freeMotions(layout, 0.02)) << entry.path();
+    }
+  }
+  EXPECT_GE(states, 30);
 }
 
 TEST(Drive, RefusesTilesThatAreNotThereOrTwice) {
