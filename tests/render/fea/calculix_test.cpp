@@ -10,9 +10,8 @@
 #include "render/fea/deck.h"
 #include "render/fea/job.h"
 #include "render/fea/neck_sheet.h"
-#include "sim/base/pending_file.h"
 #include "tests/render/fea/read_deck.h"
-#include "tests/support/files.h"
+#include "tests/render/fea/run_deck.h"
 #include "tests/support/layouts.h"
 #include "tests/support/program.h"
 
@@ -23,36 +22,11 @@ using test::Layout;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-const DeckOrigin kOrigin = {"squares", "final", 0.5, 0.02, 0, "Kirireel", "a run"};
-
-/// What ccx said and what it left in job.dat.
-struct JobEnd {
-  std::string log;
-  std::string data;
-};
-
-JobEnd run(const std::string& meshText, const std::string& jobText) {
-  const test::TemporaryFolder folder;
-  writeTextFile(folder / "x_mesh.inp", meshText);
-  writeTextFile(folder / "job.inp", jobText);
-  JobEnd end;
-  end.log = test::outputOf("cd '" + folder.path().string() + "' && OMP_NUM_THREADS=1 ccx -i job");
-  end.data = test::bytesOf(folder / "job.dat");
-  return end;
-}
-
-/// The displacements in the rows "node ux uy uz" of job.dat.
-std::vector<Vector3> displacements(const std::string& data) {
-  std::vector<Vector3> found;
-  std::istringstream lines(data);
-  for (std::string line; std::getline(lines, line);) {
-    std::istringstream row(line);
-    int node = 0;
-    Vector3 u;
-    if (row >> node >> u.x() >> u.y() >> u.z()) found.push_back(u);
-  }
-  return found;
-}
+using test::displacements;
+using test::JobEnd;
+using test::kOrigin;
+using test::ownJob;
+using test::run;
 
 /// The template as it is, but that its displacements are printed too.
 std::string printing(std::string job) {
@@ -104,15 +78,6 @@ INSTANTIATE_TEST_SUITE_P(Deck, JobTemplate,
 Layout strip(double length, double width, double thickness) {
   return test::layoutOf({Tile{{{0, 0, 0}, {length, 0, 0}, {length, width, 0}, {0, width, 0}}}}, {},
                         thickness);
-}
-
-/// A job on a mesh of its own: supports and load, displacements of one set printed.
-std::string ownJob(const std::string& sets, const std::string& boundary, const std::string& load,
-                   const std::string& printed) {
-  return "*INCLUDE, INPUT=x_mesh.inp\n" + sets +
-         "*MATERIAL, NAME=SHEET\n*ELASTIC\n1.e9, 0.3\n*DENSITY\n1000.\n"
-         "*SOLID SECTION, ELSET=EALL, MATERIAL=SHEET\n*BOUNDARY\n" +
-         boundary + "*STEP\n*STATIC\n" + load + "*NODE PRINT, NSET=" + printed + "\nU\n*END STEP\n";
 }
 
 /// The deflection of a cantilever 10 x 1 x 0.5 with 1 kN spread over its end, as a part of that of
