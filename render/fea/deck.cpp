@@ -4,6 +4,7 @@
 #include <iterator>
 
 #include "render/fea/boundary_sets.h"
+#include "sim/model/neck_stiffness.h"
 
 namespace kirireel {
 namespace {
@@ -23,6 +24,18 @@ const char* jointWord(JointStyle style) {
       break;
   }
   return "rigid patches that turn about shared reference nodes";
+}
+
+/// What a hinge's spring would be in place of a neck.
+void appendNeckStiffness(std::string& text, const NeckShape& neck, const DeckSettings& settings,
+                         double thickness) {
+  const double length = std::max(neck.length, neck.kerf);
+  if (length == 0) return;
+  append(text,
+         "** In the sheet's plane a neck beside a shut slit is a rotational spring of {:.4g} N "
+         "m/rad,\n** E t w^3 / (12 (L + 1.26 w)) with E = {} Pa: the tiles give at its ends.\n",
+         neckStiffness(settings.material.youngs, thickness, neck.width, length),
+         deckNumber(settings.material.youngs));
 }
 
 void appendHeader(std::string& text, const ElementMesh& mesh, const DeckSettings& settings,
@@ -46,6 +59,7 @@ void appendHeader(std::string& text, const ElementMesh& mesh, const DeckSettings
         "{} m,\n** kerf {} m.\n",
         deckNumber(neck.width), deckNumber(std::max(neck.length, neck.kerf)),
         deckNumber(neck.radius), deckNumber(neck.kerf));
+    appendNeckStiffness(text, neck, settings, origin.thickness);
     return;
   }
   append(text,

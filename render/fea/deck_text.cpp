@@ -73,7 +73,7 @@ void appendOrigin(std::string& text, const DeckOrigin& origin, DeckUnit unit) {
 
 std::string heading(const DeckOrigin& origin, const std::string& subject) {
   const std::string line =
-      fmt::format("{}, state {}: {} ({})", origin.model, origin.state, subject, origin.writer);
+      fmt::format("{}, state {}, {}, {}", origin.model, origin.state, subject, origin.writer);
   return "*HEADING\n" + oneLine(line, kLongestHeading) + "\n";
 }
 

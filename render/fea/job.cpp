@@ -185,7 +185,7 @@ std::string staticJob(const ElementMesh& mesh, const DeckSettings& settings,
 std::string bucklingJob(const ElementMesh& mesh, const DeckSettings& settings,
                         const DeckOrigin& origin, const std::string& meshFile) {
   const std::vector<NodeDisplacement> supports = leastSupports(mesh);
-  std::string text = heading(origin, "buckling under pressure at both ends");
+  std::string text = heading(origin, "buckling");
   appendOrigin(text, origin, settings.unit);
   text +=
       "** Both ends are pushed together by 1 N each; the buckling factors are forces in N. The "
@@ -244,7 +244,7 @@ std::string driveJob(const ElementMesh& mesh, const DeckSettings& settings,
   driven.insert(driven.end(), rest.begin(), rest.end());
   std::ranges::sort(driven);
 
-  std::string text = heading(origin, "moved as in the trajectory");
+  std::string text = heading(origin, "driven");
   appendOrigin(text, origin, settings.unit);
   append(
       text,

@@ -301,7 +301,7 @@ TEST(Deck, SaysWhereItComesFromAndWhatIdealHingesDo) {
   EXPECT_THAT(textOf(mesh), HasSubstr("WARNING: joints are ideal hinges"));
   EXPECT_THAT(textOf(mesh), HasSubstr("WARNING: forces through a single node"));
   const std::string job = staticJob(mesh, {}, kOrigin, "a_mesh.inp");
-  EXPECT_THAT(job, testing::StartsWith("*HEADING\nsquares, state final: pulled at both ends"));
+  EXPECT_THAT(job, testing::StartsWith("*HEADING\nsquares, state final, pulled at both ends"));
   EXPECT_THAT(job, HasSubstr("*INCLUDE, INPUT=a_mesh.inp\n"));
   EXPECT_THAT(job, Not(HasSubstr("*EQUATION")));
   EXPECT_THAT(job, HasSubstr("*NODE FILE\nU, RF\n*EL FILE\nS, E\n"));

@@ -1,0 +1,145 @@
+// Sheets with necks in CalculiX, beside meshes that Gmsh makes without our code
+// (sheet_stiffness.py): skipped where ccx, gmsh or python3 is not installed.
+#include "render/fea/neck_sheet.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "render/fea/deck.h"
+#include "render/sheet/cut_pattern.h"
+#include "sim/base/pending_file.h"
+#include "sim/model/neck_stiffness.h"
+#include "sim/model/tessellation.h"
+#include "tests/render/fea/run_deck.h"
+#include "tests/support/files.h"
+#include "tests/support/layouts.h"
+#include "tests/support/program.h"
+
+namespace kirireel {
+namespace {
+
+using test::kOrigin;
+
+class NeckSheet : public testing::Test {
+ protected:
+  void SetUp() override {
+    for (const char* program : {"ccx", "gmsh", "python3"}) {
+      if (!test::hasProgram(program)) GTEST_SKIP() << "install " << program << " to judge necks";
+    }
+  }
+};
+
+ElementRule plane(const NeckShape& neck, int perEdge = 0) {
+  return {
+      .perEdge = perEdge, .joints = JointStyle::Neck, .family = ElementFamily::Plane, .neck = neck};
+}
+
+/// What sheet_stiffness.py says.
+struct Judged {
+  double stiffness = 0;
+  int pieces = 0;
+};
+
+Judged judged(const std::string& words) {
+  std::istringstream said(test::outputOf(
+      "python3 '" KIRIREEL_SOURCE_DIR "/tests/render/fea/sheet_stiffness.py' " + words));
+  Judged found;
+  said >> found.stiffness >> found.pieces;
+  return found;
+}
+
+Judged judged(const char* what, const Model& model, const ElementRule& rule) {
+  const test::TemporaryFolder folder;
+  const auto file = folder / "sheet.inp";
+  writeTextFile(file, meshDeck(makeNeckMesh(model, 0.02, rule), {}, kOrigin));
+  return judged(fmt::format("{} '{}'", what, file.string()));
+}
+
+TEST_F(NeckSheet, IsAsStiffAsAnotherMeshOfItsCutPattern) {
+  const Model model = makeTessellation(test::squares(4, 4, 0));
+  const test::TemporaryFolder folder;
+  for (const double width : {0.05, 0.1, 0.2}) {
+    const auto pattern = folder / "sheet.dxf";
+    writeTextFile(pattern, patternDxf(cutPattern(model, width)));
+    const Judged other = judged(fmt::format("pull '{}' {}", pattern.string(), width / 16));
+    const Judged own = judged("pull", model, plane({.width = width}));
+    EXPECT_EQ(other.pieces, 1);
+    EXPECT_EQ(own.pieces, 1);
+    // Measured: 157.0 of 158.1 N, 705.5 of 710.5 N, 3474 of 3514 N; the other mesh sinks towards
+    // ours when it is refined (0.05 m: 163.2, 159.8, 158.1 N).
+    EXPECT_NEAR(own.stiffness / other.stiffness, 1, 0.02) << width;
+  }
+}
+
+TEST_F(NeckSheet, ConvergesFromAbove) {
+  const Model model = makeTessellation(test::squares(4, 4, 0));
+  const auto force = [&](int perEdge) {
+    return judged("pull", model, plane({.width = 0.05}, perEdge)).stiffness;
+  };
+  const double coarse = force(2), usual = force(8), fine = force(16);
+  // Measured: 159.2, 157.0, 156.6 N.
+  EXPECT_GT(coarse, usual);
+  EXPECT_GT(usual, fine);
+  EXPECT_LT(usual / fine, 1.005);
+}
+
+/// Two squares of 1 m side by side, joined at their lower corners.
+Model twoSquares() {
+  Model model;
+  model.tiles = {Tile{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}},
+                 Tile{{{1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}}}};
+  model.joints = {{{0, 1}, {1, 0}, JointFace::Both}};
+  return model;
+}
+
+/// The neck's stiffness between tiles that do not give: one is held, the other turned by a small
+/// angle about the neck's middle, which is what pure bending does. From the strain energy.
+double betweenRigidTiles(const NeckShape& neck, double thickness) {
+  const double angle = 1e-3;
+  const ElementMesh mesh = makeNeckMesh(twoSquares(), thickness, plane(neck));
+  std::string held, turned;
+  for (const int node : mesh.tiles[0].nodes) held += fmt::format("{}, 1, 2\n", node + 1);
+  for (const int node : mesh.tiles[1].nodes) {
+    const Vector3 arm = mesh.nodes[node] - Vector3(1, neck.width / 2, 0);
+    turned += fmt::format("{0}, 1, 1, {1}\n{0}, 2, 2, {2}\n", node + 1,
+                          deckNumber(-angle * arm.y()), deckNumber(angle * arm.x()));
+  }
+  std::string job = test::ownJob("", held, "*BOUNDARY\n" + turned,
+                                 "XMAX\nU\n*EL PRINT, ELSET=EALL, TOTALS=ONLY\nELSE\n*NODE "
+                                 "PRINT, NSET=XMAX");
+  const std::string section = "*SOLID SECTION, ELSET=EALL, MATERIAL=SHEET\n";
+  job.insert(job.find(section) + section.size(), deckNumber(thickness) + "\n");
+  const test::JobEnd end = test::run(meshDeck(mesh, {}, kOrigin), job);
+  const std::size_t place = end.data.find("total internal energy");
+  if (place == std::string::npos) return 0;
+  return 2 * std::strtod(end.data.c_str() + end.data.find('\n', place), nullptr) / (angle * angle);
+}
+
+TEST_F(NeckSheet, NeckAloneIsABeam) {
+  const double width = 0.02, thickness = 0.002;
+  for (const double length : {0.1, 0.2, 0.4}) {
+    const double beam = 1e9 * thickness * std::pow(width, 3) / (12 * length);
+    // Measured: 1.0031, 1.0017, 1.0010.
+    EXPECT_NEAR(betweenRigidTiles({.width = width, .length = length}, thickness) / beam, 1, 0.05);
+  }
+}
+
+TEST_F(NeckSheet, TilesGiveAtTheEndsOfNecks) {
+  const double width = 0.02;
+  for (const double length : {0.01, 0.02, 0.04, 0.1, 0.2, 0.4}) {
+    const double own =
+        judged("turn", twoSquares(), plane({.width = width, .length = length})).stiffness;
+    const double other = judged(fmt::format("turn {} {} {}", width, length, width / 20)).stiffness;
+    EXPECT_NEAR(own / other, 1, 0.005) << length;  // measured: 0.9985 to 0.9998
+    // The table behind neckStiffness(). Measured: 0.996 to 1.001.
+    EXPECT_NEAR(own / neckStiffness(1e9, 0.002, width, length), 1, 0.01) << length;
+  }
+}
+
+}  // namespace
+}  // namespace kirireel
