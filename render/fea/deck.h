@@ -9,8 +9,8 @@
 namespace kirireel {
 
 /// The text of NAME_mesh.inp: nodes, elements (C3D20R; C3D20 in tiles that are one element wide;
-/// C3D8I when linear; shells S8R or S4, plane elements CPS8R or CPS4), sets, surfaces and what holds the joints together, but no material and no
-/// step.
+/// C3D8I when linear; shells S8R or S4, plane elements CPS8R or CPS4), sets, surfaces and what
+/// holds the joints together, but no material and no step.
 ///
 /// Names count from 0 in the model's order: element sets TILE_00000, NECK_00000 and EALL; node sets
 /// TILE_00000_N, _BOT, _TOP, JOINT_00000_A and _B, NJOINT, NALL and those of boundarySets; surfaces

@@ -35,7 +35,7 @@ void requireDrivable(const DriveChoice& choice, std::size_t tiles);
 std::vector<int> drivenTiles(const ElementMesh& mesh, const DriveChoice& choice);
 
 /// The text of a job that follows a deployment with large displacements: the driven tiles are moved
-/// by six of their nodes' displacements each (tileDisplacements) as the trajectory moved them, by
+/// by displacements of their nodes (tileDisplacements) as the trajectory moved them, by
 /// *AMPLITUDE, and so is what their motion leaves free of the joints' mechanisms (leastSupports).
 /// The time of its step is the deployment's. Prints the reactions at NDRIVE in every increment,
 /// with CalculiX the strain energy too.

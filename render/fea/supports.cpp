@@ -19,6 +19,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Dense>
 #include <fmt/format.h>
@@ -63,13 +64,27 @@ std::vector<bool> jointNodesOf(const ElementMesh& mesh) {
   return isJoint;
 }
 
+/// Whether six displacements fix a tile whatever its turn: their equations' least singular value,
+/// with spins scaled by the tile's size. What falls below is driven by nine.
+constexpr double kLeastGrip = 0.1;
+/// So many of a tile's turns are looked at.
+constexpr std::size_t kTurnsLookedAt = 24;
+
+std::vector<Matrix3> someOf(const std::vector<Quaternion>& turns) {
+  std::vector<Matrix3> some;
+  const std::size_t step = turns.size() / kTurnsLookedAt + 1;
+  for (std::size_t k = 0; k < turns.size(); k += step) some.push_back(turns[k].toRotationMatrix());
+  if (!turns.empty()) some.push_back(turns.back().toRotationMatrix());
+  return some;
+}
+
 /// Finds the displacements of tiles one by one.
 class MotionFinder {
  public:
   explicit MotionFinder(const ElementMesh& mesh)
       : mesh_(mesh), isJoint_(jointNodesOf(mesh)), follows_(followers(mesh)) {}
 
-  TileMotion of(int tile) const {
+  TileMotion of(int tile, const std::vector<Quaternion>& turns = {}) const {
     const TileElements& elements = mesh_.tiles[tile];
     std::vector<int> apart;
     std::vector<int> leading;
@@ -79,7 +94,8 @@ class MotionFinder {
     }
     for (const std::vector<int>& nodes : {apart, leading, leadingNodes(elements)}) {
       TileMotion motion;
-      if (!choose(nodes, motion)) continue;
+      if (!choose(nodes, Matrix3::Identity(), motion)) continue;
+      if (!turns.empty()) keepGrip(nodes, someOf(turns), motion);
       for (NodeDisplacement& displacement : motion.displacements) displacement.tile = tile;
       return motion;
     }
@@ -97,9 +113,11 @@ class MotionFinder {
     return nodes;
   }
 
-  /// Whether six displacements of these nodes fix the tile: those that a pivoted QR factorisation
-  /// of all their rows takes first.
-  bool choose(const std::vector<int>& nodes, TileMotion& motion) const {
+  bool isPlane() const { return mesh_.rule.family == ElementFamily::Plane; }
+
+  /// Whether displacements of these nodes fix the tile when it is turned so: those that a pivoted
+  /// QR factorisation of all their rows takes first.
+  bool choose(const std::vector<int>& nodes, const Matrix3& turn, TileMotion& motion) const {
     if (nodes.size() < 3) return false;
     Eigen::AlignedBox3d box;
     for (const int node : nodes) box.extend(mesh_.nodes[node]);
@@ -107,31 +125,82 @@ class MotionFinder {
     motion.size = 0.5 * box.sizes().norm();
     Eigen::Matrix<double, 6, Eigen::Dynamic> rows(6, 3 * nodes.size());
     for (std::size_t k = 0; k < nodes.size(); ++k) {
-      rows.middleCols<3>(static_cast<Eigen::Index>(3 * k)) =
-          motion.motionOf(mesh_.nodes[nodes[k]]).transpose();
-    }
-    const bool isPlane = mesh_.rule.family == ElementFamily::Plane;
-    if (isPlane) {
-      for (std::size_t k = 0; k < nodes.size(); ++k) rows.col(3 * k + 2).setZero();
+      auto own = rows.middleCols<3>(static_cast<Eigen::Index>(3 * k));
+      own = motion.motionOf(turned(nodes[k], turn, motion)).transpose();
+      if (isPlane()) own.col(2).setZero();
     }
     Eigen::ColPivHouseholderQR<Eigen::Matrix<double, 6, Eigen::Dynamic>> factors(rows);
     factors.setThreshold(1e-6);
-    if (isPlane) {
-      for (int k = 0; k < 3; ++k) {
-        const int column = static_cast<int>(factors.colsPermutation().indices()[k]);
-        motion.displacements.push_back({nodes[column / 3], column % 3});
-      }
-      return factors.rank() == 3;
-    }
-    if (factors.rank() < 6) return false;
-    Matrix6 chosen;
-    for (int k = 0; k < 6; ++k) {
+    const int count = isPlane() ? 3 : 6;
+    if (factors.rank() < count) return false;
+    motion.displacements.clear();
+    for (int k = 0; k < count; ++k) {
       const int column = static_cast<int>(factors.colsPermutation().indices()[k]);
       motion.displacements.push_back({nodes[column / 3], column % 3});
-      chosen.row(k) = rows.col(column).transpose();
     }
-    motion.fromDisplacements = chosen.inverse();
+    if (!isPlane()) motion.fromDisplacements = rowsOf(motion, turn).inverse();
     return true;
+  }
+
+  /// Where a node is when the tile is turned about its centre.
+  Vector3 turned(int node, const Matrix3& turn, const TileMotion& motion) const {
+    return motion.centre + turn * (mesh_.nodes[node] - motion.centre);
+  }
+
+  /// The rows of a motion's displacements.
+  Eigen::MatrixXd rowsOf(const TileMotion& motion, const Matrix3& turn) const {
+    Eigen::MatrixXd rows(motion.displacements.size(), 6);
+    for (std::size_t k = 0; k < motion.displacements.size(); ++k) {
+      const NodeDisplacement& one = motion.displacements[k];
+      rows.row(static_cast<Eigen::Index>(k)) =
+          motion.motionOf(turned(one.node, turn, motion)).row(one.axis);
+    }
+    return rows;
+  }
+
+  /// How well displacements fix the tile in the worst of its turns.
+  double gripOf(const TileMotion& motion, const std::vector<Matrix3>& turns) const {
+    double least = std::numeric_limits<double>::infinity();
+    for (const Matrix3& turn : turns) {
+      const Eigen::VectorXd values = rowsOf(motion, turn).jacobiSvd().singularValues();
+      least = std::min(least, values[isPlane() ? 2 : 5]);
+    }
+    return least;
+  }
+
+  /// Replaces displacements that a turn makes useless (all in one line with what they should stop)
+  /// by those that suit another turn and all others, or else by all of three nodes.
+  void keepGrip(const std::vector<int>& nodes, const std::vector<Matrix3>& turns,
+                TileMotion& motion) const {
+    double best = gripOf(motion, turns);
+    for (const Matrix3& turn : turns) {
+      if (best >= kLeastGrip) return;
+      TileMotion other;
+      if (!choose(nodes, turn, other)) continue;
+      const double grip = gripOf(other, turns);
+      if (grip > best) motion = other;
+      best = std::max(best, grip);
+    }
+    if (best < kLeastGrip) motion.displacements = allOfThree(nodes);
+  }
+
+  /// All displacements of a node, the one farthest from it, and the one farthest from their line.
+  std::vector<NodeDisplacement> allOfThree(const std::vector<int>& nodes) const {
+    const auto farthest = [&](const auto& distance) {
+      return *std::ranges::max_element(nodes, {},
+                                       [&](int node) { return distance(mesh_.nodes[node]); });
+    };
+    const Vector3& start = mesh_.nodes[nodes[0]];
+    const int first = farthest([&](const Vector3& at) { return (at - start).norm(); });
+    const Vector3& from = mesh_.nodes[first];
+    const int second = farthest([&](const Vector3& at) { return (at - from).norm(); });
+    const Vector3 along = mesh_.nodes[second] - from;
+    const int third = farthest([&](const Vector3& at) { return (at - from).cross(along).norm(); });
+    std::vector<NodeDisplacement> all;
+    for (const int node : {first, second, third}) {
+      for (int axis = 0; axis < (isPlane() ? 2 : 3); ++axis) all.push_back({node, axis});
+    }
+    return all;
   }
 
   const ElementMesh& mesh_;
@@ -173,11 +242,15 @@ double nothingLeft(const ElementMesh& mesh, const std::vector<TileMotion>& motio
 
 }  // namespace
 
-std::vector<std::vector<NodeDisplacement>> tileDisplacements(const ElementMesh& mesh,
-                                                             const std::vector<int>& tiles) {
+std::vector<std::vector<NodeDisplacement>> tileDisplacements(
+    const ElementMesh& mesh, const std::vector<int>& tiles,
+    const std::vector<std::vector<Quaternion>>& turns) {
   const MotionFinder finder(mesh);
   std::vector<std::vector<NodeDisplacement>> displacements;
-  for (const int tile : tiles) displacements.push_back(finder.of(tile).displacements);
+  for (std::size_t k = 0; k < tiles.size(); ++k) {
+    displacements.push_back(
+        (turns.empty() ? finder.of(tiles[k]) : finder.of(tiles[k], turns[k])).displacements);
+  }
   return displacements;
 }
 

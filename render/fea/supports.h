@@ -16,13 +16,16 @@ struct NodeDisplacement {
   auto operator<=>(const NodeDisplacement&) const = default;
 };
 
-/// For each of these tiles six displacements of its nodes that fix it as a rigid body and strain
-/// nothing. They lie on nodes that follow no others and belong to no joint, so that what holds or
-/// drives them acts through the joints on the other tiles; where a tile has no such nodes, on nodes
-/// of joints. Plane elements have three. Throws InputError when even these do not fix a tile: all
-/// of them follow others.
-std::vector<std::vector<NodeDisplacement>> tileDisplacements(const ElementMesh& mesh,
-                                                             const std::vector<int>& tiles);
+/// For each of these tiles displacements of its nodes that fix it as a rigid body: six, which
+/// strain nothing, or where no six do so in all turns, all nine of three nodes. They lie on nodes
+/// that follow no others and belong to no joint, so that what holds or drives them acts through the
+/// joints on the other tiles; where a tile has no such nodes, on nodes of joints. Plane elements
+/// have three. `turns` are the rotations that the tiles will have from the mesh's state on, one
+/// list a tile, or none. Throws InputError when even these do not fix a tile: all of them follow
+/// others.
+std::vector<std::vector<NodeDisplacement>> tileDisplacements(
+    const ElementMesh& mesh, const std::vector<int>& tiles,
+    const std::vector<std::vector<Quaternion>>& turns = {});
 
 /// The fewest displacements that leave the sheet no way to move without strain, were its tiles
 /// rigid: six for the motions of the whole and one for each mechanism of the first order. None of

@@ -1,16 +1,23 @@
 // CalculiX as the judge of decks: skipped where ccx is not installed.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <numbers>
 #include <sstream>
 
+#include <Eigen/SVD>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "render/fea/deck.h"
 #include "render/fea/job.h"
+#include "render/fea/neck_sheet.h"
+#include "render/fea/supports.h"
+#include "sim/base/pending_file.h"
 #include "tests/render/fea/read_deck.h"
 #include "tests/render/fea/run_deck.h"
+#include "tests/support/files.h"
 #include "tests/support/layouts.h"
 #include "tests/support/program.h"
 
@@ -179,43 +186,105 @@ TEST_P(HingeMechanism, MovesAsTheLinkageDoes) {
   }
 }
 
-TEST(Drive, EndsWhereTheLinkageDoes) {
-  if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to judge decks by it";
-  // Tile 0 stays, tile 3 moves as the linkage does; tiles 1 and 2 have to follow.
-  const double start = 0.7;
-  const Layout layout = test::hingedSquares(start);
-  const ElementMesh mesh = makeElementMesh(layout.bricks, layout.joints, layout.poses, {2, 1});
+/// How squares in rows of so many turn from one opening angle by 0.4 rad, in a second.
+TileHistory openingOf(int rowLength, const Layout& layout, double start) {
   TileHistory history;
-  const auto posesAt = [&](double angle) {
-    const std::vector<Tile> tiles = tessellationTiles(test::squares(2, 2, 0), angle);
+  for (int k = 0; k <= 20; ++k) {
+    const double turn = 0.02 * k;
+    const std::vector<Tile> tiles =
+        tessellationTiles(test::squares(rowLength, rowLength, 0), start + turn);
     Poses poses = layout.poses;
     for (std::size_t t = 0; t < poses.size(); ++t) {
-      const bool isEven = t == 0 || t == 3;
-      const double turn = (isEven ? -0.5 : 0.5) * (angle - start);
-      poses[t].rotation = rotationFromVector({0, 0, turn});
+      const bool isEven = (t / rowLength + t % rowLength) % 2 == 0;
+      poses[t].rotation = rotationFromVector({0, 0, (isEven ? -0.5 : 0.5) * turn});
       poses[t].position = tileCentroid(tiles[t]) + Vector3(0, 0, 0.01);
     }
-    return poses;
-  };
-  for (int k = 0; k <= 20; ++k) {
     history.times.push_back(0.05 * k);
-    history.poses.push_back(posesAt(start + 0.02 * k));
+    history.poses.push_back(poses);
   }
+  return history;
+}
+
+TEST(Drive, EndsWhereTheLinkageDoes) {
+  if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to judge decks by it";
+  // Two tiles at opposite corners move as the linkage does; all others have to follow.
+  const double start = 0.7;
+  for (const int rowLength : {2, 4}) {
+    const Model model = makeTessellation(test::squares(rowLength, rowLength, start));
+    const Layout layout = test::layoutOf(model.tiles, model.joints);
+    const ElementMesh mesh = makeElementMesh(layout.bricks, layout.joints, layout.poses, {2, 1});
+    const TileHistory history = openingOf(rowLength, layout, start);
+    DeckSettings settings;
+    settings.drive = {DriveChoice::Some, {0, rowLength * rowLength - 1}};
+    std::string job = driveJob(mesh, settings, kOrigin, "x_mesh.inp", history);
+    job.insert(job.find("*END STEP"), "*NODE PRINT, NSET=TILE_00001_BOT, FREQUENCY=10000\nU\n");
+    const JobEnd end = run(meshDeck(mesh, settings, kOrigin), job);
+    EXPECT_THAT(end.log, HasSubstr("Job finished"));
+    const std::vector<Vector3> moved =
+        displacements(end.data.substr(end.data.rfind("for set TILE_00001_BOT")));
+    const std::vector<int>& nodes = mesh.tiles[1].bottom;
+    ASSERT_GE(moved.size(), nodes.size());
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+      const Vector3 inTile = mesh.nodes[nodes[k]] - layout.poses[1].position;
+      const Vector3 wanted = history.poses.back()[1].apply(inTile) - mesh.nodes[nodes[k]];
+      EXPECT_LT((moved[k] - wanted).norm(), 1e-6) << rowLength;  // measured: 4.0e-8
+    }
+  }
+}
+
+TEST(Drive, FindsDisplacementsThatHoldTilesInEveryTurn) {
+  // A tile that turns by a right angle about an axis in its plane leaves the direction in which
+  // three of its nodes were held at first.
+  const Layout layout = test::hingedSquares();
+  const ElementMesh mesh = makeElementMesh(layout.bricks, layout.joints, layout.poses, {2, 1});
+  std::vector<Quaternion> turns;
+  for (int k = 0; k <= 90; ++k) {
+    turns.push_back(rotationFromVector({k * std::numbers::pi / 180, 0, 0}));
+  }
+  for (const auto& own : tileDisplacements(mesh, {0, 1, 2, 3}, std::vector(4, turns))) {
+    double least = 1;
+    for (const Quaternion& turn : turns) {
+      Eigen::MatrixXd rows(own.size(), 6);
+      for (std::size_t k = 0; k < own.size(); ++k) {
+        const Vector3 arm = turn * (mesh.nodes[own[k].node] - mesh.nodes[own[0].node]);
+        rows.row(k) << Matrix3::Identity().row(own[k].axis), -crossMatrix(arm).row(own[k].axis);
+      }
+      least = std::min(least, rows.jacobiSvd().singularValues()[5]);
+    }
+    EXPECT_GT(least, 0.01);  // measured: 0.49
+  }
+}
+
+TEST(Drive, WorkOfReactionsIsTheStrainEnergy) {
+  for (const char* program : {"ccx", "gmsh", "python3"}) {
+    if (!test::hasProgram(program)) GTEST_SKIP() << "install " << program;
+  }
+  // Four squares on necks ten times as long as wide open by 0.26 rad, 15 degrees.
+  const Model model = makeTessellation(test::squares(2, 2, 0));
+  const Layout layout = test::layoutOf(model.tiles, model.joints);
+  const ElementRule rule{.perEdge = 1,
+                         .joints = JointStyle::Neck,
+                         .family = ElementFamily::Plane,
+                         .neck = {.width = 0.02, .length = 0.2}};
+  const ElementMesh mesh = makeNeckMesh(model, 0.02, rule);
+  TileHistory history = openingOf(2, layout, 0);
+  history.times.resize(14);
+  history.poses.resize(14);
   DeckSettings settings;
-  settings.drive = {DriveChoice::Some, {0, 3}};
-  std::string job = driveJob(mesh, settings, kOrigin, "x_mesh.inp", history);
-  job.insert(job.find("*END STEP"), "*NODE PRINT, NSET=TILE_00001_BOT, FREQUENCY=10000\nU\n");
-  const JobEnd end = run(meshDeck(mesh, settings, kOrigin), job);
-  EXPECT_THAT(end.log, HasSubstr("Job finished"));
-  const std::vector<Vector3> moved =
-      displacements(end.data.substr(end.data.rfind("for set TILE_00001_BOT")));
-  const std::vector<int>& nodes = mesh.tiles[1].bottom;
-  ASSERT_GE(moved.size(), nodes.size());
-  for (std::size_t k = 0; k < nodes.size(); ++k) {
-    const Vector3 inTile = mesh.nodes[nodes[k]] - layout.poses[1].position;
-    const Vector3 wanted = history.poses.back()[1].apply(inTile) - mesh.nodes[nodes[k]];
-    EXPECT_LT((moved[k] - wanted).norm(), 1e-6);  // measured: 4.0e-8
-  }
+  settings.drive = {DriveChoice::Edge, {}};
+  const test::TemporaryFolder folder;
+  writeTextFile(folder / "x_mesh.inp", meshDeck(mesh, settings, kOrigin));
+  writeTextFile(folder / "x_drive.inp", driveJob(mesh, settings, kOrigin, "x_mesh.inp", history));
+  const std::string curve = test::outputOf(fmt::format(
+      "cd '{}' && OMP_NUM_THREADS=1 ccx -i x_drive > log && '{}/scripts/force-curve' x_drive",
+      folder.path().string(), KIRIREEL_SOURCE_DIR));
+  EXPECT_THAT(curve, testing::StartsWith("time,opening,force,work,energy\n0,0,0,0,0\n"));
+  double time = 0, opening = 0, force = 0, work = 0, energy = 0;
+  const std::string last = curve.substr(curve.rfind('\n', curve.size() - 2) + 1);
+  ASSERT_EQ(
+      std::sscanf(last.c_str(), "%lf,%lf,%lf,%lf,%lf", &time, &opening, &force, &work, &energy), 5);
+  EXPECT_GT(energy, 0);
+  EXPECT_NEAR(work / energy, 1, 0.01);  // measured: 1.0036
 }
 
 INSTANTIATE_TEST_SUITE_P(Deck, HingeMechanism,
