@@ -32,6 +32,7 @@ const std::map<std::string, std::string>& tables() {
       {"Video", "recording"},
       {"Export", "recording"},
       {"Elements (inp, msh)", "recording"},
+      {"Decks (inp)", "recording"},
   };
   return names;
 }

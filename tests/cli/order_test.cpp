@@ -71,7 +71,7 @@ const std::vector<Sample>& samples() {
       {"--state", {"50%", "event:settled \"so\""}},
       {"--hinge-width", {"0.01", "0.1"}},
       {"--elements-per-edge", {"4", "3"}},
-      {"--elements-through", {"2", "3"}},
+      {"--elements-through", {"1", "3"}},
       {"--element-size", {"0.1", "0.2"}},
       {"--linear", {}},
       {"--joints", {"equation", "neck"}},
