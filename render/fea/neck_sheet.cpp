@@ -99,9 +99,12 @@ void appendSizes(std::string& text, const NeckOutline& outline, const ElementRul
   // Corners where a neck begins and ends of slits are singular: much finer there.
   std::size_t corners = 0;
   for (const bool isAtNeck : outline.isAtNeck) corners += isAtNeck ? 1 : 0;
-  appendField(text, 1, firstSample, corners, finest / kFinerAtCorners, coarsest, 0);
-  appendField(text, 3, firstSample, samples, finest, coarsest, 0.5 * outline.neckWidth);
-  text += "Field[5] = Min;\nField[5].FieldsList = {2, 4};\nBackground Field = 5;\n";
+  if (corners > 0) {
+    appendField(text, 1, firstSample, corners, finest / kFinerAtCorners, coarsest, 0);
+    appendField(text, 3, firstSample, samples, finest, coarsest, 0.5 * outline.neckWidth);
+    text += "Field[5] = Min;\nField[5].FieldsList = {2, 4};\nBackground Field = 5;\n";
+  }
+  append(text, "Mesh.MeshSizeMax = {};\n", 2 * coarsest);
   text +=
       "Mesh.MeshSizeFromPoints = 0;\nMesh.MeshSizeExtendFromBoundary = 0;\n"
       "Mesh.Algorithm = 6;\nMesh.RecombineAll = 1;\nMesh.RecombinationAlgorithm = 1;\n"
