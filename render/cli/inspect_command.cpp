@@ -30,6 +30,7 @@ CLI::App* addInspectCommand(CLI::App& program, InspectOrder& order) {
   addPlace(*command, "MODEL", order.model, kModelHelp);
   OptionGroup group(*command, "Model");
   addTargetOption(group, order.target);
+  addReadOptions(group, order.reading);
   order.scene.brick.thickness = openScene().brick.thickness;
   addThicknessOption(group, order.scene.brick);
   OptionGroup output(*command, "Output");
@@ -46,7 +47,7 @@ void completeOrder(const CLI::App& command, InspectOrder& order) {
 
 int carryOut(const InspectOrder& order) {
   Scene scene = order.scene;
-  scene.model = readModelAt(order.model, order.target);
+  scene.model = readModelAt(order.model, order.target, order.reading);
   fillFromModel(scene);
   // What a run needs depends on where its start stands.
   alignStartToTarget(scene.model);

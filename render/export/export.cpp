@@ -128,11 +128,16 @@ class Exporter {
       if (start_.empty()) start_ = trajectory_.sample(0).poses;
       writeTextFile(files_.add(name + ".vtu"), vtuText(subject_, start_, sample));
     }
-    const std::vector<Tile> tiles = bottomTiles(subject_.bricks, sample.poses);
+    const std::vector<Tile> tiles = sheetOf(sample);
     if (wants(ExportFormat::Planar)) {
       writeTextFile(files_.add(name + "_planar.obj"), planarObjText(tiles));
     }
     if (wants(ExportFormat::Vertices)) writeTiles(tiles, files_.add(name + "_vertices.txt"));
+  }
+
+  /// The tiles with their vertices in the order of the model's own file.
+  std::vector<Tile> sheetOf(const Sample& sample) const {
+    return inFileOrder(bottomTiles(subject_.bricks, sample.poses), subject_.model.fileOrder);
   }
 
   void writeElements(const std::string& name, const Sample& sample) {
@@ -149,7 +154,7 @@ class Exporter {
     if (format == ExportFormat::Vtu) writeTextFile(files_.add("deployment.pvd"), pvdText(series()));
     if (format == ExportFormat::Glb) writeTextFile(files_.add("deployment.glb"), animation());
     if (format == ExportFormat::Fold) {
-      writeTextFile(files_.add("deployment.fold"), foldText(subject_.model, sheets()));
+      writeTextFile(files_.add("deployment.fold"), foldText(inFileOrder(subject_.model), sheets()));
     }
     const auto pattern = [this] { return patternOf(subject_.model, settings_); };
     if (format == ExportFormat::Svg) {
@@ -179,7 +184,7 @@ class Exporter {
     std::vector<SheetState> states;
     for (const std::size_t number : samples_) {
       const Sample sample = trajectory_.sample(number);
-      states.push_back({sample.time, bottomTiles(subject_.bricks, sample.poses)});
+      states.push_back({sample.time, sheetOf(sample)});
     }
     return states;
   }

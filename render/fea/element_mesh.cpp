@@ -54,6 +54,7 @@ class Footprints {
   explicit Footprints(int perEdge) : perEdge_(perEdge) {}
 
   const Footprint& of(const Brick& brick) {
+    if (!brick.parts.empty()) return ofConcave(brick);
     const bool isGrid = takesGrid(brick.bottom, brick.normal);
     const int sides = static_cast<int>(brick.bottom.size());
     const auto [place, isNew] = made_.try_emplace({sides, isGrid});
@@ -62,8 +63,17 @@ class Footprints {
   }
 
  private:
+  const Footprint& ofConcave(const Brick& brick) {
+    const std::vector<std::array<int, 3>> triangles = trianglesOf(brick.bottom, brick.normal);
+    const auto [place, isNew] = concave_.try_emplace(triangles);
+    const int sides = static_cast<int>(brick.bottom.size());
+    if (isNew) place->second = triangleFootprint(triangles, sides, perEdge_);
+    return place->second;
+  }
+
   int perEdge_;
   std::map<std::pair<int, bool>, Footprint> made_;
+  std::map<std::vector<std::array<int, 3>>, Footprint> concave_;  ///< by their triangles
 };
 
 /// Appends one brick after the other to a mesh.

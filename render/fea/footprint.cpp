@@ -118,6 +118,20 @@ Footprint fanFootprint(int sides, int perEdge) {
   return footprint;
 }
 
+Footprint triangleFootprint(const std::vector<std::array<int, 3>>& triangles, int sides,
+                            int perEdge) {
+  Footprint footprint;
+  SharedPoints points(footprint, perEdge);
+  for (const std::array<int, 3>& triangle : triangles) {
+    appendTriangles(triangle, perEdge, points, footprint);
+  }
+  for (int k = 0; k < sides; ++k) {
+    footprint.corners.push_back(points.find({k, k, k}, {perEdge, 0, 0}));
+  }
+  collectEdges(footprint);
+  return footprint;
+}
+
 bool takesGrid(const std::vector<Vector3>& vertices, const Vector3& normal) {
   if (vertices.size() != 4) return false;
   for (std::size_t k = 0; k < 4; ++k) {

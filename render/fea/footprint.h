@@ -33,6 +33,11 @@ Footprint gridFootprint(int perEdge);
 /// each divided into perEdge x perEdge triangles.
 Footprint fanFootprint(int sides, int perEdge);
 
+/// A concave tile as these triangles of its vertices, each divided into perEdge x perEdge
+/// triangles.
+Footprint triangleFootprint(const std::vector<std::array<int, 3>>& triangles, int sides,
+                            int perEdge);
+
 /// Whether a convex or star-shaped tile is better divided as a grid: it has four vertices, and none
 /// of its corners is so straight or so sharp that a quadrilateral there would have no shape.
 bool takesGrid(const std::vector<Vector3>& vertices, const Vector3& normal);

@@ -78,12 +78,32 @@ struct Cells {
   std::vector<int> faceOffsets;
 };
 
+/// A concave bottom and top as triangles: VTK's polyhedra have convex faces.
+void appendCaps(Cells& cells, const Brick& brick, int first) {
+  const int n = static_cast<int>(brick.bottom.size());
+  const auto triangles = trianglesOf(brick.bottom, brick.normal);
+  for (const auto& [a, b, c] : triangles) {
+    for (const int value : {3, first + c, first + b, first + a}) cells.faces.push_back(value);
+  }
+  for (const auto& [a, b, c] : triangles) {
+    for (const int value : {3, first + n + a, first + n + b, first + n + c}) {
+      cells.faces.push_back(value);
+    }
+  }
+}
+
 /// The number of faces, then of each face its size and points.
-void appendFaces(Cells& cells, int n, int first) {
-  cells.faces.push_back(n + 2);
-  for (const int base : {0, n}) {
-    cells.faces.push_back(n);
-    for (int k = 0; k < n; ++k) cells.faces.push_back(first + (base == 0 ? n - 1 - k : n + k));
+void appendFaces(Cells& cells, const Brick& brick, int first) {
+  const int n = static_cast<int>(brick.bottom.size());
+  if (brick.parts.empty()) {
+    cells.faces.push_back(n + 2);
+    for (const int base : {0, n}) {
+      cells.faces.push_back(n);
+      for (int k = 0; k < n; ++k) cells.faces.push_back(first + (base == 0 ? n - 1 - k : n + k));
+    }
+  } else {
+    cells.faces.push_back(n + 2 * (n - 2));
+    appendCaps(cells, brick, first);
   }
   for (int k = 0; k < n; ++k) {
     const int next = (k + 1) % n;
@@ -99,15 +119,16 @@ Cells cellsOf(const std::vector<Brick>& bricks) {
     const int n = static_cast<int>(brick.bottom.size());
     const int first = static_cast<int>(cells.connectivity.size());
     // VTK's wedges begin with the triangle whose normal points out of them.
-    const bool isWedge = cellType(n) == kWedge;
+    const int type = brick.parts.empty() ? cellType(n) : kPolyhedron;
+    const bool isWedge = type == kWedge;
     for (int k = 0; k < 2 * n; ++k) {
       const int turned = k < n ? (n - k) % n : n + (2 * n - k) % n;
       cells.connectivity.push_back(first + (isWedge ? turned : k));
     }
     cells.offsets.push_back(first + 2 * n);
-    cells.types.push_back(cellType(n));
-    const bool isPolyhedron = cells.types.back() == kPolyhedron;
-    if (isPolyhedron) appendFaces(cells, n, first);
+    cells.types.push_back(type);
+    const bool isPolyhedron = type == kPolyhedron;
+    if (isPolyhedron) appendFaces(cells, brick, first);
     cells.faceOffsets.push_back(isPolyhedron ? static_cast<int>(cells.faces.size()) : -1);
   }
   return cells;

@@ -15,6 +15,7 @@
 #include "sim/base/pending_file.h"
 #include "sim/base/spelling.h"
 #include "sim/model/joint_checks.h"
+#include "sim/model/mending.h"
 #include "sim/model/shared_corners.h"
 #include "sim/model/text_table.h"
 #include "sim/model/tile_checks.h"
@@ -235,30 +236,32 @@ Joint ofKind(JointKind kind, const Joint& joint, const FoldReader& reader,
                   joint.a.tile, joint.b.tile));
 }
 
-std::vector<Joint> readOwnJoints(const FoldReader& reader, const TileTable& tiles) {
+std::vector<Joint> readOwnJoints(const FoldReader& reader, const TileTable& tiles, Model& model,
+                                 std::vector<std::string>& warnings) {
   JointTable table;
   table.file = tiles.file;
-  std::vector<JointKind> kinds;
   for (const Json& entry : *reader.ownJoints()) {
-    const std::vector<int> numbers = reader.wholeNumbers(entry, kinds.size());
+    const std::vector<int> numbers = reader.wholeNumbers(entry, table.rows.size());
     if (numbers.size() != 5 && numbers.size() != 6) {
       throw reader.fault(
           fmt::format("joint {} has {} numbers; write tile, vertex, tile, vertex, "
                       "face, and kind unless it is a pivot",
-                      kinds.size(), numbers.size()));
+                      table.rows.size(), numbers.size()));
     }
     JointRow& row = table.rows.emplace_back();
     std::copy_n(numbers.begin(), 5, row.values.begin());
     const int kind = numbers.size() == 5 ? 0 : numbers[5];
     if (kind < 0 || kind > 2) {
-      throw reader.fault(fmt::format(
-          "joint {} has the kind {}; write 0 (pivot), 1 (link) or 2 (fixed)", kinds.size(), kind));
+      throw reader.fault(
+          fmt::format("joint {} has the kind {}; write 0 (pivot), 1 (link) or 2 (fixed)",
+                      table.rows.size() - 1, kind));
     }
-    kinds.push_back(static_cast<JointKind>(kind));
+    row.kind = static_cast<JointKind>(kind);
   }
+  dropRepeatedJoints(table, model, warnings);
   std::vector<Joint> joints = checkedJoints(table, tiles);
   for (std::size_t k = 0; k < joints.size(); ++k) {
-    joints[k] = ofKind(kinds[k], joints[k], reader, tiles.tiles);
+    joints[k] = ofKind(table.rows[k].kind, joints[k], reader, tiles.tiles);
   }
   return joints;
 }
@@ -284,22 +287,23 @@ Model readFold(const fs::path& file, std::vector<std::string>& warnings) {
   reader.requireSoundEdges(states.front().size());
   const TileTable start = tableOf(file, reader.tiles(faces, states.front()));
   checkTiles(start);
-  checkOrientation(start, warnings);
   Model model;
   model.name = file.stem().string();
   model.tiles = start.tiles;
-  model.joints =
-      reader.ownJoints() != nullptr ? readOwnJoints(reader, start) : jointsOfSharedNumbers(faces);
+  model.joints = reader.ownJoints() != nullptr ? readOwnJoints(reader, start, model, warnings)
+                                               : jointsOfSharedNumbers(faces);
   if (states.size() > 1) {
     const TileTable target = tableOf(file, reader.tiles(faces, states.back()));
     checkTarget(target, model, start, warnings);
     model.target = target.tiles;
   }
   model.pulledTiles = reader.pulledTiles(model.tiles.size());
+  turnClockwiseTiles(start, model, warnings);
   return model;
 }
 
-void writeFold(const Model& model, const fs::path& file) {
+void writeFold(const Model& inOrder, const fs::path& file) {
+  const Model model = inFileOrder(inOrder);
   const CornerNumbers numbers = sharedNumbers(model);
   Json json;
   json["file_spec"] = 1.1;

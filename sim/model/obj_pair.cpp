@@ -8,6 +8,7 @@
 #include "sim/base/error.h"
 #include "sim/base/pending_file.h"
 #include "sim/model/joint_checks.h"
+#include "sim/model/mending.h"
 #include "sim/model/shared_corners.h"
 #include "sim/model/text_table.h"
 #include "sim/model/tile_checks.h"
@@ -197,9 +198,8 @@ std::optional<fs::path> deployedSibling(const fs::path& contracted) {
 
 Model readObjPair(const fs::path& start, const std::optional<fs::path>& target,
                   std::vector<std::string>& warnings) {
-  const ObjSheet sheet = ObjReader(start).read();
+  ObjSheet sheet = ObjReader(start).read();
   checkTiles(sheet.tiles);
-  checkOrientation(sheet.tiles, warnings);
   Model model;
   model.name = modelName(start);
   model.tiles = sheet.tiles.tiles;
@@ -212,6 +212,7 @@ Model readObjPair(const fs::path& start, const std::optional<fs::path>& target,
     states.push_back(&*model.target);
   }
   if (!sheet.joints.rows.empty()) {
+    dropRepeatedJoints(sheet.joints, model, warnings);
     model.joints = checkedJoints(sheet.joints, sheet.tiles);
     checkClosed(sheet.joints, model, sheet.tiles, warnings);
   } else if (sharesNumbers(sheet.numbers)) {
@@ -220,10 +221,12 @@ Model readObjPair(const fs::path& start, const std::optional<fs::path>& target,
     model.joints = jointsOfCoincidingCorners(states, start);
   }
   if (!sheet.pulled.empty()) model.pulledTiles = sheet.pulled;
+  turnClockwiseTiles(sheet.tiles, model, warnings);
   return model;
 }
 
-void writeObjPair(const Model& model, const fs::path& file) {
+void writeObjPair(const Model& inOrder, const fs::path& file) {
+  const Model model = inFileOrder(inOrder);
   std::string comments;
   for (const Joint& joint : model.joints) {
     if (joint.kind != JointKind::Pivot) {

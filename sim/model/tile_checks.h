@@ -21,6 +21,7 @@ struct TileTable {
   std::filesystem::path file;
   std::vector<Tile> tiles;
   std::vector<TileSource> sources;  ///< one a tile
+  int countsFrom = 0;               ///< the file's first tile and vertex, for messages
 
   FileLocation at(int tile) const { return {file, sources[tile].line}; }
   FileLocation at(int tile, int vertex) const {
@@ -35,12 +36,8 @@ struct TileTable {
 inline constexpr std::size_t kMostTileVertices = 300;
 
 /// Throws InputError for the first tile with too many vertices, repeated vertices, without area,
-/// not flat or not convex.
+/// not flat, or with sides that cross.
 void checkTiles(const TileTable& table);
-
-/// For tiles in one horizontal plane: throws InputError when some run clockwise seen from above and
-/// others anticlockwise; that all run clockwise is appended to warnings.
-void checkOrientation(const TileTable& table, std::vector<std::string>& warnings);
 
 /// Throws InputError when the target has other tiles than the start, or tiles of clearly other
 /// shapes. A slight change of shape, which rigid tiles cannot follow, is appended to warnings.

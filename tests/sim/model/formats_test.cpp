@@ -247,13 +247,20 @@ TEST(FormatErrors, PairsWhoseFacesDiffer) {
 
 TEST(FormatErrors, Orientation) {
   const std::string four = kTriangle + "v 2 0 0\n";
+  EXPECT_EQ(messageFor({{"a.obj", four + "f 1 2 3\nf 3 4 2\n"}}, "a.obj"),
+            "@/a.obj:6: mended: 1 of 2 tiles runs clockwise seen from above; turned round, and "
+            "written in "
+            "the file's own order again");
   EXPECT_EQ(
-      messageFor({{"a.obj", four + "f 1 2 3\nf 3 4 2\n"}}, "a.obj"),
-      "@/a.obj:6: error: tile 1 runs clockwise seen from above, tile 0 anticlockwise; list the "
-      "vertices of all tiles anticlockwise");
-  EXPECT_EQ(messageFor({{"a.obj", four + "f 3 2 1\nf 3 4 2\n"}}, "a.obj"),
-            "@/a.obj: warning: all tiles run clockwise seen from above, so that bricks grow "
-            "downwards; list their vertices anticlockwise to have them grow upwards");
+      messageFor({{"a.obj", four + "f 3 2 1\nf 3 4 2\n"}}, "a.obj"),
+      "@/a.obj:5: mended: 2 of 2 tiles run clockwise seen from above; turned round, and written "
+      "in the file's own order again");
+  // The faces of joints hang on the sense where the sheet folds.
+  EXPECT_EQ(messageFor({{"a_contracted.obj", four + "f 3 2 1\nf 3 4 2\n"},
+                        {"a_deployed.obj", kTriangle + "v 1 0 1\nf 3 2 1\nf 3 4 2\n"}},
+                       "a_contracted.obj"),
+            "@/a_contracted.obj: warning: all tiles run clockwise seen from above, so that bricks "
+            "grow downwards; list their vertices anticlockwise to have them grow upwards");
 }
 
 TEST(FormatErrors, Fold) {
@@ -371,20 +378,24 @@ TEST(FormatErrors, ObjCornersThatCannotBeToldApart) {
                          "v 0 0 0\nv 1000 0 0\nv 0 1000 0\n"
                          "v 0 0 0\nv 0.0001 0 0\nv 0 0.0001 0\nf 1 2 3\nf 4 5 6\n"}},
                        "a.obj"),
-            "@/a.obj: error: corners at tile 1 are within 0.0014 m, a millionth of the sheet, "
-            "without being one; give joined corners one vertex number");
+            "@/a.obj: error: corners at tile 1 are within 0.0014 m, less than their digits "
+            "can tell, without being one; give joined corners one vertex number");
 }
 
 TEST(FormatErrors, PlanarFiles) {
   const std::string squares = "0 0 0 1 1 1 1 0\n1 0 1 1 2 1 2 0\n";
+  const std::string turned =
+      "@/./vertices.txt:1: mended: 2 of 2 tiles run clockwise seen from above; turned round, and "
+      "written in the file's own order again";
   EXPECT_EQ(
       messageFor({{"vertices.txt", squares}, {"constraints.txt", "0 3 1 0\n"}}, "."),
-      "@/./constraints.txt:1:1: error: tiles and vertices count from 1 here; this file seems to "
-      "count from 0: add 1 to all its numbers");
+      "@/./constraints.txt: mended: tiles and vertices of all 1 joints count from 0, not from "
+      "1; they are taken as counted from 0" +
+          turned);
   EXPECT_EQ(
       messageFor({{"vertices.txt", squares}, {"constraints.txt", "1 -2147483648 2 1\n"}}, "."),
-      "@/./constraints.txt:1:3: error: tiles and vertices count from 1 here; this file seems to "
-      "count from 0: add 1 to all its numbers");
+      "@/./constraints.txt:1:3: error: tile 1 has vertices 1-4, not -2147483646; correct this "
+      "column");
   EXPECT_EQ(messageFor({{"vertices.txt", squares}, {"constraints.txt", "1 4 2\n"}}, "."),
             "@/./constraints.txt:1: error: 3 numbers do not make a joint; write one joint a line, "
             "\"tile vertex tile vertex\", from 1");
@@ -397,8 +408,8 @@ TEST(FormatErrors, PlanarFiles) {
 TEST(FormatErrors, UnknownEndingsAndOtherTargets) {
   EXPECT_EQ(
       messageFor({{"a.stl", ""}}, "a.stl"),
-      "@/a.stl: error: '.stl' is no model's ending; give a folder with vertices.txt, a .fold or "
-      ".obj file");
+      "@/a.stl: error: '.stl' is no model's ending; give a folder with vertices.txt, a planar "
+      "NAME_vertices.txt, a .fold or .obj file");
   EXPECT_EQ(
       messageFor(
           {{"a.obj", kTriangle + "f 1 2 3\n"}, {"b.obj", kTriangle + "v 0 1 0\nf 1 2 3 4\n"}},
@@ -411,8 +422,8 @@ TEST(FormatErrors, UnknownEndingsAndOtherTargets) {
   } catch (const InputError& error) {
     EXPECT_STREQ(
         error.what(),
-        "/tmp/sheet.stl: error: there is no format '.stl'; give an ending .fold or .obj, or "
-        "none for a folder");
+        "/tmp/sheet.stl: error: there is no format '.stl'; give an ending .fold or .obj, a name "
+        "that ends with vertices.txt for planar files, or no ending for a folder");
   }
   Model linked = makeTessellation({});
   linked.joints = {makeLink(linked.tiles, {0, 0}, {5, 2})};
