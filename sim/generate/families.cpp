@@ -335,7 +335,7 @@ void appendConcave(std::vector<Family>& all) {
   add({"islamic",
        "eighteen-cornered rosettes and the trefoils between them, as in Islamic patterns",
        {tiles("columns", "cells", 3), tiles("rows", "cells", 3), startAngle(), targetAngle(45, 180),
-        depth(0.15, -0.3, 0.3)},
+        depth(-0.15, -0.3, 0.3)},
        [](const FamilyValues& values) {
          const Model model = makeHexagonsAndTriangles(rotorShape(values));
          const double depth = values.number("depth");

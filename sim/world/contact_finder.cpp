@@ -269,8 +269,8 @@ bool ContactFinder::isCurrent(const Contact& contact) const {
   const auto [a, b] = std::minmax(contact.brickA, contact.brickB);
   const ObstaclePart* part = in.partOf(b);
   if (part && part->radius) return false;
-  const auto [pieceA, pieceB] = std::minmax(in.firstPiece[contact.brickA] + contact.partA,
-                                            in.firstPiece[contact.brickB] + contact.partB);
+  const auto [pieceA, pieceB] = std::minmax({in.firstPiece[contact.brickA] + contact.partA,
+                                             in.firstPiece[contact.brickB] + contact.partB});
   // Its pair has been near, or there would be no such contact.
   return in.pairs.at(pairKey(pieceA, pieceB))
       .isCurrent(contact, seenFrom(in.start[a], in.start[b]));
