@@ -12,7 +12,8 @@ namespace kirireel {
 /// What stands for MODEL in a command's help.
 inline constexpr const char* kModelHelp =
     "folder with vertices.txt and constraints.txt, any file of a planar model (NAME_vertices.txt "
-    "with NAME_constraints.txt beside it), a .fold file, or a contracted .obj file";
+    "with NAME_constraints.txt beside it), a .fold file, a contracted .obj file, a .ply mesh, or a "
+    "cut pattern (.svg, .dxf)";
 
 /// Adds --target.
 void addTargetOption(OptionGroup& group, std::filesystem::path& target);

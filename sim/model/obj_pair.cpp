@@ -1,7 +1,6 @@
 #include "sim/model/obj_pair.h"
 
 #include <algorithm>
-#include <set>
 
 #include <fmt/format.h>
 
@@ -135,16 +134,6 @@ class ObjReader {
   ObjSheet sheet_;
 };
 
-bool sharesNumbers(const CornerNumbers& numbers) {
-  std::set<int> seen;
-  for (const std::vector<int>& tile : numbers) {
-    for (const int number : tile) {
-      if (!seen.insert(number).second) return true;
-    }
-  }
-  return false;
-}
-
 void requireSameFaces(const ObjSheet& start, const ObjSheet& target) {
   if (!sharesNumbers(start.numbers)) return;
   const std::size_t common = std::min(start.numbers.size(), target.numbers.size());
@@ -215,10 +204,8 @@ Model readObjPair(const fs::path& start, const std::optional<fs::path>& target,
     dropRepeatedJoints(sheet.joints, model, warnings);
     model.joints = checkedJoints(sheet.joints, sheet.tiles);
     checkClosed(sheet.joints, model, sheet.tiles, warnings);
-  } else if (sharesNumbers(sheet.numbers)) {
-    model.joints = jointsOfSharedNumbers(sheet.numbers);
   } else {
-    model.joints = jointsOfCoincidingCorners(states, start);
+    model.joints = jointsOfMesh(sheet.numbers, states, start);
   }
   if (!sheet.pulled.empty()) model.pulledTiles = sheet.pulled;
   turnClockwiseTiles(sheet.tiles, model, warnings);

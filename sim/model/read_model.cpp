@@ -5,11 +5,13 @@
 #include <fmt/format.h>
 
 #include "sim/base/error.h"
+#include "sim/model/cut_pattern_file.h"
 #include "sim/model/fold_file.h"
 #include "sim/model/folder.h"
 #include "sim/model/obj_pair.h"
 #include "sim/model/planar_files.h"
 #include "sim/model/planar_siblings.h"
+#include "sim/model/ply_file.h"
 #include "sim/model/rounding.h"
 
 namespace kirireel {
@@ -18,7 +20,8 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::string kFormats =
-    "a folder with vertices.txt, a planar NAME_vertices.txt, a .fold or .obj file";
+    "a folder with vertices.txt, a planar NAME_vertices.txt, a .fold, .obj or .ply file, or a cut "
+    "pattern (.svg, .dxf)";
 
 std::string endingOf(const fs::path& path) {
   std::string ending = path.extension().string();
@@ -52,6 +55,8 @@ Model readFile(const fs::path& path, const std::optional<fs::path>& target,
   }
   requireNoJointsFile(path, settings);
   if (ending == ".fold") return readFold(path, warnings);
+  if (ending == ".ply") return readPly(path, warnings);
+  if (ending == ".svg" || ending == ".dxf") return readCutPattern(path, warnings);
   if (ending == ".obj") {
     return readObjPair(path, target ? std::nullopt : deployedSibling(path), warnings);
   }

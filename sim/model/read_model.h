@@ -13,8 +13,8 @@ namespace kirireel {
 
 /// Reads the model at a path, in the format that stands there: a folder (vertices.txt and
 /// constraints.txt, with "x y z" or planar "x y" vertices), a .fold file, a contracted .obj whose
-/// NAME_deployed.obj sibling is the target, or any file of a planar model. `target` names another
-/// model whose start becomes the target, in any format.
+/// NAME_deployed.obj sibling is the target, a .ply mesh, a cut pattern (.svg, .dxf), or any file of
+/// a planar model. `target` names another model whose start becomes the target, in any format.
 ///
 /// What is odd but clear is mended (see mending.h): the model lists it, and warnings have a line of
 /// each, unless the settings are strict. What a run can live with is appended to warnings too;

@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <numeric>
+#include <set>
 #include <unordered_map>
 #include <utility>
 
@@ -200,6 +201,23 @@ std::vector<Joint> jointsOfCoincidingCorners(const std::vector<const std::vector
   const CornerNumbers numbers = groups.numbers();
   near.requireDistinctCorners(numbers);
   return jointsOfSharedNumbers(numbers);
+}
+
+bool sharesNumbers(const CornerNumbers& numbers) {
+  std::set<int> seen;
+  for (const std::vector<int>& tile : numbers) {
+    for (const int number : tile) {
+      if (!seen.insert(number).second) return true;
+    }
+  }
+  return false;
+}
+
+std::vector<Joint> jointsOfMesh(const CornerNumbers& numbers,
+                                const std::vector<const std::vector<Tile>*>& states,
+                                const std::filesystem::path& file) {
+  return sharesNumbers(numbers) ? jointsOfSharedNumbers(numbers)
+                                : jointsOfCoincidingCorners(states, file);
 }
 
 CornerNumbers sharedNumbers(const Model& model) {

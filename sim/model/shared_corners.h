@@ -22,6 +22,14 @@ std::vector<Joint> jointsOfSharedNumbers(const CornerNumbers& numbers);
 std::vector<Joint> jointsOfCoincidingCorners(const std::vector<const std::vector<Tile>*>& states,
                                              const std::filesystem::path& file);
 
+/// Whether any two corners have one number.
+bool sharesNumbers(const CornerNumbers& numbers);
+
+/// The joints of a mesh: of shared numbers where faces share any, else of coinciding corners.
+std::vector<Joint> jointsOfMesh(const CornerNumbers& numbers,
+                                const std::vector<const std::vector<Tile>*>& states,
+                                const std::filesystem::path& file);
+
 /// Vertex numbers for a mesh of the model: corners that pivots join have one number where their
 /// coordinates are equal to the last bit at the start and at the target.
 CornerNumbers sharedNumbers(const Model& model);

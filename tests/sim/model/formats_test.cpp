@@ -1,6 +1,9 @@
 // Models in formats other than folders: round trips, published files, and every message.
+#include <array>
 #include <cmath>
+#include <cstring>
 #include <map>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
@@ -160,6 +163,47 @@ TEST(Formats, ReadsPlanarFiles) {
   EXPECT_EQ(model.joints[0].b, (Corner{1, 3}));
   EXPECT_EQ(model.joints[1].kind, JointKind::Link);
   EXPECT_EQ(model.joints[1].apart.norm(), 1);
+}
+
+/// A number's bytes, the most significant first where the order is big.
+template <typename T>
+std::string bytesOf(T value, bool isBig) {
+  std::string bytes(sizeof value, 0);
+  std::memcpy(bytes.data(), &value, sizeof value);
+  if (isBig) std::reverse(bytes.begin(), bytes.end());
+  return bytes;
+}
+
+TEST(Formats, ReadsPlyOfAllThreeKinds) {
+  const std::string elements =
+      "comment two triangles\nelement vertex 4\nproperty float x\nproperty double y\n"
+      "property uchar red\nproperty float z\nelement face 2\nproperty list uchar int "
+      "vertex_indices\nend_header\n";
+  std::string ascii = "ply\nformat ascii 1.0\n" + elements;
+  ascii += "0 0 7 0\n1 0 7 0\n1 1 7 0\n2 0 7 0.5\n3 0 1 2\n3 1 3 2\n";
+  const auto binary = [&](bool isBig) {
+    std::string text = fmt::format("ply\nformat binary_{}_endian 1.0\n", isBig ? "big" : "little");
+    text += elements;
+    for (const auto& [x, y, z] :
+         {std::tuple{0.f, 0., 0.f}, {1.f, 0., 0.f}, {1.f, 1., 0.f}, {2.f, 0., 0.5f}}) {
+      text += bytesOf(x, isBig) + bytesOf(y, isBig) + '\7' + bytesOf(z, isBig);
+    }
+    for (const auto& face : {std::array{0, 1, 2}, {1, 3, 2}}) {
+      text += '\3';
+      for (const int corner : face) text += bytesOf(corner, isBig);
+    }
+    return text;
+  };
+  const TemporaryFolder folder;
+  for (const std::string& text : {ascii, binary(false), binary(true)}) {
+    folder.write("a.ply", text);
+    const Model model = read(folder.path() / "a.ply");
+    ASSERT_EQ(model.tiles.size(), 2U);
+    EXPECT_EQ(model.tiles[1].vertices[1], Vector3(2, 0, 0.5));
+    ASSERT_EQ(model.joints.size(), 2U);  // a shared edge is a hinge
+    EXPECT_EQ(model.joints[0].a, (Corner{0, 1}));
+    EXPECT_EQ(model.joints[1].b, (Corner{1, 2}));
+  }
 }
 
 TEST(Formats, AnotherModelCanBeTheTarget) {
@@ -355,6 +399,28 @@ TEST(FormatErrors, JsonWithTextThatIsLong) {
   EXPECT_EQ(message.find('\x1b'), message.npos);
 }
 
+TEST(FormatErrors, Ply) {
+  const auto message = [](const std::string& text) {
+    return messageFor({{"a.ply", text}}, "a.ply");
+  };
+  const std::string end = "; give a PLY mesh with one face a tile";
+  EXPECT_EQ(message("solid"), "@/a.ply: error: the file does not begin with \"ply\"" + end);
+  EXPECT_EQ(message("ply\n"), "@/a.ply: error: its header has no end" + end);
+  EXPECT_EQ(message("ply\nend_header\n"), "@/a.ply: error: its header names no format" + end);
+  EXPECT_EQ(message("ply\nformat cuneiform 1.0\n"),
+            "@/a.ply: error: there is no format 'cuneiform'" + end);
+  const std::string header =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty "
+      "float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n";
+  EXPECT_EQ(message(header + "0 0 0 1 0 0 1 1"), "@/a.ply: error: the file ends early" + end);
+  EXPECT_EQ(message(header + "0 0 0 1 0 0 1 1 0 3 0 1 9"),
+            "@/a.ply: error: face 0 has the vertex 9, but there are vertices 0-2: PLY counts from "
+            "0" +
+                end);
+  EXPECT_EQ(message(header + "0 0 0 1 0 0 1 1 0 2 0 1"),
+            "@/a.ply: error: face 0 has 2 vertices, a tile has at least 3" + end);
+}
+
 TEST(FormatErrors, TilesOfTooManyVertices) {
   std::string text, face = "f";
   for (int k = 0; k < 301; ++k) {
@@ -409,7 +475,7 @@ TEST(FormatErrors, UnknownEndingsAndOtherTargets) {
   EXPECT_EQ(
       messageFor({{"a.stl", ""}}, "a.stl"),
       "@/a.stl: error: '.stl' is no model's ending; give a folder with vertices.txt, a planar "
-      "NAME_vertices.txt, a .fold or .obj file");
+      "NAME_vertices.txt, a .fold, .obj or .ply file, or a cut pattern (.svg, .dxf)");
   EXPECT_EQ(
       messageFor(
           {{"a.obj", kTriangle + "f 1 2 3\n"}, {"b.obj", kTriangle + "v 0 1 0\nf 1 2 3 4\n"}},
