@@ -115,7 +115,7 @@ std::vector<DrawnLine> svgLines(const std::string& text, const fs::path& file) {
     }
     const auto point = [&](std::size_t k) {
       return Vector2(patternNumber(parts[k], file, kMillimetre),
-                     -patternNumber(parts[k + 1], file, kMillimetre));
+                     0.0 - patternNumber(parts[k + 1], file, kMillimetre));
     };
     lines.push_back({layer, point(1), point(4)});
   }

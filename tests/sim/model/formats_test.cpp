@@ -174,6 +174,44 @@ std::string bytesOf(T value, bool isBig) {
   return bytes;
 }
 
+/// Two unit squares side by side, the edge between them from (1, 0) to (1, 1).
+std::string twoSquares(const std::string& more) {
+  return R"({"file_spec": 1.2, "vertices_coords": [[0,0],[1,0],[2,0],[2,1],[1,1],[0,1]],
+             "faces_vertices": [[0,1,4,5],[1,2,3,4]],
+             "edges_vertices": [[0,1],[1,4],[4,5],[5,0],[1,2],[2,3],[3,4]], )" +
+         more + "}";
+}
+
+TEST(Formats, FoldAnglesMakeTheTarget) {
+  const TemporaryFolder folder;
+  folder.write("a.fold", twoSquares(R"("edges_assignment": ["B","V","B","B","B","B","B"],
+      "edges_foldAngle": [null,90,null,null,null,null,null])"));
+  const Model valley = read(folder.path() / "a.fold");
+  EXPECT_EQ(valley.joints.size(), 2U);
+  ASSERT_TRUE(valley.target);
+  // A valley folds the other square up, towards the side from which the faces run anticlockwise.
+  EXPECT_LT(((*valley.target)[1].vertices[1] - Vector3(1, 0, 1)).norm(), 1e-15);
+  folder.write("b.fold", twoSquares(R"("edges_assignment": ["B","M","B","B","B","B","B"],
+      "edges_foldAngle": [null,-90,null,null,null,null,null])"));
+  const Model mountain = read(folder.path() / "b.fold");
+  EXPECT_LT(((*mountain.target)[1].vertices[1] - Vector3(1, 0, -1)).norm(), 1e-15);
+  // Written again, the crease has its angle.
+  writeModel(valley, folder.path() / "c.fold");
+  const std::string text = readWhole(folder.path() / "c.fold");
+  EXPECT_NE(text.find("\"V\""), text.npos);
+  EXPECT_NE(text.find("90.0"), text.npos);
+}
+
+TEST(Formats, FoldCutsPartAndJoinsFix) {
+  const TemporaryFolder folder;
+  folder.write("a.fold", twoSquares(R"("edges_assignment": ["B","C","B","B","B","B","B"])"));
+  EXPECT_TRUE(read(folder.path() / "a.fold").joints.empty());
+  folder.write("b.fold", twoSquares(R"("edges_assignment": ["B","J","B","B","B","B","B"])"));
+  const Model joined = read(folder.path() / "b.fold");
+  ASSERT_EQ(joined.joints.size(), 1U);
+  EXPECT_EQ(joined.joints[0].kind, JointKind::Fixed);
+}
+
 TEST(Formats, ReadsPlyOfAllThreeKinds) {
   const std::string elements =
       "comment two triangles\nelement vertex 4\nproperty float x\nproperty double y\n"
@@ -356,6 +394,17 @@ TEST(FormatErrors, FoldEdgesAndFramesThatAreBroken) {
         "@/a.fold: error: edges_assignment is no list of 3 letters, one for each edge; correct "
         "or delete it");
   }
+  EXPECT_EQ(messageForFold(one, edges + R"(["B","X","M"])"),
+            "@/a.fold: error: edge 1 has an assignment that FOLD does not know; write one of B, M, "
+            "V, F, U, C, J");
+  const std::string angles = R"(,"edges_vertices": [[0,1],[1,2]], "edges_foldAngle": )";
+  EXPECT_EQ(
+      messageForFold(one, angles + "[null]"),
+      "@/a.fold: error: edges_foldAngle is no list of 2 angles, one for each edge; correct or "
+      "delete it");
+  EXPECT_EQ(messageForFold(one, angles + "[null, 270]"),
+            "@/a.fold: error: edge 1 has a fold angle that is no number of degrees from -180 to "
+            "180, nor null; correct it");
   EXPECT_EQ(messageForFold(one, R"(,"file_frames": {"frame_title": "a"})"),
             "@/a.fold: error: file_frames is no list of frames; correct or delete it");
   EXPECT_EQ(messageForFold(one, R"(,"file_frames": [{}, 3])"),
