@@ -11,6 +11,7 @@
 #include "render/inspect/numbered_picture.h"
 #include "render/png/png.h"
 #include "sim/model/alignment.h"
+#include "sim/model/tile_checks.h"
 
 namespace kirireel {
 namespace {
@@ -20,6 +21,18 @@ constexpr FrameSize kStateSize{1200, 1200};
 Inspection inspectWithProgress(const Scene& scene) {
   ProgressLine line;
   return inspect(scene, [&line](const char* what) { line.show(what); });
+}
+
+/// Reads the model; of a tile that cannot be meant a picture is left before the error goes on.
+Model readOrDraw(const InspectOrder& order) {
+  try {
+    return readModelAt(order.model, order.target, order.reading);
+  } catch (const CrossedTile& error) {
+    if (!order.picture.empty()) {
+      writePng(crossingPicture(error.tile(), error.place(), kStateSize), order.picture);
+    }
+    throw;
+  }
 }
 
 }  // namespace
@@ -35,7 +48,9 @@ CLI::App* addInspectCommand(CLI::App& program, InspectOrder& order) {
   addThicknessOption(group, order.scene.brick);
   OptionGroup output(*command, "Output");
   output.flag("--json", "print as JSON", [&order] { order.printJson = true; });
-  output.value("--picture", "FILE", "", "paint both states with numbers into a PNG file",
+  output.value("--picture", "FILE", "",
+               "paint both states with numbers into a PNG file, what was mended marked; or a tile "
+               "that crosses itself",
                [&order](const OptionValue& typed) { order.picture = typed.text; });
   command->footer("Example:\n  kirireel inspect data/tessellation_4x4 --picture numbers.png");
   return command;
@@ -47,7 +62,7 @@ void completeOrder(const CLI::App& command, InspectOrder& order) {
 
 int carryOut(const InspectOrder& order) {
   Scene scene = order.scene;
-  scene.model = readModelAt(order.model, order.target, order.reading);
+  scene.model = readOrDraw(order);
   fillFromModel(scene);
   // What a run needs depends on where its start stands.
   alignStartToTarget(scene.model);

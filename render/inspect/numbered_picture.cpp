@@ -41,9 +41,9 @@ Vector3 middleOf(const Tile& tile) {
 /// One state: picture and numbers from one camera.
 class StatePicture {
  public:
-  StatePicture(const std::vector<Tile>& tiles, const FileOrder& order, const BrickRule& rule,
+  StatePicture(const std::vector<Tile>& tiles, const Model& model, const BrickRule& rule,
                FrameSize size)
-      : tiles_(tiles), order_(order), size_(size) {
+      : tiles_(tiles), order_(model.fileOrder), size_(size) {
     const std::vector<Vector3> points = allVertices(tiles);
     CameraFit fit;
     fit.view = defaultView(points);
@@ -51,7 +51,14 @@ class StatePicture {
     fit.orthographic = true;
     camera_ = fitCamera(points, fit);
     const std::vector<Brick> bricks = makeBricks(tiles, rule);
-    frame_ = Painter(size, bricks, Style{}).paint(startPoses(tiles, bricks), camera_);
+    Shot shot;
+    shot.poses = startPoses(tiles, bricks);
+    for (const Mend& mend : model.mends) {
+      for (const Corner& corner : mend.corners) {
+        shot.marks.push_back(tiles[corner.tile].vertices[corner.vertex]);
+      }
+    }
+    frame_ = Painter(size, bricks, Style{}).paint(shot, camera_);
   }
 
   Frame numbered() {
@@ -109,15 +116,26 @@ class StatePicture {
 Frame numberedPicture(const Scene& scene, FrameSize stateSize) {
   std::vector<GridPicture> pictures;
   pictures.push_back(
-      {StatePicture(scene.model.tiles, scene.model.fileOrder, scene.brick, stateSize).numbered(),
-       "start"});
+      {StatePicture(scene.model.tiles, scene.model, scene.brick, stateSize).numbered(), "start"});
   if (scene.model.target) {
     pictures.push_back(
-        {StatePicture(*scene.model.target, scene.model.fileOrder, scene.brick, stateSize)
-             .numbered(),
+        {StatePicture(*scene.model.target, scene.model, scene.brick, stateSize).numbered(),
          "target"});
   }
   return composeGrid(pictures, {1, static_cast<int>(pictures.size())});
+}
+
+Frame crossingPicture(const Tile& tile, const Vector3& place, FrameSize size) {
+  CameraFit fit;
+  fit.view = defaultView(tile.vertices);
+  fit.aspect = size.aspect();
+  fit.orthographic = true;
+  Style style;
+  style.markSize = 0.03;
+  Shot shot;
+  shot.overlay = {tile};
+  shot.marks = {place};
+  return Painter(size, {}, style).paint(shot, fitCamera(tile.vertices, fit));
 }
 
 }  // namespace kirireel

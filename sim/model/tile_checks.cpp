@@ -99,6 +99,17 @@ bool isSurelySimple(const std::vector<Vector3>& vertices, const Vector3& normal)
   return turned < 3 * std::numbers::pi;
 }
 
+/// The point of the stretch a-b that is nearest to the line through c and d.
+Vector3 meetingPoint(const Vector3& a, const Vector3& b, const Vector3& c, const Vector3& d) {
+  const Vector3 along = (d - c).normalized();
+  const Vector3 side = b - a, towards = a - c;
+  const Vector3 across = side - along.dot(side) * along;
+  const Vector3 apart = towards - along.dot(towards) * along;
+  const double square = across.squaredNorm();
+  const double share = square > 0 ? std::clamp(-apart.dot(across) / square, 0.0, 1.0) : 0.5;
+  return a + share * side;
+}
+
 /// Sides meet nowhere but at their common corner, so that the tile has one inside in one piece.
 void checkSimple(const TileTable& table, int tile, double extent) {
   const std::vector<Vector3>& vertices = table.tiles[tile].vertices;
@@ -111,11 +122,15 @@ void checkSimple(const TileTable& table, int tile, double extent) {
     const int next = (k + 1) % static_cast<int>(vertices.size());
     return fmt::format("from vertex {} to {}", table.countsFrom + k, table.countsFrom + next);
   };
-  throw inputErrorAt(table.at(tile, second),
-                     fmt::format("tile {} crosses or touches itself: its side {} meets the one {}; "
-                                 "list its vertices in order round the tile, and a tile in two "
-                                 "pieces as two",
-                                 table.countsFrom + tile, side(second), side(first)));
+  const InputError error = inputErrorAt(
+      table.at(tile, second),
+      fmt::format("tile {} crosses or touches itself: its side {} meets the one {}; list its "
+                  "vertices in order round the tile, and a tile in two pieces as two",
+                  table.countsFrom + tile, side(second), side(first)));
+  const std::size_t count = vertices.size();
+  throw CrossedTile(error, table.tiles[tile],
+                    meetingPoint(vertices[first], vertices[(first + 1) % count], vertices[second],
+                                 vertices[(second + 1) % count]));
 }
 
 void checkSameCounts(const TileTable& target, const TileTable& start) {

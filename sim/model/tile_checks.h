@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sim/base/error.h"
@@ -32,11 +33,26 @@ struct TileTable {
   std::string shortName(int tile) const;
 };
 
+/// A tile whose sides cross or touch: what it looks like says more than a message.
+class CrossedTile : public InputError {
+ public:
+  CrossedTile(const InputError& error, Tile tile, const Vector3& place)
+      : InputError(error), tile_(std::move(tile)), place_(place) {}
+
+  const Tile& tile() const { return tile_; }
+  /// Where two of its sides meet, metres.
+  const Vector3& place() const { return place_; }
+
+ private:
+  Tile tile_;
+  Vector3 place_;
+};
+
 /// Most vertices of a tile.
 inline constexpr std::size_t kMostTileVertices = 300;
 
 /// Throws InputError for the first tile with too many vertices, repeated vertices, without area,
-/// not flat, or with sides that cross.
+/// or not flat, and CrossedTile for the first whose sides cross or touch.
 void checkTiles(const TileTable& table);
 
 /// Throws InputError when the target has other tiles than the start, or tiles of clearly other
