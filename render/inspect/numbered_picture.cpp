@@ -38,6 +38,17 @@ Vector3 middleOf(const Tile& tile) {
   return tileCentroid(largest);
 }
 
+/// The middle of a convex part that has this vertex: towards it the way leads into the tile.
+Vector3 middleBy(const Tile& tile, int vertex) {
+  for (const PolygonPart& part : convexParts(tile.vertices, tileNormal(tile))) {
+    if (std::find(part.begin(), part.end(), vertex) == part.end()) continue;
+    Tile piece;
+    for (const int corner : part) piece.vertices.push_back(tile.vertices[corner]);
+    return tileCentroid(piece);
+  }
+  return tileCentroid(tile);
+}
+
 /// One state: picture and numbers from one camera.
 class StatePicture {
  public:
@@ -73,7 +84,8 @@ class StatePicture {
       }
       if (pixels < 40) continue;  // vertices' numbers could not be read
       for (std::size_t k = 0; k < tiles_[i].vertices.size(); ++k) {
-        const Vector3 inside = tiles_[i].vertices[k] + 0.22 * (middle - tiles_[i].vertices[k]);
+        const Vector3& vertex = tiles_[i].vertices[k];
+        const Vector3 inside = vertex + 0.22 * (middleBy(tiles_[i], static_cast<int>(k)) - vertex);
         if (!sight.isClear(inside, i)) continue;
         const int inFile = order_.across({static_cast<int>(i), static_cast<int>(k)}, tiles_).vertex;
         write(fmt::format("{}", order_.countsFrom + inFile), inside,

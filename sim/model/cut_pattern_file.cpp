@@ -28,6 +28,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/input_file.h"
+#include "sim/base/spelling.h"
 #include "sim/model/mending.h"
 #include "sim/model/text_table.h"
 #include "sim/model/tile_checks.h"
@@ -72,7 +73,7 @@ double patternNumber(std::string_view text, const fs::path& file, double scale) 
     return scale * value;
   }
   throw patternFault(
-      file, fmt::format("'{}' is no coordinate within {:g} m", text.substr(0, 24), kMaxCoordinate));
+      file, fmt::format("'{}' is no coordinate within {:g} m", shown(text, 24), kMaxCoordinate));
 }
 
 std::vector<std::string_view> words(std::string_view text) {

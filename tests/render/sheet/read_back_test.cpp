@@ -50,7 +50,8 @@ void expectSameSheet(const Model& read, const Model& drawn, const std::string& w
   ASSERT_EQ(read.tiles.size(), drawn.tiles.size()) << what;
   ASSERT_EQ(read.joints.size(), drawn.joints.size()) << what;
   const Vector3 moved = meanCorner(read.tiles) - meanCorner(drawn.tiles);
-  // A pattern draws sides that nearly coincide (1e-4 of a tile) once: the kinks of this one's slits.
+  // A pattern draws sides that nearly coincide (1e-4 of a tile) once: the kinks of this one's
+  // slits.
   const double share = drawn.name == "square-to-circle" ? 2e-4 : 1e-9;  // measured 3e-13
   const double tolerance = share * tileSize(drawn);
   std::set<std::pair<int, int>> found;
