@@ -41,9 +41,40 @@ const Vector3& endOf(const std::vector<Tile>& tiles, const FaceSide& side) {
   return vertices[(side.corner + 1) % vertices.size()];
 }
 
+using FacePairs = std::vector<std::pair<int, int>>;
+
+/// Which faces uncut edges hold together.
+struct HeldFaces {
+  std::map<int, FacePairs> atVertex;    ///< hinged at this vertex, by an edge that ends there
+  std::set<std::pair<int, int>> fixed;  ///< joined to one piece, the smaller number first
+};
+
+HeldFaces heldFaces(const CornerNumbers& faces, const std::map<Ends, char>& assignments) {
+  HeldFaces held;
+  for (const auto& [ends, sides] : sidesByEnds(faces)) {
+    const auto found = assignments.find(ends);
+    const char assignment = found == assignments.end() ? 'U' : found->second;
+    for (std::size_t k = 1; k < sides.size() && assignment != 'C'; ++k) {
+      const std::pair<int, int> two = std::minmax(sides[k - 1].face, sides[k].face);
+      held.atVertex[ends.first].push_back(two);
+      held.atVertex[ends.second].push_back(two);
+      if (assignment == 'J' && two.first != two.second) held.fixed.insert(two);
+    }
+  }
+  return held;
+}
+
+std::map<int, std::vector<Corner>> cornersByVertex(const CornerNumbers& faces) {
+  std::map<int, std::vector<Corner>> corners;
+  for (int face = 0; face < std::ssize(faces); ++face) {
+    for (int k = 0; k < std::ssize(faces[face]); ++k) corners[faces[face][k]].push_back({face, k});
+  }
+  return corners;
+}
+
 /// Corners at one vertex in groups that its uncut edges hold together, by their faces.
 std::vector<std::vector<Corner>> groupsAt(const std::vector<Corner>& corners,
-                                          const std::vector<std::pair<int, int>>& heldFaces) {
+                                          const FacePairs& held) {
   std::vector<std::size_t> group(corners.size());
   std::iota(group.begin(), group.end(), 0);
   const auto placeOf = [&](int face) {
@@ -52,7 +83,7 @@ std::vector<std::vector<Corner>> groupsAt(const std::vector<Corner>& corners,
                      [face](const Corner& corner) { return corner.tile == face; }) -
         corners.begin());
   };
-  for (const auto& [a, b] : heldFaces) {
+  for (const auto& [a, b] : held) {
     const std::size_t kept = group[placeOf(a)], lost = group[placeOf(b)];
     std::replace(group.begin(), group.end(), lost, kept);
   }
@@ -67,49 +98,29 @@ std::vector<std::vector<Corner>> groupsAt(const std::vector<Corner>& corners,
 
 std::vector<Joint> jointsOfCreases(const CornerNumbers& faces, const std::vector<Crease>& creases,
                                    const std::vector<Tile>& tiles) {
-  const auto sides = sidesByEnds(faces);
   std::map<Ends, char> assignments;
-  std::map<int, bool> isCutAt;
+  std::set<int> cutAt;  // vertices
   for (const Crease& crease : creases) {
     assignments[std::minmax(crease.from, crease.to)] = crease.assignment;
-    if (crease.assignment == 'C') isCutAt[crease.from] = isCutAt[crease.to] = true;
+    if (crease.assignment == 'C') cutAt.insert({crease.from, crease.to});
   }
-  std::map<int, std::vector<std::pair<int, int>>> heldAt;  // pairs of faces by vertex
-  std::vector<Joint> fixed;
-  for (const auto& [ends, both] : sides) {
-    const auto found = assignments.find(ends);
-    const char assignment = found == assignments.end() ? 'U' : found->second;
-    for (std::size_t k = 1; k < both.size() && assignment != 'C'; ++k) {
-      heldAt[ends.first].emplace_back(both[k - 1].face, both[k].face);
-      heldAt[ends.second].emplace_back(both[k - 1].face, both[k].face);
-      if (assignment == 'J') {
-        fixed.push_back(makeFixedJoint(tiles, both[k - 1].face, both[k].face));
-      }
-    }
-  }
-  std::map<int, std::vector<Corner>> cornersAt;
-  for (int face = 0; face < std::ssize(faces); ++face) {
-    for (int k = 0; k < std::ssize(faces[face]); ++k) {
-      cornersAt[faces[face][k]].push_back({face, k});
-    }
-  }
-  std::set<Ends> fixedPairs;
-  for (const Joint& joint : fixed) fixedPairs.insert(std::minmax(joint.a.tile, joint.b.tile));
-  const auto isFixed = [&](const Corner& a, const Corner& b) {
-    return fixedPairs.contains(std::minmax(a.tile, b.tile));
-  };
+  const HeldFaces held = heldFaces(faces, assignments);
   std::vector<Joint> joints;
-  for (const auto& [vertex, corners] : cornersAt) {
-    const auto groups = isCutAt.contains(vertex) ? groupsAt(corners, heldAt[vertex])
-                                                 : std::vector<std::vector<Corner>>{corners};
+  for (const auto& [vertex, corners] : cornersByVertex(faces)) {
+    const auto pairs = held.atVertex.find(vertex);
+    const bool isCut = cutAt.contains(vertex);
+    const auto groups =
+        !isCut ? std::vector<std::vector<Corner>>{corners}
+               : groupsAt(corners, pairs == held.atVertex.end() ? FacePairs{} : pairs->second);
     for (const std::vector<Corner>& group : groups) {
       for (std::size_t k = 1; k < group.size(); ++k) {
-        if (group[k - 1].tile == group[k].tile || isFixed(group[k - 1], group[k])) continue;
+        const std::pair<int, int> two = std::minmax(group[k - 1].tile, group[k].tile);
+        if (two.first == two.second || held.fixed.contains(two)) continue;
         joints.push_back({group[k - 1], group[k], JointFace::Bottom});
       }
     }
   }
-  joints.insert(joints.end(), fixed.begin(), fixed.end());
+  for (const auto& [a, b] : held.fixed) joints.push_back(makeFixedJoint(tiles, a, b));
   return joints;
 }
 
