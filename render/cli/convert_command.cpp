@@ -13,12 +13,15 @@ CLI::App* addConvertCommand(CLI::App& program, ConvertOrder& order) {
   CLI::App* command = program.add_subcommand("convert", "write a model in another format");
   addPlace(*command, "IN", order.input, kModelHelp);
   addPlace(*command, "OUT", order.output,
-           "a .fold file, an .obj file (the target goes to NAME_deployed.obj), or a folder");
+           "a .fold file, an .obj file (the target goes to NAME_deployed.obj), NAME_vertices.txt "
+           "for the planar files of the quasicrystal simulator, or a folder");
   OptionGroup group(*command, "Model");
   addTargetOption(group, order.target);
+  addReadOptions(group, order.reading);
   command->footer(
       "Examples:\n  kirireel convert data/tessellation_4x4 sheet.fold\n"
-      "  kirireel convert NAME_contracted.obj my_model");
+      "  kirireel convert NAME_contracted.obj my_model\n"
+      "  kirireel convert data/penrose_30 penrose_vertices.txt");
   return command;
 }
 
@@ -28,7 +31,7 @@ void completeOrder(const CLI::App& command, ConvertOrder& order) {
 }
 
 int carryOut(const ConvertOrder& order) {
-  const Model model = readModelAt(order.input, order.target);
+  const Model model = readModelAt(order.input, order.target, order.reading);
   writeModel(model, order.output);
   fmt::print("{}: {} tiles, {} joints{}\n", order.output.string(), model.tiles.size(),
              model.joints.size(), model.target ? ", a target" : "");

@@ -3,6 +3,8 @@
 
 #include <filesystem>
 
+#include "sim/model/mending.h"
+
 namespace CLI {
 class App;
 }
@@ -12,6 +14,7 @@ namespace kirireel {
 /// A model to be written in another format.
 struct ConvertOrder {
   std::filesystem::path input;
+  ReadSettings reading;
   std::filesystem::path target;  ///< another model whose start is the target; empty for none
   std::filesystem::path output;  ///< its ending says the format
 };

@@ -11,6 +11,7 @@
 #include "render/inspect/numbered_picture.h"
 #include "render/png/png.h"
 #include "sim/model/alignment.h"
+#include "sim/model/tile_checks.h"
 
 namespace kirireel {
 namespace {
@@ -22,6 +23,18 @@ Inspection inspectWithProgress(const Scene& scene) {
   return inspect(scene, [&line](const char* what) { line.show(what); });
 }
 
+/// Reads the model; of a tile that cannot be meant a picture is left before the error goes on.
+Model readOrDraw(const InspectOrder& order) {
+  try {
+    return readModelAt(order.model, order.target, order.reading);
+  } catch (const CrossedTile& error) {
+    if (!order.picture.empty()) {
+      writePng(crossingPicture(error.tile(), error.place(), kStateSize), order.picture);
+    }
+    throw;
+  }
+}
+
 }  // namespace
 
 CLI::App* addInspectCommand(CLI::App& program, InspectOrder& order) {
@@ -30,11 +43,14 @@ CLI::App* addInspectCommand(CLI::App& program, InspectOrder& order) {
   addPlace(*command, "MODEL", order.model, kModelHelp);
   OptionGroup group(*command, "Model");
   addTargetOption(group, order.target);
+  addReadOptions(group, order.reading);
   order.scene.brick.thickness = openScene().brick.thickness;
   addThicknessOption(group, order.scene.brick);
   OptionGroup output(*command, "Output");
   output.flag("--json", "print as JSON", [&order] { order.printJson = true; });
-  output.value("--picture", "FILE", "", "paint both states with numbers into a PNG file",
+  output.value("--picture", "FILE", "",
+               "paint both states with numbers into a PNG file, what was mended marked; or a tile "
+               "that crosses itself",
                [&order](const OptionValue& typed) { order.picture = typed.text; });
   command->footer("Example:\n  kirireel inspect data/tessellation_4x4 --picture numbers.png");
   return command;
@@ -46,7 +62,7 @@ void completeOrder(const CLI::App& command, InspectOrder& order) {
 
 int carryOut(const InspectOrder& order) {
   Scene scene = order.scene;
-  scene.model = readModelAt(order.model, order.target);
+  scene.model = readOrDraw(order);
   fillFromModel(scene);
   // What a run needs depends on where its start stands.
   alignStartToTarget(scene.model);

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "sim/model/mending.h"
 #include "sim/scene/scene.h"
 
 namespace CLI {
@@ -14,6 +15,7 @@ namespace kirireel {
 /// A model to be looked at.
 struct InspectOrder {
   std::filesystem::path model;
+  ReadSettings reading;
   std::filesystem::path target;   ///< another model whose start is the target; empty for none
   std::filesystem::path picture;  ///< where a numbered picture goes; empty for none
   Scene scene;                    ///< everything but the model

@@ -19,7 +19,8 @@ void warnOfOverlaps(const Model& model, std::vector<std::string>& warnings) {
   warnings.push_back(fmt::format(
       "{}: warning: tiles {} and {} overlap by {:.3g} m at the start{}; move them "
       "apart, or let them pass through each other (--contacts none)",
-      model.name, deepest.tileA, deepest.tileB, deepest.depth,
+      model.name, model.fileOrder.countsFrom + deepest.tileA,
+      model.fileOrder.countsFrom + deepest.tileB, deepest.depth,
       overlaps.size() == 1 ? "" : fmt::format(", the deepest of {} pairs", overlaps.size())));
 }
 
@@ -36,18 +37,35 @@ void addTargetOption(OptionGroup& group, std::filesystem::path& target) {
               [&target](const OptionValue& typed) { target = typed.text; });
 }
 
+void addReadOptions(OptionGroup& group, ReadSettings& settings) {
+  group
+      .value("--joints-file", "FILE", "the model's own",
+             "list of joints to take in place of constraints.txt: a path, or a name beside it",
+             [&settings](const OptionValue& typed) { settings.jointsFile = typed.text; })
+      .saidAs([&settings] {
+        const std::string name = settings.jointsFile.string();
+        return name.empty() ? "" : quotedText(name);
+      });
+  group
+      .flag("--strict", settings.strict,
+            "refuse files with slips (joints listed twice, clockwise tiles, rounded corners) "
+            "instead of mending them")
+      .decidesNothing();
+}
+
 Model readModelAt(const std::filesystem::path& place, const std::filesystem::path& target,
-                  std::vector<std::string>& warnings) {
+                  const ReadSettings& settings, std::vector<std::string>& warnings) {
   std::optional<std::filesystem::path> named;
   if (!target.empty()) named = findModel(target);
-  Model model = readModel(findModel(place), named, warnings);
+  Model model = readModel(findModel(place), named, warnings, settings);
   warnOfOverlaps(model, warnings);
   return model;
 }
 
-Model readModelAt(const std::filesystem::path& place, const std::filesystem::path& target) {
+Model readModelAt(const std::filesystem::path& place, const std::filesystem::path& target,
+                  const ReadSettings& settings) {
   std::vector<std::string> warnings;
-  Model model = readModelAt(place, target, warnings);
+  Model model = readModelAt(place, target, settings, warnings);
   printWarnings(warnings);
   return model;
 }

@@ -4,16 +4,22 @@
 #include <filesystem>
 
 #include "render/cli/option_group.h"
+#include "sim/model/mending.h"
 #include "sim/model/model.h"
 
 namespace kirireel {
 
 /// What stands for MODEL in a command's help.
 inline constexpr const char* kModelHelp =
-    "folder with vertices.txt and constraints.txt, a .fold file, or a contracted .obj file";
+    "folder with vertices.txt and constraints.txt, any file of a planar model (NAME_vertices.txt "
+    "with NAME_constraints.txt beside it), a .fold file, a contracted .obj file, a .ply mesh, or a "
+    "cut pattern (.svg, .dxf)";
 
 /// Adds --target.
 void addTargetOption(OptionGroup& group, std::filesystem::path& target);
+
+/// Adds --joints-file and --strict.
+void addReadOptions(OptionGroup& group, ReadSettings& settings);
 
 /// Where a model stands: as named, or in data/ when it stands only there.
 std::filesystem::path findModel(const std::filesystem::path& named);
@@ -21,10 +27,11 @@ std::filesystem::path findModel(const std::filesystem::path& named);
 /// Reads the model, in data/ too when it stands only there, as PyKirigami's users name theirs.
 /// Warnings are appended, also of tiles that overlap at the start. Throws InputError.
 Model readModelAt(const std::filesystem::path& place, const std::filesystem::path& target,
-                  std::vector<std::string>& warnings);
+                  const ReadSettings& settings, std::vector<std::string>& warnings);
 
 /// The same; warnings go to standard error.
-Model readModelAt(const std::filesystem::path& place, const std::filesystem::path& target);
+Model readModelAt(const std::filesystem::path& place, const std::filesystem::path& target,
+                  const ReadSettings& settings);
 
 /// Prints warnings on standard error, each on one line.
 void printWarnings(const std::vector<std::string>& warnings);

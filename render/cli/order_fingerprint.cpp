@@ -17,8 +17,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The option whose values are names of files.
-constexpr const char* kNamesFiles = "target";
+/// Whether an option's values are names of files.
+bool namesFiles(const std::string& key) {
+  return key == "target" || key == "joints_file";
+}
 
 /// Names of files as so many empty ones: what the files hold is told apart by their hashes.
 std::string withoutNames(const CLI::Option& option) {
@@ -32,7 +34,7 @@ std::string tablesText(CLI::App& command, const Scene& scene, bool withFileNames
     const std::string key = settingKey(*option);
     std::string value = key.empty() ? "" : saidBy(*option);
     if (value.empty() || !hasEffect(option->get_name(), scene)) continue;
-    if (key == kNamesFiles && !withFileNames) value = withoutNames(*option);
+    if (namesFiles(key) && !withFileNames) value = withoutNames(*option);
     tables[settingTable(*option)] += fmt::format("{} = {}\n", key, value);
   }
   std::string text;

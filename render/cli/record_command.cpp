@@ -38,6 +38,7 @@ void addFolderOptions(CLI::App& command, RecordOrder& order) {
 
 void addModelOptions(CLI::App& command, RecordOrder& order) {
   OptionGroup group(command, "Model");
+  addReadOptions(group, order.reading);
   group.choice<std::optional<FaceRule>>(
       "--faces", order.faces,
       {{"model", std::nullopt}, {"fold", FaceRule::Fold}, {"pykirigami", FaceRule::PyKirigami}},
@@ -68,7 +69,8 @@ constexpr const char* kPeerNote =
     "Lengths are metres, times simulated seconds, masses kilograms. PyKirigami's spellings work\n"
     "too: --model, --brick_thickness, --spring_stiffness, --force_damping, --ground_plane,\n"
     "--no_collision (the same as --contacts unjoined), -ss, -fd, -bt, -gp, -gf. --headless is\n"
-    "accepted and does nothing: no window is ever opened. Such lines, and --like pykirigami, run as\n"
+    "accepted and does nothing: no window is ever opened. Such lines, and --like pykirigami, run "
+    "as\n"
     "dynamics with PyKirigami's constants for what they leave out.\n\n";
 
 /// Pins and timelines name tiles, which splitting would give other numbers.
@@ -94,7 +96,8 @@ void checkThickness(const Scene& scene, std::vector<std::string>& warnings) {
 
 Scene readScene(const RecordOrder& order, std::vector<std::string>& warnings) {
   Scene scene = order.scene;
-  scene.model = order.madeModel ? *order.madeModel : readModelAt(order.model, {}, warnings);
+  scene.model =
+      order.madeModel ? *order.madeModel : readModelAt(order.model, {}, order.reading, warnings);
   completeScene(order.request.parts, scene, warnings);
   fillFromModel(scene);
   if (order.faces) chooseJointFaces(scene.model, *order.faces);
@@ -213,8 +216,8 @@ OrderInputs readInputs(const RecordOrder& order) {
   std::vector<std::string> ignored;
   try {
     Scene scene = order.scene;
-    scene.model =
-        order.madeModel ? *order.madeModel : readModel(findModel(order.model), {}, ignored);
+    scene.model = order.madeModel ? *order.madeModel
+                                  : readModel(findModel(order.model), {}, ignored, order.reading);
     SceneParts parts;
     parts.targets = order.request.parts.targets;
     completeScene(parts, scene, ignored);

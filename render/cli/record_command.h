@@ -9,6 +9,7 @@
 #include "render/cli/scene_options.h"
 #include "render/record/record.h"
 #include "sim/model/face_choice.h"
+#include "sim/model/mending.h"
 #include "sim/scene/scene.h"
 
 namespace CLI {
@@ -20,12 +21,13 @@ namespace kirireel {
 /// What is to be deployed, and what it leaves.
 struct RecordOrder {
   std::filesystem::path model;
+  ReadSettings reading;            ///< of `model`
   std::optional<Model> madeModel;  ///< takes the place of reading `model`
   std::optional<FaceRule> faces;   ///< how joints' faces are chosen; absent: as the model has them
   std::optional<std::vector<int>> splitTiles;  ///< tiles that bend, all when empty; absent: none
   Scene scene = openScene();  ///< everything but the model; the ground's height is not known yet
-  SceneRequest request;     ///< what is added to the model
-  RecordSettings settings;  ///< the folder is empty when --out was not given
+  SceneRequest request;       ///< what is added to the model
+  RecordSettings settings;    ///< the folder is empty when --out was not given
   std::vector<InputFile> inputs;  ///< files that were read so far, but for the scene file
   OrderText text;                 ///< the settings, once the order is complete
   bool printJson = false;         ///< the summary on standard output as JSON

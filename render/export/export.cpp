@@ -160,11 +160,16 @@ class Exporter {
       if (start_.empty()) start_ = trajectory_.sample(0).poses;
       writeTextFile(files_.add(name + ".vtu"), vtuText(subject_, start_, sample));
     }
-    const std::vector<Tile> tiles = bottomTiles(subject_.bricks, sample.poses);
+    const std::vector<Tile> tiles = sheetOf(sample);
     if (wants(ExportFormat::Planar)) {
       writeTextFile(files_.add(name + "_planar.obj"), planarObjText(tiles));
     }
     if (wants(ExportFormat::Vertices)) writeTiles(tiles, files_.add(name + "_vertices.txt"));
+  }
+
+  /// The tiles with their vertices in the order of the model's own file.
+  std::vector<Tile> sheetOf(const Sample& sample) const {
+    return inFileOrder(bottomTiles(subject_.bricks, sample.poses), subject_.model.fileOrder);
   }
 
   /// A drive needs a state that something follows.
@@ -236,7 +241,7 @@ class Exporter {
     if (format == ExportFormat::Vtu) writeTextFile(files_.add("deployment.pvd"), pvdText(series()));
     if (format == ExportFormat::Glb) writeTextFile(files_.add("deployment.glb"), animation());
     if (format == ExportFormat::Fold) {
-      writeTextFile(files_.add("deployment.fold"), foldText(subject_.model, sheets()));
+      writeTextFile(files_.add("deployment.fold"), foldText(inFileOrder(subject_.model), sheets()));
     }
     const auto pattern = [this] { return patternOf(subject_.model, settings_); };
     if (format == ExportFormat::Svg) {
@@ -266,7 +271,7 @@ class Exporter {
     std::vector<SheetState> states;
     for (const ChosenState& state : states_) {
       const Sample sample = trajectory_.sample(state.sample);
-      states.push_back({sample.time, bottomTiles(subject_.bricks, sample.poses)});
+      states.push_back({sample.time, sheetOf(sample)});
     }
     return states;
   }

@@ -60,10 +60,12 @@ struct Division {
   int sides = 0;
   int first = 0;   ///< cells along edge 0 of a grid; half the cells along an edge of a fan
   int second = 0;  ///< cells along edge 1 of a grid; 0 of a fan
+  std::vector<std::array<int, 3>> triangles = {};  ///< of a concave tile, in place of a fan
 
   auto operator<=>(const Division&) const = default;
 
   std::size_t cells() const {
+    if (!triangles.empty()) return 3 * triangles.size() * first * first;
     const auto square = static_cast<std::size_t>(first) * (second > 0 ? second : 3 * first);
     return second > 0 || sides == 3 ? square : sides * square;
   }
@@ -72,11 +74,13 @@ struct Division {
 Division divisionOf(const Brick& brick, const ElementRule& rule, int usual) {
   const std::vector<double> lengths = edgeLengths(brick);
   const int sides = static_cast<int>(lengths.size());
+  const int half = (elementsAlong(std::ranges::max(lengths), rule, usual) + 1) / 2;
+  if (!brick.parts.empty()) return {sides, half, 0, trianglesOf(brick.bottom, brick.normal)};
   if (takesGrid(brick.bottom, brick.normal)) {
     return {sides, elementsAlong(std::max(lengths[0], lengths[2]), rule, usual),
             elementsAlong(std::max(lengths[1], lengths[3]), rule, usual)};
   }
-  return {sides, (elementsAlong(std::ranges::max(lengths), rule, usual) + 1) / 2, 0};
+  return {sides, half, 0};
 }
 
 std::vector<Division> divisionsOf(const std::vector<Brick>& bricks, const ElementRule& rule,
@@ -102,6 +106,9 @@ void requireReasonableCount(const std::vector<Division>& divisions, const Elemen
 }
 
 Footprint footprintOf(const Division& division) {
+  if (!division.triangles.empty()) {
+    return triangleFootprint(division.triangles, division.sides, division.first);
+  }
   return division.second > 0 ? gridFootprint(division.first, division.second)
                              : fanFootprint(division.sides, division.first);
 }

@@ -129,6 +129,26 @@ Footprint fanFootprint(int sides, int halfPerEdge) {
   return footprint;
 }
 
+Footprint triangleFootprint(const std::vector<std::array<int, 3>>& triangles, int sides,
+                            int halfPerEdge) {
+  const int whole = 6 * halfPerEdge * halfPerEdge;
+  Footprint footprint;
+  SharedPoints points(footprint, whole);
+  for (const std::array<int, 3>& triangle : triangles) {
+    std::array<int, 3> onEdge{};
+    for (int k = 0; k < 3; ++k) {
+      const bool isEdge = triangle[(k + 1) % 3] == (triangle[k] + 1) % sides;
+      onEdge[k] = isEdge ? triangle[k] : -1;
+    }
+    appendTriangle(triangle, onEdge, halfPerEdge, points, footprint);
+  }
+  for (int k = 0; k < sides; ++k) {
+    footprint.corners.push_back(points.find({k, k, k}, {whole, 0, 0}));
+  }
+  finish(footprint);
+  return footprint;
+}
+
 std::vector<std::array<int, 2>> edgesOf(const std::vector<std::array<int, 4>>& cells) {
   std::vector<std::array<int, 2>> edges;
   for (const std::array<int, 4>& cell : cells) {

@@ -43,6 +43,10 @@ Footprint gridFootprint(int first, int second);
 /// halfPerEdge x halfPerEdge: 2 halfPerEdge cells along each edge of the tile.
 Footprint fanFootprint(int sides, int halfPerEdge);
 
+/// A concave tile as these triangles of its vertices, anticlockwise, each divided as those of a fan.
+Footprint triangleFootprint(const std::vector<std::array<int, 3>>& triangles, int sides,
+                            int halfPerEdge);
+
 /// Whether a convex or star-shaped tile is better divided as a grid: it has four vertices, and none
 /// of its corners is so straight or so sharp that a quadrilateral there would have no shape.
 bool takesGrid(const std::vector<Vector3>& vertices, const Vector3& normal);

@@ -5,6 +5,7 @@
 
 #include "sim/deploy/assembled_state.h"
 #include "sim/measure/measures.h"
+#include "sim/model/mending.h"
 
 namespace kirireel {
 namespace {
@@ -52,15 +53,15 @@ std::string mobilityText(const char* where, const Mobility& mobility) {
       mobility.equations, mobility.leastKept, mobility.largestDropped);
 }
 
-std::string stateText(const char* name, const StateInspection& state) {
+std::string stateText(const char* name, const StateInspection& state, int countsFrom) {
   std::string text = fmt::format(
       "{}: joints open by {:.3g} m at most, tiles flat to {:.3g} m, {}, {}{} overlapping pairs\n",
       name, state.jointGap, state.unevenness, state.leastCornerSine > 0 ? "convex" : "not convex",
       state.seesAllPairs ? "" : "at least ", state.overlaps.size());
   for (std::size_t k = 0; k < std::min<std::size_t>(state.overlaps.size(), 5); ++k) {
     const TileOverlap& overlap = state.overlaps[k];
-    text += fmt::format("  tiles {} and {} overlap by {:.3g} m\n", overlap.tileA, overlap.tileB,
-                        overlap.depth);
+    text += fmt::format("  tiles {} and {} overlap by {:.3g} m\n", countsFrom + overlap.tileA,
+                        countsFrom + overlap.tileB, overlap.depth);
   }
   if (state.inPlane) text += mobilityText("in the plane", *state.inPlane);
   return text + mobilityText("in space", state.inSpace);
@@ -130,6 +131,10 @@ Inspection inspect(const Scene& scene, const std::function<void(const char*)>& t
   inspection.size = modelSize(model);
   inspection.tileSize = tileSize(model);
   inspection.suggestedThickness = kUsualThickness * inspection.tileSize;
+  inspection.countsFrom = model.fileOrder.countsFrom;
+  inspection.rounding = model.rounding;
+  inspection.zeroSingularValue = zeroSingularValue(model);
+  for (const Mend& mend : model.mends) inspection.mends.push_back(toString(mend));
   lookAt("looking at the start");
   inspection.start = inspectState(scene, model.tiles);
   inspection.needs = sceneNeeds(scene);
@@ -150,9 +155,15 @@ std::string inspectionText(const Inspection& inspection) {
       inspection.name, countsText(inspection.tilesByVertices, "{} with {} vertices"),
       countsText(inspection.jointsByKind, "{} {}"), inspection.size, inspection.tileSize,
       inspection.suggestedThickness);
-  text += stateText("start", inspection.start);
+  if (inspection.rounding > 0) {
+    text +=
+        fmt::format("coordinates are rounded to {:g} m: singular values below {:.2g} are zero\n",
+                    inspection.rounding, inspection.zeroSingularValue);
+  }
+  for (const std::string& mend : inspection.mends) text += mend + "\n";
+  text += stateText("start", inspection.start, inspection.countsFrom);
   if (inspection.target) {
-    text += stateText("target", *inspection.target);
+    text += stateText("target", *inspection.target, inspection.countsFrom);
     text += fmt::format(
         "congruence: lengths change by {:.3g} m at most; rigid bound {:.3g} m, "
         "assembled error {:.3g} m\n",
@@ -175,6 +186,9 @@ std::string inspectionJson(const Inspection& inspection) {
   json["size"] = inspection.size;
   json["tile_size"] = inspection.tileSize;
   json["suggested_thickness"] = inspection.suggestedThickness;
+  json["rounding"] = inspection.rounding;
+  json["file_counts_from"] = inspection.countsFrom;
+  json["mended"] = inspection.mends;
   json["start"] = stateJson(inspection.start);
   json["target"] = inspection.target ? stateJson(*inspection.target) : Json();
   json["shape_change_max"] = inspection.shapeChange ? Json(*inspection.shapeChange) : Json();

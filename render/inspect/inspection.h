@@ -32,6 +32,10 @@ struct Inspection {
   double size = 0;                          ///< diagonal of the start, metres
   double tileSize = 0;                      ///< mean edge, metres
   double suggestedThickness = 0;            ///< of bricks, metres: a fiftieth of a tile
+  double rounding = 0;             ///< the last digit of its coordinates, metres; 0 for all digits
+  double zeroSingularValue = 0;    ///< what counts as zero because of that
+  int countsFrom = 0;              ///< the first number of tiles and vertices in its file
+  std::vector<std::string> mends;  ///< what was put right in its files, one line each
   StateInspection start;
   std::optional<StateInspection> target;
   std::optional<double> shapeChange;     ///< largest change of a length in a tile, metres

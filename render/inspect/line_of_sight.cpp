@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/model/convex_parts.h"
+
 namespace kirireel {
 
 namespace {
@@ -10,14 +12,27 @@ namespace {
 // Tiles nearer than this, of their own radius, touch the point rather than hide it.
 constexpr double kTouch = 1e-3;
 
+/// Whether a point of the plane is left of every edge.
+bool isWithin(const std::vector<Vector3>& corners, const Vector3& normal, const Vector3& point) {
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    const Vector3& from = corners[k];
+    const Vector3& to = corners[(k + 1) % corners.size()];
+    if ((to - from).cross(point - from).dot(normal) < 0) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 LineOfSight::LineOfSight(const std::vector<Tile>& tiles, const Vector3& towardsEye)
     : towardsEye_(towardsEye) {
   for (const Tile& tile : tiles) {
     Screen& screen = screens_.emplace_back();
-    screen.vertices = tile.vertices;
     screen.normal = tileNormal(tile);
+    for (const PolygonPart& part : convexParts(tile.vertices, screen.normal)) {
+      std::vector<Vector3>& corners = screen.parts.emplace_back();
+      for (const int corner : part) corners.push_back(tile.vertices[corner]);
+    }
     screen.middle = tileCentroid(tile);
     for (const Vector3& vertex : tile.vertices) {
       screen.radius = std::max(screen.radius, (vertex - screen.middle).norm());
@@ -39,14 +54,9 @@ bool LineOfSight::hides(const Screen& screen, const Vector3& point) const {
   if (slope == 0) return false;
   const double distance = screen.normal.dot(offset) / slope;
   if (distance < kTouch * screen.radius) return false;
-  // Where the line of sight meets the tile's plane: inside when it is left of every edge.
   const Vector3 meeting = point + distance * towardsEye_;
-  for (std::size_t k = 0; k < screen.vertices.size(); ++k) {
-    const Vector3& from = screen.vertices[k];
-    const Vector3& to = screen.vertices[(k + 1) % screen.vertices.size()];
-    if ((to - from).cross(meeting - from).dot(screen.normal) < 0) return false;
-  }
-  return true;
+  return std::any_of(screen.parts.begin(), screen.parts.end(),
+                     [&](const auto& part) { return isWithin(part, screen.normal, meeting); });
 }
 
 }  // namespace kirireel

@@ -7,7 +7,7 @@
 
 namespace kirireel {
 
-/// Tiles seen from far away in one direction. Tiles are convex and have no thickness here.
+/// Tiles seen from far away in one direction. Tiles have no thickness here.
 class LineOfSight {
  public:
   /// towardsEye: unit vector, world axes. The tiles are copied.
@@ -18,7 +18,7 @@ class LineOfSight {
 
  private:
   struct Screen {
-    std::vector<Vector3> vertices;
+    std::vector<std::vector<Vector3>> parts;  ///< convex
     Vector3 normal;
     Vector3 middle;
     double radius = 0;  ///< of a ball round the middle that holds the tile, metres

@@ -10,6 +10,7 @@
 #include "render/grid/label.h"
 #include "render/inspect/line_of_sight.h"
 #include "render/picture/painter.h"
+#include "sim/model/convex_parts.h"
 
 namespace kirireel {
 namespace {
@@ -25,11 +26,35 @@ std::vector<Vector3> allVertices(const std::vector<Tile>& tiles) {
   return points;
 }
 
+/// A place within the tile for its number: the centroid, or that of the largest part of a concave
+/// tile, whose own may lie outside.
+Vector3 middleOf(const Tile& tile) {
+  Tile largest;
+  for (const PolygonPart& part : convexParts(tile.vertices, tileNormal(tile))) {
+    Tile piece;
+    for (const int corner : part) piece.vertices.push_back(tile.vertices[corner]);
+    if (largest.vertices.empty() || tileArea(piece) > tileArea(largest)) largest = piece;
+  }
+  return tileCentroid(largest);
+}
+
+/// The middle of a convex part that has this vertex: towards it the way leads into the tile.
+Vector3 middleBy(const Tile& tile, int vertex) {
+  for (const PolygonPart& part : convexParts(tile.vertices, tileNormal(tile))) {
+    if (std::find(part.begin(), part.end(), vertex) == part.end()) continue;
+    Tile piece;
+    for (const int corner : part) piece.vertices.push_back(tile.vertices[corner]);
+    return tileCentroid(piece);
+  }
+  return tileCentroid(tile);
+}
+
 /// One state: picture and numbers from one camera.
 class StatePicture {
  public:
-  StatePicture(const std::vector<Tile>& tiles, const BrickRule& rule, FrameSize size)
-      : tiles_(tiles), size_(size) {
+  StatePicture(const std::vector<Tile>& tiles, const Model& model, const BrickRule& rule,
+               FrameSize size)
+      : tiles_(tiles), order_(model.fileOrder), size_(size) {
     const std::vector<Vector3> points = allVertices(tiles);
     CameraFit fit;
     fit.view = defaultView(points);
@@ -37,23 +62,34 @@ class StatePicture {
     fit.orthographic = true;
     camera_ = fitCamera(points, fit);
     const std::vector<Brick> bricks = makeBricks(tiles, rule);
-    frame_ = Painter(size, bricks, Style{}).paint(startPoses(tiles, bricks), camera_);
+    Shot shot;
+    shot.poses = startPoses(tiles, bricks);
+    for (const Mend& mend : model.mends) {
+      for (const Corner& corner : mend.corners) {
+        shot.marks.push_back(tiles[corner.tile].vertices[corner.vertex]);
+      }
+    }
+    frame_ = Painter(size, bricks, Style{}).paint(shot, camera_);
   }
 
   Frame numbered() {
     const Vector3 towardsEye = (camera_.eye - camera_.centre).normalized();
     const LineOfSight sight(tiles_, towardsEye);
     for (std::size_t i = 0; i < tiles_.size(); ++i) {
-      const Vector3 middle = tileCentroid(tiles_[i]);
+      const Vector3 middle = middleOf(tiles_[i]);
       const double pixels = apparentSize(tiles_[i], towardsEye);
       if (sight.isClear(middle, i)) {
-        write(fmt::format("{}", i), middle, std::clamp(0.28 * pixels, 7.0, 40.0), kTileNumber);
+        write(fmt::format("{}", order_.countsFrom + i), middle,
+              std::clamp(0.28 * pixels, 7.0, 40.0), kTileNumber);
       }
       if (pixels < 40) continue;  // vertices' numbers could not be read
       for (std::size_t k = 0; k < tiles_[i].vertices.size(); ++k) {
-        const Vector3 inside = tiles_[i].vertices[k] + 0.22 * (middle - tiles_[i].vertices[k]);
+        const Vector3& vertex = tiles_[i].vertices[k];
+        const Vector3 inside = vertex + 0.22 * (middleBy(tiles_[i], static_cast<int>(k)) - vertex);
         if (!sight.isClear(inside, i)) continue;
-        write(fmt::format("{}", k), inside, std::clamp(0.14 * pixels, 6.0, 20.0), kVertexNumber);
+        const int inFile = order_.across({static_cast<int>(i), static_cast<int>(k)}, tiles_).vertex;
+        write(fmt::format("{}", order_.countsFrom + inFile), inside,
+              std::clamp(0.14 * pixels, 6.0, 20.0), kVertexNumber);
       }
     }
     return std::move(frame_);
@@ -80,6 +116,7 @@ class StatePicture {
   }
 
   const std::vector<Tile>& tiles_;
+  const FileOrder& order_;  ///< numbers are the file's
   FrameSize size_;
   Camera camera_;
   Frame frame_;
@@ -90,12 +127,27 @@ class StatePicture {
 
 Frame numberedPicture(const Scene& scene, FrameSize stateSize) {
   std::vector<GridPicture> pictures;
-  pictures.push_back({StatePicture(scene.model.tiles, scene.brick, stateSize).numbered(), "start"});
+  pictures.push_back(
+      {StatePicture(scene.model.tiles, scene.model, scene.brick, stateSize).numbered(), "start"});
   if (scene.model.target) {
     pictures.push_back(
-        {StatePicture(*scene.model.target, scene.brick, stateSize).numbered(), "target"});
+        {StatePicture(*scene.model.target, scene.model, scene.brick, stateSize).numbered(),
+         "target"});
   }
   return composeGrid(pictures, {1, static_cast<int>(pictures.size())});
+}
+
+Frame crossingPicture(const Tile& tile, const Vector3& place, FrameSize size) {
+  CameraFit fit;
+  fit.view = defaultView(tile.vertices);
+  fit.aspect = size.aspect();
+  fit.orthographic = true;
+  Style style;
+  style.markSize = 0.03;
+  Shot shot;
+  shot.overlay = {tile};
+  shot.marks = {place};
+  return Painter(size, {}, style).paint(shot, fitCamera(tile.vertices, fit));
 }
 
 }  // namespace kirireel

@@ -9,6 +9,11 @@ namespace kirireel {
 /// The model at the start and, where there is one, at the target, side by side: each tile's number
 /// in its middle, each vertex's number inside its corner. Throws OutputError when no graphics
 /// context can be made or the font is missing.
+/// Corners that a reader mended are marked.
 Frame numberedPicture(const Scene& scene, FrameSize stateSize);
+
+/// A polygon that makes no tile: its sides as lines, and where two of them meet as a dot. Throws
+/// OutputError when no graphics context can be made.
+Frame crossingPicture(const Tile& tile, const Vector3& place, FrameSize size);
 
 }  // namespace kirireel

@@ -76,6 +76,16 @@ class Bounds {
   Eigen::Vector3f most_ = Eigen::Vector3f::Constant(std::numeric_limits<float>::lowest());
 };
 
+/// The outward normal of a face, whose corner 1 may turn inwards.
+Vector3 normalOf(const std::vector<Vector3>& face) {
+  const Vector3 normal = (face[2] - face[1]).cross(face[0] - face[1]).normalized();
+  Vector3 area = Vector3::Zero();
+  for (std::size_t k = 2; k < face.size(); ++k) {
+    area += (face[k - 1] - face[0]).cross(face[k] - face[0]);
+  }
+  return area.dot(normal) < 0 ? Vector3(-normal) : normal;
+}
+
 /// Each face has its own vertices, so that it can have its own normal.
 Json meshJson(const Brick& brick, const std::string& name, Asset& asset) {
   const std::vector<std::vector<Vector3>> faces = brickFaces(brick);
@@ -94,15 +104,15 @@ Json meshJson(const Brick& brick, const std::string& name, Asset& asset) {
   Bounds bounds;
   std::uint32_t first = 0;
   for (const std::vector<Vector3>& face : faces) {
-    const Vector3 normal = (face[2] - face[1]).cross(face[0] - face[1]).normalized();
+    const Vector3 normal = normalOf(face);
     for (const Vector3& point : face) {
       appendVector(asset.views[kPositions], point);
       appendVector(asset.views[kNormals], normal);
       bounds.add(point);
     }
-    for (std::uint32_t k = 2; k < face.size(); ++k) {
-      for (const std::uint32_t corner : {0U, k - 1, k}) {
-        appendBytes(asset.views[kIndices], first + corner);
+    for (const auto& triangle : trianglesOf(face, normal)) {
+      for (const int corner : triangle) {
+        appendBytes(asset.views[kIndices], first + static_cast<std::uint32_t>(corner));
       }
     }
     first += static_cast<std::uint32_t>(face.size());

@@ -53,12 +53,18 @@ std::vector<Face> facesOf(unsigned n, unsigned first) {
   return faces;
 }
 
-/// Fans; the faces are convex.
-std::vector<Face> triangulated(const std::vector<Face>& faces) {
+/// The faces of a brick whose first corner has this number, as triangles.
+std::vector<Face> brickTriangles(const Brick& brick, unsigned first) {
   std::vector<Face> triangles;
-  for (const Face& face : faces) {
-    for (std::size_t k = 2; k < face.size(); ++k) {
-      triangles.push_back({face[0], face[k - 1], face[k]});
+  const std::vector<std::vector<Vector3>> shapes = brickFaces(brick);
+  const std::vector<Face> faces = facesOf(static_cast<unsigned>(brick.bottom.size()), first);
+  for (std::size_t k = 0; k < faces.size(); ++k) {
+    const Vector3 normal = k == 0 ? Vector3(-brick.normal) : brick.normal;
+    // Sides are convex, whatever their normal.
+    const auto cut = k < 2 ? trianglesOf(shapes[k], normal)
+                           : std::vector<std::array<int, 3>>{{0, 1, 2}, {0, 2, 3}};
+    for (const auto& [a, b, c] : cut) {
+      triangles.push_back({faces[k][a], faces[k][b], faces[k][c]});
     }
   }
   return triangles;
@@ -70,7 +76,13 @@ aiVector3D numbered(unsigned corner) {
 
 aiVector3D flatNormal(const Face& face, const std::vector<Vector3>& corners) {
   const Vector3& middle = corners[face[1]];
-  const Vector3 normal = (corners[face[2]] - middle).cross(corners[face[0]] - middle).normalized();
+  Vector3 normal = (corners[face[2]] - middle).cross(corners[face[0]] - middle).normalized();
+  // The corner of a concave face may turn inwards.
+  Vector3 area = Vector3::Zero();
+  for (std::size_t k = 2; k < face.size(); ++k) {
+    area += (corners[face[k - 1]] - corners[face[0]]).cross(corners[face[k]] - corners[face[0]]);
+  }
+  if (area.dot(normal) < 0) normal = -normal;
   return {static_cast<float>(normal.x()), static_cast<float>(normal.y()),
           static_cast<float>(normal.z())};
 }
@@ -204,7 +216,7 @@ std::vector<Face> allTriangles(const std::vector<Brick>& bricks) {
   unsigned first = 0;
   for (const Brick& brick : bricks) {
     const auto sides = static_cast<unsigned>(brick.bottom.size());
-    std::ranges::copy(triangulated(facesOf(sides, first)), std::back_inserter(triangles));
+    std::ranges::copy(brickTriangles(brick, first), std::back_inserter(triangles));
     first += 2 * sides;
   }
   return triangles;

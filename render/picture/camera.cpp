@@ -183,8 +183,11 @@ std::optional<int> brickAround(const std::vector<Brick>& bricks, const Poses& po
       const Vector3 normal = (face[1] - face[0]).cross(face[2] - face[1]);
       return normal.dot(inside - face[0]) < 0;
     };
-    const auto faces = brickFaces(bricks[k]);
-    if (std::all_of(faces.begin(), faces.end(), isBehind)) return static_cast<int>(k);
+    // A concave brick holds what one of its convex pieces holds.
+    for (const BrickPiece& piece : convexPieces(bricks[k])) {
+      const auto faces = brickFaces(piece.shape);
+      if (std::all_of(faces.begin(), faces.end(), isBehind)) return static_cast<int>(k);
+    }
   }
   return std::nullopt;
 }

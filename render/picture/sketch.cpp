@@ -7,6 +7,8 @@
 #include <limits>
 #include <numbers>
 
+#include "sim/model/convex_parts.h"
+
 namespace kirireel {
 namespace {
 
@@ -112,7 +114,8 @@ Vector3 castDown(const Vector3& point, const Vector3& light, double height) {
 }  // namespace
 
 Sketcher::Face Sketcher::makeFace(const std::vector<Vector3>& corners) {
-  Face face{corners, {}, std::numeric_limits<double>::infinity(), polygonNormal(corners)};
+  Face face{corners, {}, {}, std::numeric_limits<double>::infinity(), polygonNormal(corners)};
+  if (!isConvexPolygon(corners, face.normal)) face.triangles = trianglesOf(corners, face.normal);
   const std::size_t count = corners.size();
   // The unit vector in the face's plane that leads inwards from side k.
   const auto inwards = [&](std::size_t k) -> Vector3 {
@@ -151,6 +154,10 @@ void Sketcher::drawBrick(int brick, const Pose& pose, const BrickColours& colour
     if (normal.dot(towardsEye(camera, corner)) <= 0) continue;
     const Colour base = k == 0 ? colours.bottom : k == 1 ? colours.top : colours.side;
     const double width = std::min(outline, face.maxOutline);
+    if (!face.triangles.empty()) {
+      drawConcave(face, pose, width, faceColour(normal, base, style_), sketch);
+      continue;
+    }
     sketch.solid.push_back({static_cast<int>(sketch.points.size()),
                             static_cast<int>(face.corners.size()), width > 0,
                             faceColour(normal, base, style_)});
@@ -162,6 +169,26 @@ void Sketcher::drawBrick(int brick, const Pose& pose, const BrickColours& colour
       sketch.points.push_back(pose.position +
                               rotation * (face.corners[i] + width * face.inwards[i]));
     }
+  }
+}
+
+void Sketcher::drawConcave(const Face& face, const Pose& pose, double width, Colour colour,
+                           Sketch& sketch) const {
+  const std::size_t count = face.corners.size();
+  std::vector<Vector3> outer, inner;
+  for (std::size_t k = 0; k < count; ++k) {
+    outer.push_back(pose.apply(face.corners[k]));
+    inner.push_back(pose.apply(face.corners[k] + std::max(width, 0.0) * face.inwards[k]));
+  }
+  for (const auto& [a, b, c] : face.triangles) {
+    const std::array<Vector3, 3> triangle = {inner[a], inner[b], inner[c]};
+    sketch.solid.push_back(appendFacet(sketch, triangle, colour));
+  }
+  if (width <= 0) return;
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t next = (k + 1) % count;
+    const std::array<Vector3, 4> band = {outer[k], outer[next], inner[next], inner[k]};
+    sketch.solid.push_back(appendFacet(sketch, band, style_.edge));
   }
 }
 
@@ -177,7 +204,13 @@ void Sketcher::drawShadow(const Poses& poses, Sketch& sketch) const {
       for (const Vector3& point : face.corners) {
         corners.push_back(castDown(pose.apply(point), light, style_.plate->height));
       }
-      sketch.shadow.push_back(appendFacet(sketch, corners, style_.shadow));
+      if (face.triangles.empty()) {
+        sketch.shadow.push_back(appendFacet(sketch, corners, style_.shadow));
+      }
+      for (const auto& [a, b, c] : face.triangles) {
+        const std::array<Vector3, 3> triangle = {corners[a], corners[b], corners[c]};
+        sketch.shadow.push_back(appendFacet(sketch, triangle, style_.shadow));
+      }
     }
   }
 }

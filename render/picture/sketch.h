@@ -1,6 +1,7 @@
 /// What a picture shows, as flat polygons in space: the same for pixels and for vector graphics.
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -64,7 +65,8 @@ class Sketcher {
   struct Face {
     std::vector<Vector3> corners;
     std::vector<Vector3> inwards;  ///< how the corners move when all sides move in by 1 m
-    double maxOutline = 0;         ///< metres
+    std::vector<std::array<int, 3>> triangles;  ///< of a concave face; none: it is convex
+    double maxOutline = 0;                      ///< metres
     Vector3 normal;
   };
 
@@ -72,6 +74,9 @@ class Sketcher {
 
   void drawBrick(int brick, const Pose& pose, const BrickColours& colours, const Camera& camera,
                  double outline, Sketch& sketch) const;
+  /// A concave face: its inside as triangles, its outline as a band along each side.
+  void drawConcave(const Face& face, const Pose& pose, double width, Colour colour,
+                   Sketch& sketch) const;
   void drawShadow(const Poses& poses, Sketch& sketch) const;
 
   Style style_;

@@ -165,7 +165,8 @@ class LiveRun {
 void writeEndState(const Scene& scene, const RunEnd& end, const RecordSettings& settings,
                    RunSummary& summary) {
   const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
-  writeTiles(bottomTiles(bricks, end.last->poses), settings.folder / output::kFinalVertices);
+  writeTiles(inFileOrder(bottomTiles(bricks, end.last->poses), scene.model.fileOrder),
+             settings.folder / output::kFinalVertices);
   summary.files.emplace_back(output::kFinalVertices);
   if (!settings.meshes) return;
   const auto write = [&](const char* name, const Sample& sample) {

@@ -124,7 +124,7 @@ std::string planarObjText(const std::vector<Tile>& tiles) {
 
 std::string foldText(const Model& model, const std::vector<SheetState>& states) {
   const SharedVertices shared = shareVertices(model);
-  Json fold = {{"file_spec", 1.1},
+  Json fold = {{"file_spec", 1.2},
                {"file_creator", "Kirireel"},
                {"file_classes", {"animation"}},
                {"file_title", model.name},

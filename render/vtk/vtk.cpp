@@ -1,7 +1,7 @@
 #include "render/vtk/vtk.h"
 
+#include <array>
 #include <iterator>
-#include <numeric>
 
 #include <fmt/format.h>
 
@@ -76,6 +76,7 @@ struct Cells {
   std::vector<int> types;
   std::vector<int> faces;
   std::vector<int> faceOffsets;
+  std::vector<int> bricks;  ///< that each cell belongs to
 };
 
 /// The number of faces, then of each face its size and points.
@@ -93,28 +94,47 @@ void appendFaces(Cells& cells, int n, int first) {
   }
 }
 
+/// Closes a cell whose points are in the connectivity.
+void finishCell(Cells& cells, int type, int brick) {
+  cells.offsets.push_back(static_cast<int>(cells.connectivity.size()));
+  cells.types.push_back(type);
+  const bool isPolyhedron = type == kPolyhedron;
+  cells.faceOffsets.push_back(isPolyhedron ? static_cast<int>(cells.faces.size()) : -1);
+  cells.bricks.push_back(brick);
+}
+
+/// A wedge on a triangle of a brick's bottom. VTK's begin with the triangle whose normal points
+/// out.
+void appendWedge(Cells& cells, const std::array<int, 3>& triangle, int n, int first, int brick) {
+  const auto [a, b, c] = triangle;
+  for (const int corner : {a, c, b, n + a, n + c, n + b}) {
+    cells.connectivity.push_back(first + corner);
+  }
+  finishCell(cells, kWedge, brick);
+}
+
+/// One cell a brick; of concave ones, since VTK's cells are convex, one a triangle of the bottom.
 Cells cellsOf(const std::vector<Brick>& bricks) {
   Cells cells;
-  for (const Brick& brick : bricks) {
+  int first = 0;
+  for (int number = 0; number < std::ssize(bricks); ++number) {
+    const Brick& brick = bricks[number];
     const int n = static_cast<int>(brick.bottom.size());
-    const int first = static_cast<int>(cells.connectivity.size());
-    // VTK's wedges begin with the triangle whose normal points out of them.
-    const bool isWedge = cellType(n) == kWedge;
-    for (int k = 0; k < 2 * n; ++k) {
-      const int turned = k < n ? (n - k) % n : n + (2 * n - k) % n;
-      cells.connectivity.push_back(first + (isWedge ? turned : k));
+    if (cellType(n) == kWedge || !brick.parts.empty()) {
+      for (const auto& triangle : trianglesOf(brick.bottom, brick.normal)) {
+        appendWedge(cells, triangle, n, first, number);
+      }
+    } else {
+      for (int k = 0; k < 2 * n; ++k) cells.connectivity.push_back(first + k);
+      if (cellType(n) == kPolyhedron) appendFaces(cells, n, first);
+      finishCell(cells, cellType(n), number);
     }
-    cells.offsets.push_back(first + 2 * n);
-    cells.types.push_back(cellType(n));
-    const bool isPolyhedron = cells.types.back() == kPolyhedron;
-    if (isPolyhedron) appendFaces(cells, n, first);
-    cells.faceOffsets.push_back(isPolyhedron ? static_cast<int>(cells.faces.size()) : -1);
+    first += 2 * n;
   }
   return cells;
 }
 
-void appendCells(std::string& text, const std::vector<Brick>& bricks) {
-  const Cells cells = cellsOf(bricks);
+void appendCells(std::string& text, const Cells& cells) {
   text += "<Cells>\n";
   appendArray(text, "connectivity", cells.connectivity);
   appendArray(text, "offsets", cells.offsets);
@@ -136,15 +156,20 @@ void appendPoints(std::string& text, const Subject& subject, const Poses& poses)
   text += "</Points>\n";
 }
 
-void appendCellFields(std::string& text, const Subject& subject, const Poses& start,
-                      const Poses& poses) {
-  std::vector<int> tiles(poses.size());
-  std::iota(tiles.begin(), tiles.end(), 0);
+/// What each brick has, for each of its cells.
+std::vector<double> byCells(const std::vector<double>& byBricks, const Cells& cells) {
+  std::vector<double> values;
+  for (const int brick : cells.bricks) values.push_back(byBricks[brick]);
+  return values;
+}
+
+void appendCellFields(std::string& text, const Subject& subject, const Cells& cells,
+                      const Poses& start, const Poses& poses) {
   const std::vector<Pivot> pivots = makePivots(subject.model.joints, subject.bricks);
   text += "<CellData Scalars=\"joint_gap\">\n";
-  appendArray(text, "tile", tiles);
-  appendArray(text, "joint_gap", brickJointGaps(pivots, poses));
-  appendArray(text, "turn", brickRotations(start, poses));
+  appendArray(text, "tile", cells.bricks);
+  appendArray(text, "joint_gap", byCells(brickJointGaps(pivots, poses), cells));
+  appendArray(text, "turn", byCells(brickRotations(start, poses), cells));
   text += "</CellData>\n";
 }
 
@@ -184,12 +209,12 @@ std::string vtuText(const Subject& subject, const Poses& start, const Sample& sa
       "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\">\n"
       "<UnstructuredGrid>\n";
   appendMeasures(text, subject, sample);
-  append(text, "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", points,
-         subject.bricks.size());
+  const Cells cells = cellsOf(subject.bricks);
+  append(text, "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", points, cells.types.size());
   appendPoints(text, subject, sample.poses);
-  appendCells(text, subject.bricks);
+  appendCells(text, cells);
   appendPointFields(text, subject, start, sample.poses);
-  appendCellFields(text, subject, start, sample.poses);
+  appendCellFields(text, subject, cells, start, sample.poses);
   return text.append("</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
 }
 

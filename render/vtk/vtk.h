@@ -10,13 +10,12 @@
 
 namespace kirireel {
 
-/// The text of an unstructured grid (.vtu): one solid cell a brick: a wedge where the tile has
-/// three vertices, a hexahedron where it has four and a polyhedron elsewhere. Coordinates in metres, to the last bit. Fields:
-/// - of cells: `tile` (its number), `joint_gap` (the largest at the tile, metres), `turn` (the
-/// angle
+/// The text of an unstructured grid (.vtu): one solid cell a brick (a wedge where the tile has three
+/// vertices, a hexahedron where it has four, a polyhedron elsewhere), of a concave brick one wedge
+/// for each triangle that it falls into. Coordinates in metres, to the last bit. Fields:
+/// - of cells: `tile` (its number), `joint_gap` (the largest at the tile, metres), `turn` (the angle
 ///   from the start, radians);
-/// - of points: `displacement` from the start (metres) and, with a target, `target_distance` (of
-/// the
+/// - of points: `displacement` from the start (metres) and, with a target, `target_distance` (of the
 ///   tile's vertex, metres, the same at bottom and top);
 /// - of the state: `TimeValue` (seconds) and the sample's measures.
 ///

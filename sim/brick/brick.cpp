@@ -1,6 +1,10 @@
 #include "sim/brick/brick.h"
 
 #include <cmath>
+#include <iterator>
+#include <numeric>
+
+#include "sim/model/tile_checks.h"
 
 namespace kirireel {
 namespace {
@@ -92,7 +96,45 @@ Brick makeBrick(const Tile& tile, const BrickRule& rule) {
     brick.bottom.push_back(vertex - centre);
     brick.top.push_back(brick.bottom.back() + rule.thickness * brick.normal);
   }
+  brick.parts = partsOfBottom(brick.bottom, brick.normal);
   return brick;
+}
+
+std::vector<PolygonPart> partsOfBottom(const std::vector<Vector3>& bottom, const Vector3& normal) {
+  // What readers refuse can only come from a damaged trajectory, and would take long.
+  if (bottom.size() > kMostTileVertices || isConvexPolygon(bottom, normal)) return {};
+  return convexParts(bottom, normal);
+}
+
+std::vector<BrickPiece> convexPieces(const Brick& brick, int number) {
+  std::vector<BrickPiece> pieces;
+  if (brick.parts.empty()) {
+    PolygonPart all(brick.bottom.size());
+    std::iota(all.begin(), all.end(), 0);
+    pieces.push_back({brick, number, 0, std::move(all)});
+  }
+  for (std::size_t k = 0; k < brick.parts.size(); ++k) {
+    BrickPiece& piece =
+        pieces.emplace_back(BrickPiece{brick, number, static_cast<int>(k), brick.parts[k]});
+    piece.shape.parts.clear();
+    piece.shape.bottom.clear();
+    piece.shape.top.clear();
+    for (const int corner : brick.parts[k]) {
+      piece.shape.bottom.push_back(brick.bottom[corner]);
+      piece.shape.top.push_back(brick.top[corner]);
+    }
+  }
+  return pieces;
+}
+
+std::vector<BrickPiece> convexPieces(const std::vector<Brick>& bricks) {
+  std::vector<BrickPiece> pieces;
+  pieces.reserve(bricks.size());
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    std::vector<BrickPiece> own = convexPieces(bricks[i], static_cast<int>(i));
+    std::move(own.begin(), own.end(), std::back_inserter(pieces));
+  }
+  return pieces;
 }
 
 std::vector<Brick> makeBricks(const std::vector<Tile>& tiles, const BrickRule& rule) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "sim/base/geometry.h"
+#include "sim/model/convex_parts.h"
 #include "sim/model/model.h"
 
 namespace kirireel {
@@ -34,7 +35,28 @@ struct Brick {
   double volume = 0;                  ///< cubic metres
   double mass = 0;                    ///< kg
   Matrix3 inertia = Matrix3::Zero();  ///< about the centre of mass, kg m^2
+  /// The convex parts of a concave brick, as corner numbers of its bottom (see convex_parts.h);
+  /// none: the brick is convex.
+  std::vector<PolygonPart> parts;
 };
+
+/// The convex parts of a bottom for Brick::parts.
+std::vector<PolygonPart> partsOfBottom(const std::vector<Vector3>& bottom, const Vector3& normal);
+
+/// A convex piece of a brick as a brick of its own shape: axes, normal and thickness are the whole
+/// brick's, mass and inertia too, which no piece has alone.
+struct BrickPiece {
+  Brick shape;
+  int brick = 0;        ///< that it belongs to
+  int part = 0;         ///< which of that brick's parts
+  PolygonPart corners;  ///< its corners' numbers in the whole brick
+};
+
+/// The convex pieces of all bricks, brick by brick: as many as bricks where all are convex.
+std::vector<BrickPiece> convexPieces(const std::vector<Brick>& bricks);
+
+/// The same of one brick.
+std::vector<BrickPiece> convexPieces(const Brick& brick, int number = 0);
 
 /// Thickens a tile: its bottom is the tile, its top lies on the normal's side.
 Brick makeBrick(const Tile& tile, const BrickRule& rule);

@@ -26,19 +26,22 @@ struct Contact {
                                     ///< from B towards A
   double friction = 0;              ///< Coulomb coefficient of the pair
   double slack = 0;                 ///< overlap that the pair had at the start and may keep, metres
+  int partA = 0;                    ///< which convex part of a concave brick A
+  int partB = 0;                    ///< likewise of B
 
   bool operator==(const Contact&) const = default;
 
   void transfer(StateTape& tape) {
-    tape.transfer(brickA, brickB, pointA, pointB, normal, isEdge, edgeA, friction, slack);
+    tape.transfer(brickA, brickB, pointA, pointB, normal, isEdge, edgeA, friction, slack, partA,
+                  partB);
   }
 };
 
 /// Whether two contacts hold points of one brick against the same plane of another, or points of
 /// two bricks along the normal of the same two edges.
 inline bool onOnePlane(const Contact& x, const Contact& y) {
-  return x.brickA == y.brickA && x.brickB == y.brickB && x.isEdge == y.isEdge &&
-         x.normal == y.normal && x.edgeA == y.edgeA;
+  return x.brickA == y.brickA && x.brickB == y.brickB && x.partA == y.partA && x.partB == y.partB &&
+         x.isEdge == y.isEdge && x.normal == y.normal && x.edgeA == y.edgeA;
 }
 
 /// The contact's unit normal from B towards A at the given poses, world axes.

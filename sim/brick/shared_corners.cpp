@@ -50,10 +50,16 @@ std::map<std::pair<int, int>, SharedCorners> sharedCorners(std::span<const Pivot
   return shared;
 }
 
-std::pair<Brick, Brick> withoutSharedCorners(const Brick& a, const Brick& b,
-                                             const SharedCorners& corners, double zone) {
-  const double length = zone * 0.5 * (meanEdge(a) + meanEdge(b));
-  return {withoutCorners(a, corners.ofA, length), withoutCorners(b, corners.ofB, length)};
+Brick withoutCorners(const BrickPiece& piece, const std::vector<int>& corners, double length) {
+  std::vector<int> own;
+  for (std::size_t k = 0; k < piece.corners.size(); ++k) {
+    if (contains(corners, piece.corners[k])) own.push_back(static_cast<int>(k));
+  }
+  return withoutCorners(piece.shape, own, length);
+}
+
+double cutLength(const Brick& a, const Brick& b, double zone) {
+  return zone * 0.5 * (meanEdge(a) + meanEdge(b));
 }
 
 }  // namespace kirireel

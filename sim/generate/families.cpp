@@ -9,6 +9,7 @@
 #include "sim/base/error.h"
 #include "sim/base/geometry.h"
 #include "sim/base/spelling.h"
+#include "sim/generate/bent_edges.h"
 #include "sim/generate/lattice_designs.h"
 #include "sim/generate/rotors.h"
 #include "sim/generate/shells.h"
@@ -249,6 +250,107 @@ void appendRegular(std::vector<Family>& all) {
        nonrigidModel});
 }
 
+/// A bulge with one tip in the middle of each side.
+std::vector<SidePoint> pointedSide(double depth) {
+  return {{0.5, depth}};
+}
+
+/// A bulge with a flat end: as an arm of that width, whose flanks lean enough to leave its bay.
+std::vector<SidePoint> armedSide(double width, double depth) {
+  const double first = 0.5 * (1 - width);
+  const double last = 1 - first;
+  // y / x at the arm's far end, from the joint, and half as much again.
+  const double lean = 1.5 * depth * depth / last;
+  return {{first, 0}, {first + lean, depth}, {last - lean, depth}, {last, 0}};
+}
+
+/// The tiles of a lattice that turn one way.
+std::vector<bool> evenTiles(const Lattice& lattice) {
+  std::vector<bool> even;
+  for (int tile = 0; tile < lattice.tileCount(); ++tile) {
+    even.push_back(isEven(lattice.cellOf(tile)));
+  }
+  return even;
+}
+
+/// The tiles with as many corners as the first.
+std::vector<bool> tilesLikeTheFirst(const Model& model) {
+  std::vector<bool> alike;
+  for (const Tile& tile : model.tiles) {
+    alike.push_back(tile.vertices.size() == model.tiles.front().vertices.size());
+  }
+  return alike;
+}
+
+/// Every other tile: the rotating triangles are listed in turn.
+std::vector<bool> everyOtherTile(const Model& model) {
+  std::vector<bool> other(model.tiles.size());
+  for (std::size_t i = 0; i < other.size(); i += 2) other[i] = true;
+  return other;
+}
+
+FamilyParameter depth(double usual, double least, double most) {
+  return {"depth", "SHARE", "of a side, by which it bulges on one tile and bays on the next",
+          usual,   least,   most,
+          false};
+}
+
+Model squares(const FamilyValues& values) {
+  TessellationShape shape;
+  shape.columns = values.whole("columns");
+  shape.rows = values.whole("rows");
+  shape.length = shape.width = values.number("length");
+  shape.startAngle = values.angle("start-angle");
+  shape.targetAngle = values.angle("target-angle");
+  return makeTessellation(shape);
+}
+
+void appendConcave(std::vector<Family>& all) {
+  const auto tiles = [](const std::string& name, const std::string& help, double usual) {
+    return count(name, help, usual, 2, 200);
+  };
+  const Parameters ofSquares = {
+      tiles("columns", "tiles along x", 4), tiles("rows", "tiles along y", 4),
+      length("length", "of a side, from joint to joint", 1), startAngle(), targetAngle(60)};
+  const auto add = [&all](Family family) {
+    family.isConcave = true;
+    all.push_back(std::move(family));
+  };
+  Family stars{"stars", "four-pointed stars between octagons, which turn against each other",
+               ofSquares, [](const FamilyValues& values) {
+                 return withBentSides(squares(values), evenTiles(latticeOf(values)),
+                                      pointedSide(values.number("depth")));
+               }};
+  stars.parameters.push_back(depth(0.2, 0.01, 0.4));
+  add(stars);
+  Family crosses{"crosses", "crosses whose arms lie in bays of the tiles between them", ofSquares,
+                 [](const FamilyValues& values) {
+                   return withBentSides(squares(values), evenTiles(latticeOf(values)),
+                                        armedSide(values.number("width"), values.number("depth")));
+                 }};
+  crosses.parameters.push_back(
+      {"width", "SHARE", "of a side, that an arm takes", 0.4, 0.1, 0.8, false});
+  crosses.parameters.push_back(depth(0.2, 0.01, 0.4));
+  add(crosses);
+  add({"islamic",
+       "eighteen-cornered rosettes and the trefoils between them, as in Islamic patterns",
+       {tiles("columns", "cells", 3), tiles("rows", "cells", 3), startAngle(), targetAngle(45, 180),
+        depth(-0.15, -0.3, 0.3)},
+       [](const FamilyValues& values) {
+         const Model model = makeHexagonsAndTriangles(rotorShape(values));
+         const double depth = values.number("depth");
+         return withBentSides(model, tilesLikeTheFirst(model), {{0.35, depth}, {0.65, depth}});
+       }});
+  add({"trefoils",
+       "three-pointed stars between hexagons with bent sides",
+       {tiles("columns", "cells", 4), tiles("rows", "cells", 4), startAngle(240),
+        targetAngle(60, 240), depth(0.12, 0.01, 0.25)},
+       [](const FamilyValues& values) {
+         const Model model = makeRotatingTriangles(rotorShape(values));
+         return withBentSides(model, everyOtherTile(model), pointedSide(values.number("depth")));
+       }});
+}
+
 void appendShells(std::vector<Family>& all) {
   const FamilyParameter radius = length("radius", "of the sphere", 3.4641016151377544);
   all.push_back({"cylinder",
@@ -336,25 +438,26 @@ FamilyValues checkedValues(const Family& family, const std::map<std::string, dou
 }
 
 /// Why the tiles of one state make no sheet; empty when they do.
-std::string stateFault(const Model& model, const std::vector<Tile>& tiles) {
+std::string stateFault(const Model& model, const std::vector<Tile>& tiles, bool isConcave) {
   const double size = tileSize(model);
-  if (!(largestJointGap(model.joints, tiles) <= kExactModel * size)) return "its joints do not close";
+  if (!(largestJointGap(model.joints, tiles) <= kExactModel * size))
+    return "its joints do not close";
   if (!(largestUnevenness(tiles) <= kExactModel * size)) return "its tiles are not flat";
-  if (!(leastCornerSine(tiles) >= kConvex)) return "its tiles are not convex";
+  if (!isConcave && !(leastCornerSine(tiles) >= kConvex)) return "its tiles are not convex";
   const std::vector<TileOverlap> overlaps = tileOverlaps(tiles, kTouching * size);
   if (overlaps.empty()) return "";
   return fmt::format("its tiles {} and {} overlap by {:.2g} m", overlaps[0].tileA,
                      overlaps[0].tileB, overlaps[0].depth);
 }
 
-std::string modelFault(const Model& model) {
-  const std::string atStart = stateFault(model, model.tiles);
+std::string modelFault(const Model& model, bool isConcave) {
+  const std::string atStart = stateFault(model, model.tiles, isConcave);
   if (!atStart.empty()) return atStart + " at the start";
   if (!model.target) return "";
   if (!(largestShapeChange(model.tiles, *model.target) <= kExactModel * tileSize(model))) {
     return "its tiles change their shape";
   }
-  const std::string atTarget = stateFault(model, *model.target);
+  const std::string atTarget = stateFault(model, *model.target, isConcave);
   return atTarget.empty() ? "" : atTarget + " at the target";
 }
 
@@ -369,6 +472,7 @@ const std::vector<Family>& families() {
     std::vector<Family> list;
     appendLattices(list);
     appendRegular(list);
+    appendConcave(list);
     appendShells(list);
     appendTilings(list);
     return list;
@@ -389,7 +493,7 @@ Model generateModel(const Family& family, const std::map<std::string, double>& g
   Model model = family.make(checkedValues(family, given));
   model.name = family.name;
   chooseJointFaces(model, FaceRule::Fold);
-  const std::string fault = modelFault(model);
+  const std::string fault = modelFault(model, family.isConcave);
   if (fault.empty()) return model;
   throw InputError(
       fmt::format("{}: error: no sheet with these parameters was found ({}); give values nearer to "

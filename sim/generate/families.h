@@ -42,6 +42,7 @@ struct Family {
   std::string help;  ///< one phrase
   std::vector<FamilyParameter> parameters;
   std::function<Model(const FamilyValues&)> make;
+  bool isConcave = false;  ///< whether its tiles need not be convex
 };
 
 /// All families, in the order in which help lists them.
@@ -51,8 +52,9 @@ const std::vector<Family>& families();
 const Family& familyNamed(const std::string& name);
 
 /// Makes a model and checks it: start and target congruent tile by tile, joints closed in both,
-/// tiles flat, convex and not overlapping, all to 1e-9 of a tile. Parameters that are not given
-/// have their usual values. Faces of joints are chosen from the deployed shape (FaceRule::Fold).
+/// tiles flat, convex (unless the family is concave) and not overlapping, all to 1e-9 of a tile.
+/// Parameters that are not given have their usual values. Faces of joints are chosen from the
+/// deployed shape (FaceRule::Fold).
 ///
 /// Throws InputError for a parameter that the family does not have or that is out of range, and for
 /// values with which no such sheet was found.

@@ -14,8 +14,7 @@ using std::numbers::pi;
 std::vector<Tile> wrapped(std::vector<Tile> flat, int sides, double side) {
   const double radius = 0.5 * side / std::sin(pi / sides);
   const auto edge = [&](int k) {
-    return Vector3(radius * std::cos(2 * pi * k / sides), radius * std::sin(2 * pi * k / sides),
-                   0);
+    return Vector3(radius * std::cos(2 * pi * k / sides), radius * std::sin(2 * pi * k / sides), 0);
   };
   return mapped(std::move(flat), [&](const Vector3& point) {
     const double around = point.x() / side + 0.5 * sides;

@@ -49,7 +49,7 @@ constexpr long mostPairs(std::size_t bricks) {
 Penetration deepestPenetration(const std::vector<Brick>& bricks, const Poses& poses);
 
 /// The same with joined bricks meeting without the corners that they share: what contacts hold
-/// apart. `zone` as in withoutSharedCorners.
+/// apart. `zone` as in cutLength.
 Penetration deepestPenetrationOutsidePivots(const std::vector<Brick>& bricks,
                                             std::span<const Pivot> pivots, double zone,
                                             const Poses& poses);

@@ -112,11 +112,12 @@ class JointJacobian {
   std::vector<Eigen::Triplet<double>> entries_;
 };
 
-void countDense(const Sparse& jacobian, Mobility& result) {
+/// `floor`: singular values up to it are what rounding leaves of zeros.
+void countDense(const Sparse& jacobian, double floor, Mobility& result) {
   const Eigen::BDCSVD<Eigen::MatrixXd> svd{Eigen::MatrixXd(jacobian)};
   const Eigen::VectorXd& values = svd.singularValues();
   for (const double value : values) {
-    const bool counts = value > kCounts * values[0];
+    const bool counts = value > std::max(floor, kCounts * values[0]);
     result.rank += counts ? 1 : 0;
     (counts ? result.leastKept : result.largestDropped) = value;
     if (!counts) break;
@@ -144,7 +145,7 @@ class SignCounter {
   Eigen::SimplicialLDLT<Sparse> factors_;
 };
 
-void countSparse(const Sparse& jacobian, Mobility& result) {
+void countSparse(const Sparse& jacobian, double floor, Mobility& result) {
   const Sparse square = jacobian.transpose() * jacobian;
   // Row sums bound the largest eigenvalue.
   double bound = 0;
@@ -155,7 +156,7 @@ void countSparse(const Sparse& jacobian, Mobility& result) {
     bound = std::max(bound, sum);
   }
   SignCounter counter(square);
-  const double threshold = kCounts * std::sqrt(bound);
+  const double threshold = std::max(floor, kCounts * std::sqrt(bound));
   const int dropped = counter.below(threshold);
   result.rank = result.unknowns - dropped;
   result.largestDropped = dropped > 0 ? threshold : 0;
@@ -168,6 +169,12 @@ void countSparse(const Sparse& jacobian, Mobility& result) {
 
 }  // namespace
 
+double zeroSingularValue(const Model& model) {
+  // A row's entries change by about a digit over a tile, and a sheet has more than one row.
+  constexpr double kDigits = 10;
+  return model.rounding > 0 ? kDigits * model.rounding / tileSize(model) : 0;
+}
+
 Mobility mobility(const Model& model, const std::vector<Tile>& state, Freedom freedom,
                   double thickness) {
   const JointJacobian equations(model, state, freedom, thickness);
@@ -178,8 +185,9 @@ Mobility mobility(const Model& model, const std::vector<Tile>& state, Freedom fr
   result.isCounted = result.equations == 0 || result.unknowns <= kMostUnknowns;
   if (!result.isCounted) return result;
   if (result.equations > 0) {
-    result.unknowns <= kMostDenseUnknowns ? countDense(jacobian, result)
-                                          : countSparse(jacobian, result);
+    const double floor = zeroSingularValue(model);
+    result.unknowns <= kMostDenseUnknowns ? countDense(jacobian, floor, result)
+                                          : countSparse(jacobian, floor, result);
   }
   result.freedoms = result.unknowns - result.rank - (freedom == Freedom::Plane ? 3 : 6);
   result.redundant = result.equations - result.rank;

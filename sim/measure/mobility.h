@@ -26,9 +26,14 @@ enum class Freedom {
   Space,
 };
 
+/// The singular value up to which rounding of the model's coordinates explains one that should be
+/// zero: ten times the last digit, in tiles.
+double zeroSingularValue(const Model& model);
+
 /// The mobility of the model's joints with its tiles in the given state, for bricks of this
 /// thickness in metres (joints on both faces are hinges). Rotations are measured in tile sizes, so
-/// that singular values are plain numbers; those above 1e-6 of the largest count. Up to 900
+/// that singular values are plain numbers; those above 1e-6 of the largest and above
+/// zeroSingularValue() count. Up to 900
 /// unknowns by a dense singular value decomposition; above, by counting the pivots' signs of J^T J
 /// - s^2 (Sylvester's law of inertia), with singular values known to powers of ten. More than
 /// 60,000 unknowns, as of 10,000 tiles in space, are not counted: that takes minutes.

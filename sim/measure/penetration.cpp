@@ -11,6 +11,9 @@
 // not be projected. Any axis gives an upper bound of the depth: the search for a pair stops as soon
 // as that bound is not above what is known already.
 //
+// A concave brick is looked at piece by piece (see convex_parts.h); two such bricks overlap by as
+// much as their deepest pair of pieces, which no move that separates them can be shorter than.
+//
 // Pairs are found by sweep and prune: sorted by the low sides of their boxes along the axis on
 // which the bricks are spread most, a brick can only meet those that begin before it ends.
 
@@ -34,15 +37,16 @@ bool isParallel(const Vector3& a, const Vector3& b) {
   return a.cross(b).squaredNorm() < kParallel * kParallel;
 }
 
-/// What of a brick decides its overlaps, in brick axes.
+/// What of a convex piece of a brick decides its overlaps, in brick axes.
 struct Prism {
+  int brick = 0;  ///< that it is a piece of
   std::vector<Vector3> bottom;
   std::vector<Vector3> directions;  ///< the normal, then those of the edges, parallel ones once
   double thickness = 0;
 };
 
-Prism prismOf(const Brick& brick) {
-  Prism prism{brick.bottom, {brick.normal}, brick.thickness};
+Prism prismOf(const Brick& brick, int number) {
+  Prism prism{number, brick.bottom, {brick.normal}, brick.thickness};
   for (std::size_t k = 0; k < brick.bottom.size(); ++k) {
     const Vector3& next = brick.bottom[(k + 1) % brick.bottom.size()];
     const Vector3 edge = (next - brick.bottom[k]).normalized();
@@ -56,12 +60,25 @@ Prism prismOf(const Brick& brick) {
 std::vector<Prism> prismsOf(const std::vector<Brick>& bricks) {
   std::vector<Prism> prisms;
   prisms.reserve(bricks.size());
-  for (const Brick& brick : bricks) prisms.push_back(prismOf(brick));
+  for (const BrickPiece& piece : convexPieces(bricks)) {
+    prisms.push_back(prismOf(piece.shape, piece.brick));
+  }
+  return prisms;
+}
+
+/// The pieces of one brick of a joined pair, without the corners that both share.
+std::vector<Prism> cutPrismsOf(const Brick& brick, int number, const std::vector<int>& corners,
+                               double length) {
+  std::vector<Prism> prisms;
+  for (const BrickPiece& piece : convexPieces(brick, number)) {
+    prisms.push_back(prismOf(withoutCorners(piece, corners, length), number));
+  }
   return prisms;
 }
 
 /// A prism at its pose, in world axes.
 struct PlacedPrism {
+  int brick = 0;
   std::vector<Vector3> bottom;
   std::vector<Vector3> directions;
   Vector3 rise;  ///< from bottom to top
@@ -71,6 +88,7 @@ struct PlacedPrism {
 
   void place(const Prism& prism, const Pose& pose) {
     const Matrix3 turn = pose.rotation.toRotationMatrix();
+    brick = prism.brick;
     directions.clear();
     for (const Vector3& direction : prism.directions) directions.push_back(turn * direction);
     rise = prism.thickness * normal();
@@ -107,6 +125,12 @@ double overlapAlong(const PlacedPrism& a, const PlacedPrism& b, const Vector3& a
   const Projection intervalA = project(a, axis);
   const Projection intervalB = project(b, axis);
   return std::min(intervalA.high - intervalB.low, intervalB.high - intervalA.low);
+}
+
+Eigen::AlignedBox3d boxOf(std::span<const PlacedPrism> pieces) {
+  Eigen::AlignedBox3d box;
+  for (const PlacedPrism& piece : pieces) box.extend(piece.box);
+  return box;
 }
 
 double overlapOfBoxes(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b) {
@@ -183,17 +207,28 @@ class PlacedPrisms {
  public:
   void place(const std::vector<Prism>& prisms, const Poses& poses) {
     placed_.resize(prisms.size());
-    for (std::size_t i = 0; i < prisms.size(); ++i) placed_[i].place(prisms[i], poses[i]);
+    first_.assign(poses.size() + 1, static_cast<int>(prisms.size()));
+    for (std::size_t i = prisms.size(); i-- > 0;) {
+      placed_[i].place(prisms[i], poses[prisms[i].brick]);
+      first_[prisms[i].brick] = static_cast<int>(i);
+    }
     sort();
   }
 
-  const PlacedPrism& operator[](int brick) const {
-    return placed_[static_cast<std::size_t>(brick)];
+  /// By the piece's number.
+  const PlacedPrism& operator[](int piece) const {
+    return placed_[static_cast<std::size_t>(piece)];
   }
 
-  /// Visits the numbers of the pairs whose boxes overlap by more than `least()`, mostPairs() of
-  /// them, the smaller first, in an order that is the same everywhere. Returns whether these were
-  /// all.
+  /// All pieces of a brick.
+  std::span<const PlacedPrism> of(int brick) const {
+    const int first = first_[brick];
+    return std::span(placed_).subspan(first, first_[brick + 1] - first);
+  }
+
+  /// Visits the numbers of the pairs of pieces of different bricks whose boxes overlap by more than
+  /// `least()`, mostPairs() of them, the smaller first, in an order that is the same everywhere.
+  /// Returns whether these were all.
   template <typename Least, typename Visit>
   bool visitNearPairs(const Least& least, const Visit& visit) const {
     long left = mostPairs(order_.size());
@@ -203,6 +238,7 @@ class PlacedPrisms {
         const PlacedPrism& second = (*this)[order_[j]];
         if (second.box.min()[axis_] >= first.box.max()[axis_]) break;
         if (overlapOfBoxes(first.box, second.box) <= least()) continue;
+        if (first.brick == second.brick) continue;
         if (left-- == 0) return false;
         const auto [a, b] = std::minmax(order_[i], order_[j]);
         visit(a, b);
@@ -226,6 +262,7 @@ class PlacedPrisms {
   }
 
   std::vector<PlacedPrism> placed_;
+  std::vector<int> first_;  // piece of each brick, and the count of all
   std::vector<int> order_;  // by the low sides of their boxes
   int axis_ = 0;
 };
@@ -234,11 +271,11 @@ class PlacedPrisms {
 struct JoinedPair {
   int a = 0;  ///< the smaller number
   int b = 0;
-  Prism cutA;
-  Prism cutB;
-  double atStart = 0;       ///< depth of the cut pair, metres
-  std::size_t hint = 0;     ///< axis of the whole pair
-  std::size_t hintCut = 0;  ///< axis of the cut pair
+  std::vector<Prism> cutA;
+  std::vector<Prism> cutB;
+  double atStart = 0;                 ///< depth of the cut pair, metres
+  std::vector<std::size_t> hints;     ///< axes of the whole pair, one for each pair of pieces
+  std::vector<std::size_t> hintsCut;  ///< axes of the cut pair
 };
 
 std::vector<JoinedPair> joinedPairs(const std::vector<Brick>& bricks, std::span<const Pivot> pivots,
@@ -246,11 +283,35 @@ std::vector<JoinedPair> joinedPairs(const std::vector<Brick>& bricks, std::span<
   std::vector<JoinedPair> pairs;
   for (const auto& [numbers, corners] : sharedCorners(pivots)) {
     const auto [a, b] = numbers;
-    const auto [cutA, cutB] = withoutSharedCorners(
-        bricks[static_cast<std::size_t>(a)], bricks[static_cast<std::size_t>(b)], corners, zone);
-    pairs.push_back({a, b, prismOf(cutA), prismOf(cutB)});
+    const double length = cutLength(bricks[a], bricks[b], zone);
+    JoinedPair& pair =
+        pairs.emplace_back(JoinedPair{a, b, cutPrismsOf(bricks[a], a, corners.ofA, length),
+                                      cutPrismsOf(bricks[b], b, corners.ofB, length)});
+    pair.hints.resize(pair.cutA.size() * pair.cutB.size());
+    pair.hintsCut = pair.hints;
   }
   return pairs;
+}
+
+/// Places pieces at the pose of their brick; `placed` is filled anew and keeps its memory.
+void placeAll(const std::vector<Prism>& prisms, const Pose& pose,
+              std::vector<PlacedPrism>& placed) {
+  placed.resize(prisms.size());
+  for (std::size_t k = 0; k < prisms.size(); ++k) placed[k].place(prisms[k], pose);
+}
+
+/// The deepest overlap of any two pieces of two bricks, or something not above `known`. `hints`:
+/// one for each pair of pieces.
+double deepestOf(std::span<const PlacedPrism> a, std::span<const PlacedPrism> b, double known,
+                 std::vector<std::size_t>& hints) {
+  double deepest = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const double depth = pairDepth(a[i], b[j], std::max(known, deepest), hints[i * b.size() + j]);
+      deepest = std::max(deepest, depth);
+    }
+  }
+  return deepest;
 }
 
 /// Overlaps in a state, the deepest first, and whether all near pairs were looked at.
@@ -265,23 +326,30 @@ Overlaps overlapsOutsidePivots(const std::vector<Brick>& bricks, std::span<const
   placed.place(prismsOf(bricks), poses);
   const auto joined = sharedCorners(pivots);
   Overlaps found;
-  PlacedPrism cutA;
-  PlacedPrism cutB;
-  const auto depthOf = [&](int a, int b) {
+  std::vector<PlacedPrism> cutA;
+  std::vector<PlacedPrism> cutB;
+  const auto depthOf = [&](int pieceA, int pieceB) {
+    const int a = placed[pieceA].brick, b = placed[pieceB].brick;
     const auto corners = joined.find({a, b});
-    if (corners == joined.end()) return pairDepth(placed[a], placed[b], least);
-    const auto i = static_cast<std::size_t>(a);
-    const auto j = static_cast<std::size_t>(b);
-    const auto [brickA, brickB] = withoutSharedCorners(bricks[i], bricks[j], corners->second, zone);
-    cutA.place(prismOf(brickA), poses[i]);
-    cutB.place(prismOf(brickB), poses[j]);
-    return pairDepth(cutA, cutB, least);
+    if (corners == joined.end()) return pairDepth(placed[pieceA], placed[pieceB], least);
+    const double length = cutLength(bricks[a], bricks[b], zone);
+    std::vector<std::size_t> hints(placed.of(a).size() * placed.of(b).size(),
+                                   std::numeric_limits<std::size_t>::max());
+    placeAll(cutPrismsOf(bricks[a], a, corners->second.ofA, length), poses[a], cutA);
+    placeAll(cutPrismsOf(bricks[b], b, corners->second.ofB, length), poses[b], cutB);
+    return deepestOf(cutA, cutB, least, hints);
   };
-  found.areAll = placed.visitNearPairs([least] { return least; },
-                                       [&](int a, int b) {
-                                         const double depth = depthOf(a, b);
-                                         if (depth > least) found.pairs.push_back({depth, a, b});
-                                       });
+  // Bricks of several pieces meet in several pairs: the deepest counts.
+  std::map<std::pair<int, int>, double> depths;
+  found.areAll = placed.visitNearPairs(
+      [least] { return least; },
+      [&](int pieceA, int pieceB) {
+        const double depth = depthOf(pieceA, pieceB);
+        if (depth <= least) return;
+        double& deepest = depths[{placed[pieceA].brick, placed[pieceB].brick}];
+        deepest = std::max(deepest, depth);
+      });
+  for (const auto& [pair, depth] : depths) found.pairs.push_back({depth, pair.first, pair.second});
   std::ranges::sort(found.pairs, [](const Penetration& one, const Penetration& other) {
     return std::tuple(-one.depth, one.brickA, one.brickB) <
            std::tuple(-other.depth, other.brickA, other.brickB);
@@ -298,7 +366,8 @@ Penetration deepestPenetration(const std::vector<Brick>& bricks, const Poses& po
   placed.visitNearPairs([&] { return deepest.depth; },
                         [&](int a, int b) {
                           const double depth = pairDepth(placed[a], placed[b], deepest.depth);
-                          if (depth > deepest.depth) deepest = {depth, a, b};
+                          if (depth <= deepest.depth) return;
+                          deepest = {depth, placed[a].brick, placed[b].brick};
                         });
   return deepest;
 }
@@ -323,8 +392,8 @@ struct PenetrationMeter::Internals {
   std::map<std::pair<int, int>, double> atStart;  // metres, of pairs that are not joined
   bool seesAllPairs = true;                       // of the start
   PlacedPrisms placed;
-  PlacedPrism cutA;
-  PlacedPrism cutB;
+  std::vector<PlacedPrism> cutA;
+  std::vector<PlacedPrism> cutB;
 
   bool isJoined(int a, int b) const {
     const std::vector<int>& others = partners[static_cast<std::size_t>(a)];
@@ -337,16 +406,16 @@ struct PenetrationMeter::Internals {
   }
 
   void measureJoined(JoinedPair& pair, const Poses& poses, PenetrationDepths& depths) {
-    const PlacedPrism& a = placed[pair.a];
-    const PlacedPrism& b = placed[pair.b];
-    const double most = overlapOfBoxes(a.box, b.box);
-    if (most > depths.whole)
-      depths.whole = std::max(depths.whole, pairDepth(a, b, depths.whole, pair.hint));
+    const std::span<const PlacedPrism> a = placed.of(pair.a), b = placed.of(pair.b);
+    const double most = overlapOfBoxes(boxOf(a), boxOf(b));
+    if (most > depths.whole) {
+      depths.whole = std::max(depths.whole, deepestOf(a, b, depths.whole, pair.hints));
+    }
     const double known = std::min(depths.outsidePivots, depths.grown + pair.atStart);
     if (most <= known) return;
-    cutA.place(pair.cutA, poses[static_cast<std::size_t>(pair.a)]);
-    cutB.place(pair.cutB, poses[static_cast<std::size_t>(pair.b)]);
-    const double depth = pairDepth(cutA, cutB, known, pair.hintCut);
+    placeAll(pair.cutA, poses[pair.a], cutA);
+    placeAll(pair.cutB, poses[pair.b], cutB);
+    const double depth = deepestOf(cutA, cutB, known, pair.hintsCut);
     depths.outsidePivots = std::max(depths.outsidePivots, depth);
     depths.grown = std::max(depths.grown, depth - pair.atStart);
   }
@@ -357,9 +426,10 @@ struct PenetrationMeter::Internals {
       const double least = std::min(depths.whole, depths.outsidePivots);
       return std::min(least, depths.grown);
     };
-    placed.visitNearPairs(known, [&](int a, int b) {
+    placed.visitNearPairs(known, [&](int pieceA, int pieceB) {
+      const int a = placed[pieceA].brick, b = placed[pieceB].brick;
       if (isJoined(a, b)) return;
-      const double depth = pairDepth(placed[a], placed[b], known());
+      const double depth = pairDepth(placed[pieceA], placed[pieceB], known());
       depths.whole = std::max(depths.whole, depth);
       depths.outsidePivots = std::max(depths.outsidePivots, depth);
       // What a pair had at the start is not known of those that were not looked at.

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 #include <numeric>
 
 #include "sim/measure/measures.h"
+#include "sim/model/convex_parts.h"
 
 namespace kirireel {
 namespace {
@@ -12,9 +14,10 @@ namespace {
 // Planes whose normals differ by less than this sine are compared as one plane.
 constexpr double kParallelPlanes = 1e-6;
 
-/// A tile with what the tests of a pair need.
+/// A tile, or a convex part of one, with what the tests of a pair need.
 struct PlacedTile {
-  const std::vector<Vector3>* vertices = nullptr;
+  int tile = 0;
+  std::vector<Vector3> vertices;
   Vector3 normal;
   Eigen::AlignedBox3d box;
 };
@@ -37,7 +40,7 @@ double overlap(const Interval& a, const Interval& b) {
 
 Interval project(const PlacedTile& tile, const Vector3& axis, const Vector3& origin) {
   Interval interval;
-  for (const Vector3& vertex : *tile.vertices) interval.extend(axis.dot(vertex - origin));
+  for (const Vector3& vertex : tile.vertices) interval.extend(axis.dot(vertex - origin));
   return interval;
 }
 
@@ -45,7 +48,7 @@ Interval project(const PlacedTile& tile, const Vector3& axis, const Vector3& ori
 double depthInPlane(const PlacedTile& a, const PlacedTile& b) {
   double depth = std::numeric_limits<double>::infinity();
   for (const PlacedTile* tile : {&a, &b}) {
-    const std::vector<Vector3>& vertices = *tile->vertices;
+    const std::vector<Vector3>& vertices = tile->vertices;
     for (std::size_t k = 0; k < vertices.size(); ++k) {
       const Vector3 edge = vertices[(k + 1) % vertices.size()] - vertices[k];
       const Vector3 across = edge.cross(tile->normal).normalized();
@@ -61,7 +64,7 @@ double depthInPlane(const PlacedTile& a, const PlacedTile& b) {
 Interval cut(const PlacedTile& tile, const Vector3& planeNormal, const Vector3& origin,
              const Vector3& direction) {
   Interval interval;
-  const std::vector<Vector3>& vertices = *tile.vertices;
+  const std::vector<Vector3>& vertices = tile.vertices;
   for (std::size_t k = 0; k < vertices.size(); ++k) {
     const Vector3& from = vertices[k];
     const Vector3& to = vertices[(k + 1) % vertices.size()];
@@ -78,8 +81,8 @@ Interval cut(const PlacedTile& tile, const Vector3& planeNormal, const Vector3& 
 /// on either side of the other's plane and of the length that their cuts share.
 double depthAcross(const PlacedTile& a, const PlacedTile& b) {
   const Vector3 direction = a.normal.cross(b.normal).normalized();
-  const Vector3& pointA = a.vertices->front();
-  const Vector3& pointB = b.vertices->front();
+  const Vector3& pointA = a.vertices.front();
+  const Vector3& pointB = b.vertices.front();
   // A point of both planes, nearest to the first tile's.
   const Vector3 inA = direction.cross(a.normal);
   const Vector3 origin = pointA + b.normal.dot(pointB - pointA) / b.normal.dot(inA) * inA;
@@ -92,40 +95,55 @@ double depthAcross(const PlacedTile& a, const PlacedTile& b) {
 
 double depthOf(const PlacedTile& a, const PlacedTile& b, double tolerance) {
   if (a.normal.cross(b.normal).norm() > kParallelPlanes) return depthAcross(a, b);
-  const Vector3& origin = a.vertices->front();
+  const Vector3& origin = a.vertices.front();
   const Interval height = project(b, a.normal, origin);
   if (height.low > tolerance || height.high < -tolerance) return 0;
   return depthInPlane(a, b);
 }
 
+std::vector<PlacedTile> convexPartsOf(const std::vector<Tile>& tiles) {
+  std::vector<PlacedTile> placed;
+  for (int i = 0; i < std::ssize(tiles); ++i) {
+    const std::vector<Vector3>& vertices = tiles[std::size_t(i)].vertices;
+    const Vector3 normal = tileNormal(tiles[std::size_t(i)]);
+    for (const PolygonPart& part : convexParts(vertices, normal)) {
+      PlacedTile& entry = placed.emplace_back(PlacedTile{i, {}, normal, {}});
+      for (const int corner : part) {
+        entry.vertices.push_back(vertices[std::size_t(corner)]);
+        entry.box.extend(entry.vertices.back());
+      }
+    }
+  }
+  return placed;
+}
+
 }  // namespace
 
 std::vector<TileOverlap> tileOverlaps(const std::vector<Tile>& tiles, double tolerance) {
-  std::vector<PlacedTile> placed;
-  for (const Tile& tile : tiles) {
-    PlacedTile& entry = placed.emplace_back(PlacedTile{&tile.vertices, tileNormal(tile), {}});
-    for (const Vector3& vertex : tile.vertices) entry.box.extend(vertex);
-  }
+  const std::vector<PlacedTile> placed = convexPartsOf(tiles);
   // In order of their left sides, a tile can only meet those that start before it ends.
-  std::vector<int> order(tiles.size());
+  std::vector<int> order(placed.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
     return placed[std::size_t(a)].box.min().x() < placed[std::size_t(b)].box.min().x();
   });
-  std::vector<TileOverlap> found;
+  std::map<std::pair<int, int>, double> depths;  // the deepest pair of parts
   long left = mostPairs(tiles.size());
   for (std::size_t i = 0; i < order.size() && left > 0; ++i) {
     const PlacedTile& first = placed[std::size_t(order[i])];
     for (std::size_t j = i + 1; j < order.size() && left > 0; ++j) {
       const PlacedTile& second = placed[std::size_t(order[j])];
       if (second.box.min().x() > first.box.max().x() - tolerance) break;
-      if (!first.box.intersects(second.box)) continue;
+      if (first.tile == second.tile || !first.box.intersects(second.box)) continue;
       --left;
       const double depth = depthOf(first, second, tolerance);
       if (depth <= tolerance) continue;
-      found.push_back({std::min(order[i], order[j]), std::max(order[i], order[j]), depth});
+      double& deepest = depths[std::minmax(first.tile, second.tile)];
+      deepest = std::max(deepest, depth);
     }
   }
+  std::vector<TileOverlap> found;
+  for (const auto& [pair, depth] : depths) found.push_back({pair.first, pair.second, depth});
   std::stable_sort(found.begin(), found.end(),
                    [](const auto& a, const auto& b) { return a.depth > b.depth; });
   return found;

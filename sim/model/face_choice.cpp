@@ -3,7 +3,7 @@
 #include <optional>
 #include <utility>
 
-#include "sim/model/shared_corners.h"
+#include "sim/model/rounding.h"
 
 namespace kirireel {
 namespace {
@@ -60,7 +60,7 @@ JointFace faceOf(const Joint& joint, const std::vector<Tile>& tiles, FaceRule ru
 }  // namespace
 
 void chooseJointFaces(Model& model, FaceRule rule) {
-  const double tolerance = kSamePlace * modelSize(model);
+  const double tolerance = samePlaceTolerance(model.tiles);
   const std::vector<Tile>& deployed = model.target ? *model.target : model.tiles;
   const bool planar = liesFlat(model.tiles, tolerance) && liesFlat(deployed, tolerance);
   for (Joint& joint : model.joints) {

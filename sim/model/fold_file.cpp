@@ -1,6 +1,7 @@
 #include "sim/model/fold_file.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -14,7 +15,9 @@
 #include "sim/base/input_file.h"
 #include "sim/base/pending_file.h"
 #include "sim/base/spelling.h"
+#include "sim/model/creases.h"
 #include "sim/model/joint_checks.h"
+#include "sim/model/mending.h"
 #include "sim/model/shared_corners.h"
 #include "sim/model/text_table.h"
 #include "sim/model/tile_checks.h"
@@ -114,6 +117,29 @@ class FoldReader {
     for (const Json* frame : frames()) requireSoundEdges(*frame, vertexCount);
   }
 
+  /// The edges of the first frame that has some, which requireSoundEdges has found to be sound.
+  std::vector<Crease> creases() const {
+    std::vector<const Json*> all = frames();
+    all.insert(all.begin(), &whole_);
+    for (const Json* frame : all) {
+      const Json* edges = find(*frame, "edges_vertices");
+      if (edges == nullptr) continue;
+      const Json* assignment = find(*frame, "edges_assignment");
+      const Json* angles = find(*frame, "edges_foldAngle");
+      std::vector<Crease> creases;
+      for (std::size_t k = 0; k < edges->size(); ++k) {
+        Crease& crease = creases.emplace_back();
+        crease.from = (*edges)[k][0].get<int>();
+        crease.to = (*edges)[k][1].get<int>();
+        if (assignment != nullptr) crease.assignment = letterOf((*assignment)[k]);
+        const bool hasAngle = angles != nullptr && (*angles)[k].is_number();
+        if (hasAngle) crease.foldAngle = (*angles)[k].get<double>();
+      }
+      return creases;
+    }
+    return {};
+  }
+
   /// Kirireel's own list of joints; null when there is none.
   const Json* ownJoints() const { return find(whole_, kJoints); }
 
@@ -183,13 +209,53 @@ class FoldReader {
       }
       ++number;
     }
+    requireSoundAssignment(frame, edges->size());
+    requireSoundAngles(frame, edges->size());
+  }
+
+  void requireSoundAssignment(const Json& frame, std::size_t count) const {
     const Json* assignment = find(frame, "edges_assignment");
     if (assignment == nullptr) return;
-    if (assignment->is_array() && assignment->size() == edges->size()) return;
-    throw fault(
-        fmt::format("edges_assignment is no list of {} letters, one for each edge; correct "
-                    "or delete it",
-                    edges->size()));
+    if (!assignment->is_array() || assignment->size() != count) {
+      throw fault(
+          fmt::format("edges_assignment is no list of {} letters, one for each edge; correct "
+                      "or delete it",
+                      count));
+    }
+    for (std::size_t k = 0; k < count; ++k) {
+      if (letterOf((*assignment)[k]) != 0) continue;
+      throw fault(
+          fmt::format("edge {} has an assignment that FOLD does not know; write one of B, "
+                      "M, V, F, U, C, J",
+                      k));
+    }
+  }
+
+  void requireSoundAngles(const Json& frame, std::size_t count) const {
+    const Json* angles = find(frame, "edges_foldAngle");
+    if (angles == nullptr) return;
+    if (!angles->is_array() || angles->size() != count) {
+      throw fault(
+          fmt::format("edges_foldAngle is no list of {} angles, one for each edge; correct "
+                      "or delete it",
+                      count));
+    }
+    for (std::size_t k = 0; k < count; ++k) {
+      const Json& angle = (*angles)[k];
+      if (angle.is_null() || (angle.is_number() && std::abs(angle.get<double>()) <= 180)) continue;
+      throw fault(
+          fmt::format("edge {} has a fold angle that is no number of degrees from -180 to "
+                      "180, nor null; correct it",
+                      k));
+    }
+  }
+
+  /// The letter of an assignment as a capital; 0 where it is none.
+  static char letterOf(const Json& value) {
+    if (!value.is_string() || value.get_ref<const std::string&>().size() != 1) return 0;
+    const char letter =
+        static_cast<char>(std::toupper(static_cast<unsigned char>(value.get<std::string>()[0])));
+    return std::string_view("BMVFUCJ").find(letter) == std::string_view::npos ? '\0' : letter;
   }
 
   std::vector<Vector3> points(const Json& coordinates) const {
@@ -235,32 +301,58 @@ Joint ofKind(JointKind kind, const Joint& joint, const FoldReader& reader,
                   joint.a.tile, joint.b.tile));
 }
 
-std::vector<Joint> readOwnJoints(const FoldReader& reader, const TileTable& tiles) {
+std::vector<Joint> readOwnJoints(const FoldReader& reader, const TileTable& tiles, Model& model,
+                                 std::vector<std::string>& warnings) {
   JointTable table;
   table.file = tiles.file;
-  std::vector<JointKind> kinds;
   for (const Json& entry : *reader.ownJoints()) {
-    const std::vector<int> numbers = reader.wholeNumbers(entry, kinds.size());
+    const std::vector<int> numbers = reader.wholeNumbers(entry, table.rows.size());
     if (numbers.size() != 5 && numbers.size() != 6) {
       throw reader.fault(
           fmt::format("joint {} has {} numbers; write tile, vertex, tile, vertex, "
                       "face, and kind unless it is a pivot",
-                      kinds.size(), numbers.size()));
+                      table.rows.size(), numbers.size()));
     }
     JointRow& row = table.rows.emplace_back();
     std::copy_n(numbers.begin(), 5, row.values.begin());
     const int kind = numbers.size() == 5 ? 0 : numbers[5];
     if (kind < 0 || kind > 2) {
-      throw reader.fault(fmt::format(
-          "joint {} has the kind {}; write 0 (pivot), 1 (link) or 2 (fixed)", kinds.size(), kind));
+      throw reader.fault(
+          fmt::format("joint {} has the kind {}; write 0 (pivot), 1 (link) or 2 (fixed)",
+                      table.rows.size() - 1, kind));
     }
-    kinds.push_back(static_cast<JointKind>(kind));
+    row.kind = static_cast<JointKind>(kind);
   }
+  dropRepeatedJoints(table, model, warnings);
   std::vector<Joint> joints = checkedJoints(table, tiles);
   for (std::size_t k = 0; k < joints.size(); ++k) {
-    joints[k] = ofKind(kinds[k], joints[k], reader, tiles.tiles);
+    joints[k] = ofKind(table.rows[k].kind, joints[k], reader, tiles.tiles);
   }
   return joints;
+}
+
+/// A flat sheet whose creases have angles goes where they fold it.
+void foldAlong(const std::vector<Crease>& creases, const CornerNumbers& faces, Model& model,
+               const fs::path& file, std::vector<std::string>& warnings) {
+  constexpr double kTorn = 0.05;  // of a tile
+  if (!liesFlat(model.tiles, 1e-9 * modelSize(model))) return;
+  std::optional<std::vector<Tile>> folded = foldedTiles(faces, creases, model.tiles);
+  if (!folded) return;
+  double worst = 0;
+  for (const Joint& joint : model.joints) {
+    if (joint.kind != JointKind::Pivot) continue;
+    const Vector3& a = (*folded)[joint.a.tile].vertices[joint.a.vertex];
+    const Vector3& b = (*folded)[joint.b.tile].vertices[joint.b.vertex];
+    worst = std::max(worst, (a - b).norm());
+  }
+  if (worst > kTorn * tileSize(model)) {
+    warnings.push_back(
+        fmt::format("{}: warning: folded by its edges_foldAngle, joints would open by "
+                    "{:.2g} m; the angles are left out, and there is no target",
+                    file.string(), worst));
+    return;
+  }
+  model.target = std::move(folded);
 }
 
 Json coordinatesOf(const std::vector<Tile>& tiles, const CornerNumbers& numbers) {
@@ -275,6 +367,18 @@ Json coordinatesOf(const std::vector<Tile>& tiles, const CornerNumbers& numbers)
   return list;
 }
 
+void addCreases(const std::vector<Crease>& creases, Json& json) {
+  Json edges = Json::array(), assignment = Json::array(), angles = Json::array();
+  for (const Crease& crease : creases) {
+    edges.push_back({crease.from, crease.to});
+    assignment.push_back(std::string(1, crease.assignment));
+    angles.push_back(crease.foldAngle ? Json(*crease.foldAngle) : Json());
+  }
+  json["edges_vertices"] = std::move(edges);
+  json["edges_assignment"] = std::move(assignment);
+  json["edges_foldAngle"] = std::move(angles);
+}
+
 }  // namespace
 
 Model readFold(const fs::path& file, std::vector<std::string>& warnings) {
@@ -282,33 +386,38 @@ Model readFold(const fs::path& file, std::vector<std::string>& warnings) {
   const CornerNumbers faces = reader.faces();
   const std::vector<std::vector<Vector3>> states = reader.states();
   reader.requireSoundEdges(states.front().size());
+  const std::vector<Crease> creases = reader.creases();
   const TileTable start = tableOf(file, reader.tiles(faces, states.front()));
   checkTiles(start);
-  checkOrientation(start, warnings);
   Model model;
   model.name = file.stem().string();
   model.tiles = start.tiles;
-  model.joints =
-      reader.ownJoints() != nullptr ? readOwnJoints(reader, start) : jointsOfSharedNumbers(faces);
+  model.joints = reader.ownJoints() != nullptr ? readOwnJoints(reader, start, model, warnings)
+                                               : jointsOfCreases(faces, creases, start.tiles);
   if (states.size() > 1) {
     const TileTable target = tableOf(file, reader.tiles(faces, states.back()));
     checkTarget(target, model, start, warnings);
     model.target = target.tiles;
   }
+  if (states.size() == 1) foldAlong(creases, faces, model, file, warnings);
   model.pulledTiles = reader.pulledTiles(model.tiles.size());
+  turnClockwiseTiles(start, model, warnings);
   return model;
 }
 
-void writeFold(const Model& model, const fs::path& file) {
+void writeFold(const Model& inOrder, const fs::path& file) {
+  const Model model = inFileOrder(inOrder);
   const CornerNumbers numbers = sharedNumbers(model);
   Json json;
-  json["file_spec"] = 1.1;
+  json["file_spec"] = 1.2;
   json["file_creator"] = "Kirireel";
   json["file_classes"] = {model.target ? "animation" : "singleModel"};
   json["frame_title"] = "start";
-  json["frame_classes"] = {"foldedForm"};
+  const bool isFlat = liesFlat(model.tiles, 1e-9 * modelSize(model));
+  json["frame_classes"] = {isFlat ? "creasePattern" : "foldedForm"};
   json["vertices_coords"] = coordinatesOf(model.tiles, numbers);
   json["faces_vertices"] = numbers;
+  addCreases(creasesOf(numbers, model.target && isFlat ? *model.target : model.tiles), json);
   if (model.target) {
     Json frame;
     frame["frame_title"] = "target";

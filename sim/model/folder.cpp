@@ -8,6 +8,7 @@
 #include "sim/base/input_file.h"
 #include "sim/base/pending_file.h"
 #include "sim/model/joint_checks.h"
+#include "sim/model/mending.h"
 #include "sim/model/text_table.h"
 #include "sim/model/tile_checks.h"
 
@@ -106,15 +107,13 @@ JointRow readJointRow(const TextTable& text, const TextLine& line) {
   return row;
 }
 
-JointTable readJointRows(const fs::path& file) {
+JointTable readJointRows(const fs::path& file, Model& model, std::vector<std::string>& warnings) {
   TextTable text(file, kJointPurpose);
   JointTable table;
   table.file = file;
   TextLine line;
   while (text.next(line)) table.rows.push_back(readJointRow(text, line));
-  if (table.rows.empty() && !text.hasComment()) {
-    throw inputErrorAt({file}, fmt::format("the file is empty; {}", kJointPurpose));
-  }
+  if (table.rows.empty() && !text.hasComment()) noteNoJoints(file, model, warnings);
   return table;
 }
 
@@ -164,7 +163,6 @@ std::vector<Corner> readHull(const fs::path& file, const std::vector<Tile>& tile
       {file}, fmt::format("{} corners do not go round anything; {}", hull.size(), kHullPurpose));
 }
 
-/// A file that an earlier model left would become part of this one.
 std::string tilesText(const std::vector<Tile>& tiles) {
   std::string text;
   for (const Tile& tile : tiles) {
@@ -216,18 +214,26 @@ std::string hullText(const std::vector<Corner>& hull) {
   return text;
 }
 
+fs::path jointsFileOf(const fs::path& folder, const ReadSettings& settings) {
+  if (settings.jointsFile.empty()) return folder / "constraints.txt";
+  const fs::path inside = folder / settings.jointsFile;
+  return fs::exists(settings.jointsFile) || !fs::exists(inside) ? settings.jointsFile : inside;
+}
+
 }  // namespace
 
-Model readModelFolder(const fs::path& folder, std::vector<std::string>& warnings) {
+Model readModelFolder(const fs::path& folder, const ReadSettings& settings,
+                      std::vector<std::string>& warnings) {
   requireFolder(folder);
   const TileTable tiles = readTiles(folder / "vertices.txt");
   checkTiles(tiles);
-  checkOrientation(tiles, warnings);
   Model model;
   model.name = folderName(folder);
   model.tiles = tiles.tiles;
 
-  const JointTable joints = readJointRows(folder / "constraints.txt");
+  JointTable joints = readJointRows(jointsFileOf(folder, settings), model, warnings);
+  mendBase(joints, tiles, model, warnings);
+  dropRepeatedJoints(joints, model, warnings);
   model.joints = checkedJoints(joints, tiles);
   checkClosed(joints, model, tiles, warnings);
 
@@ -240,25 +246,32 @@ Model readModelFolder(const fs::path& folder, std::vector<std::string>& warnings
   if (fs::exists(folder / "pull.txt")) {
     model.pulledTiles = readPulledTiles(folder / "pull.txt", static_cast<int>(model.tiles.size()));
   }
+  turnClockwiseTiles(tiles, model, warnings);
   return model;
+}
+
+Model readModelFolder(const fs::path& folder, std::vector<std::string>& warnings) {
+  return readModelFolder(folder, {}, warnings);
 }
 
 std::vector<Tile> readTargetFile(const fs::path& file, const Model& model,
                                  std::vector<std::string>& warnings) {
   const TileTable target = readTiles(file);
-  TileTable start{model.name, model.tiles, {}};
+  const Model asInFile = inFileOrder(model);
+  TileTable start{model.name, asInFile.tiles, {}};
   for (std::size_t i = 0; i < model.tiles.size(); ++i) {
     start.sources.push_back({static_cast<int>(i) + 1, {}});
   }
-  checkTarget(target, model, start, warnings);
-  return target.tiles;
+  checkTarget(target, asInFile, start, warnings);
+  return inFileOrder(target.tiles, model.fileOrder);
 }
 
 std::vector<Tile> readTileFile(const fs::path& file) {
   return readTiles(file).tiles;
 }
 
-void writeModelFolder(const Model& model, const fs::path& folder) {
+void writeModelFolder(const Model& inOrder, const fs::path& folder) {
+  const Model model = inFileOrder(inOrder);
   requirePivots(model, folder);
   // An empty text stands for a file that must not be there.
   const std::vector<std::pair<const char*, std::string>> files = {

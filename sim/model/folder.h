@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/model/mending.h"
 #include "sim/model/model.h"
 
 namespace kirireel {
@@ -21,10 +22,13 @@ namespace kirireel {
 /// What a run can live with (joints apart by no more than a small part of a tile, a target that is
 /// not quite congruent) is appended to warnings; everything else that is wrong throws InputError
 /// with file:line:column, the value found, what is allowed and how to mend it.
+Model readModelFolder(const std::filesystem::path& folder, const ReadSettings& settings,
+                      std::vector<std::string>& warnings);
 Model readModelFolder(const std::filesystem::path& folder, std::vector<std::string>& warnings);
 
-/// Reads another target for a model, in the format of target.txt: a run's final_vertices.txt is
-/// one. Warnings and errors are those of a model's own target.
+/// Reads another target for a model, in the format of target.txt and in the order of the model's
+/// own file: a run's final_vertices.txt is one. Warnings and errors are those of a model's own
+/// target.
 std::vector<Tile> readTargetFile(const std::filesystem::path& file, const Model& model,
                                  std::vector<std::string>& warnings);
 

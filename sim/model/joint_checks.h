@@ -13,24 +13,33 @@ namespace kirireel {
 
 /// One row of constraints.txt.
 struct JointRow {
-  int line = 0;                  ///< from 1
-  std::array<int, 5> values{};   ///< tile A, vertex A, tile B, vertex B, face
+  int line = 0;                  ///< from 1; 0 where the file has no lines
+  std::array<int, 5> values{};   ///< tile A, vertex A, tile B, vertex B, from 0; face
   std::array<int, 5> columns{};  ///< where each stands, from 1; 0 for a face that is not written
+  JointKind kind = JointKind::Pivot;
 };
 
 /// The rows of one file.
 struct JointTable {
   std::filesystem::path file;
   std::vector<JointRow> rows;
+  int countsFrom = 0;  ///< the file's first tile and vertex
 };
 
-/// The joints of the rows. Throws InputError for tiles, vertices or faces that do not exist, a tile
-/// joined to itself, and joints given twice.
+/// Whether all tiles and vertices of the rows are there, after adding `shift` to their numbers.
+bool namesWhatIsThere(const JointTable& table, const std::vector<Tile>& tiles, int shift);
+
+/// The joints of the rows. Throws InputError for tiles, vertices or faces that do not exist, and
+/// for a tile joined to itself. Messages number as the file does.
 std::vector<Joint> checkedJoints(const JointTable& table, const TileTable& tiles);
 
-/// Throws InputError for a joint whose corners are far apart at the start; smaller gaps are
-/// appended to warnings. `model` holds the tiles and the joints of `table`.
-void checkClosed(const JointTable& table, const Model& model, const TileTable& tiles,
+/// Throws InputError for a joint whose corners are far apart at the start. Gaps that the file's
+/// digits do not explain are appended to warnings; those that they do are noted as mends, since
+/// the corners are one. `model` holds the tiles and the joints of `table`.
+void checkClosed(const JointTable& table, Model& model, const TileTable& tiles,
                  std::vector<std::string>& warnings);
+
+/// How far apart a joint's corners are at the start, metres.
+double startGap(const Model& model, const Joint& joint);
 
 }  // namespace kirireel

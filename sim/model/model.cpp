@@ -21,6 +21,32 @@ Vector3 doubledVectorArea(const Tile& tile) {
 
 }  // namespace
 
+Corner FileOrder::across(const Corner& corner, const std::vector<Tile>& tiles) const {
+  if (isReversed.empty() || !isReversed[corner.tile]) return corner;
+  return {corner.tile, static_cast<int>(tiles[corner.tile].vertices.size()) - 1 - corner.vertex};
+}
+
+std::vector<Tile> inFileOrder(std::vector<Tile> tiles, const FileOrder& order) {
+  for (std::size_t i = 0; i < order.isReversed.size(); ++i) {
+    if (order.isReversed[i]) std::reverse(tiles[i].vertices.begin(), tiles[i].vertices.end());
+  }
+  return tiles;
+}
+
+Model inFileOrder(Model model) {
+  const auto turn = [&](Corner& corner) { corner = model.fileOrder.across(corner, model.tiles); };
+  for (Joint& joint : model.joints) {
+    turn(joint.a);
+    turn(joint.b);
+  }
+  if (model.hull) std::for_each(model.hull->begin(), model.hull->end(), turn);
+  for (Mend& mend : model.mends) std::for_each(mend.corners.begin(), mend.corners.end(), turn);
+  model.tiles = inFileOrder(std::move(model.tiles), model.fileOrder);
+  if (model.target) model.target = inFileOrder(std::move(*model.target), model.fileOrder);
+  model.fileOrder.isReversed.clear();
+  return model;
+}
+
 Joint makeFixedJoint(const std::vector<Tile>& tiles, int tileA, int tileB) {
   const Vector3 apart = tiles[tileA].vertices.front() - tiles[tileB].vertices.front();
   return {{tileA, 0}, {tileB, 0}, JointFace::Bottom, JointKind::Fixed, apart};

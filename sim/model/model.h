@@ -9,7 +9,7 @@
 
 namespace kirireel {
 
-/// A planar convex polygon: one line of vertices.txt.
+/// A planar polygon whose sides do not cross, convex or not: one line of vertices.txt.
 struct Tile {
   std::vector<Vector3> vertices;  ///< at least 3, metres, anticlockwise seen from the tile's normal
 };
@@ -43,6 +43,26 @@ struct Joint {
                                     ///< joints, metres; a link's has a length
 };
 
+/// Something that a reader put right in a file, so that the model is what was meant.
+struct Mend {
+  std::string place;            ///< "file:line" of the first case
+  std::string found;            ///< what and how many
+  std::string done;             ///< what became of them
+  std::string advice;           ///< how to put the file right by hand
+  std::vector<Corner> corners;  ///< where, in the model's numbers
+};
+
+/// How the file that a model comes from counts and orders what the model has in its own order.
+struct FileOrder {
+  int countsFrom = 0;            ///< its first tile and first vertex
+  std::vector<bool> isReversed;  ///< of each tile, whether the file has its vertices the other way
+                                 ///< round, last first; none where empty
+
+  /// A corner of the model as the file numbers it but from 0, and back: `tile` has that many
+  /// vertices.
+  Corner across(const Corner& corner, const std::vector<Tile>& tiles) const;
+};
+
 /// A kirigami sheet: its tiles in the compact state, its joints, and where it should go.
 struct Model {
   std::string name;                             ///< of the folder or the generator's family
@@ -51,7 +71,14 @@ struct Model {
   std::optional<std::vector<Tile>> target;      ///< wanted positions, vertex by vertex as in tiles
   std::optional<std::vector<int>> pulledTiles;  ///< tiles that feel target forces; all if absent
   std::optional<std::vector<Corner>> hull;      ///< the corners round the outside, in order
+  FileOrder fileOrder;                          ///< how its file counts and orders
+  double rounding = 0;      ///< the last digit that coordinates were rounded to, metres; 0 for none
+  std::vector<Mend> mends;  ///< what its reader put right
 };
+
+/// The model, or tiles of it in any state, with the vertices of each tile in its file's order.
+Model inFileOrder(Model model);
+std::vector<Tile> inFileOrder(std::vector<Tile> tiles, const FileOrder& order);
 
 /// A rigid connection of two different tiles as they stand.
 Joint makeFixedJoint(const std::vector<Tile>& tiles, int tileA, int tileB);

@@ -1,13 +1,13 @@
 #include "sim/model/obj_pair.h"
 
 #include <algorithm>
-#include <set>
 
 #include <fmt/format.h>
 
 #include "sim/base/error.h"
 #include "sim/base/pending_file.h"
 #include "sim/model/joint_checks.h"
+#include "sim/model/mending.h"
 #include "sim/model/shared_corners.h"
 #include "sim/model/text_table.h"
 #include "sim/model/tile_checks.h"
@@ -134,16 +134,6 @@ class ObjReader {
   ObjSheet sheet_;
 };
 
-bool sharesNumbers(const CornerNumbers& numbers) {
-  std::set<int> seen;
-  for (const std::vector<int>& tile : numbers) {
-    for (const int number : tile) {
-      if (!seen.insert(number).second) return true;
-    }
-  }
-  return false;
-}
-
 void requireSameFaces(const ObjSheet& start, const ObjSheet& target) {
   if (!sharesNumbers(start.numbers)) return;
   const std::size_t common = std::min(start.numbers.size(), target.numbers.size());
@@ -197,9 +187,8 @@ std::optional<fs::path> deployedSibling(const fs::path& contracted) {
 
 Model readObjPair(const fs::path& start, const std::optional<fs::path>& target,
                   std::vector<std::string>& warnings) {
-  const ObjSheet sheet = ObjReader(start).read();
+  ObjSheet sheet = ObjReader(start).read();
   checkTiles(sheet.tiles);
-  checkOrientation(sheet.tiles, warnings);
   Model model;
   model.name = modelName(start);
   model.tiles = sheet.tiles.tiles;
@@ -212,18 +201,19 @@ Model readObjPair(const fs::path& start, const std::optional<fs::path>& target,
     states.push_back(&*model.target);
   }
   if (!sheet.joints.rows.empty()) {
+    dropRepeatedJoints(sheet.joints, model, warnings);
     model.joints = checkedJoints(sheet.joints, sheet.tiles);
     checkClosed(sheet.joints, model, sheet.tiles, warnings);
-  } else if (sharesNumbers(sheet.numbers)) {
-    model.joints = jointsOfSharedNumbers(sheet.numbers);
   } else {
-    model.joints = jointsOfCoincidingCorners(states, start);
+    model.joints = jointsOfMesh(sheet.numbers, states, start);
   }
   if (!sheet.pulled.empty()) model.pulledTiles = sheet.pulled;
+  turnClockwiseTiles(sheet.tiles, model, warnings);
   return model;
 }
 
-void writeObjPair(const Model& model, const fs::path& file) {
+void writeObjPair(const Model& inOrder, const fs::path& file) {
+  const Model model = inFileOrder(inOrder);
   std::string comments;
   for (const Joint& joint : model.joints) {
     if (joint.kind != JointKind::Pivot) {

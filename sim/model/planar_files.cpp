@@ -1,12 +1,16 @@
 #include "sim/model/planar_files.h"
 
 #include <algorithm>
+#include <limits>
+#include <optional>
 
 #include <fmt/format.h>
 
 #include "sim/base/error.h"
+#include "sim/base/pending_file.h"
 #include "sim/model/joint_checks.h"
-#include "sim/model/shared_corners.h"
+#include "sim/model/planar_siblings.h"
+#include "sim/model/rounding.h"
 #include "sim/model/text_table.h"
 #include "sim/model/tile_checks.h"
 
@@ -16,12 +20,16 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::string kPlanarTilePurpose = "write one tile a line, \"x y\" for each vertex";
-const std::string kPlanarJointPurpose = "write one joint a line, \"tile vertex tile vertex\", from 1";
+const std::string kPlanarJointPurpose =
+    "write one joint a line, \"tile vertex tile vertex\", from 1";
+const std::string kPlanarHullPurpose =
+    "write one corner of the sheet's outside a line, \"tile vertex\", from 0, at least 3";
 
 TileTable readPlanarTiles(const fs::path& file) {
   TextTable text(file, kPlanarTilePurpose);
   TileTable table;
   table.file = file;
+  table.countsFrom = 1;
   TextLine line;
   while (text.next(line)) {
     if (line.fields.size() % 2 != 0 || line.fields.size() < 6) {
@@ -47,21 +55,17 @@ TileTable readPlanarTiles(const fs::path& file) {
   return table;
 }
 
-void requireBaseOne(const JointTable& table) {
-  for (const JointRow& row : table.rows) {
-    for (std::size_t entry = 0; entry < 4; ++entry) {
-      if (row.values[entry] >= 0) continue;
-      throw inputErrorAt({table.file, row.line, row.columns[entry]},
-                         "tiles and vertices count from 1 here; this file seems to count from 0: "
-                         "add 1 to all its numbers");
-    }
-  }
+/// The number in a field, less 1, as far as an int holds that.
+int fromOne(int number) {
+  return std::max(number, std::numeric_limits<int>::min() + 2) - 1;
 }
 
-JointTable readPlanarJoints(const fs::path& file) {
+JointTable readPlanarJoints(const fs::path& file, Model& model,
+                            std::vector<std::string>& warnings) {
   TextTable text(file, kPlanarJointPurpose);
   JointTable table;
   table.file = file;
+  table.countsFrom = 1;
   TextLine line;
   while (text.next(line)) {
     if (line.fields.size() != 4) {
@@ -73,37 +77,69 @@ JointTable readPlanarJoints(const fs::path& file) {
     row.values[4] = static_cast<int>(JointFace::Both);
     for (std::size_t k = 0; k < 4; ++k) {
       const FileLocation place = text.at(line, line.fields[k]);
-      const int number = parseWholeNumber(line.fields[k], place, "a tile or vertex number");
-      row.values[k] = std::max(number, 0) - 1;
+      row.values[k] = fromOne(parseWholeNumber(line.fields[k], place, "a tile or vertex number"));
       row.columns[k] = line.fields[k].column;
     }
   }
-  requireBaseOne(table);
+  if (table.rows.empty() && !text.hasComment()) noteNoJoints(file, model, warnings);
   return table;
 }
 
-/// Runs all clockwise tiles, and the joints' vertices, the other way round.
-void turnAnticlockwise(TileTable& tiles, JointTable& joints) {
-  std::vector<bool> isTurned(tiles.tiles.size());
-  for (std::size_t tile = 0; tile < tiles.tiles.size(); ++tile) {
-    if (tileNormal(tiles.tiles[tile]).z() > 0) continue;
-    isTurned[tile] = true;
-    std::reverse(tiles.tiles[tile].vertices.begin(), tiles.tiles[tile].vertices.end());
-    std::reverse(tiles.sources[tile].columns.begin(), tiles.sources[tile].columns.end());
-  }
-  for (JointRow& row : joints.rows) {
-    for (const std::size_t entry : {0, 2}) {
-      const int tile = row.values[entry];
-      const int last = static_cast<int>(tiles.tiles[tile].vertices.size()) - 1;
-      if (isTurned[tile]) row.values[entry + 1] = last - row.values[entry + 1];
+/// Corners of the outline: "tile vertex" a line. They count from 0, or from 1 where they name
+/// corners that are not there else.
+std::vector<Corner> readPlanarHull(const fs::path& file, const std::vector<Tile>& tiles) {
+  TextTable text(file, kPlanarHullPurpose);
+  JointTable table;  // rows of two equal corners, for the same checks
+  TextLine line;
+  while (text.next(line)) {
+    if (line.fields.size() != 2) {
+      throw inputErrorAt({file, line.number}, fmt::format("{} numbers do not make a corner; {}",
+                                                          line.fields.size(), kPlanarHullPurpose));
     }
+    JointRow& row = table.rows.emplace_back();
+    for (std::size_t k = 0; k < 4; ++k) {
+      const TextField& field = line.fields[k % 2];
+      row.values[k] = parseWholeNumber(field, text.at(line, field), "a tile or vertex number");
+    }
+  }
+  const int shift = namesWhatIsThere(table, tiles, 0) ? 0 : -1;
+  if (!namesWhatIsThere(table, tiles, shift) || table.rows.size() < 3) {
+    throw inputErrorAt({file}, fmt::format("its {} rows name corners that are not there, or too "
+                                           "few; {}",
+                                           table.rows.size(), kPlanarHullPurpose));
+  }
+  std::vector<Corner> hull;
+  for (const JointRow& row : table.rows) {
+    hull.push_back({row.values[0] + shift, row.values[1] + shift});
+  }
+  return hull;
+}
+
+/// A hull that lies beside the model was not asked for: what is wrong with it refuses nothing.
+std::optional<std::vector<Corner>> hullBeside(const PlanarPlace& place, const Model& model,
+                                              std::vector<std::string>& warnings) {
+  if (!place.hull) {
+    if (!place.otherHulls.empty()) {
+      warnings.push_back(
+          fmt::format("{}: note: none of the hulls beside it ({}) has the name of "
+                      "these joints; the convex outline stands for it",
+                      place.joints.string(), fileNames(place.otherHulls)));
+    }
+    return std::nullopt;
+  }
+  try {
+    return readPlanarHull(*place.hull, model.tiles);
+  } catch (const InputError& error) {
+    warnings.push_back(fmt::format("{}; this hull is left out", error.what()));
+    return std::nullopt;
   }
 }
 
-fs::path constraintsBeside(const fs::path& vertices) {
-  std::string name = vertices.filename().string();
+/// The file of another part of the model.
+fs::path beside(const fs::path& vertices, const std::string& part) {
   const std::string word = "vertices";
-  name.replace(name.rfind(word), word.size(), "constraints");
+  std::string name = vertices.filename().string();
+  name.replace(name.rfind(word), word.size(), part);
   return vertices.parent_path() / name;
 }
 
@@ -111,57 +147,145 @@ fs::path constraintsBeside(const fs::path& vertices) {
 std::string planarModelName(const fs::path& vertices) {
   const std::string stem = vertices.stem().string();
   const std::string before = stem.substr(0, stem.rfind("vertices"));
-  if (before.empty()) return fs::absolute(vertices).parent_path().filename().string();
+  if (before.empty())
+    return fs::absolute(vertices).lexically_normal().parent_path().filename().string();
   return before.ends_with('_') ? before.substr(0, before.size() - 1) : before;
 }
 
 /// Only joints of model folders have a fifth number, their face.
 bool namesFaces(const fs::path& constraints) {
-  if (!fs::is_regular_file(constraints)) return false;
   TextTable text(constraints, kPlanarJointPurpose);
   TextLine line;
   return text.next(line) && line.fields.size() == 5;
 }
 
+/// Numbers on a line: whether they can be pairs alone, or triples too.
 bool holdsPairs(const fs::path& vertices) {
   TextTable text(vertices, kPlanarTilePurpose);
   TextLine line;
   bool onlyTriples = true;
   while (text.next(line)) {
-    if (line.fields.size() % 2 != 0) return false;
-    onlyTriples = onlyTriples && line.fields.size() % 3 == 0;
+    const std::size_t count = line.fields.size();
+    if (count % 2 != 0 || count < 6) return false;
+    // Six numbers are three vertices in the plane: two in space would not make a tile.
+    onlyTriples = onlyTriples && count % 3 == 0 && count != 6;
   }
   return !onlyTriples;
 }
 
-}  // namespace
-
-bool holdsPlanarModel(const fs::path& vertices) {
-  return holdsPairs(vertices) && !namesFaces(constraintsBeside(vertices));
+/// Joints that hold corners apart become rods; those that rounding holds apart are noted.
+void makeRods(const JointTable& rows, Model& model, std::vector<std::string>& warnings) {
+  const double samePlace = samePlaceTolerance(model.tiles);
+  RoundedCorners rounded(model);
+  double shortest = std::numeric_limits<double>::max(), longest = 0;
+  int rods = 0, firstLine = 0;
+  for (std::size_t i = 0; i < model.joints.size(); ++i) {
+    Joint& joint = model.joints[i];
+    const double gap = startGap(model, joint);
+    if (gap <= samePlace) {
+      rounded.add(joint, gap, toString({rows.file, rows.rows[i].line}));
+      continue;
+    }
+    joint = makeLink(model.tiles, joint.a, joint.b);
+    shortest = std::min(shortest, gap);
+    longest = std::max(longest, gap);
+    if (rods++ == 0) firstLine = rows.rows[i].line;
+  }
+  rounded.note(model, warnings);
+  if (rods == 0) return;
+  const bool oneLength = longest - shortest <= samePlace;
+  const std::string length = oneLength ? fmt::format("{:.4g} m", longest)
+                                       : fmt::format("{:.4g} to {:.4g} m", shortest, longest);
+  warnings.push_back(
+      fmt::format("{}: note: {} joint{} corners clearly apart: {} {} long, which "
+                  "{} this distance",
+                  toString({rows.file, firstLine}), rods, rods == 1 ? " holds" : "s hold",
+                  rods == 1 ? "a rod" : "rods", length, rods == 1 ? "keeps" : "keep"));
 }
 
-Model readPlanarFiles(const fs::path& vertices, std::vector<std::string>& warnings) {
-  TileTable tiles = readPlanarTiles(vertices);
-  JointTable rows = readPlanarJoints(constraintsBeside(vertices));
-  checkedJoints(rows, tiles);  // before numbers are changed, so that messages name those written
-  turnAnticlockwise(tiles, rows);
+std::string planarTileText(const std::vector<Tile>& tiles) {
+  std::string text;
+  for (const Tile& tile : tiles) {
+    const char* separator = "";
+    for (const Vector3& vertex : tile.vertices) {
+      text += fmt::format("{}{} {}", separator, vertex.x(), vertex.y());
+      separator = " ";
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+std::string planarJointText(const std::vector<Joint>& joints) {
+  if (joints.empty()) return "# no joints\n";
+  std::string text;
+  for (const Joint& joint : joints) {
+    text += fmt::format("{} {} {} {}\n", joint.a.tile + 1, joint.a.vertex + 1, joint.b.tile + 1,
+                        joint.b.vertex + 1);
+  }
+  return text;
+}
+
+/// Planar files have no place for heights, nor for tiles that move as one.
+void requirePlanar(const Model& model, const fs::path& file) {
+  if (!liesFlat(model.tiles, 1e-9 * modelSize(model))) {
+    throw InputError(
+        fmt::format("{}: error: planar files hold x and y alone, and the start does "
+                    "not lie in a horizontal plane; convert to a folder",
+                    file.string()));
+  }
+  for (const Joint& joint : model.joints) {
+    if (joint.kind != JointKind::Fixed) continue;
+    throw InputError(
+        fmt::format("{}: error: planar files hold corners that stay together, not the "
+                    "fixed tiles {} and {}; convert to a .fold file",
+                    file.string(), joint.a.tile, joint.b.tile));
+  }
+}
+
+}  // namespace
+
+void writePlanarFiles(const Model& inOrder, const fs::path& vertices) {
+  requirePlanar(inOrder, vertices);
+  const Model model = inFileOrder(inOrder);
+  writeTextFile(vertices, planarTileText(model.tiles));
+  writeTextFile(beside(vertices, "constraints"), planarJointText(model.joints));
+  if (!model.hull) return;
+  std::string hull;
+  for (const Corner& corner : *model.hull) {
+    hull += fmt::format("{} {}\n", corner.tile, corner.vertex);
+  }
+  writeTextFile(beside(vertices, "hull"), hull);
+}
+
+bool holdsPlanarModel(const fs::path& vertices) {
+  if (!holdsPairs(vertices)) return false;
+  const std::vector<fs::path> lists = jointLists(vertices);
+  return std::none_of(lists.begin(), lists.end(), namesFaces);
+}
+
+Model readPlanarFiles(const fs::path& named, const ReadSettings& settings,
+                      std::vector<std::string>& warnings) {
+  const PlanarPlace place = planarPlace(named, settings.jointsFile);
+  const TileTable tiles = readPlanarTiles(place.vertices);
   checkTiles(tiles);
   Model model;
-  model.name = planarModelName(vertices);
+  model.name = planarModelName(place.vertices);
   model.tiles = tiles.tiles;
+  model.fileOrder.countsFrom = 1;
+  JointTable rows = readPlanarJoints(place.joints, model, warnings);
+  mendBase(rows, tiles, model, warnings);
+  dropRepeatedJoints(rows, model, warnings);
   model.joints = checkedJoints(rows, tiles);
-  const double tolerance = kSamePlace * modelSize(model);
-  int links = 0;
-  for (Joint& joint : model.joints) {
-    const Joint link = makeLink(model.tiles, joint.a, joint.b);
-    if (link.apart.norm() <= tolerance) continue;
-    joint = link;
-    ++links;
+  makeRods(rows, model, warnings);
+  if (settings.jointsFile.empty() && !place.otherJoints.empty()) {
+    warnings.push_back(
+        fmt::format("{}: note: these joints were taken; beside them are {} (see "
+                    "--joints-file)",
+                    place.joints.string(), fileNames(place.otherJoints)));
   }
-  if (links > 0) {
-    warnings.push_back(fmt::format("{}: note: {} joints stand apart and keep their distance",
-                                   rows.file.string(), links));
-  }
+  model.hull = hullBeside(place, model, warnings);
+  turnClockwiseTiles(tiles, model, warnings);
   return model;
 }
 

@@ -5,17 +5,23 @@
 #include <fmt/format.h>
 
 #include "sim/base/error.h"
+#include "sim/model/cut_pattern_file.h"
 #include "sim/model/fold_file.h"
 #include "sim/model/folder.h"
 #include "sim/model/obj_pair.h"
 #include "sim/model/planar_files.h"
+#include "sim/model/planar_siblings.h"
+#include "sim/model/ply_file.h"
+#include "sim/model/rounding.h"
 
 namespace kirireel {
 namespace {
 
 namespace fs = std::filesystem;
 
-const std::string kFormats = "a folder with vertices.txt, a .fold or .obj file";
+const std::string kFormats =
+    "a folder with vertices.txt, a planar NAME_vertices.txt, a .fold, .obj or .ply file, or a cut "
+    "pattern (.svg, .dxf)";
 
 std::string endingOf(const fs::path& path) {
   std::string ending = path.extension().string();
@@ -24,14 +30,36 @@ std::string endingOf(const fs::path& path) {
   return ending;
 }
 
+/// Another list of joints can only stand for one that is a file of its own.
+void requireNoJointsFile(const fs::path& path, const ReadSettings& settings) {
+  if (settings.jointsFile.empty()) return;
+  throw inputErrorAt({path},
+                     "this file has its joints within; leave --joints-file out, or convert "
+                     "the model to a folder");
+}
+
 Model readFile(const fs::path& path, const std::optional<fs::path>& target,
-               std::vector<std::string>& warnings) {
+               const ReadSettings& settings, std::vector<std::string>& warnings) {
   const std::string ending = endingOf(path);
+  if (ending == ".txt" && isPlanarName(path)) {
+    const fs::path vertices = planarVertices(path);
+    // The files of a folder in space have such names too.
+    const bool isFolder = vertices.filename() == "vertices.txt" && !holdsPlanarModel(vertices);
+    if (!isFolder) return readPlanarFiles(path, settings, warnings);
+    const fs::path folder = vertices.has_parent_path() ? vertices.parent_path() : ".";
+    ReadSettings own = settings;
+    const bool isList =
+        path.filename() != "vertices.txt" && !path.stem().string().starts_with("hull");
+    if (own.jointsFile.empty() && isList) own.jointsFile = path;
+    return readModelFolder(folder, own, warnings);
+  }
+  requireNoJointsFile(path, settings);
   if (ending == ".fold") return readFold(path, warnings);
+  if (ending == ".ply") return readPly(path, warnings);
+  if (ending == ".svg" || ending == ".dxf") return readCutPattern(path, warnings);
   if (ending == ".obj") {
     return readObjPair(path, target ? std::nullopt : deployedSibling(path), warnings);
   }
-  if (path.filename().string().ends_with("vertices.txt")) return readPlanarFiles(path, warnings);
   throw inputErrorAt({path}, fmt::format("'{}' is no model's ending; give {}", ending, kFormats));
 }
 
@@ -53,29 +81,32 @@ void requireSameTiles(const Model& model, const Model& other, const fs::path& pa
                                          other.tiles.size(), model.tiles.size()));
 }
 
+/// The start of another model in any format, vertex by vertex as the model has them.
+std::vector<Tile> startOf(const fs::path& path, const Model& model) {
+  std::vector<std::string> ignored;
+  const Model other = readModel(path, std::nullopt, ignored);
+  requireSameTiles(model, other, path);
+  return inFileOrder(inFileOrder(other.tiles, other.fileOrder), model.fileOrder);
+}
+
 }  // namespace
 
 Model readModel(const fs::path& path, const std::optional<fs::path>& target,
-                std::vector<std::string>& warnings) {
+                std::vector<std::string>& warnings, const ReadSettings& settings) {
   const bool isFile = fs::is_regular_file(path);
-  Model model = isFile                 ? readFile(path, target, warnings)
-                : isPlanarFolder(path) ? readPlanarFiles(path / "vertices.txt", warnings)
-                                       : readModelFolder(path, warnings);
-  if (!target) return model;
-  std::vector<std::string> ignored;
-  const Model other = readModel(*target, std::nullopt, ignored);
-  requireSameTiles(model, other, *target);
-  model.target = other.tiles;
+  Model model = isFile                 ? readFile(path, target, settings, warnings)
+                : isPlanarFolder(path) ? readPlanarFiles(path / "vertices.txt", settings, warnings)
+                                       : readModelFolder(path, settings, warnings);
+  model.rounding = roundingOf(model.tiles);
+  if (settings.strict) refuseMends(model);
+  if (target) model.target = startOf(*target, model);
   return model;
 }
 
 std::vector<Tile> readTarget(const fs::path& path, const Model& model,
                              std::vector<std::string>& warnings) {
   if (endingOf(path) == ".txt") return readTargetFile(path, model, warnings);
-  std::vector<std::string> ignored;
-  Model other = readModel(path, std::nullopt, ignored);
-  requireSameTiles(model, other, path);
-  return std::move(other.tiles);
+  return startOf(path, model);
 }
 
 void writeModel(const Model& model, const fs::path& path) {
@@ -83,8 +114,10 @@ void writeModel(const Model& model, const fs::path& path) {
   if (ending == ".fold") return writeFold(model, path);
   if (ending == ".obj") return writeObjPair(model, path);
   if (ending.empty()) return writeModelFolder(model, path);
+  if (path.filename().string().ends_with("vertices.txt")) return writePlanarFiles(model, path);
   throw inputErrorAt({path}, fmt::format("there is no format '{}'; give an ending .fold or .obj, "
-                                         "or none for a folder",
+                                         "a name that ends with vertices.txt for planar files, or "
+                                         "no ending for a folder",
                                          ending));
 }
 

@@ -6,12 +6,14 @@
 #include <functional>
 #include <map>
 #include <numeric>
+#include <set>
 #include <unordered_map>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "sim/base/error.h"
+#include "sim/model/rounding.h"
 
 namespace kirireel {
 namespace {
@@ -80,18 +82,16 @@ class CornerGroups {
   std::vector<int> parents_;
 };
 
-double extent(const std::vector<Tile>& tiles) {
-  Model model;
-  model.tiles = tiles;
-  return modelSize(model);
-}
-
 /// Finds corners that coincide in every state, in time that does not grow with the square of their
 /// number: a grid of cells as wide as the tolerance, in the first state.
 class NearCorners {
  public:
   NearCorners(const std::vector<const std::vector<Tile>*>& states, std::filesystem::path file)
-      : states_(states), file_(std::move(file)), tolerance_(kSamePlace * extent(*states.front())) {}
+      : states_(states), file_(std::move(file)) {
+    for (const std::vector<Tile>* tiles : states) {
+      tolerance_ = std::max(tolerance_, samePlaceTolerance(*tiles));
+    }
+  }
 
   /// Takes a corner up. Gives one corner taken up before for each place that coincides with it.
   std::vector<Corner> add(const Corner& corner) {
@@ -162,14 +162,14 @@ class NearCorners {
 
   [[noreturn]] void refuse(std::size_t tile) const {
     throw inputErrorAt(
-        {file_}, fmt::format("corners at tile {} are within {:.2g} m, a millionth of the sheet, "
-                             "without being one; give joined corners one vertex number",
+        {file_}, fmt::format("corners at tile {} are within {:.2g} m, less than their digits can "
+                             "tell, without being one; give joined corners one vertex number",
                              tile, tolerance_));
   }
 
   const std::vector<const std::vector<Tile>*>& states_;
   std::filesystem::path file_;
-  double tolerance_;
+  double tolerance_ = 0;                                           ///< metres
   std::unordered_map<Cell, std::vector<Corner>, CellHash> cells_;  ///< one corner a place
 };
 
@@ -201,6 +201,23 @@ std::vector<Joint> jointsOfCoincidingCorners(const std::vector<const std::vector
   const CornerNumbers numbers = groups.numbers();
   near.requireDistinctCorners(numbers);
   return jointsOfSharedNumbers(numbers);
+}
+
+bool sharesNumbers(const CornerNumbers& numbers) {
+  std::set<int> seen;
+  for (const std::vector<int>& tile : numbers) {
+    for (const int number : tile) {
+      if (!seen.insert(number).second) return true;
+    }
+  }
+  return false;
+}
+
+std::vector<Joint> jointsOfMesh(const CornerNumbers& numbers,
+                                const std::vector<const std::vector<Tile>*>& states,
+                                const std::filesystem::path& file) {
+  return sharesNumbers(numbers) ? jointsOfSharedNumbers(numbers)
+                                : jointsOfCoincidingCorners(states, file);
 }
 
 CornerNumbers sharedNumbers(const Model& model) {

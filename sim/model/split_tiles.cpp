@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/error.h"
+#include "sim/model/convex_parts.h"
 
 namespace kirireel {
 namespace {
@@ -20,8 +21,16 @@ double diagonalsFrom(const Tile& tile, std::size_t corner) {
   return sum;
 }
 
-/// The triangles between the diagonals from one corner, in order round it.
+/// The triangles between the diagonals from one corner, in order round it; of a concave tile, its
+/// ears.
 std::vector<Part> partsOf(const Tile& tile) {
+  if (!isConvexPolygon(tile.vertices, tileNormal(tile))) {
+    std::vector<Part> ears;
+    for (const auto& ear : trianglesOf(tile.vertices, tileNormal(tile))) {
+      ears.emplace_back(ear.begin(), ear.end());
+    }
+    return ears;
+  }
   const int count = static_cast<int>(tile.vertices.size());
   int apex = 0;
   for (int k = 1; k < count; ++k) {
@@ -55,11 +64,7 @@ class Splitter {
     moveJoints(tile, parts, numbers);
     cutTiles(model_.tiles, tile, parts);
     if (model_.target) cutTiles(*model_.target, tile, parts);
-    for (std::size_t k = 1; k < parts.size(); ++k) {
-      // Corner 0 is the common one; corner 2 of a part is corner 1 of the next.
-      model_.joints.push_back({{numbers[k - 1], 0}, {numbers[k], 0}, JointFace::Bottom});
-      model_.joints.push_back({{numbers[k - 1], 2}, {numbers[k], 1}, JointFace::Bottom});
-    }
+    joinParts(parts, numbers);
     if (!model_.pulledTiles) return;
     std::vector<int>& pulled = *model_.pulledTiles;
     if (std::find(pulled.begin(), pulled.end(), tile) == pulled.end()) return;
@@ -69,6 +74,23 @@ class Splitter {
   Model take() { return std::move(model_); }
 
  private:
+  /// A hinge at both ends of each side that two parts have in common.
+  void joinParts(const std::vector<Part>& parts, const std::vector<int>& numbers) {
+    for (std::size_t b = 1; b < parts.size(); ++b) {
+      for (std::size_t a = 0; a < b; ++a) {
+        std::vector<Joint> hinge;
+        for (int i = 0; i < 3; ++i) {
+          const auto found = std::find(parts[b].begin(), parts[b].end(), parts[a][i]);
+          if (found == parts[b].end()) continue;
+          const int j = static_cast<int>(found - parts[b].begin());
+          hinge.push_back({{numbers[a], i}, {numbers[b], j}, JointFace::Bottom});
+        }
+        if (hinge.size() < 2) continue;
+        model_.joints.insert(model_.joints.end(), hinge.begin(), hinge.end());
+      }
+    }
+  }
+
   void moveJoints(int tile, const std::vector<Part>& parts, const std::vector<int>& numbers) {
     const auto move = [&](Corner& corner) {
       if (corner.tile != tile) return;
@@ -111,7 +133,14 @@ Model splitTiles(const Model& model, const std::vector<int>& tiles) {
     }
     if (model.tiles[tile].vertices.size() > 3) splitter.split(tile);
   }
-  return splitter.take();
+  Model result = splitter.take();
+  // Parts have an order of their own.
+  if (!result.fileOrder.isReversed.empty()) result.fileOrder.isReversed.resize(result.tiles.size());
+  for (const int tile : wanted) {
+    if (result.fileOrder.isReversed.empty() || model.tiles[tile].vertices.size() == 3) continue;
+    result.fileOrder.isReversed[tile] = false;
+  }
+  return result;
 }
 
 }  // namespace kirireel

@@ -8,11 +8,11 @@
 namespace kirireel {
 
 /// The model with the given tiles (all, when empty) split into triangles by the diagonals from the
-/// corner whose diagonals are shortest; triangles stay whole. Parts are joined at both ends of a
-/// common diagonal on the bottom face, a hinge. The first part keeps the tile's number, the others
-/// follow after the last tile; joints hold the first part that has their corner, targets are split
-/// alike, and all parts of a pulled tile are pulled. Throws InputError for a tile that does not
-/// exist.
+/// corner whose diagonals are shortest, concave ones into ears; triangles stay whole. Parts are
+/// joined at both ends of a common diagonal on the bottom face, a hinge. The first part keeps the
+/// tile's number, the others follow after the last tile; joints hold the first part that has their
+/// corner, targets are split alike, and all parts of a pulled tile are pulled. Throws InputError
+/// for a tile that does not exist.
 Model splitTiles(const Model& model, const std::vector<int>& tiles);
 
 }  // namespace kirireel

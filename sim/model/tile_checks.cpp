@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "sim/model/convex_parts.h"
+
 namespace kirireel {
 namespace {
 
@@ -17,12 +19,6 @@ constexpr double kLeastArea = 1e-6;
 // Largest distance of a vertex from its tile's plane as a part of the diameter, so that optimised
 // designs pass. Largest met: 1.4e-5 (sphere-to-saddle).
 constexpr double kFlatness = 1e-2;
-// Largest sine by which a corner may turn inwards: corners in the middle of a straight side carry
-// rounding, and optimised designs dent it by a degree. Deepest met: 0.0195
-// (hexagon_shear_w4_h2_i4_f0).
-constexpr double kStraightCorner = 0.03;
-// A sheet whose heights differ by less than this part of its size is flat.
-constexpr double kLevel = 1e-9;
 // A change of shape below this part of the model's size is rounding of the file. Largest met among
 // exact designs: 3e-7 (square2disk, written with 9 digits).
 constexpr double kSameShape = 1e-6;
@@ -44,9 +40,10 @@ double diameter(const Tile& tile) {
 void checkVertexCount(const TileTable& table, int tile) {
   const std::size_t count = table.tiles[tile].vertices.size();
   if (count <= kMostTileVertices) return;
-  throw inputErrorAt(table.at(tile), fmt::format("tile {} has {} vertices, at most {} are allowed; "
-                                                 "split it into convex tiles",
-                                                 tile, count, kMostTileVertices));
+  throw inputErrorAt(table.at(tile),
+                     fmt::format("tile {} has {} vertices, at most {} are allowed; "
+                                 "split it into convex tiles",
+                                 table.countsFrom + tile, count, kMostTileVertices));
 }
 
 void checkDistinctVertices(const TileTable& table, int tile, double extent) {
@@ -55,10 +52,11 @@ void checkDistinctVertices(const TileTable& table, int tile, double extent) {
   for (size_t b = 0; b < vertices.size(); ++b) {
     for (size_t a = 0; a < b; ++a) {
       if ((vertices[a] - vertices[b]).norm() > tolerance) continue;
-      throw inputErrorAt(table.at(tile, static_cast<int>(b)),
-                         fmt::format("vertex {} of tile {} is where its vertex {} is; a tile's "
-                                     "vertices are all different: correct it or delete it",
-                                     b, tile, a));
+      throw inputErrorAt(
+          table.at(tile, static_cast<int>(b)),
+          fmt::format("vertex {} of tile {} is where its vertex {} is; a tile's "
+                      "vertices are all different: correct it or delete it",
+                      table.countsFrom + b, table.countsFrom + tile, table.countsFrom + a));
     }
   }
 }
@@ -68,7 +66,7 @@ void checkArea(const TileTable& table, int tile, double extent) {
   throw inputErrorAt(table.at(tile),
                      fmt::format("tile {} has no area; its vertices must enclose some: list them "
                                  "in order round the tile, not all on one line",
-                                 tile));
+                                 table.countsFrom + tile));
 }
 
 void checkFlatness(const TileTable& table, int tile, double extent) {
@@ -83,32 +81,56 @@ void checkFlatness(const TileTable& table, int tile, double extent) {
     throw inputErrorAt(table.at(tile, static_cast<int>(k)),
                        fmt::format("vertex {} of tile {} is {:.3g} m off the tile's plane, at most "
                                    "{:.3g} is allowed; flatten the tile or split it into triangles",
-                                   k, tile, height, allowed));
+                                   table.countsFrom + k, table.countsFrom + tile, height, allowed));
   }
 }
 
-/// Every corner turns the same way as the whole, and the whole turns once.
-void checkConvexity(const TileTable& table, int tile) {
+/// Whether all corners turn left and the whole turns once: what most tiles do, and quick to see.
+bool isSurelySimple(const std::vector<Vector3>& vertices, const Vector3& normal) {
+  double turned = 0;
+  const std::size_t count = vertices.size();
+  for (std::size_t k = 0; k < count; ++k) {
+    const Vector3 before = vertices[k] - vertices[(k + count - 1) % count];
+    const Vector3 after = vertices[(k + 1) % count] - vertices[k];
+    const double area = before.cross(after).dot(normal);
+    if (area <= 0) return false;
+    turned += std::atan2(area, before.dot(after));
+  }
+  return turned < 3 * std::numbers::pi;
+}
+
+/// The point of the stretch a-b that is nearest to the line through c and d.
+Vector3 meetingPoint(const Vector3& a, const Vector3& b, const Vector3& c, const Vector3& d) {
+  const Vector3 along = (d - c).normalized();
+  const Vector3 side = b - a, towards = a - c;
+  const Vector3 across = side - along.dot(side) * along;
+  const Vector3 apart = towards - along.dot(towards) * along;
+  const double square = across.squaredNorm();
+  const double share = square > 0 ? std::clamp(-apart.dot(across) / square, 0.0, 1.0) : 0.5;
+  return a + share * side;
+}
+
+/// Sides meet nowhere but at their common corner, so that the tile has one inside in one piece.
+void checkSimple(const TileTable& table, int tile, double extent) {
   const std::vector<Vector3>& vertices = table.tiles[tile].vertices;
   const Vector3 normal = tileNormal(table.tiles[tile]);
-  const size_t count = vertices.size();
-  double turned = 0;
-  for (size_t k = 0; k < count; ++k) {
-    const Vector3 before = (vertices[k] - vertices[(k + count - 1) % count]).normalized();
-    const Vector3 after = (vertices[(k + 1) % count] - vertices[k]).normalized();
-    const double sine = before.cross(after).dot(normal);
-    if (sine < -kStraightCorner) {
-      throw inputErrorAt(table.at(tile, static_cast<int>(k)),
-                         fmt::format("tile {} is not convex at its vertex {}; list its vertices in "
-                                     "order round the tile, or split it into convex tiles",
-                                     tile, k));
-    }
-    turned += std::atan2(sine, before.dot(after));
-  }
-  if (turned < 3 * std::numbers::pi) return;
-  throw inputErrorAt(table.at(tile), fmt::format("tile {} goes round more than once; list its "
-                                                 "vertices in order round the tile",
-                                                 tile));
+  if (isSurelySimple(vertices, normal)) return;
+  const auto crossing = crossingSides(vertices, normal, kSameVertex * extent);
+  if (!crossing) return;
+  const auto [first, second] = *crossing;
+  const auto side = [&](int k) {
+    const int next = (k + 1) % static_cast<int>(vertices.size());
+    return fmt::format("from vertex {} to {}", table.countsFrom + k, table.countsFrom + next);
+  };
+  const InputError error = inputErrorAt(
+      table.at(tile, second),
+      fmt::format("tile {} crosses or touches itself: its side {} meets the one {}; list its "
+                  "vertices in order round the tile, and a tile in two pieces as two",
+                  table.countsFrom + tile, side(second), side(first)));
+  const std::size_t count = vertices.size();
+  throw CrossedTile(error, table.tiles[tile],
+                    meetingPoint(vertices[first], vertices[(first + 1) % count], vertices[second],
+                                 vertices[(second + 1) % count]));
 }
 
 void checkSameCounts(const TileTable& target, const TileTable& start) {
@@ -170,29 +192,8 @@ void checkTiles(const TileTable& table) {
     checkDistinctVertices(table, tile, extent);
     checkArea(table, tile, extent);
     checkFlatness(table, tile, extent);
-    checkConvexity(table, tile);
+    checkSimple(table, tile, extent);
   }
-}
-
-void checkOrientation(const TileTable& table, std::vector<std::string>& warnings) {
-  Model model;
-  model.tiles = table.tiles;
-  if (!liesFlat(table.tiles, kLevel * modelSize(model))) return;
-  const auto isClockwise = [](const Tile& tile) { return tileNormal(tile).z() < 0; };
-  const bool first = isClockwise(table.tiles.front());
-  for (size_t i = 1; i < table.tiles.size(); ++i) {
-    const int tile = static_cast<int>(i);
-    if (isClockwise(table.tiles[i]) == first) continue;
-    throw inputErrorAt(table.at(tile),
-                       fmt::format("tile {} runs {}clockwise seen from above, tile 0 {}clockwise; "
-                                   "list the vertices of all tiles anticlockwise",
-                                   tile, first ? "anti" : "", first ? "" : "anti"));
-  }
-  if (!first) return;
-  warnings.push_back(
-      fmt::format("{}: warning: all tiles run clockwise seen from above, so that bricks grow "
-                  "downwards; list their vertices anticlockwise to have them grow upwards",
-                  table.file.string()));
 }
 
 void checkTarget(const TileTable& target, const Model& start, const TileTable& table,

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sim/base/error.h"
@@ -21,6 +22,7 @@ struct TileTable {
   std::filesystem::path file;
   std::vector<Tile> tiles;
   std::vector<TileSource> sources;  ///< one a tile
+  int countsFrom = 0;               ///< the file's first tile and vertex, for messages
 
   FileLocation at(int tile) const { return {file, sources[tile].line}; }
   FileLocation at(int tile, int vertex) const {
@@ -31,16 +33,27 @@ struct TileTable {
   std::string shortName(int tile) const;
 };
 
+/// A tile whose sides cross or touch: what it looks like says more than a message.
+class CrossedTile : public InputError {
+ public:
+  CrossedTile(const InputError& error, Tile tile, const Vector3& place)
+      : InputError(error), tile_(std::move(tile)), place_(place) {}
+
+  const Tile& tile() const { return tile_; }
+  /// Where two of its sides meet, metres.
+  const Vector3& place() const { return place_; }
+
+ private:
+  Tile tile_;
+  Vector3 place_;
+};
+
 /// Most vertices of a tile.
 inline constexpr std::size_t kMostTileVertices = 300;
 
 /// Throws InputError for the first tile with too many vertices, repeated vertices, without area,
-/// not flat or not convex.
+/// or not flat, and CrossedTile for the first whose sides cross or touch.
 void checkTiles(const TileTable& table);
-
-/// For tiles in one horizontal plane: throws InputError when some run clockwise seen from above and
-/// others anticlockwise; that all run clockwise is appended to warnings.
-void checkOrientation(const TileTable& table, std::vector<std::string>& warnings);
 
 /// Throws InputError when the target has other tiles than the start, or tiles of clearly other
 /// shapes. A slight change of shape, which rigid tiles cannot follow, is appended to warnings.

@@ -61,7 +61,8 @@ void addLinks(const std::vector<std::array<int, 4>>& links, Model& model) {
     requireTwoTiles(model, tileA, tileB, "--link");
     requireVertex(model, {tileA, vertexA}, "--link");
     requireVertex(model, {tileB, vertexB}, "--link");
-    const Joint link = makeLink(model.tiles, {tileA, vertexA}, {tileB, vertexB});
+    const Joint link = makeLink(model.tiles, model.fileOrder.across({tileA, vertexA}, model.tiles),
+                                model.fileOrder.across({tileB, vertexB}, model.tiles));
     if (link.apart.norm() <= 1e-6 * modelSize(model)) {
       throw InputError(fmt::format(
           "--link: error: vertex {} of tile {} and vertex {} of tile {} are at one place; join "

@@ -146,10 +146,18 @@ class SubjectReader {
     return joints;
   }
 
-  std::vector<int> readPulledTiles() const {
-    std::vector<int> pulled = file_.integers("model/pulled_tiles");
-    for (const int tile : pulled) static_cast<void>(corner(tile, 0));
-    return pulled;
+  std::vector<int> readTileNumbers(const char* name) const {
+    std::vector<int> tiles = file_.integers(name);
+    for (const int tile : tiles) static_cast<void>(corner(tile, 0));
+    return tiles;
+  }
+
+  FileOrder readFileOrder() const {
+    FileOrder order;
+    if (!file_.has("model/reversed_tiles")) return order;
+    order.isReversed.resize(sizes_.size());
+    for (const int tile : readTileNumbers("model/reversed_tiles")) order.isReversed[tile] = true;
+    return order;
   }
 
   Model readModel() const {
@@ -158,7 +166,10 @@ class SubjectReader {
     model.tiles = tiles("model/vertices", sizes_);
     if (file_.has("model/target")) model.target = tiles("model/target", sizes_);
     model.joints = readJoints();
-    if (file_.has("model/pulled_tiles")) model.pulledTiles = readPulledTiles();
+    if (file_.has("model/pulled_tiles")) {
+      model.pulledTiles = readTileNumbers("model/pulled_tiles");
+    }
+    model.fileOrder = readFileOrder();
     return model;
   }
 
@@ -192,6 +203,7 @@ class SubjectReader {
             fmt::format("the normal of brick {} in bricks/normal is not a unit vector", i));
       }
       requireSolid(brick, i);
+      brick.parts = partsOfBottom(brick.bottom, brick.normal);
       subject.bricks.push_back(std::move(brick));
     }
   }

@@ -74,6 +74,15 @@ std::vector<int> sizesOf(const std::vector<Tile>& tiles) {
   return sizes;
 }
 
+/// The tiles whose vertices the model's file has the other way round.
+std::vector<int> reversedTiles(const FileOrder& order) {
+  std::vector<int> tiles;
+  for (std::size_t i = 0; i < order.isReversed.size(); ++i) {
+    if (order.isReversed[i]) tiles.push_back(static_cast<int>(i));
+  }
+  return tiles;
+}
+
 void writeModel(ArrayWriter& file, const Model& model) {
   file.addGroup("model");
   file.setAttribute("model", "name", model.name);
@@ -81,6 +90,9 @@ void writeModel(ArrayWriter& file, const Model& model) {
   writePoints(file, "model/vertices", flatten(model.tiles));
   if (model.target) writePoints(file, "model/target", flatten(*model.target));
   writeJoints(file, model.joints);
+  if (const std::vector<int> reversed = reversedTiles(model.fileOrder); !reversed.empty()) {
+    file.write("model/reversed_tiles", std::span<const int>(reversed), {reversed.size()});
+  }
   if (model.pulledTiles) {
     file.write("model/pulled_tiles", std::span<const int>(*model.pulledTiles),
                {model.pulledTiles->size()});

@@ -69,11 +69,13 @@ Pose seenFrom(const Pose& seer, const Pose& seen) {
   return {back * (seen.position - seer.position), back * seen.rotation};
 }
 
-BrickPair::BrickPair(int a, int b, Outline outlineA, Outline outlineB, double tolerance)
-    : a_(a),
-      b_(b),
-      outlineA_(std::move(outlineA)),
-      outlineB_(std::move(outlineB)),
+BrickPair::BrickPair(Side a, Side b, double tolerance)
+    : a_(a.brick),
+      b_(b.brick),
+      partA_(a.part),
+      partB_(b.part),
+      outlineA_(std::move(a.outline)),
+      outlineB_(std::move(b.outline)),
       radiusB_(outerRadius(outlineB_)),
       tolerance_(tolerance),
       planes_(separatingPlanes(outlineA_, outlineB_)),
@@ -216,7 +218,12 @@ void BrickPair::givePlane(const SeparatingPlane& plane, std::vector<Contact>& co
   given_.push_back(plane);
   const std::size_t first = contacts.size();
   appendPlaneContacts(plane, a_, b_, placedA_, startB_, contacts);
-  for (std::size_t c = first; c < contacts.size(); ++c) contacts[c].slack = slack_;
+  for (std::size_t c = first; c < contacts.size(); ++c) {
+    const bool onA = contacts[c].brickA == a_;
+    contacts[c].slack = slack_;
+    contacts[c].partA = onA ? partA_ : partB_;
+    contacts[c].partB = onA ? partB_ : partA_;
+  }
 }
 
 bool BrickPair::isCurrent(const Contact& contact, const Pose& startOfB) const {

@@ -19,8 +19,14 @@ Pose seenFrom(const Pose& seer, const Pose& seen);
 /// Everything about a pair is looked at in the axes of brick A.
 class BrickPair {
  public:
-  /// Brick numbers and shapes. `tolerance`: overlap in metres that counts as none.
-  BrickPair(int a, int b, Outline outlineA, Outline outlineB, double tolerance);
+  /// A convex piece of each brick: the brick's number, the piece's, and its shape. `tolerance`:
+  /// overlap in metres that counts as none.
+  struct Side {
+    int brick = 0;
+    int part = 0;
+    Outline outline;
+  };
+  BrickPair(Side a, Side b, double tolerance);
   BrickPair(const BrickPair&) = delete;
   BrickPair& operator=(const BrickPair&) = delete;
 
@@ -59,6 +65,7 @@ class BrickPair {
   void givePlane(const SeparatingPlane& plane, std::vector<Contact>& contacts);
 
   int a_, b_;
+  int partA_, partB_;
   Outline outlineA_, outlineB_;
   double radiusB_;
   double tolerance_;

@@ -45,7 +45,7 @@ Solver makeSolver(BulletMethod method) {
   return made;
 }
 
-std::unique_ptr<btConvexHullShape> makeShape(const Brick& brick, const PrincipalAxes& axes) {
+std::unique_ptr<btConvexHullShape> makeHull(const Brick& brick, const PrincipalAxes& axes) {
   const InsetHull hull = insetHull(brick);
   auto shape = std::make_unique<btConvexHullShape>();
   for (const Vector3& point : hull.points) {
@@ -118,15 +118,30 @@ struct BulletWorld::Internals {
   std::vector<std::unique_ptr<btTypedConstraint>> joints;
   std::optional<KirigamiWorld> world;
 
+  void addShape(const Brick& brick, const PrincipalAxes& principal);
   void addBrick(const Brick& brick, const Environment& environment);
   void addPivot(const Pivot& pivot, const Environment& environment);
   void addGround(const Ground& ground);
   void placeBodies();
 };
 
+/// A hull, or for a concave brick one shape of several hulls, which do not meet each other.
+void BulletWorld::Internals::addShape(const Brick& brick, const PrincipalAxes& principal) {
+  if (brick.parts.empty()) {
+    shapes.push_back(makeHull(brick, principal));
+    return;
+  }
+  auto whole = std::make_unique<btCompoundShape>();
+  for (const BrickPiece& piece : convexPieces(brick)) {
+    shapes.push_back(makeHull(piece.shape, principal));
+    whole->addChildShape(btTransform::getIdentity(), shapes.back().get());
+  }
+  shapes.push_back(std::move(whole));
+}
+
 void BulletWorld::Internals::addBrick(const Brick& brick, const Environment& environment) {
   const PrincipalAxes& principal = axes.emplace_back(principalAxes(brick));
-  shapes.push_back(makeShape(brick, principal));
+  addShape(brick, principal);
   btRigidBody::btRigidBodyConstructionInfo info(brick.mass, nullptr, shapes.back().get(),
                                                 toBullet(principal.inertia));
   info.m_linearDamping = environment.linearDamping;

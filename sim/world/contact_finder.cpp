@@ -19,23 +19,45 @@ namespace {
 
 using Key = std::uint64_t;
 
-Key pairKey(int brickA, int brickB) {
-  return static_cast<Key>(brickA) << 32 | static_cast<Key>(brickB);
+Key pairKey(int pieceA, int pieceB) {
+  return static_cast<Key>(pieceA) << 32 | static_cast<Key>(pieceB);
+}
+
+std::pair<int, int> piecesOf(Key key) {
+  return {static_cast<int>(key >> 32), static_cast<int>(key & 0xffffffffU)};
+}
+
+std::vector<Brick> shapesOf(const std::vector<BrickPiece>& pieces) {
+  std::vector<Brick> shapes;
+  shapes.reserve(pieces.size());
+  for (const BrickPiece& piece : pieces) shapes.push_back(piece.shape);
+  return shapes;
 }
 
 }  // namespace
 
 struct ContactFinder::Internals {
   Internals(const std::vector<Brick>& all, const std::vector<ObstaclePart>& obstacles)
-      : bricks(all), parts(obstacles), near(bricks) {}
+      : bricks(all),
+        parts(obstacles),
+        pieces(convexPieces(bricks)),
+        shapes(shapesOf(pieces)),
+        near(shapes) {
+    firstPiece.resize(bricks.size());
+    for (std::size_t k = pieces.size(); k-- > 0;) {
+      firstPiece[pieces[k].brick] = static_cast<int>(k);
+    }
+  }
 
   int movingCount() const { return static_cast<int>(bricks.size() - parts.size()); }
   /// The obstacle's part that a body is; null for a brick.
   const ObstaclePart* partOf(int body) const {
     return body < movingCount() ? nullptr : &parts[body - movingCount()];
   }
+  /// Of two pieces, the smaller number first.
   BrickPair& pairOf(int a, int b);
-  SpherePair& sphereOf(int brick, int sphere);
+  SpherePair& sphereOf(int piece, int sphere);
+  Poses posesOfPieces(const Poses& poses) const;
   bool mayTouch(int a, int b) const;
   void updatePairs(const Poses& from, const Poses& to);
   void listNearPairs();
@@ -46,6 +68,9 @@ struct ContactFinder::Internals {
 
   std::vector<Brick> bricks;  // then the bodies of obstacles
   std::vector<ObstaclePart> parts;
+  std::vector<BrickPiece> pieces;  // of all bricks and bodies; those of one never meet each other
+  std::vector<Brick> shapes;       // of the pieces
+  std::vector<int> firstPiece;     // of each brick
   std::map<std::pair<int, int>, SharedCorners> joined;
   Environment environment;
   bool planar = false;
@@ -54,7 +79,7 @@ struct ContactFinder::Internals {
   double examined = 0;  // pairs so far
   Poses start;
   NearPairs near;
-  std::unordered_map<Key, BrickPair> pairs;  // that ever were near
+  std::unordered_map<Key, BrickPair> pairs;  // of pieces that ever were near
   std::vector<BrickPair*> nearPairs;         // that are near now, in order of bricks
   std::unordered_map<Key, SpherePair> spheres;
   std::vector<SpherePair*> nearSpheres;
@@ -66,27 +91,39 @@ BrickPair& ContactFinder::Internals::pairOf(int a, int b) {
   const Key key = pairKey(a, b);
   const auto known = pairs.find(key);
   if (known != pairs.end()) return known->second;
-  const auto corners = joined.find({a, b});
-  const auto add = [&](const Brick& brickA, const Brick& brickB) -> BrickPair& {
-    return pairs
-        .try_emplace(key, a, b, makeOutline(brickA, planar), makeOutline(brickB, planar), tolerance)
-        .first->second;
+  const BrickPiece& pieceA = pieces[a];
+  const BrickPiece& pieceB = pieces[b];
+  const auto add = [&](const Brick& shapeA, const Brick& shapeB) -> BrickPair& {
+    BrickPair::Side sideA{pieceA.brick, pieceA.part, makeOutline(shapeA, planar)};
+    BrickPair::Side sideB{pieceB.brick, pieceB.part, makeOutline(shapeB, planar)};
+    return pairs.try_emplace(key, std::move(sideA), std::move(sideB), tolerance).first->second;
   };
-  if (corners == joined.end() || environment.pivotZone == 0) return add(bricks[a], bricks[b]);
-  const auto [cutA, cutB] =
-      withoutSharedCorners(bricks[a], bricks[b], corners->second, environment.pivotZone);
-  return add(cutA, cutB);
+  const auto corners = joined.find({pieceA.brick, pieceB.brick});
+  if (corners == joined.end() || environment.pivotZone == 0) return add(shapes[a], shapes[b]);
+  const double length =
+      cutLength(bricks[pieceA.brick], bricks[pieceB.brick], environment.pivotZone);
+  return add(withoutCorners(pieceA, corners->second.ofA, length),
+             withoutCorners(pieceB, corners->second.ofB, length));
 }
 
-SpherePair& ContactFinder::Internals::sphereOf(int brick, int sphere) {
+SpherePair& ContactFinder::Internals::sphereOf(int piece, int sphere) {
+  const int body = pieces[sphere].brick;
   return spheres
-      .try_emplace(pairKey(brick, sphere), brick, sphere, bricks[brick], *partOf(sphere)->radius,
-                   tolerance)
+      .try_emplace(pairKey(piece, sphere), pieces[piece].brick, body, shapes[piece],
+                   *partOf(body)->radius, tolerance)
       .first->second;
+}
+
+Poses ContactFinder::Internals::posesOfPieces(const Poses& poses) const {
+  Poses placed;
+  placed.reserve(pieces.size());
+  for (const BrickPiece& piece : pieces) placed.push_back(poses[piece.brick]);
+  return placed;
 }
 
 /// Two bodies, the smaller number first.
 bool ContactFinder::Internals::mayTouch(int a, int b) const {
+  if (a == b) return false;
   if (partOf(b)) return !partOf(a);
   return environment.contacts == ContactFilter::All ||
          (environment.contacts == ContactFilter::Unjoined && !joined.contains({a, b}));
@@ -94,15 +131,18 @@ bool ContactFinder::Internals::mayTouch(int a, int b) const {
 
 void ContactFinder::Internals::updatePairs(const Poses& from, const Poses& to) {
   if (environment.contacts == ContactFilter::None && parts.empty()) return;
-  if (near.update(from, to)) listNearPairs();
+  const bool areBricks = pieces.size() == bricks.size();
+  const bool isNew =
+      areBricks ? near.update(from, to) : near.update(posesOfPieces(from), posesOfPieces(to));
+  if (isNew) listNearPairs();
 }
 
 void ContactFinder::Internals::listNearPairs() {
   nearPairs.clear();
   nearSpheres.clear();
   for (const auto& [a, b] : near.pairs()) {
-    if (!mayTouch(a, b)) continue;
-    const ObstaclePart* part = partOf(b);
+    if (!mayTouch(pieces[a].brick, pieces[b].brick)) continue;
+    const ObstaclePart* part = partOf(pieces[b].brick);
     if (part && part->radius) {
       nearSpheres.push_back(&sphereOf(a, b));
     } else {
@@ -113,7 +153,7 @@ void ContactFinder::Internals::listNearPairs() {
 
 void ContactFinder::Internals::transfer(StateTape& tape) {
   std::vector<std::pair<int, int>> known;
-  for (const auto& [key, pair] : pairs) known.emplace_back(pair.a(), pair.b());
+  for (const auto& [key, pair] : pairs) known.push_back(piecesOf(key));
   tape.transfer(near, known);
   for (const auto& [a, b] : known) pairOf(a, b).transfer(tape);
   if (tape.isPlaying()) listNearPairs();
@@ -229,8 +269,11 @@ bool ContactFinder::isCurrent(const Contact& contact) const {
   const auto [a, b] = std::minmax(contact.brickA, contact.brickB);
   const ObstaclePart* part = in.partOf(b);
   if (part && part->radius) return false;
+  const auto [pieceA, pieceB] = std::minmax({in.firstPiece[contact.brickA] + contact.partA,
+                                             in.firstPiece[contact.brickB] + contact.partB});
   // Its pair has been near, or there would be no such contact.
-  return in.pairs.at(pairKey(a, b)).isCurrent(contact, seenFrom(in.start[a], in.start[b]));
+  return in.pairs.at(pairKey(pieceA, pieceB))
+      .isCurrent(contact, seenFrom(in.start[a], in.start[b]));
 }
 
 }  // namespace kirireel

@@ -40,6 +40,14 @@ double marginFor(const Brick& brick, const std::vector<Vector3>& directions) {
 
 }  // namespace
 
+double contactMargin(const Brick& brick) {
+  double margin = 0;
+  for (const BrickPiece& piece : convexPieces(brick)) {
+    margin = std::max(margin, insetHull(piece.shape).margin);
+  }
+  return margin;
+}
+
 InsetHull insetHull(const Brick& brick) {
   const std::vector<Vector3> directions = insetDirections(brick);
   InsetHull hull;

@@ -11,7 +11,7 @@ constexpr double kMargins = 4;
 constexpr double kEdges = 0.05;
 
 double zoneRadius(const Brick& a, const Brick& b) {
-  const double margin = std::max(insetHull(a).margin, insetHull(b).margin);
+  const double margin = std::max(contactMargin(a), contactMargin(b));
   return std::max(kMargins * margin, kEdges * 0.5 * (meanEdge(a) + meanEdge(b)));
 }
 

@@ -29,6 +29,7 @@ const std::vector<Sample>& samples() {
       {"--faces", {"fold", "pykirigami"}},
       {"--auto-detect-connections", {}},
       {"--split-tiles", {"all", "0,2"}},
+      {"--joints-file", {"a.txt"}},
       {"--target", {"a.txt"}},
       {"--pin", {"0", "3,0,7"}},
       {"--fix", {"0,1", "1,2"}},
@@ -136,8 +137,8 @@ const std::vector<Sample>& samples() {
 
 /// Options that say where a run goes, what is printed, where its settings stand, which of two
 /// libraries draws the same pictures, or what is so anyway.
-const std::set<std::string> kDecideNothing = {"--help",  "--out", "--resume",   "--json",
-                                              "--scene", "--gl",  "--quadratic"};
+const std::set<std::string> kDecideNothing = {"--help",  "--out", "--resume",    "--json",
+                                              "--scene", "--gl",  "--quadratic", "--strict"};
 
 RecordOrder orderOf(const Words& options) {
   Words words = {"record", "model"};

@@ -59,7 +59,6 @@ TEST(BadModel, MissingFile) {
 
 TEST(BadModel, EmptyFile) {
   expectRefused("", kJoint, "vertices.txt: error: ");
-  expectRefused(kSquares, "", "constraints.txt: error: ");
 }
 
 TEST(BadModel, OddNumberOfCoordinates) {

@@ -7,7 +7,8 @@
 using namespace kirireel;
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
-  static constexpr std::array kFiles = {"sheet_vertices.txt", "sheet_constraints.txt"};
+  static constexpr std::array kFiles = {"sheet_vertices.txt", "sheet_constraints.txt",
+                                        "sheet_hull.txt"};
   fuzz::placeParts(kFiles, fuzz::inputText(bytes, size));
   fuzz::read([] {
     std::vector<std::string> warnings;

@@ -10,6 +10,7 @@
 #include "render/gl/context.h"
 #include "sim/base/error.h"
 #include "tests/render/picture/sample_bricks.h"
+#include "tests/sim/model/polygons.h"
 #include "tests/support/program.h"
 
 namespace kirireel {
@@ -63,6 +64,19 @@ TEST(Painter, CoversTheAreaOfABrickSeenFromAbove) {
     const Frame frame = paintOnce(sample, {400, 300}, camera, silhouette());
     const double expected = 3 * 2 * std::pow(300 / 5.0, 2);
     EXPECT_NEAR(coveredPixels(frame) / expected, 1, 0.005) << angle;  // measured 5e-4
+  }
+}
+
+TEST(Painter, CoversTheAreaOfConcaveBricks) {
+  for (const Tile& tile : {test::starShape(5, 2, 0.7), test::lShape()}) {
+    SampleBricks sample = sampleBricks({tile}, 0.4);
+    for (const double angle : {0.0, 0.8}) {
+      sample.poses[0].rotation = rotationFromVector(Vector3(0, 0, angle));
+      const Camera camera = parallelCamera(sample.poses[0].position, kTopView, 6);
+      const Frame frame = paintOnce(sample, {400, 300}, camera, silhouette());
+      const double expected = tileArea(tile) * std::pow(300 / 6.0, 2);
+      EXPECT_NEAR(coveredPixels(frame) / expected, 1, 0.005) << angle;  // measured 1e-3
+    }
   }
 }
 

@@ -64,7 +64,7 @@ TEST(Fold, SharesVerticesAtJointsAndKeepsEveryState) {
   const Model model = makeTessellation(shapeOf(2, 2, 0));
   const std::vector<Tile> open = tessellationTiles(shapeOf(2, 2, 0), 0.9);
   const json fold = json::parse(foldText(model, {{0, model.tiles}, {1.5, open}}));
-  EXPECT_EQ(fold["file_spec"], 1.1);
+  EXPECT_EQ(fold["file_spec"], 1.2);
   // Sixteen corners, four joints.
   EXPECT_EQ(fold["vertices_coords"].size(), 12U);
   EXPECT_EQ(fold["edges_vertices"].size(), 16U);

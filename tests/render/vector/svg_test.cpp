@@ -8,6 +8,7 @@
 #include "render/png/png.h"
 #include "sim/base/pending_file.h"
 #include "tests/render/picture/sample_bricks.h"
+#include "tests/sim/model/polygons.h"
 #include "tests/support/files.h"
 #include "tests/support/program.h"
 
@@ -94,6 +95,12 @@ TEST_F(SvgAgainstPainter, TurnedBricks) {
 TEST_F(SvgAgainstPainter, BricksThatCross) {
   SampleBricks sample = tumbledBricks();
   for (Pose& pose : sample.poses) pose.position *= 0.4;
+  expectAlike(Scenery(sample));
+}
+
+TEST_F(SvgAgainstPainter, ConcaveBricks) {
+  SampleBricks sample = sampleBricks({test::starShape(5, 2, 0.7), test::lShape(3, 1, 2, 0)}, 0.3);
+  sample.poses[1].rotation = rotationFromVector(Vector3(0.4, 0.2, 0.3));
   expectAlike(Scenery(sample));
 }
 

@@ -6,6 +6,7 @@
 
 #include "sim/base/error.h"
 #include "tests/sim/generate/sheet_checks.h"
+#include "tests/sim/model/polygons.h"
 
 namespace kirireel {
 namespace {
@@ -111,6 +112,40 @@ INSTANTIATE_TEST_SUITE_P(
         Request{"ammann-beenker-expansion", {{"tiles", 100}}},
         Request{"ammann-beenker-expansion", {{"tiles", 200}, {"target-angle", 180}}}));
 
+class ConcaveSheet : public testing::TestWithParam<Request> {};
+
+/// The judge is brute force over all sides of all pairs.
+int overlappingPairs(const std::vector<Tile>& tiles) {
+  int count = 0;
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      count += test::cornerDepth(tiles[i], tiles[j]) > 1e-9 ? 1 : 0;
+    }
+  }
+  return count;
+}
+
+TEST_P(ConcaveSheet, IsCongruentClosedAndFreeOfOverlap) {
+  const Model model = made(GetParam());
+  EXPECT_LT(test::incongruence(model), 1e-9);  // measured 3e-15 at most
+  double least = 1;
+  for (const std::vector<Tile>* tiles : {&model.tiles, &*model.target}) {
+    EXPECT_LT(test::opening(model, *tiles), 1e-9);
+    EXPECT_EQ(overlappingPairs(*tiles), 0);
+    for (const Tile& tile : *tiles) {
+      least = std::min(least, test::convexity(tile, Vector3::UnitZ()));
+    }
+  }
+  EXPECT_LT(least, -1e-2);  // concave indeed
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Family, ConcaveSheet,
+    testing::Values(Request{"stars", {}}, Request{"stars", {{"depth", 0.35}, {"columns", 3}}},
+                    Request{"crosses", {}}, Request{"crosses", {{"width", 0.6}, {"rows", 2}}},
+                    Request{"islamic", {}}, Request{"islamic", {{"depth", 0.15}}},
+                    Request{"trefoils", {}}, Request{"trefoils", {{"target-angle", 150}}}));
+
 /// Families whose published models have so many tiles and joints.
 TEST(Families, HaveThePublishedCounts) {
   const struct {
@@ -154,8 +189,10 @@ TEST(Families, SayWhatIsWrongWithARequest) {
   EXPECT_EQ(messageFor({"heart", {{"size", 3}}}),
             "heart: error: there is no parameter size; give some of columns, rows, start-angle, "
             "target-angle");
-  EXPECT_TRUE(messageFor({"hart", {}})
-                  .starts_with("error: there is no family hart, did you mean heart?; give one of tessellation,"));
+  EXPECT_TRUE(
+      messageFor({"hart", {}})
+          .starts_with(
+              "error: there is no family hart, did you mean heart?; give one of tessellation,"));
 }
 
 TEST(Families, RefuseSheetsThatAreNone) {

@@ -112,8 +112,7 @@ TEST(FolderErrors, EmptyFile) {
             "@/vertices.txt: error: the file holds no tile; write one tile a line, \"x y z\" for "
             "each vertex");
   EXPECT_EQ(forJoints("\n \n"),
-            "@/constraints.txt: error: the file is empty; write one joint a line, \"tileA vertexA "
-            "tileB vertexB face\", or the line \"# no joints\" if the tiles are loose");
+            "@/constraints.txt: mended: the file is empty; the tiles are taken as loose");
   EXPECT_EQ(forTarget(""),
             "@/target.txt: error: the file holds no tile; write one tile a line, \"x y z\" for "
             "each vertex");
@@ -197,17 +196,30 @@ TEST(FolderErrors, TileNotFlat) {
             "0.0141 is allowed; flatten the tile or split it into triangles");
 }
 
-TEST(FolderErrors, TileNotConvex) {
-  EXPECT_EQ(forVertices("0 0 0 2 0 0 0.5 0.5 0 0 2 0\n"),
-            "@/vertices.txt:1:13: error: tile 0 is not convex at its vertex 2; list its vertices "
-            "in order round the tile, or split it into convex tiles");
+TEST(FolderErrors, ConcaveTilesAreFine) {
+  EXPECT_EQ(messageFor({{"vertices.txt", "0 0 0 2 0 0 0.5 0.5 0 0 2 0\n"},
+                        {"constraints.txt", "# no joints\n"}}),
+            "");
+}
+
+TEST(FolderErrors, TileThatCrossesItself) {
+  EXPECT_EQ(forVertices("0 0 0 3 0 0 3 2 0 1 -1 0 0 2 0\n"),
+            "@/vertices.txt:1:13: error: tile 0 crosses or touches itself: its side from vertex 2 "
+            "to 3 meets the one from vertex 0 to 1; list its vertices in order round the tile, and "
+            "a tile in two pieces as two");
+  // A corner on a far side: two pieces.
+  EXPECT_EQ(forVertices("0 0 0 4 0 0 4 2 0 2 0 0 0 2 0\n"),
+            "@/vertices.txt:1:13: error: tile 0 crosses or touches itself: its side from vertex 2 "
+            "to 3 meets the one from vertex 0 to 1; list its vertices in order round the tile, and "
+            "a tile in two pieces as two");
 }
 
 TEST(FolderErrors, TileRoundTwice) {
   // A pentagram: every corner turns left, two rounds in all.
   EXPECT_EQ(forVertices("0 1 0 -0.588 -0.809 0 0.951 0.309 0 -0.951 0.309 0 0.588 -0.809 0\n"),
-            "@/vertices.txt:1: error: tile 0 goes round more than once; list its vertices in order "
-            "round the tile");
+            "@/vertices.txt:1:23: error: tile 0 crosses or touches itself: its side from vertex 2 "
+            "to 3 meets the one from vertex 0 to 1; list its vertices in order round the tile, and "
+            "a tile in two pieces as two");
 }
 
 TEST(FolderErrors, JointColumns) {
@@ -248,9 +260,13 @@ TEST(FolderErrors, JointVertexOutOfRange) {
 }
 
 TEST(FolderErrors, JointsThatCountFromOne) {
-  EXPECT_EQ(forJoints("1 2 2 1\n"),
-            "@/constraints.txt:1:5: error: vertices.txt has tiles 0-1, not 2; this file seems to "
-            "count from 1: subtract 1 from all its tile and vertex numbers");
+  EXPECT_EQ(
+      forJoints("1 2 2 1\n"),
+      "@/constraints.txt: mended: tiles and vertices of all 1 joints count from 1, not from 0; "
+      "they are taken as counted from 1");
+  // From neither base are all of them there.
+  EXPECT_EQ(forJoints("1 2 2 1\n0 1 1 0\n"),
+            "@/constraints.txt:1:5: error: vertices.txt has tiles 0-1, not 2; correct this column");
 }
 
 TEST(FolderErrors, JointFace) {
@@ -266,12 +282,14 @@ TEST(FolderErrors, JointToItself) {
 }
 
 TEST(FolderErrors, RepeatedJoint) {
-  EXPECT_EQ(forJoints("0 1 1 0\n0 1 1 0 2\n\n1 0 0 1 3\n"),
-            "@/constraints.txt:4: error: vertex 1 of tile 0 and vertex 0 of tile 1 are joined on "
-            "the bottom face at line 1 already; delete one of the two lines");
-  EXPECT_EQ(forJoints("0 1 1 0 3\n0 1 1 0 2\n"),
-            "@/constraints.txt:2: error: vertex 1 of tile 0 and vertex 0 of tile 1 are joined on "
-            "the top face at line 1 already; delete one of the two lines");
+  EXPECT_EQ(
+      forJoints("0 1 1 0\n0 1 1 0 2\n\n1 0 0 1 3\n"),
+      "@/constraints.txt:4: mended: 1 joint is listed again, here that of line 1; each counts "
+      "once, whichever end comes first");
+  EXPECT_EQ(
+      forJoints("0 1 1 0 3\n0 1 1 0 2\n"),
+      "@/constraints.txt:2: mended: 1 joint is listed again, here that of line 1; each counts "
+      "once, whichever end comes first");
   EXPECT_EQ(forJoints("0 1 1 0 1\n0 1 1 0 2\n"), "");
 }
 

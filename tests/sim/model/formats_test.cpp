@@ -1,6 +1,9 @@
 // Models in formats other than folders: round trips, published files, and every message.
+#include <array>
 #include <cmath>
+#include <cstring>
 #include <map>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
@@ -162,6 +165,85 @@ TEST(Formats, ReadsPlanarFiles) {
   EXPECT_EQ(model.joints[1].apart.norm(), 1);
 }
 
+/// A number's bytes, the most significant first where the order is big.
+template <typename T>
+std::string bytesOf(T value, bool isBig) {
+  std::string bytes(sizeof value, 0);
+  std::memcpy(bytes.data(), &value, sizeof value);
+  if (isBig) std::reverse(bytes.begin(), bytes.end());
+  return bytes;
+}
+
+/// Two unit squares side by side, the edge between them from (1, 0) to (1, 1).
+std::string twoSquares(const std::string& more) {
+  return R"({"file_spec": 1.2, "vertices_coords": [[0,0],[1,0],[2,0],[2,1],[1,1],[0,1]],
+             "faces_vertices": [[0,1,4,5],[1,2,3,4]],
+             "edges_vertices": [[0,1],[1,4],[4,5],[5,0],[1,2],[2,3],[3,4]], )" +
+         more + "}";
+}
+
+TEST(Formats, FoldAnglesMakeTheTarget) {
+  const TemporaryFolder folder;
+  folder.write("a.fold", twoSquares(R"("edges_assignment": ["B","V","B","B","B","B","B"],
+      "edges_foldAngle": [null,90,null,null,null,null,null])"));
+  const Model valley = read(folder.path() / "a.fold");
+  EXPECT_EQ(valley.joints.size(), 2U);
+  ASSERT_TRUE(valley.target);
+  // A valley folds the other square up, towards the side from which the faces run anticlockwise.
+  EXPECT_LT(((*valley.target)[1].vertices[1] - Vector3(1, 0, 1)).norm(), 1e-15);
+  folder.write("b.fold", twoSquares(R"("edges_assignment": ["B","M","B","B","B","B","B"],
+      "edges_foldAngle": [null,-90,null,null,null,null,null])"));
+  const Model mountain = read(folder.path() / "b.fold");
+  EXPECT_LT(((*mountain.target)[1].vertices[1] - Vector3(1, 0, -1)).norm(), 1e-15);
+  // Written again, the crease has its angle.
+  writeModel(valley, folder.path() / "c.fold");
+  const std::string text = readWhole(folder.path() / "c.fold");
+  EXPECT_NE(text.find("\"V\""), text.npos);
+  EXPECT_NE(text.find("90.0"), text.npos);
+}
+
+TEST(Formats, FoldCutsPartAndJoinsFix) {
+  const TemporaryFolder folder;
+  folder.write("a.fold", twoSquares(R"("edges_assignment": ["B","C","B","B","B","B","B"])"));
+  EXPECT_TRUE(read(folder.path() / "a.fold").joints.empty());
+  folder.write("b.fold", twoSquares(R"("edges_assignment": ["B","J","B","B","B","B","B"])"));
+  const Model joined = read(folder.path() / "b.fold");
+  ASSERT_EQ(joined.joints.size(), 1U);
+  EXPECT_EQ(joined.joints[0].kind, JointKind::Fixed);
+}
+
+TEST(Formats, ReadsPlyOfAllThreeKinds) {
+  const std::string elements =
+      "comment two triangles\nelement vertex 4\nproperty float x\nproperty double y\n"
+      "property uchar red\nproperty float z\nelement face 2\nproperty list uchar int "
+      "vertex_indices\nend_header\n";
+  std::string ascii = "ply\nformat ascii 1.0\n" + elements;
+  ascii += "0 0 7 0\n1 0 7 0\n1 1 7 0\n2 0 7 0.5\n3 0 1 2\n3 1 3 2\n";
+  const auto binary = [&](bool isBig) {
+    std::string text = fmt::format("ply\nformat binary_{}_endian 1.0\n", isBig ? "big" : "little");
+    text += elements;
+    for (const auto& [x, y, z] :
+         {std::tuple{0.f, 0., 0.f}, {1.f, 0., 0.f}, {1.f, 1., 0.f}, {2.f, 0., 0.5f}}) {
+      text += bytesOf(x, isBig) + bytesOf(y, isBig) + '\7' + bytesOf(z, isBig);
+    }
+    for (const auto& face : {std::array{0, 1, 2}, {1, 3, 2}}) {
+      text += '\3';
+      for (const int corner : face) text += bytesOf(corner, isBig);
+    }
+    return text;
+  };
+  const TemporaryFolder folder;
+  for (const std::string& text : {ascii, binary(false), binary(true)}) {
+    folder.write("a.ply", text);
+    const Model model = read(folder.path() / "a.ply");
+    ASSERT_EQ(model.tiles.size(), 2U);
+    EXPECT_EQ(model.tiles[1].vertices[1], Vector3(2, 0, 0.5));
+    ASSERT_EQ(model.joints.size(), 2U);  // a shared edge is a hinge
+    EXPECT_EQ(model.joints[0].a, (Corner{0, 1}));
+    EXPECT_EQ(model.joints[1].b, (Corner{1, 2}));
+  }
+}
+
 TEST(Formats, AnotherModelCanBeTheTarget) {
   const TemporaryFolder folder;
   TessellationShape shape;
@@ -247,13 +329,20 @@ TEST(FormatErrors, PairsWhoseFacesDiffer) {
 
 TEST(FormatErrors, Orientation) {
   const std::string four = kTriangle + "v 2 0 0\n";
+  EXPECT_EQ(messageFor({{"a.obj", four + "f 1 2 3\nf 3 4 2\n"}}, "a.obj"),
+            "@/a.obj:6: mended: 1 of 2 tiles runs clockwise seen from above; turned round, and "
+            "written in "
+            "the file's own order again");
   EXPECT_EQ(
-      messageFor({{"a.obj", four + "f 1 2 3\nf 3 4 2\n"}}, "a.obj"),
-      "@/a.obj:6: error: tile 1 runs clockwise seen from above, tile 0 anticlockwise; list the "
-      "vertices of all tiles anticlockwise");
-  EXPECT_EQ(messageFor({{"a.obj", four + "f 3 2 1\nf 3 4 2\n"}}, "a.obj"),
-            "@/a.obj: warning: all tiles run clockwise seen from above, so that bricks grow "
-            "downwards; list their vertices anticlockwise to have them grow upwards");
+      messageFor({{"a.obj", four + "f 3 2 1\nf 3 4 2\n"}}, "a.obj"),
+      "@/a.obj:5: mended: 2 of 2 tiles run clockwise seen from above; turned round, and written "
+      "in the file's own order again");
+  // The faces of joints hang on the sense where the sheet folds.
+  EXPECT_EQ(messageFor({{"a_contracted.obj", four + "f 3 2 1\nf 3 4 2\n"},
+                        {"a_deployed.obj", kTriangle + "v 1 0 1\nf 3 2 1\nf 3 4 2\n"}},
+                       "a_contracted.obj"),
+            "@/a_contracted.obj: warning: all tiles run clockwise seen from above, so that bricks "
+            "grow downwards; list their vertices anticlockwise to have them grow upwards");
 }
 
 TEST(FormatErrors, Fold) {
@@ -305,6 +394,17 @@ TEST(FormatErrors, FoldEdgesAndFramesThatAreBroken) {
         "@/a.fold: error: edges_assignment is no list of 3 letters, one for each edge; correct "
         "or delete it");
   }
+  EXPECT_EQ(messageForFold(one, edges + R"(["B","X","M"])"),
+            "@/a.fold: error: edge 1 has an assignment that FOLD does not know; write one of B, M, "
+            "V, F, U, C, J");
+  const std::string angles = R"(,"edges_vertices": [[0,1],[1,2]], "edges_foldAngle": )";
+  EXPECT_EQ(
+      messageForFold(one, angles + "[null]"),
+      "@/a.fold: error: edges_foldAngle is no list of 2 angles, one for each edge; correct or "
+      "delete it");
+  EXPECT_EQ(messageForFold(one, angles + "[null, 270]"),
+            "@/a.fold: error: edge 1 has a fold angle that is no number of degrees from -180 to "
+            "180, nor null; correct it");
   EXPECT_EQ(messageForFold(one, R"(,"file_frames": {"frame_title": "a"})"),
             "@/a.fold: error: file_frames is no list of frames; correct or delete it");
   EXPECT_EQ(messageForFold(one, R"(,"file_frames": [{}, 3])"),
@@ -348,6 +448,28 @@ TEST(FormatErrors, JsonWithTextThatIsLong) {
   EXPECT_EQ(message.find('\x1b'), message.npos);
 }
 
+TEST(FormatErrors, Ply) {
+  const auto message = [](const std::string& text) {
+    return messageFor({{"a.ply", text}}, "a.ply");
+  };
+  const std::string end = "; give a PLY mesh with one face a tile";
+  EXPECT_EQ(message("solid"), "@/a.ply: error: the file does not begin with \"ply\"" + end);
+  EXPECT_EQ(message("ply\n"), "@/a.ply: error: its header has no end" + end);
+  EXPECT_EQ(message("ply\nend_header\n"), "@/a.ply: error: its header names no format" + end);
+  EXPECT_EQ(message("ply\nformat cuneiform 1.0\n"),
+            "@/a.ply: error: there is no format 'cuneiform'" + end);
+  const std::string header =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty "
+      "float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n";
+  EXPECT_EQ(message(header + "0 0 0 1 0 0 1 1"), "@/a.ply: error: the file ends early" + end);
+  EXPECT_EQ(message(header + "0 0 0 1 0 0 1 1 0 3 0 1 9"),
+            "@/a.ply: error: face 0 has the vertex 9, but there are vertices 0-2: PLY counts from "
+            "0" +
+                end);
+  EXPECT_EQ(message(header + "0 0 0 1 0 0 1 1 0 2 0 1"),
+            "@/a.ply: error: face 0 has 2 vertices, a tile has at least 3" + end);
+}
+
 TEST(FormatErrors, TilesOfTooManyVertices) {
   std::string text, face = "f";
   for (int k = 0; k < 301; ++k) {
@@ -371,20 +493,24 @@ TEST(FormatErrors, ObjCornersThatCannotBeToldApart) {
                          "v 0 0 0\nv 1000 0 0\nv 0 1000 0\n"
                          "v 0 0 0\nv 0.0001 0 0\nv 0 0.0001 0\nf 1 2 3\nf 4 5 6\n"}},
                        "a.obj"),
-            "@/a.obj: error: corners at tile 1 are within 0.0014 m, a millionth of the sheet, "
-            "without being one; give joined corners one vertex number");
+            "@/a.obj: error: corners at tile 1 are within 0.0014 m, less than their digits "
+            "can tell, without being one; give joined corners one vertex number");
 }
 
 TEST(FormatErrors, PlanarFiles) {
   const std::string squares = "0 0 0 1 1 1 1 0\n1 0 1 1 2 1 2 0\n";
+  const std::string turned =
+      "@/./vertices.txt:1: mended: 2 of 2 tiles run clockwise seen from above; turned round, and "
+      "written in the file's own order again";
   EXPECT_EQ(
       messageFor({{"vertices.txt", squares}, {"constraints.txt", "0 3 1 0\n"}}, "."),
-      "@/./constraints.txt:1:1: error: tiles and vertices count from 1 here; this file seems to "
-      "count from 0: add 1 to all its numbers");
+      "@/./constraints.txt: mended: tiles and vertices of all 1 joints count from 0, not from "
+      "1; they are taken as counted from 0" +
+          turned);
   EXPECT_EQ(
       messageFor({{"vertices.txt", squares}, {"constraints.txt", "1 -2147483648 2 1\n"}}, "."),
-      "@/./constraints.txt:1:3: error: tiles and vertices count from 1 here; this file seems to "
-      "count from 0: add 1 to all its numbers");
+      "@/./constraints.txt:1:3: error: tile 1 has vertices 1-4, not -2147483646; correct this "
+      "column");
   EXPECT_EQ(messageFor({{"vertices.txt", squares}, {"constraints.txt", "1 4 2\n"}}, "."),
             "@/./constraints.txt:1: error: 3 numbers do not make a joint; write one joint a line, "
             "\"tile vertex tile vertex\", from 1");
@@ -397,8 +523,8 @@ TEST(FormatErrors, PlanarFiles) {
 TEST(FormatErrors, UnknownEndingsAndOtherTargets) {
   EXPECT_EQ(
       messageFor({{"a.stl", ""}}, "a.stl"),
-      "@/a.stl: error: '.stl' is no model's ending; give a folder with vertices.txt, a .fold or "
-      ".obj file");
+      "@/a.stl: error: '.stl' is no model's ending; give a folder with vertices.txt, a planar "
+      "NAME_vertices.txt, a .fold, .obj or .ply file, or a cut pattern (.svg, .dxf)");
   EXPECT_EQ(
       messageFor(
           {{"a.obj", kTriangle + "f 1 2 3\n"}, {"b.obj", kTriangle + "v 0 1 0\nf 1 2 3 4\n"}},
@@ -411,8 +537,8 @@ TEST(FormatErrors, UnknownEndingsAndOtherTargets) {
   } catch (const InputError& error) {
     EXPECT_STREQ(
         error.what(),
-        "/tmp/sheet.stl: error: there is no format '.stl'; give an ending .fold or .obj, or "
-        "none for a folder");
+        "/tmp/sheet.stl: error: there is no format '.stl'; give an ending .fold or .obj, a name "
+        "that ends with vertices.txt for planar files, or no ending for a folder");
   }
   Model linked = makeTessellation({});
   linked.joints = {makeLink(linked.tiles, {0, 0}, {5, 2})};

@@ -1,0 +1,244 @@
+#include "sim/model/convex_parts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace kirireel {
+namespace {
+
+using Vector2 = Eigen::Vector2d;
+
+// Largest sine by which a corner of a convex tile may turn inwards: corners in the middle of a
+// straight side carry rounding, and optimised designs dent it by a degree. Deepest met: 0.0195
+// (hexagon_shear_w4_h2_i4_f0). In all, twice that, so that many small turns do not hide a bay.
+constexpr double kStraightCorner = 0.03;
+constexpr double kStraightInAll = 0.06;
+// Sine up to which a corner of a part may turn inwards: rounding of straight sides.
+constexpr double kPartCorner = 1e-3;
+// Sine above which a corner turns left, so that it can be an ear.
+constexpr double kEar = 1e-9;
+
+double cross(const Vector2& a, const Vector2& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+/// The sine of the turn at b from the side a-b to b-c: positive to the left.
+double turnSine(const Vector2& a, const Vector2& b, const Vector2& c) {
+  const Vector2 before = b - a, after = c - b;
+  return cross(before, after) / (before.norm() * after.norm());
+}
+
+std::vector<Vector2> flattened(std::span<const Vector3> corners, const Vector3& normal) {
+  // Axes that do not depend on how the tile is turned about its normal matter little: only signs of
+  // areas are looked at.
+  const Vector3 x = normal.unitOrthogonal();
+  const Vector3 y = normal.cross(x);
+  std::vector<Vector2> points;
+  for (const Vector3& corner : corners) {
+    const Vector3 from = corner - corners.front();
+    points.emplace_back(x.dot(from), y.dot(from));
+  }
+  return points;
+}
+
+/// Whether p lies in the triangle or on its boundary.
+bool holds(const Vector2& a, const Vector2& b, const Vector2& c, const Vector2& p) {
+  const auto isLeft = [&](const Vector2& from, const Vector2& to) {
+    return cross(to - from, p - from) >= -1e-12 * (to - from).squaredNorm();
+  };
+  return isLeft(a, b) && isLeft(b, c) && isLeft(c, a);
+}
+
+/// The ring of corners that are left while ears are cut off.
+class EarClipper {
+ public:
+  explicit EarClipper(std::vector<Vector2> points) : points_(std::move(points)) {
+    ring_.resize(points_.size());
+    std::iota(ring_.begin(), ring_.end(), 0);
+    for (std::size_t k = 0; k < ring_.size(); ++k) qualities_.push_back(quality(triangleAt(k)));
+  }
+
+  std::vector<std::array<int, 3>> triangles() {
+    std::vector<std::array<int, 3>> cut;
+    while (ring_.size() > 3) {
+      const std::size_t ear = bestEar();
+      cut.push_back(triangleAt(ear));
+      ring_.erase(ring_.begin() + static_cast<std::ptrdiff_t>(ear));
+      qualities_.erase(qualities_.begin() + static_cast<std::ptrdiff_t>(ear));
+      const std::size_t count = ring_.size();
+      for (const std::size_t k : {(ear + count - 1) % count, ear % count}) {
+        qualities_[k] = quality(triangleAt(k));
+      }
+    }
+    cut.push_back({ring_[0], ring_[1], ring_[2]});
+    return cut;
+  }
+
+ private:
+  std::array<int, 3> triangleAt(std::size_t k) const {
+    const std::size_t count = ring_.size();
+    return {ring_[(k + count - 1) % count], ring_[k], ring_[(k + 1) % count]};
+  }
+
+  /// The least sine of a triangle's angles; negative where the corner turns right.
+  double quality(const std::array<int, 3>& t) const {
+    const auto [a, b, c] = t;
+    return std::min({turnSine(points_[a], points_[b], points_[c]),
+                     turnSine(points_[b], points_[c], points_[a]),
+                     turnSine(points_[c], points_[a], points_[b])});
+  }
+
+  bool isEmpty(const std::array<int, 3>& t) const {
+    return std::none_of(ring_.begin(), ring_.end(), [&](int k) {
+      if (std::find(t.begin(), t.end(), k) != t.end()) return false;
+      return holds(points_[t[0]], points_[t[1]], points_[t[2]], points_[k]);
+    });
+  }
+
+  /// The place in the ring of the best ear. Where rounding leaves none, of the least bad corner.
+  std::size_t bestEar() const {
+    std::vector<std::size_t> order(ring_.size());
+    std::iota(order.begin(), order.end(), 0);
+    // Rounding does not choose between equal ears: sines count to nine digits.
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      return std::round(1e9 * qualities_[a]) > std::round(1e9 * qualities_[b]);
+    });
+    for (const std::size_t k : order) {
+      if (!(qualities_[k] > kEar)) break;
+      if (isEmpty(triangleAt(k))) return k;
+    }
+    return order.front();
+  }
+
+  std::vector<Vector2> points_;
+  std::vector<int> ring_;
+  std::vector<double> qualities_;  ///< of each corner in the ring
+};
+
+/// Two parts as one, without the diagonal from `from` to `to` (as it runs in the first).
+PolygonPart joined(const PolygonPart& first, const PolygonPart& second, int from, int to) {
+  const auto place = [](const PolygonPart& part, int corner) {
+    return static_cast<std::size_t>(std::find(part.begin(), part.end(), corner) - part.begin());
+  };
+  PolygonPart whole;
+  // Round the first part from `to` to `from`, then on round the second.
+  for (std::size_t k = 0, at = place(first, to); k < first.size(); ++k) {
+    whole.push_back(first[(at + k) % first.size()]);
+  }
+  for (std::size_t k = 1, at = place(second, from); k + 1 < second.size(); ++k) {
+    whole.push_back(second[(at + k) % second.size()]);
+  }
+  return whole;
+}
+
+bool staysConvex(const PolygonPart& part, const std::vector<Vector2>& points) {
+  const std::size_t count = part.size();
+  for (std::size_t k = 0; k < count; ++k) {
+    const double sine = turnSine(points[part[(k + count - 1) % count]], points[part[k]],
+                                 points[part[(k + 1) % count]]);
+    if (sine < -kPartCorner) return false;
+  }
+  return true;
+}
+
+/// The part that has the side `from`-`to` in this direction; the end where none has.
+std::vector<PolygonPart>::iterator partWithSide(std::vector<PolygonPart>& parts, int from, int to) {
+  return std::find_if(parts.begin(), parts.end(), [&](const PolygonPart& part) {
+    const auto at = std::find(part.begin(), part.end(), from);
+    if (at == part.end()) return false;
+    return (at + 1 == part.end() ? part.front() : *(at + 1)) == to;
+  });
+}
+
+/// Takes away each diagonal in turn that leaves the part round it convex.
+void mergeParts(std::vector<PolygonPart>& parts, const std::vector<Vector2>& points) {
+  const std::vector<PolygonPart> triangles = parts;
+  for (const PolygonPart& triangle : triangles) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const int from = triangle[k], to = triangle[(k + 1) % 3];
+      if (from > to) continue;  // each diagonal once
+      const auto first = partWithSide(parts, from, to);
+      const auto second = partWithSide(parts, to, from);
+      if (first == parts.end() || second == parts.end()) continue;
+      PolygonPart whole = joined(*first, *second, from, to);
+      if (!staysConvex(whole, points)) continue;
+      *first = std::move(whole);
+      parts.erase(second);
+    }
+  }
+}
+
+/// The distance of two stretches.
+double distance(const Vector2& a, const Vector2& b, const Vector2& c, const Vector2& d) {
+  const double ofC = cross(b - a, c - a), ofD = cross(b - a, d - a);
+  const double ofA = cross(d - c, a - c), ofB = cross(d - c, b - c);
+  if (((ofC > 0) != (ofD > 0)) && ((ofA > 0) != (ofB > 0))) return 0;
+  const auto toStretch = [](const Vector2& p, const Vector2& from, const Vector2& to) {
+    const Vector2 along = to - from;
+    const double share = std::clamp((p - from).dot(along) / along.squaredNorm(), 0.0, 1.0);
+    return (p - from - share * along).norm();
+  };
+  return std::min({toStretch(a, c, d), toStretch(b, c, d), toStretch(c, a, b), toStretch(d, a, b)});
+}
+
+}  // namespace
+
+bool isConvexPolygon(std::span<const Vector3> corners, const Vector3& normal) {
+  double inAll = 0;
+  const std::size_t count = corners.size();
+  for (std::size_t k = 0; k < count; ++k) {
+    const Vector3 before = (corners[k] - corners[(k + count - 1) % count]).normalized();
+    const Vector3 after = (corners[(k + 1) % count] - corners[k]).normalized();
+    const double sine = before.cross(after).dot(normal);
+    if (sine < -kStraightCorner) return false;
+    inAll -= std::min(sine, 0.0);
+  }
+  return inAll <= kStraightInAll;
+}
+
+std::optional<std::pair<int, int>> crossingSides(std::span<const Vector3> corners,
+                                                 const Vector3& normal, double tolerance) {
+  const std::vector<Vector2> points = flattened(corners, normal);
+  const int count = static_cast<int>(points.size());
+  const auto at = [&](int k) -> const Vector2& { return points[k % count]; };
+  for (int i = 0; i < count; ++i) {
+    // The next side runs back along this one.
+    const Vector2 along = at(i + 1) - at(i), next = at(i + 2) - at(i + 1);
+    const bool turnsBack =
+        along.dot(next) < 0 && std::abs(cross(along, next)) < 1e-9 * along.norm() * next.norm();
+    if (turnsBack) return std::pair{i, (i + 1) % count};
+    for (int j = i + 2; j < count; ++j) {
+      if ((j + 1) % count == i) continue;
+      if (distance(at(i), at(i + 1), at(j), at(j + 1)) <= tolerance) return std::pair{i, j};
+    }
+  }
+  return std::nullopt;
+}
+
+std::vector<std::array<int, 3>> trianglesOf(std::span<const Vector3> corners,
+                                            const Vector3& normal) {
+  if (!isConvexPolygon(corners, normal)) {
+    return EarClipper(flattened(corners, normal)).triangles();
+  }
+  std::vector<std::array<int, 3>> fan;
+  for (int k = 2; k < static_cast<int>(corners.size()); ++k) fan.push_back({0, k - 1, k});
+  return fan;
+}
+
+std::vector<PolygonPart> convexParts(std::span<const Vector3> corners, const Vector3& normal) {
+  if (isConvexPolygon(corners, normal)) {
+    PolygonPart all(corners.size());
+    std::iota(all.begin(), all.end(), 0);
+    return {all};
+  }
+  const std::vector<Vector2> points = flattened(corners, normal);
+  std::vector<PolygonPart> parts;
+  for (const std::array<int, 3>& triangle : EarClipper(points).triangles()) {
+    parts.emplace_back(triangle.begin(), triangle.end());
+  }
+  mergeParts(parts, points);
+  return parts;
+}
+
+}  // namespace kirireel

@@ -1,0 +1,486 @@
+// From lines back to tiles.
+//
+// A cut pattern draws each side of a tile as a line in the sense in which the tile runs (its inside
+// on the left), sides that two tiles share once, as slits. Beside each joint at m a neck of
+// material stays: the two sides round the narrower gap end before m. A line on the layer of hinges
+// leads from m to the middle between their ends, h; where the gap is open, a cut joins these ends.
+//
+// 1. *Necks* are taken out: cuts whose middle is the h of a hinge.
+// 2. *Ends* that a hinge shortened go back to its m: those at its h, at the ends of its neck, or
+//    ends of a single line that points at an m (where several hinges shortened one side).
+// 3. *Tiles* are the cycles of directed sides. At a vertex the next side is the one that is met
+// first
+//    when turning clockwise from the way back: what lies between is the tile's own corner.
+// 4. *Joints*: the corners at m whose sides bound the gap that the hinge's line lies in.
+#include "sim/model/cut_pattern_file.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <optional>
+#include <string_view>
+#include <unordered_map>
+
+#include <fmt/format.h>
+
+#include "sim/base/error.h"
+#include "sim/base/input_file.h"
+#include "sim/base/spelling.h"
+#include "sim/model/mending.h"
+#include "sim/model/text_table.h"
+#include "sim/model/tile_checks.h"
+
+namespace kirireel {
+namespace {
+
+namespace fs = std::filesystem;
+using Vector2 = Eigen::Vector2d;
+
+constexpr const char* kPatternPurpose = "give a cut pattern that `kirireel export` left";
+// Points nearer than this part of the pattern's size are one.
+constexpr double kSamePoint = 1e-7;
+// Sides that differ by less than this angle, radians, leave in one direction.
+constexpr double kSameDirection = 1e-6;
+constexpr double kTurn = 2 * std::numbers::pi;
+
+enum class LineLayer { Cuts, Slits, Hinges, Other };
+
+LineLayer layerNamed(std::string_view name) {
+  return name == "cuts"     ? LineLayer::Cuts
+         : name == "slits"  ? LineLayer::Slits
+         : name == "hinges" ? LineLayer::Hinges
+                            : LineLayer::Other;
+}
+
+struct DrawnLine {
+  LineLayer layer = LineLayer::Cuts;
+  Vector2 from = Vector2::Zero();
+  Vector2 to = Vector2::Zero();
+};
+
+InputError patternFault(const fs::path& file, const std::string& what) {
+  return inputErrorAt({file}, fmt::format("{}; {}", what, kPatternPurpose));
+}
+
+double patternNumber(std::string_view text, const fs::path& file, double scale) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const bool isNumber = error == std::errc() && end == text.data() + text.size();
+  if (isNumber && std::isfinite(value) && std::abs(scale * value) <= kMaxCoordinate) {
+    return scale * value;
+  }
+  throw patternFault(
+      file, fmt::format("'{}' is no coordinate within {:g} m", shown(text, 24), kMaxCoordinate));
+}
+
+std::vector<std::string_view> words(std::string_view text) {
+  std::vector<std::string_view> found;
+  constexpr std::string_view kBlank = " \t\r\n";
+  std::size_t begin = text.find_first_not_of(kBlank);
+  while (begin != text.npos) {
+    const std::size_t end = std::min(text.find_first_of(kBlank, begin), text.size());
+    found.push_back(text.substr(begin, end - begin));
+    begin = text.find_first_not_of(kBlank, end);
+  }
+  return found;
+}
+
+/// The value of an attribute of a tag; none where it has no such attribute.
+std::optional<std::string_view> attribute(std::string_view tag, const std::string& name) {
+  const std::string key = " " + name + "=\"";
+  const std::size_t at = tag.find(key);
+  if (at == tag.npos) return std::nullopt;
+  const std::string_view rest = tag.substr(at + key.size());
+  const std::size_t end = rest.find('"');
+  if (end == rest.npos) return std::nullopt;
+  return rest.substr(0, end);
+}
+
+/// Groups named by their layer, in them paths "M x y L x y" in millimetres, y downwards.
+std::vector<DrawnLine> svgLines(const std::string& text, const fs::path& file) {
+  constexpr double kMillimetre = 1e-3;
+  std::vector<DrawnLine> lines;
+  LineLayer layer = LineLayer::Other;
+  for (std::size_t at = text.find('<'); at != text.npos; at = text.find('<', at + 1)) {
+    const std::size_t end = std::min(text.find('>', at), text.size());
+    const std::string_view tag = std::string_view(text).substr(at, end - at);
+    if (tag.starts_with("<g")) layer = layerNamed(attribute(tag, "id").value_or(""));
+    if (tag.starts_with("</g")) layer = LineLayer::Other;
+    if (!tag.starts_with("<path") || layer == LineLayer::Other) continue;
+    const std::vector<std::string_view> parts = words(attribute(tag, "d").value_or(""));
+    if (parts.size() != 6 || parts[0] != "M" || parts[3] != "L") {
+      throw patternFault(file, "a path is no straight line \"M x y L x y\"");
+    }
+    const auto point = [&](std::size_t k) {
+      return Vector2(patternNumber(parts[k], file, kMillimetre),
+                     0.0 - patternNumber(parts[k + 1], file, kMillimetre));
+    };
+    lines.push_back({layer, point(1), point(4)});
+  }
+  return lines;
+}
+
+/// Entities LINE on layers, in metres.
+std::vector<DrawnLine> dxfLines(const std::string& text, const fs::path& file) {
+  std::vector<DrawnLine> lines;
+  std::map<int, std::string_view> entity;  // by group codes
+  std::size_t at = 0;
+  const auto nextLine = [&]() -> std::optional<std::string_view> {
+    if (at >= text.size()) return std::nullopt;
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    std::string_view line = std::string_view(text).substr(at, end - at);
+    at = end + 1;
+    while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.remove_suffix(1);
+    while (!line.empty() && line.front() == ' ') line.remove_prefix(1);
+    return line;
+  };
+  const auto finish = [&] {
+    if (!entity.contains(0) || entity[0] != "LINE") return;
+    const LineLayer layer = layerNamed(entity.contains(8) ? entity[8] : "");
+    if (layer == LineLayer::Other) return;
+    std::array<double, 4> numbers{};
+    constexpr std::array<int, 4> kCodes = {10, 20, 11, 21};
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (!entity.contains(kCodes[k])) throw patternFault(file, "a LINE lacks an end");
+      numbers[k] = patternNumber(entity[kCodes[k]], file, 1);
+    }
+    lines.push_back({layer, {numbers[0], numbers[1]}, {numbers[2], numbers[3]}});
+  };
+  while (const std::optional<std::string_view> code = nextLine()) {
+    const std::optional<std::string_view> value = nextLine();
+    int number = -1;
+    const auto [end, error] = std::from_chars(code->data(), code->data() + code->size(), number);
+    if (!value || error != std::errc() || end != code->data() + code->size()) {
+      throw patternFault(file, "its lines are no pairs of group codes and values");
+    }
+    if (number == 0) {
+      finish();
+      entity.clear();
+    }
+    entity[number] = *value;
+  }
+  finish();
+  return lines;
+}
+
+/// Points of the plane, those within a tolerance as one, by number.
+class PointNumbers {
+ public:
+  /// Cells are counted from `origin`, a point of the pattern, so that their numbers stay small.
+  PointNumbers(double tolerance, const Vector2& origin) : tolerance_(tolerance), origin_(origin) {}
+
+  /// The number of the known point there; none where there is none.
+  std::optional<int> find(const Vector2& point) const {
+    const auto [column, row] = cellOf(point);
+    for (long x = column - 1; x <= column + 1; ++x) {
+      for (long y = row - 1; y <= row + 1; ++y) {
+        const auto cell = cells_.find(key(x, y));
+        if (cell == cells_.end()) continue;
+        for (const int number : cell->second) {
+          if ((points_[number] - point).norm() <= tolerance_) return number;
+        }
+      }
+    }
+    return std::nullopt;
+  }
+
+  int add(const Vector2& point) {
+    if (const std::optional<int> known = find(point)) return *known;
+    const auto [column, row] = cellOf(point);
+    points_.push_back(point);
+    cells_[key(column, row)].push_back(static_cast<int>(points_.size()) - 1);
+    return static_cast<int>(points_.size()) - 1;
+  }
+
+  const Vector2& operator[](int number) const { return points_[number]; }
+  int count() const { return static_cast<int>(points_.size()); }
+
+ private:
+  std::pair<long, long> cellOf(const Vector2& point) const {
+    const Vector2 steps = (point - origin_) / tolerance_;
+    return {std::lround(steps.x()), std::lround(steps.y())};
+  }
+  /// Cells that share a key by chance only cost time: points are compared themselves.
+  static long key(long x, long y) {
+    return static_cast<long>(static_cast<unsigned long>(x) * 1000003UL +
+                             static_cast<unsigned long>(y));
+  }
+
+  double tolerance_;
+  Vector2 origin_;
+  std::vector<Vector2> points_;
+  std::unordered_map<long, std::vector<int>> cells_;
+};
+
+double angleOf(const Vector2& direction) {
+  return std::atan2(direction.y(), direction.x());
+}
+
+/// An angle in [-kSameDirection, 2 pi - kSameDirection).
+double turnedBy(double angle) {
+  double turn = std::fmod(angle, kTurn);
+  if (turn < -kSameDirection) turn += kTurn;
+  return turn >= kTurn - kSameDirection ? turn - kTurn : turn;
+}
+
+struct Neck {
+  Vector2 joint;   ///< m
+  Vector2 middle;  ///< h
+};
+
+/// A side of a tile from point to point, its tile on the left.
+struct DirectedSide {
+  int from = 0;
+  int to = 0;
+  int twin = -1;  ///< the same slit the other way; -1 of cuts
+  int tile = -1;
+  int vertex = -1;  ///< where it starts within its tile
+};
+
+class PatternReader {
+ public:
+  PatternReader(std::vector<DrawnLine> lines, const fs::path& file)
+      : lines_(std::move(lines)),
+        file_(file),
+        tolerance_(kSamePoint * sizeOf(lines_)),
+        origin_(lines_.empty() ? Vector2(0, 0) : lines_.front().from),
+        points_(tolerance_, origin_) {
+    if (!(tolerance_ > 0)) throw patternFault(file_, "there are no lines of a sheet in it");
+    takeNecks();
+    restoreEnds();
+    for (int k = 0; k < std::ssize(sides_); ++k) leaving_[sides_[k].from].push_back(k);
+    for (int k = 0; k < std::ssize(sides_); ++k) {
+      // The other sides of slits come last, so that tiles begin with lines of their own.
+      if (!isReverse_[k] && sides_[k].tile < 0) traceTile(k);
+    }
+    for (int k = 0; k < std::ssize(sides_); ++k) {
+      if (sides_[k].tile < 0) traceTile(k);
+    }
+  }
+
+  std::vector<Tile> tiles() const {
+    std::vector<Tile> tiles;
+    for (const std::vector<int>& cycle : cycles_) {
+      Tile& tile = tiles.emplace_back();
+      for (const int side : cycle) {
+        const Vector2& point = points_[sides_[side].from];
+        tile.vertices.emplace_back(point.x(), point.y(), 0);
+      }
+    }
+    return tiles;
+  }
+
+  std::vector<Joint> joints() {
+    std::vector<Joint> joints;
+    for (const Neck& neck : necks_) joints.push_back(jointAt(neck));
+    return joints;
+  }
+
+ private:
+  static double sizeOf(const std::vector<DrawnLine>& lines) {
+    Eigen::AlignedBox2d box;
+    for (const DrawnLine& line : lines) box.extend(line.from).extend(line.to);
+    return box.isEmpty() ? 0 : box.diagonal().norm();
+  }
+
+  /// Steps 1: hinges, their necks, and which ends they shortened.
+  void takeNecks() {
+    PointNumbers middles(10 * tolerance_, origin_);
+    for (const DrawnLine& line : lines_) {
+      if (line.layer != LineLayer::Hinges) continue;
+      necks_.push_back({line.from, line.to});
+      const int middle = middles.add(line.to);
+      if (middle < std::ssize(neckAt_)) continue;
+      neckAt_.push_back(static_cast<int>(necks_.size()) - 1);
+    }
+    shortened_ = PointNumbers(10 * tolerance_, origin_);
+    for (const int neck : neckAt_) addShortened(necks_[neck].middle, neck);
+    std::erase_if(lines_, [&](const DrawnLine& line) {
+      if (line.layer == LineLayer::Hinges) return true;
+      if (line.layer != LineLayer::Cuts) return false;
+      const auto middle = middles.find(0.5 * (line.from + line.to));
+      if (!middle) return false;
+      const int neck = neckAt_[*middle];
+      const Vector2& joint = necks_[neck].joint;
+      const double uneven = std::abs((line.from - joint).norm() - (line.to - joint).norm());
+      if (uneven > 100 * tolerance_) return false;
+      addShortened(line.from, neck);
+      addShortened(line.to, neck);
+      return true;
+    });
+  }
+
+  void addShortened(const Vector2& point, int neck) {
+    const int number = shortened_.add(point);
+    if (number == std::ssize(shortenedBy_)) shortenedBy_.push_back(neck);
+  }
+
+  /// Whether a line from `other` through `end` leads on to the joint.
+  bool pointsAt(const Vector2& joint, const Vector2& other, const Vector2& end) const {
+    const Vector2 along = (end - other).normalized();
+    const Vector2 rest = joint - end;
+    const double ahead = rest.dot(along);
+    return ahead > 0 && (rest - ahead * along).norm() <= 100 * tolerance_;
+  }
+
+  /// Step 2.
+  void restoreEnds() {
+    std::unordered_map<int, int> uses;
+    PointNumbers ends(tolerance_, origin_);
+    for (const DrawnLine& line : lines_) {
+      ++uses[ends.add(line.from)];
+      ++uses[ends.add(line.to)];
+    }
+    for (const Neck& neck : necks_) points_.add(neck.joint);
+    for (const DrawnLine& line : lines_) {
+      const auto wholeEnd = [&](const Vector2& end, const Vector2& other) {
+        const std::optional<int> known = shortened_.find(end);
+        if (known && pointsAt(necks_[shortenedBy_[*known]].joint, other, end)) {
+          return necks_[shortenedBy_[*known]].joint;
+        }
+        const bool isLoose = uses[*ends.find(end)] == 1 && !points_.find(end);
+        return isLoose ? jointAhead(end, other) : end;
+      };
+      const Vector2 from = wholeEnd(line.from, line.to);
+      const Vector2 to = wholeEnd(line.to, line.from);
+      addSide(points_.add(from), points_.add(to), line.layer == LineLayer::Slits);
+    }
+  }
+
+  Vector2 jointAhead(const Vector2& end, const Vector2& other) const {
+    const Neck* nearest = nullptr;
+    for (const Neck& neck : necks_) {
+      if (!pointsAt(neck.joint, other, end)) continue;
+      if (!nearest || (neck.joint - end).norm() < (nearest->joint - end).norm()) nearest = &neck;
+    }
+    if (nearest) return nearest->joint;
+    throw patternFault(file_, fmt::format("the line that ends at ({:.6g}, {:.6g}) m leads nowhere",
+                                          end.x(), end.y()));
+  }
+
+  void addSide(int from, int to, bool isSlit) {
+    if (from == to) throw patternFault(file_, "a line has no length");
+    const int number = static_cast<int>(sides_.size());
+    sides_.push_back({from, to, isSlit ? number + 1 : -1, -1, -1});
+    isReverse_.push_back(false);
+    if (!isSlit) return;
+    sides_.push_back({to, from, number, -1, -1});
+    isReverse_.push_back(true);
+  }
+
+  /// Step 3.
+  int nextSide(int side) const {
+    const DirectedSide& incoming = sides_[side];
+    const Vector2& here = points_[incoming.to];
+    const double back = angleOf(points_[incoming.from] - here);
+    int best = -1;
+    double least = 2 * kTurn;
+    const auto found = leaving_.find(incoming.to);
+    if (found == leaving_.end()) return -1;
+    for (const int candidate : found->second) {
+      if (candidate == incoming.twin) continue;
+      double corner = turnedBy(back - angleOf(points_[sides_[candidate].to] - here));
+      if (corner <= kSameDirection) corner += kTurn;
+      if (corner >= least) continue;
+      least = corner;
+      best = candidate;
+    }
+    return best;
+  }
+
+  void traceTile(int first) {
+    std::vector<int> cycle;
+    int side = first;
+    do {
+      sides_[side].tile = static_cast<int>(cycles_.size());
+      sides_[side].vertex = static_cast<int>(cycle.size());
+      cycle.push_back(side);
+      side = nextSide(side);
+      const bool isStray =
+          side < 0 || (sides_[side].tile >= 0 && side != first) || cycle.size() > kMostTileVertices;
+      if (isStray) {
+        const Vector2& where = points_[sides_[cycle.back()].to];
+        throw patternFault(file_, fmt::format("the lines round ({:.6g}, {:.6g}) m do not close to "
+                                              "tiles",
+                                              where.x(), where.y()));
+      }
+    } while (side != first);
+    cycles_.push_back(std::move(cycle));
+  }
+
+  /// Step 4.
+  Joint jointAt(const Neck& neck) {
+    const int place = *points_.find(neck.joint);
+    const double towards = angleOf(neck.middle - neck.joint);
+    std::optional<Corner> before, after;
+    double leastBefore = 2 * kTurn, leastAfter = 2 * kTurn;
+    for (const int side : leaving_[place]) {
+      const DirectedSide& leaving = sides_[side];
+      const Corner corner{leaving.tile, leaving.vertex};
+      const double gapAfter = turnedBy(angleOf(points_[leaving.to] - points_[place]) - towards);
+      const std::vector<int>& cycle = cycles_[leaving.tile];
+      const int last = cycle[(leaving.vertex + cycle.size() - 1) % cycle.size()];
+      const double gapBefore =
+          turnedBy(towards - angleOf(points_[sides_[last].from] - points_[place]));
+      if (gapAfter < leastAfter) {
+        leastAfter = gapAfter;
+        after = corner;
+      }
+      if (gapBefore < leastBefore) {
+        leastBefore = gapBefore;
+        before = corner;
+      }
+    }
+    if (!before || !after || before->tile == after->tile) {
+      throw patternFault(file_, fmt::format("the hinge at ({:.6g}, {:.6g}) m joins no two tiles",
+                                            neck.joint.x(), neck.joint.y()));
+    }
+    return {*before, *after, JointFace::Both};
+  }
+
+  std::vector<DrawnLine> lines_;
+  const fs::path& file_;
+  double tolerance_;  // metres
+  Vector2 origin_;
+  std::vector<Neck> necks_;
+  std::vector<int> neckAt_;  // by the numbers of their middles
+  PointNumbers shortened_{1, {0, 0}};
+  std::vector<int> shortenedBy_;
+  PointNumbers points_;  // of the sheet
+  std::vector<DirectedSide> sides_;
+  std::vector<bool> isReverse_;
+  std::unordered_map<int, std::vector<int>> leaving_;  // sides by the point that they start at
+  std::vector<std::vector<int>> cycles_;
+};
+
+TileTable patternTable(const fs::path& file, const std::vector<Tile>& tiles) {
+  TileTable table;
+  table.file = file;
+  table.tiles = tiles;
+  for (const Tile& tile : tiles) {
+    table.sources.push_back({0, std::vector<int>(tile.vertices.size(), 0)});
+  }
+  return table;
+}
+
+}  // namespace
+
+Model readCutPattern(const fs::path& file, std::vector<std::string>& warnings) {
+  const std::string text = readTextFile(file, kPatternPurpose);
+  const bool isSvg = file.extension() == ".svg" || file.extension() == ".SVG";
+  PatternReader reader(isSvg ? svgLines(text, file) : dxfLines(text, file), file);
+  Model model;
+  model.name = file.stem().string();
+  model.tiles = reader.tiles();
+  if (model.tiles.empty()) throw patternFault(file, "there are no tiles in it");
+  const TileTable table = patternTable(file, model.tiles);
+  checkTiles(table);
+  model.joints = reader.joints();
+  turnClockwiseTiles(table, model, warnings);
+  return model;
+}
+
+}  // namespace kirireel

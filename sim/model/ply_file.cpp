@@ -1,0 +1,280 @@
+#include "sim/model/ply_file.h"
+
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/base/error.h"
+#include "sim/base/input_file.h"
+#include "sim/base/spelling.h"
+#include "sim/model/mending.h"
+#include "sim/model/shared_corners.h"
+#include "sim/model/text_table.h"
+#include "sim/model/tile_checks.h"
+
+namespace kirireel {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kPlyPurpose = "give a PLY mesh with one face a tile";
+
+/// A number's type: its width in bytes, and what the bytes mean.
+struct PlyType {
+  int width = 4;
+  enum class Kind { Signed, Unsigned, Real } kind = Kind::Real;
+};
+
+struct PlyProperty {
+  std::string_view name;
+  PlyType type;  ///< of the number, or of a list's entries
+  bool isList = false;
+  PlyType count;  ///< of a list's length
+};
+
+struct PlyElement {
+  std::string_view name;
+  long count = 0;
+  std::vector<PlyProperty> properties;
+};
+
+enum class PlyFormat { Ascii, LittleEndian, BigEndian };
+
+/// Reads header and data from one text.
+class PlyReader {
+ public:
+  explicit PlyReader(const fs::path& file) : file_(file), text_(readTextFile(file, kPlyPurpose)) {
+    readHeader();
+    for (const PlyElement& element : elements_) readElement(element);
+    if (faces_.empty()) throw fault("the file holds no face");
+  }
+
+  const CornerNumbers& faces() const { return faces_; }
+
+  std::vector<Tile> tiles() const {
+    std::vector<Tile> tiles;
+    for (const std::vector<int>& face : faces_) {
+      Tile& tile = tiles.emplace_back();
+      for (const int number : face) {
+        if (number < 0 || number >= std::ssize(points_)) {
+          throw fault(
+              fmt::format("face {} has the vertex {}, but there are vertices 0-{}: PLY "
+                          "counts from 0",
+                          tiles.size() - 1, number, points_.size() - 1));
+        }
+        tile.vertices.push_back(points_[number]);
+      }
+    }
+    return tiles;
+  }
+
+ private:
+  InputError fault(const std::string& what) const {
+    return inputErrorAt({file_}, fmt::format("{}; {}", what, kPlyPurpose));
+  }
+
+  /// The next word of the header or of ASCII data; empty at the end.
+  std::string_view word() {
+    constexpr std::string_view kBlank = " \t\r\n";
+    const std::size_t begin = std::min(text_.find_first_not_of(kBlank, at_), text_.size());
+    const std::size_t end = std::min(text_.find_first_of(kBlank, begin), text_.size());
+    at_ = end;
+    return std::string_view(text_).substr(begin, end - begin);
+  }
+
+  void skipLine() { at_ = std::min(text_.find('\n', at_), text_.size() - 1) + 1; }
+
+  PlyType typeNamed(std::string_view name) const {
+    using Kind = PlyType::Kind;
+    static constexpr std::pair<std::string_view, PlyType> kTypes[] = {
+        {"char", {1, Kind::Signed}},     {"int8", {1, Kind::Signed}},
+        {"uchar", {1, Kind::Unsigned}},  {"uint8", {1, Kind::Unsigned}},
+        {"short", {2, Kind::Signed}},    {"int16", {2, Kind::Signed}},
+        {"ushort", {2, Kind::Unsigned}}, {"uint16", {2, Kind::Unsigned}},
+        {"int", {4, Kind::Signed}},      {"int32", {4, Kind::Signed}},
+        {"uint", {4, Kind::Unsigned}},   {"uint32", {4, Kind::Unsigned}},
+        {"float", {4, Kind::Real}},      {"float32", {4, Kind::Real}},
+        {"double", {8, Kind::Real}},     {"float64", {8, Kind::Real}}};
+    for (const auto& [known, type] : kTypes) {
+      if (known == name) return type;
+    }
+    throw fault(fmt::format("there is no type '{}'", shown(name, 24)));
+  }
+
+  void readHeader() {
+    if (word() != "ply") throw fault("the file does not begin with \"ply\"");
+    bool hasFormat = false;
+    for (;;) {
+      const std::string_view key = word();
+      if (key.empty()) throw fault("its header has no end");
+      if (key == "end_header") break;
+      if (key == "format") {
+        const std::string_view name = word();
+        hasFormat = true;
+        if (name == "ascii")
+          format_ = PlyFormat::Ascii;
+        else if (name == "binary_little_endian")
+          format_ = PlyFormat::LittleEndian;
+        else if (name == "binary_big_endian")
+          format_ = PlyFormat::BigEndian;
+        else
+          throw fault(fmt::format("there is no format '{}'", shown(name, 24)));
+      } else if (key == "element") {
+        PlyElement& element = elements_.emplace_back();
+        element.name = word();
+        const std::string_view count = word();
+        const auto [end, error] =
+            std::from_chars(count.data(), count.data() + count.size(), element.count);
+        if (error != std::errc() || end != count.data() + count.size() || element.count < 0) {
+          throw fault(fmt::format("an element cannot be there '{}' times", shown(count, 24)));
+        }
+      } else if (key == "property") {
+        readProperty();
+        continue;
+      }
+      skipLine();
+    }
+    skipLine();
+    if (!hasFormat) throw fault("its header names no format");
+  }
+
+  void readProperty() {
+    if (elements_.empty()) throw fault("a property stands before its element");
+    PlyProperty property;
+    std::string_view type = word();
+    property.isList = type == "list";
+    if (property.isList) {
+      property.count = typeNamed(word());
+      type = word();
+    }
+    property.type = typeNamed(type);
+    property.name = word();
+    elements_.back().properties.push_back(property);
+  }
+
+  double number(const PlyType& type) {
+    if (format_ == PlyFormat::Ascii) {
+      const std::string_view text = word();
+      double value = 0;
+      const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+      if (!text.empty() && error == std::errc() && end == text.data() + text.size()) return value;
+      throw fault(text.empty() ? "the file ends early"
+                               : fmt::format("'{}' is no number", shown(text, 24)));
+    }
+    const auto width = static_cast<std::size_t>(type.width);
+    if (text_.size() - at_ < width) throw fault("the file ends early");
+    std::uint64_t bits = 0;
+    for (std::size_t k = 0; k < width; ++k) {
+      const std::size_t place = format_ == PlyFormat::LittleEndian ? width - 1 - k : k;
+      bits = bits << 8 | static_cast<unsigned char>(text_[at_ + place]);
+    }
+    at_ += width;
+    if (type.kind == PlyType::Kind::Unsigned) return static_cast<double>(bits);
+    if (type.kind == PlyType::Kind::Real) {
+      return width == 8 ? std::bit_cast<double>(bits)
+                        : std::bit_cast<float>(static_cast<std::uint32_t>(bits));
+    }
+    const int unused = 64 - 8 * type.width;
+    return static_cast<double>(static_cast<std::int64_t>(bits << unused) >> unused);
+  }
+
+  /// A whole number that fits an int.
+  int wholeNumber(const PlyType& type, const char* what) {
+    const double value = number(type);
+    if (value == std::floor(value) && std::abs(value) <= std::numeric_limits<int>::max()) {
+      return static_cast<int>(value);
+    }
+    throw fault(fmt::format("{:g} is no {}", value, what));
+  }
+
+  std::vector<int> list(const PlyProperty& property) {
+    const int count = wholeNumber(property.count, "length of a list");
+    if (count < 0 || count > std::ssize(text_)) {
+      throw fault(fmt::format("a list cannot be {} long", count));
+    }
+    std::vector<int> numbers;
+    for (int k = 0; k < count; ++k) {
+      numbers.push_back(property.type.kind == PlyType::Kind::Real
+                            ? (static_cast<void>(number(property.type)), 0)
+                            : wholeNumber(property.type, "vertex number"));
+    }
+    return numbers;
+  }
+
+  void readElement(const PlyElement& element) {
+    const bool areVertices = element.name == "vertex", areFaces = element.name == "face";
+    // What has no properties takes no bytes, however many there are.
+    const long count = element.properties.empty() ? 0 : element.count;
+    for (long k = 0; k < count; ++k) {
+      Vector3 point = Vector3::Zero();
+      bool isPolygon = false;
+      std::vector<int> corners;
+      for (const PlyProperty& property : element.properties) {
+        if (property.isList) {
+          std::vector<int> entries = list(property);
+          if (property.name != "vertex_indices" && property.name != "vertex_index") continue;
+          corners = std::move(entries);
+          isPolygon = true;
+          continue;
+        }
+        const double value = number(property.type);
+        const int axis = property.name == "x" ? 0 : property.name == "y" ? 1 : 2;
+        if (axis < 2 || property.name == "z") point[axis] = value;
+      }
+      if (areVertices) addPoint(point);
+      if (areFaces && isPolygon) addFace(std::move(corners));
+    }
+  }
+
+  void addPoint(const Vector3& point) {
+    const bool isWithin = point.allFinite() && point.cwiseAbs().maxCoeff() <= kMaxCoordinate;
+    if (!isWithin) {
+      throw fault(fmt::format("vertex {} is not within {:g} m", points_.size(), kMaxCoordinate));
+    }
+    points_.push_back(point);
+  }
+
+  void addFace(std::vector<int> corners) {
+    if (corners.size() < 3) {
+      throw fault(fmt::format("face {} has {} vertices, a tile has at least 3", faces_.size(),
+                              corners.size()));
+    }
+    faces_.push_back(std::move(corners));
+  }
+
+  fs::path file_;
+  std::string text_;
+  std::size_t at_ = 0;
+  PlyFormat format_ = PlyFormat::Ascii;
+  std::vector<PlyElement> elements_;
+  std::vector<Vector3> points_;
+  CornerNumbers faces_;
+};
+
+}  // namespace
+
+Model readPly(const fs::path& file, std::vector<std::string>& warnings) {
+  const PlyReader reader(file);
+  Model model;
+  model.name = file.stem().string();
+  model.tiles = reader.tiles();
+  TileTable table;
+  table.file = file;
+  table.tiles = model.tiles;
+  for (const Tile& tile : model.tiles) {
+    table.sources.push_back({0, std::vector<int>(tile.vertices.size(), 0)});
+  }
+  checkTiles(table);
+  model.joints = jointsOfMesh(reader.faces(), {&model.tiles}, file);
+  turnClockwiseTiles(table, model, warnings);
+  return model;
+}
+
+}  // namespace kirireel

@@ -1,0 +1,163 @@
+// Cut patterns read back: the sheet that they were drawn from, up to the order of its tiles.
+#include <map>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "render/sheet/cut_pattern.h"
+#include "sim/base/error.h"
+#include "sim/generate/families.h"
+#include "sim/model/read_model.h"
+#include "tests/sim/model/temporary_folder.h"
+
+namespace kirireel {
+namespace {
+
+using CornerPair = std::pair<std::pair<int, int>, std::pair<int, int>>;
+
+Vector3 meanCorner(const std::vector<Tile>& tiles) {
+  Vector3 sum = Vector3::Zero();
+  int count = 0;
+  for (const Tile& tile : tiles) {
+    for (const Vector3& v : tile.vertices) {
+      sum += v;
+      ++count;
+    }
+  }
+  return sum / count;
+}
+
+/// The corner of `tiles` at a corner's place, of the tile round the same centroid.
+std::pair<int, int> cornerLike(const Model& model, const Corner& corner,
+                               const std::vector<Tile>& tiles, const Vector3& moved,
+                               double tolerance) {
+  const Vector3 centre = tileCentroid(model.tiles[corner.tile]) + moved;
+  const Vector3 place = model.tiles[corner.tile].vertices[corner.vertex] + moved;
+  for (int t = 0; t < std::ssize(tiles); ++t) {
+    if ((tileCentroid(tiles[t]) - centre).norm() > tolerance) continue;
+    for (int k = 0; k < std::ssize(tiles[t].vertices); ++k) {
+      if ((tiles[t].vertices[k] - place).norm() <= tolerance) return {t, k};
+    }
+  }
+  return {-1, -1};
+}
+
+CornerPair sorted(std::pair<int, int> a, std::pair<int, int> b) {
+  return a < b ? CornerPair{a, b} : CornerPair{b, a};
+}
+
+void expectSameSheet(const Model& read, const Model& drawn, const std::string& what) {
+  ASSERT_EQ(read.tiles.size(), drawn.tiles.size()) << what;
+  ASSERT_EQ(read.joints.size(), drawn.joints.size()) << what;
+  const Vector3 moved = meanCorner(read.tiles) - meanCorner(drawn.tiles);
+  // A pattern draws sides that nearly coincide (1e-4 of a tile) once: the kinks of this one's
+  // slits.
+  const double share = drawn.name == "square-to-circle" ? 2e-4 : 1e-9;  // measured 3e-13
+  const double tolerance = share * tileSize(drawn);
+  std::set<std::pair<int, int>> found;
+  for (int t = 0; t < std::ssize(drawn.tiles); ++t) {
+    for (int k = 0; k < std::ssize(drawn.tiles[t].vertices); ++k) {
+      found.insert(cornerLike(drawn, {t, k}, read.tiles, moved, tolerance));
+    }
+  }
+  std::size_t corners = 0;
+  for (const Tile& tile : read.tiles) corners += tile.vertices.size();
+  EXPECT_EQ(found.size(), corners) << what;
+  EXPECT_FALSE(found.contains({-1, -1})) << what;
+  std::set<CornerPair> wanted, got;
+  for (const Joint& joint : drawn.joints) {
+    wanted.insert(sorted(cornerLike(drawn, joint.a, read.tiles, moved, tolerance),
+                         cornerLike(drawn, joint.b, read.tiles, moved, tolerance)));
+  }
+  for (const Joint& joint : read.joints) {
+    EXPECT_EQ(joint.face, JointFace::Both);
+    got.insert(sorted({joint.a.tile, joint.a.vertex}, {joint.b.tile, joint.b.vertex}));
+  }
+  EXPECT_EQ(got, wanted) << what;
+}
+
+double leastEdge(const Model& model) {
+  double least = 1e9;
+  for (const Tile& tile : model.tiles) {
+    for (std::size_t k = 0; k < tile.vertices.size(); ++k) {
+      const Vector3& next = tile.vertices[(k + 1) % tile.vertices.size()];
+      least = std::min(least, (next - tile.vertices[k]).norm());
+    }
+  }
+  return least;
+}
+
+class PatternOf : public testing::TestWithParam<const char*> {};
+
+TEST_P(PatternOf, ReadsBackToTheSameModel) {
+  for (const double start : {0.0, 25.0}) {
+    const Family& family = familyNamed(GetParam());
+    const bool opens = std::any_of(
+        family.parameters.begin(), family.parameters.end(),
+        [](const FamilyParameter& parameter) { return parameter.name == "start-angle"; });
+    if (start > 0 && !opens) continue;
+    std::map<std::string, double> given;
+    const bool isTriangular =
+        std::string(GetParam()) == "triangles" || std::string(GetParam()) == "trefoils";
+    if (opens && !isTriangular) given["start-angle"] = start;
+    if (start > 0 && isTriangular) given["start-angle"] = 240 - start;
+    const Model drawn = generateModel(family, given);
+    for (const double share : {0.02, 0.05, 0.1}) {
+      const double width = share * leastEdge(drawn);
+      const std::vector<PatternLine> lines = cutPattern(drawn, width);
+      const TemporaryFolder folder;
+      folder.write("sheet.svg", patternSvg(lines));
+      folder.write("sheet.dxf", patternDxf(lines));
+      for (const char* name : {"sheet.svg", "sheet.dxf"}) {
+        std::vector<std::string> warnings;
+        try {
+          expectSameSheet(readModel(folder.path() / name, std::nullopt, warnings), drawn,
+                          fmt::format("{} {} {} from {} degrees", GetParam(), name, share, start));
+        } catch (const InputError& error) {
+          ADD_FAILURE() << GetParam() << ' ' << share << ' ' << start << ": " << error.what();
+        }
+        EXPECT_TRUE(warnings.empty());
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Planar, PatternOf,
+                         testing::Values("tessellation", "quads", "fan", "heart", "square-to-disk",
+                                         "square-to-circle", "triangles", "hexagons", "nonrigid",
+                                         "stars", "crosses", "islamic", "trefoils",
+                                         "stampfli-chain", "stampfli-expansion", "penrose-chain",
+                                         "penrose-removal", "penrose-expansion",
+                                         "ammann-beenker-chain", "ammann-beenker-removal",
+                                         "ammann-beenker-expansion"));
+
+std::string refusalOf(const std::string& name, const std::string& text) {
+  const TemporaryFolder folder;
+  folder.write(name, text);
+  std::vector<std::string> warnings;
+  try {
+    readModel(folder.path() / name, std::nullopt, warnings);
+    return "";
+  } catch (const InputError& error) {
+    return std::string(error.what()).substr(folder.path().string().size());
+  }
+}
+
+TEST(Patterns, OfOthersAreRefused) {
+  EXPECT_EQ(refusalOf("a.svg", "<svg><path d=\"M 0 0 L 1 1\"/></svg>"),
+            "/a.svg: error: there are no lines of a sheet in it; give a cut pattern that `kirireel "
+            "export` left");
+  EXPECT_EQ(refusalOf("a.svg", "<g id=\"cuts\"><path d=\"M 0 0 C 1 1 2 2\"/></g>"),
+            "/a.svg: error: a path is no straight line \"M x y L x y\"; give a cut pattern that "
+            "`kirireel export` left");
+  EXPECT_EQ(refusalOf("a.svg",
+                      "<g id=\"cuts\"><path d=\"M 0 0 L 1000 0\"/><path d=\"M 1000 0 L 0 "
+                      "1000\"/></g>"),
+            "/a.svg: error: the line that ends at (0, 0) m leads nowhere; give a cut pattern that "
+            "`kirireel export` left");
+  EXPECT_EQ(refusalOf("a.dxf", "0\nLINE\n8\ncuts\n10\n0\n20\n0\n0\nEOF\n"),
+            "/a.dxf: error: a LINE lacks an end; give a cut pattern that `kirireel export` left");
+}
+
+}  // namespace
+}  // namespace kirireel

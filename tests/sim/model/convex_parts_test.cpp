@@ -1,0 +1,169 @@
+// Concave polygons as convex parts: what is cut up adds up again.
+#include "sim/model/convex_parts.h"
+
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "sim/base/error.h"
+#include "sim/model/split_tiles.h"
+#include "tests/sim/model/polygons.h"
+
+namespace kirireel {
+namespace {
+
+using test::lShape;
+using test::randomStar;
+using test::starShape;
+
+Tile partOf(const Tile& tile, const PolygonPart& part) {
+  Tile piece;
+  for (const int corner : part) piece.vertices.push_back(tile.vertices[corner]);
+  return piece;
+}
+
+double leastSine(const Tile& tile) {
+  double least = 1;
+  const std::size_t count = tile.vertices.size();
+  for (std::size_t k = 0; k < count; ++k) {
+    const Vector3 before = tile.vertices[k] - tile.vertices[(k + count - 1) % count];
+    const Vector3 after = tile.vertices[(k + 1) % count] - tile.vertices[k];
+    least = std::min(least, test::cross2(before, after) / (before.norm() * after.norm()));
+  }
+  return least;
+}
+
+int reflexCorners(const Tile& tile) {
+  int count = 0;
+  const std::size_t n = tile.vertices.size();
+  for (std::size_t k = 0; k < n; ++k) {
+    const Vector3 before = tile.vertices[k] - tile.vertices[(k + n - 1) % n];
+    const Vector3 after = tile.vertices[(k + 1) % n] - tile.vertices[k];
+    if (test::cross2(before, after) < 0) ++count;
+  }
+  return count;
+}
+
+void expectSoundParts(const Tile& tile) {
+  const std::vector<PolygonPart> parts = convexParts(tile.vertices, Vector3::UnitZ());
+  double area = 0;
+  std::set<int> corners;
+  for (const PolygonPart& part : parts) {
+    const Tile piece = partOf(tile, part);
+    EXPECT_GE(leastSine(piece), -1e-3);
+    EXPECT_GT(tileNormal(piece).z(), 0);
+    area += tileArea(piece);
+    corners.insert(part.begin(), part.end());
+  }
+  EXPECT_NEAR(area, tileArea(tile), 1e-13 * tileArea(tile));  // measured 1e-15
+  EXPECT_EQ(corners.size(), tile.vertices.size());
+  // Hertel and Mehlhorn: no diagonal can go, so each ends at a reflex corner, at most two at each.
+  EXPECT_LE(static_cast<int>(parts.size()), 2 * reflexCorners(tile) + 1);
+  double ofTriangles = 0;
+  const auto triangles = trianglesOf(tile.vertices, Vector3::UnitZ());
+  EXPECT_EQ(triangles.size(), tile.vertices.size() - 2);
+  for (const auto& triangle : triangles) {
+    ofTriangles += tileArea(partOf(tile, {triangle.begin(), triangle.end()}));
+  }
+  EXPECT_NEAR(ofTriangles, tileArea(tile), 1e-13 * tileArea(tile));
+}
+
+TEST(ConvexParts, AreSoundForKnownShapes) {
+  expectSoundParts(lShape());
+  expectSoundParts(starShape(4, 2, 0.7));
+  expectSoundParts(starShape(5, 2, 0.3));
+  expectSoundParts(starShape(9, 1, 0.9));
+  EXPECT_EQ(convexParts(lShape().vertices, Vector3::UnitZ()).size(), 2U);
+  // A comb, and corners in the middle of straight sides.
+  expectSoundParts({{{0, 0, 0},
+                     {7, 0, 0},
+                     {7, 3, 0},
+                     {6, 3, 0},
+                     {6, 1, 0},
+                     {5, 1, 0},
+                     {5, 3, 0},
+                     {3, 3, 0},
+                     {3, 1, 0},
+                     {2, 1, 0},
+                     {1, 1, 0},
+                     {1, 3, 0},
+                     {0, 3, 0}}});
+  // A spiral.
+  expectSoundParts({{{0, 0, 0},
+                     {5, 0, 0},
+                     {5, 5, 0},
+                     {1, 5, 0},
+                     {1, 2, 0},
+                     {3, 2, 0},
+                     {3, 3, 0},
+                     {2, 3, 0},
+                     {2, 4, 0},
+                     {4, 4, 0},
+                     {4, 1, 0},
+                     {0, 1, 0}}});
+}
+
+TEST(ConvexParts, AreSoundForRandomShapes) {
+  std::mt19937 random(1);
+  for (int round = 0; round < 500; ++round) {
+    expectSoundParts(randomStar(random, 4 + static_cast<int>(random() % 40)));
+  }
+  expectSoundParts(randomStar(random, 300));
+}
+
+TEST(ConvexParts, ConvexTilesStayWhole) {
+  const std::vector<Vector3> square = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  EXPECT_EQ(convexParts(square, Vector3::UnitZ()), (std::vector<PolygonPart>{{0, 1, 2, 3}}));
+  // A dent of one degree is what optimised designs carry; one of four is a bay.
+  const auto dented = [](double degrees) {
+    const double depth = std::tan(0.5 * degrees * kDegree);
+    return std::vector<Vector3>{{0, 0, 0}, {1, depth, 0}, {2, 0, 0}, {1, 2, 0}};
+  };
+  EXPECT_TRUE(isConvexPolygon(dented(1), Vector3::UnitZ()));
+  EXPECT_FALSE(isConvexPolygon(dented(4), Vector3::UnitZ()));
+  EXPECT_EQ(convexParts(dented(4), Vector3::UnitZ()).size(), 2U);
+}
+
+TEST(ConvexParts, ManySmallTurnsAreABay) {
+  // A crescent whose inner arc turns by a degree at each corner.
+  std::vector<Vector3> crescent;
+  for (int k = 0; k <= 90; ++k) {
+    crescent.emplace_back(std::cos(k * kDegree), std::sin(k * kDegree), 0);
+  }
+  for (int k = 90; k >= 0; --k) {
+    crescent.emplace_back(0.7 * std::cos(k * kDegree), 0.7 * std::sin(k * kDegree), 0);
+  }
+  EXPECT_FALSE(isConvexPolygon(crescent, Vector3::UnitZ()));
+  EXPECT_GT(convexParts(crescent, Vector3::UnitZ()).size(), 1U);
+}
+
+TEST(ConvexParts, CrossingSidesAreFound) {
+  const Vector3 up = Vector3::UnitZ();
+  EXPECT_FALSE(crossingSides(lShape().vertices, up, 1e-9));
+  EXPECT_FALSE(crossingSides(starShape(7, 2, 0.1).vertices, up, 1e-9));
+  const std::vector<Vector3> dented = {{0, 0, 0}, {2, 0, 0}, {1, 1, 0}, {2, 2, 0}, {0, 2, 0}};
+  const std::vector<Vector3> crossed = {{0, 0, 0}, {3, 0, 0}, {3, 2, 0}, {1, -1, 0}, {0, 2, 0}};
+  EXPECT_FALSE(crossingSides(dented, up, 1e-9));
+  EXPECT_TRUE(crossingSides(crossed, up, 1e-9));
+  // A corner that touches a far side: two pieces.
+  EXPECT_TRUE(crossingSides(
+      std::vector<Vector3>{{0, 0, 0}, {4, 0, 0}, {4, 2, 0}, {2, 0, 0}, {0, 2, 0}}, up, 1e-9));
+}
+
+TEST(ConvexParts, SplitTilesAreHingedAlongTheirCuts) {
+  Model model;
+  model.tiles = {starShape(5, 2, 0.8)};
+  const Model split = splitTiles(model, {});
+  ASSERT_EQ(split.tiles.size(), 8U);
+  EXPECT_EQ(split.joints.size(), 2U * 7);
+  double area = 0;
+  for (const Tile& tile : split.tiles) area += tileArea(tile);
+  EXPECT_NEAR(area, tileArea(model.tiles[0]), 1e-14);
+  for (const Joint& joint : split.joints) {
+    EXPECT_EQ(split.tiles[joint.a.tile].vertices[joint.a.vertex],
+              split.tiles[joint.b.tile].vertices[joint.b.vertex]);
+  }
+}
+
+}  // namespace
+}  // namespace kirireel

@@ -1,0 +1,399 @@
+// Files with slips: each is read as what was meant, told in one line, refused by --strict.
+#include "sim/model/mending.h"
+
+#include <cmath>
+#include <functional>
+#include <map>
+#include <random>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/base/error.h"
+#include "sim/model/folder.h"
+#include "sim/model/read_model.h"
+#include "sim/model/rounding.h"
+#include "sim/model/tessellation.h"
+#include "tests/sim/model/temporary_folder.h"
+
+namespace kirireel {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using Files = std::map<std::string, std::string>;
+
+std::string withoutPlace(std::string text, const std::string& place) {
+  for (std::size_t at = text.find(place); at != text.npos; at = text.find(place)) {
+    text.replace(at, place.size(), "@");
+  }
+  return text;
+}
+
+struct Reading {
+  Model model;
+  std::vector<std::string> warnings;
+  std::string error;  ///< where reading was refused
+};
+
+/// Files of a folder, read by the name of one of them.
+Reading readFiles(const Files& files, const std::string& named, const ReadSettings& settings = {}) {
+  const TemporaryFolder folder;
+  for (const auto& [name, text] : files) folder.write(name, text);
+  Reading reading;
+  const fs::path path = named.empty() ? folder.path() : folder.path() / named;
+  try {
+    reading.model = readModel(path, std::nullopt, reading.warnings, settings);
+  } catch (const InputError& error) {
+    reading.error = withoutPlace(error.what(), folder.path().string());
+  }
+  for (std::string& warning : reading.warnings) {
+    warning = withoutPlace(warning, folder.path().string());
+  }
+  return reading;
+}
+
+std::string decimals(double value, int count) {
+  return fmt::format("{:.{}f}", value, count);
+}
+
+/// A planar model's files: "x y" with so many decimals, joints from 1.
+Files planarFiles(const Model& model, int places, const std::string& name = "sheet") {
+  std::string vertices, joints;
+  for (const Tile& tile : model.tiles) {
+    for (const Vector3& v : tile.vertices) {
+      vertices += decimals(v.x(), places) + " " + decimals(v.y(), places) + " ";
+    }
+    vertices += "\n";
+  }
+  for (const Joint& joint : model.joints) {
+    joints += fmt::format("{} {} {} {}\n", joint.a.tile + 1, joint.a.vertex + 1, joint.b.tile + 1,
+                          joint.b.vertex + 1);
+  }
+  return {{name + "_vertices.txt", vertices}, {name + "_constraints.txt", joints}};
+}
+
+/// An open sheet with coordinates that no short decimals hold.
+Model openSheet(double length = 1) {
+  TessellationShape shape;
+  shape.length = shape.width = length;
+  shape.startAngle = 0.7;
+  Model model = makeTessellation(shape);
+  model.target.reset();
+  return model;
+}
+
+const std::string kTwoSquares =
+    "0 0 0 1 0 0 1 1 0 0 1 0\n"
+    "1 0 0 2 0 0 2 1 0 1 1 0\n";
+
+TEST(Mending, RepeatedJointsCountOnce) {
+  const Reading read = readFiles(
+      {{"vertices.txt", kTwoSquares}, {"constraints.txt", "0 1 1 0 3\n1 0 0 1 3\n0 1 1 0 1\n"}},
+      "");
+  ASSERT_EQ(read.model.joints.size(), 1U);
+  EXPECT_EQ(read.model.joints[0].face, JointFace::Both);
+  EXPECT_THAT(read.warnings,
+              ElementsAre("@/constraints.txt:2: mended: 2 joints are listed again, here that of "
+                          "line 1; each counts once, whichever end comes first"));
+  ASSERT_EQ(read.model.mends.size(), 1U);
+  EXPECT_EQ(read.model.mends[0].corners.size(), 2U);
+}
+
+TEST(Mending, ARepeatedJointKeepsItsNewFace) {
+  const Reading read =
+      readFiles({{"vertices.txt", kTwoSquares}, {"constraints.txt", "0 1 1 0 1\n1 0 0 1 3\n"}}, "");
+  ASSERT_EQ(read.model.joints.size(), 2U);
+  EXPECT_EQ(read.model.joints[1].face, JointFace::Top);
+}
+
+TEST(Mending, StrictRefusesAndSaysHowToMend) {
+  ReadSettings strict;
+  strict.strict = true;
+  EXPECT_EQ(readFiles({{"vertices.txt", kTwoSquares}, {"constraints.txt", "0 1 1 0\n1 0 0 1\n"}},
+                      "", strict)
+                .error,
+            "@/constraints.txt:2: error: 1 joint is listed again, here that of line 1; delete what "
+            "is repeated, or leave --strict out to have it mended");
+  EXPECT_EQ(readFiles({{"vertices.txt", kTwoSquares}, {"constraints.txt", ""}}, "", strict).error,
+            "@/constraints.txt: error: the file is empty; write the line \"# no joints\" if they "
+            "are, or leave --strict out to have it mended");
+  EXPECT_EQ(readFiles({{"vertices.txt", "0 0 0 0 1 0 1 1 0\n"}, {"constraints.txt", "# none\n"}},
+                      "", strict)
+                .error,
+            "@/vertices.txt:1: error: 1 of 1 tiles runs clockwise seen from above; list their "
+            "vertices anticlockwise, or leave --strict out to have it mended");
+  EXPECT_EQ(
+      readFiles({{"vertices.txt", kTwoSquares}, {"constraints.txt", "1 2 2 1\n"}}, "", strict)
+          .error,
+      "@/constraints.txt: error: tiles and vertices of all 1 joints count from 1, not from 0; "
+      "subtract 1 from all tile and vertex numbers, or leave --strict out to have it mended");
+  // What needs no mending passes.
+  EXPECT_EQ(
+      readFiles({{"vertices.txt", kTwoSquares}, {"constraints.txt", "0 1 1 0 3\n"}}, "", strict)
+          .error,
+      "");
+}
+
+TEST(Mending, OneDigitApartIsOneCorner) {
+  // A sheet 300 wide with three decimals, one corner of one joint off by the last of them.
+  Model model = openSheet(75);
+  const Corner moved = model.joints[3].b;
+  Files files = planarFiles(model, 3);
+  for (Tile& tile : model.tiles) {
+    for (Vector3& v : tile.vertices) v = (v * 1000).array().round().matrix() / 1000;
+  }
+  model.tiles[moved.tile].vertices[moved.vertex].x() += 0.001;
+  files["sheet_vertices.txt"] = planarFiles(model, 3)["sheet_vertices.txt"];
+  const Reading read = readFiles(files, "sheet_vertices.txt");
+  for (const Joint& joint : read.model.joints) EXPECT_EQ(joint.kind, JointKind::Pivot);
+  ASSERT_EQ(read.warnings.size(), 1U);
+  EXPECT_THAT(read.warnings[0], HasSubstr("are 0.001 m apart, by rounding to 0.001 m; they are one "
+                                          "corner"));
+  EXPECT_NEAR(read.model.rounding, 1e-3, 1e-12);
+  ReadSettings strict;
+  strict.strict = true;
+  EXPECT_THAT(readFiles(files, "sheet_vertices.txt", strict).error,
+              HasSubstr("write the same numbers for both corners"));
+}
+
+TEST(Mending, RodsAreSaidWithTheirLength) {
+  const Files files = {
+      {"a_vertices.txt", "0 0 1 0 1 1 0 1\n1 0 2 0 2 1 1 1\n2.125 0 3.125 0 3.125 1 2.125 1\n"},
+      {"a_constraints.txt", "1 2 2 1\n2 2 3 1\n"}};
+  const Reading read = readFiles(files, "a_vertices.txt");
+  EXPECT_EQ(read.model.joints[0].kind, JointKind::Pivot);
+  EXPECT_EQ(read.model.joints[1].kind, JointKind::Link);
+  EXPECT_THAT(read.warnings,
+              ElementsAre("@/a_constraints.txt:2: note: 1 joint holds corners clearly apart: a rod "
+                          "0.125 m long, which keeps this distance"));
+}
+
+TEST(Mending, DigitsAreFoundInTheNumbers) {
+  const std::vector<Tile> exact = openSheet().tiles;
+  const auto rounded = [&](const std::function<double(double)>& round) {
+    std::vector<Tile> tiles = exact;
+    for (Tile& tile : tiles) {
+      for (Vector3& v : tile.vertices) v = v.unaryExpr(round);
+    }
+    return tiles;
+  };
+  EXPECT_EQ(lastPlace(exact), 0);
+  for (const int places : {2, 3, 4, 6}) {
+    const auto tiles = rounded([&](double x) { return std::stod(decimals(x, places)); });
+    EXPECT_NEAR(lastPlace(tiles) * std::pow(10, places), 1, 1e-12) << places;
+  }
+  // Significant digits: coordinates reach from 0.05 to 3, so three of them are hundredths.
+  const auto tiles = rounded([](double x) { return std::stod(fmt::format("{:.3g}", x)); });
+  EXPECT_NEAR(lastPlace(tiles), 1e-2, 1e-14);
+}
+
+TEST(Mending, NumbersThatAreExactAreNotRounded) {
+  TessellationShape shape;  // unit squares
+  EXPECT_EQ(roundingOf(makeTessellation(shape).tiles), 0);
+  shape.length = 0.25;
+  EXPECT_EQ(roundingOf(makeTessellation(shape).tiles), 0);
+  // Tiles of one metre written to the decimetre: that is what was meant.
+  shape.length = 1.1;
+  EXPECT_EQ(roundingOf(makeTessellation(shape).tiles), 0);
+}
+
+TEST(Mending, CoincidingCornersOfRoundedMeshesAreJoined) {
+  // Two squares of an OBJ file with own vertices each, their common corner rounded differently.
+  const Reading read =
+      readFiles({{"a.obj",
+                  "v 0.123 0.457 0\nv 1.106 0.641 0\nv 0.922 1.624 0\nv -0.061 1.440 0\n"
+                  "v 1.107 0.640 0\nv 1.924 0.064 0\nv 2.501 0.881 0\nf 1 2 3 4\nf 5 6 7\n"}},
+                "a.obj");
+  ASSERT_EQ(read.model.joints.size(), 1U);
+  EXPECT_EQ(read.model.joints[0].a, (Corner{0, 1}));
+}
+
+TEST(Mending, PairsWithJointsOfFourColumnsArePlanar) {
+  // Triangles alone: six numbers are no tile in space.
+  Reading read = readFiles(
+      {{"vertices.txt", "0 0 1 0 0 1\n1 0 2 0 1 1\n"}, {"constraints.txt", "1 2 2 1\n"}}, "");
+  ASSERT_EQ(read.model.tiles.size(), 2U);
+  EXPECT_EQ(read.model.joints[0].face, JointFace::Both);
+  // Counted from 0, as in folders.
+  read = readFiles(
+      {{"vertices.txt", "0 0 1 0 0 1\n1 0 2 0 1 1\n"}, {"constraints.txt", "0 1 1 0\n"}}, "");
+  EXPECT_EQ(read.model.joints[0].a, (Corner{0, 1}));
+  EXPECT_THAT(read.warnings[0], HasSubstr("count from 0, not from 1"));
+}
+
+TEST(PlanarNames, OpensFromAnyOfItsFiles) {
+  Files files = planarFiles(openSheet(), 6, "penrose10");
+  const std::string joints = files["penrose10_constraints.txt"];
+  files.erase("penrose10_constraints.txt");
+  files["penrose10_expansion_constraints.txt"] = joints;
+  files["penrose10_expansion_hull.txt"] = "0 0\n3 1\n15 2\n";
+  // A longer name that begins alike has its own files.
+  files["penrose10_big_vertices.txt"] = files["penrose10_vertices.txt"];
+  files["penrose10_big_constraints.txt"] = "1 1 2 1\n";
+  for (const char* named : {"penrose10_vertices.txt", "penrose10_expansion_constraints.txt",
+                            "penrose10_expansion_hull.txt"}) {
+    const Reading read = readFiles(files, named);
+    EXPECT_EQ(read.error, "") << named;
+    EXPECT_EQ(read.model.name, "penrose10");
+    EXPECT_EQ(read.model.joints.size(), 24U) << named;
+    ASSERT_TRUE(read.model.hull) << named;
+    EXPECT_THAT(*read.model.hull, ElementsAre(Corner{0, 0}, Corner{3, 1}, Corner{15, 2}));
+  }
+}
+
+TEST(PlanarNames, SeveralListsAreChosenFrom) {
+  Files files = planarFiles(openSheet(), 6, "a");
+  files["a_expansion_constraints.txt"] = "1 1 2 1\n";
+  files["a_hamiltonian_constraints.txt"] = files["a_constraints.txt"];
+  Reading read = readFiles(files, "a_vertices.txt");
+  EXPECT_EQ(read.model.joints.size(), 24U);
+  EXPECT_THAT(read.warnings,
+              ElementsAre("@/a_constraints.txt: note: these joints were taken; beside them are "
+                          "a_expansion_constraints.txt, a_hamiltonian_constraints.txt (see "
+                          "--joints-file)"));
+  files.erase("a_constraints.txt");
+  EXPECT_EQ(readFiles(files, "a_vertices.txt").error,
+            "@/a_vertices.txt: error: there are 2 lists of joints beside it: "
+            "a_expansion_constraints.txt, a_hamiltonian_constraints.txt; choose one with "
+            "--joints-file");
+  ReadSettings settings;
+  settings.jointsFile = "a_expansion_constraints.txt";
+  read = readFiles(files, "a_vertices.txt", settings);
+  EXPECT_EQ(read.model.joints.size(), 1U);
+  EXPECT_EQ(readFiles({{"a_vertices.txt", "0 0 1 0 0 1\n"}}, "a_vertices.txt").error,
+            "@/a_vertices.txt: error: there is no list of joints beside it; write "
+            "a_constraints.txt, or name one with --joints-file");
+  EXPECT_EQ(readFiles({{"a_constraints.txt", "1 1 2 1\n"}}, "a_constraints.txt").error,
+            "@/a_constraints.txt: error: no file of vertices beside it has a name that begins like "
+            "this one; put NAME_vertices.txt there");
+}
+
+TEST(PlanarNames, FoldersTakeAnotherListToo) {
+  ReadSettings settings;
+  settings.jointsFile = "other.txt";
+  const Files files = {{"vertices.txt", kTwoSquares},
+                       {"constraints.txt", "0 1 1 0 3\n0 2 1 3 3\n"},
+                       {"other.txt", "0 1 1 0 1\n"}};
+  EXPECT_EQ(readFiles(files, "", settings).model.joints.size(), 1U);
+  EXPECT_EQ(readFiles({{"a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"}}, "a.obj", settings).error,
+            "@/a.obj: error: this file has its joints within; leave --joints-file out, or convert "
+            "the model to a folder");
+}
+
+TEST(PlanarNames, AHullThatIsWrongIsLeftOutWithAWord) {
+  Files files = planarFiles(openSheet(), 6, "a");
+  files["a_hull.txt"] = "0 0\n99 1\n2 2\n";
+  const Reading read = readFiles(files, "a_vertices.txt");
+  EXPECT_FALSE(read.model.hull);
+  EXPECT_THAT(read.warnings,
+              ElementsAre("@/a_hull.txt: error: its 3 rows name corners that are not there, or too "
+                          "few; write one corner of the sheet's outside a line, \"tile vertex\", "
+                          "from 0, at least 3; this hull is left out"));
+}
+
+/// Shuffles the tiles and reverses some of them, with joints, hull and target. Gives a model whose
+/// file would hold all that in this order.
+Model mixedUp(const Model& model, std::mt19937& random) {
+  Model mixed = model;
+  std::vector<int> place(model.tiles.size());
+  for (std::size_t i = 0; i < place.size(); ++i) place[i] = static_cast<int>(i);
+  std::shuffle(place.begin(), place.end(), random);
+  std::vector<bool> reversed(place.size());
+  for (std::size_t i = 0; i < place.size(); ++i) reversed[i] = random() % 2 == 0;
+  const auto move = [&](Corner& corner) { corner.tile = place[corner.tile]; };
+  for (std::size_t i = 0; i < place.size(); ++i) {
+    mixed.tiles[place[i]] = model.tiles[i];
+    if (model.target) (*mixed.target)[place[i]] = (*model.target)[i];
+  }
+  for (Joint& joint : mixed.joints) {
+    move(joint.a);
+    move(joint.b);
+  }
+  mixed.fileOrder.isReversed = reversed;
+  return inFileOrder(mixed);
+}
+
+TEST(FileOrder, ConversionsKeepTheOrderOfTilesAndVertices) {
+  std::mt19937 random(7);
+  TessellationShape shape;
+  shape.startAngle = 0.3;
+  for (int seed = 0; seed < 20; ++seed) {
+    const Model mixed = mixedUp(makeTessellation(shape), random);
+    const TemporaryFolder folder;
+    writeModelFolder(mixed, folder.path() / "first");
+    for (const char* name : {"second", "sheet.fold", "sheet_contracted.obj"}) {
+      std::vector<std::string> warnings;
+      const Model read = readModel(folder.path() / "first", std::nullopt, warnings);
+      for (const Tile& tile : read.tiles) EXPECT_GT(tileNormal(tile).z(), 0);
+      writeModel(read, folder.path() / name);
+      const Model again = inFileOrder(readModel(folder.path() / name, std::nullopt, warnings));
+      ASSERT_EQ(again.tiles.size(), mixed.tiles.size());
+      for (std::size_t i = 0; i < mixed.tiles.size(); ++i) {
+        EXPECT_EQ(again.tiles[i].vertices, mixed.tiles[i].vertices) << name << " tile " << i;
+        EXPECT_EQ((*again.target)[i].vertices, (*mixed.target)[i].vertices) << name;
+      }
+      for (std::size_t i = 0; i < mixed.joints.size(); ++i) {
+        EXPECT_EQ(again.joints[i].a, mixed.joints[i].a) << name;
+        EXPECT_EQ(again.joints[i].b, mixed.joints[i].b) << name;
+      }
+    }
+  }
+}
+
+TEST(FileOrder, PlanarFilesGoRound) {
+  std::mt19937 random(3);
+  Model mixed = mixedUp(openSheet(), random);
+  mixed.hull = std::vector<Corner>{{0, 1}, {5, 2}, {12, 3}};
+  const TemporaryFolder folder;
+  writeModel(mixed, folder.path() / "sheet_vertices.txt");
+  std::vector<std::string> warnings;
+  const Model read = readModel(folder.path() / "sheet_hull.txt", std::nullopt, warnings);
+  // What corners the hull names does not depend on the sense of their tiles.
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Corner& was = (*mixed.hull)[k];
+    const Corner& is = (*read.hull)[k];
+    EXPECT_EQ(read.tiles[is.tile].vertices[is.vertex], mixed.tiles[was.tile].vertices[was.vertex]);
+  }
+  writeModel(read, folder.path() / "again_vertices.txt");
+  for (const char* part : {"vertices", "constraints", "hull"}) {
+    EXPECT_EQ(readWhole(folder.path() / fmt::format("again_{}.txt", part)),
+              readWhole(folder.path() / fmt::format("sheet_{}.txt", part)))
+        << part;
+  }
+}
+
+TEST(FileOrder, TargetsAreInTheModelsOwnOrder) {
+  std::mt19937 random(5);
+  const Model mixed = mixedUp(makeTessellation({}), random);
+  const TemporaryFolder folder;
+  writeModelFolder(mixed, folder.path() / "model");
+  std::vector<std::string> warnings;
+  const Model read = readModel(folder.path() / "model", std::nullopt, warnings);
+  writeTiles(*mixed.target, folder.path() / "final_vertices.txt");
+  const std::vector<Tile> byFile = readTarget(folder.path() / "final_vertices.txt", read, warnings);
+  const std::vector<Tile> byModel = readTarget(folder.path() / "model", read, warnings);
+  for (std::size_t i = 0; i < read.tiles.size(); ++i) {
+    EXPECT_EQ(byFile[i].vertices, (*read.target)[i].vertices);
+    EXPECT_EQ(byModel[i].vertices, read.tiles[i].vertices);
+  }
+}
+
+TEST(FileOrder, MessagesCountAsTheFileDoes) {
+  EXPECT_EQ(readFiles({{"a_vertices.txt", "0 0 1 0 1 1\n0 0 1 0 1 1 0 0\n"},
+                       {"a_constraints.txt", "# none\n"}},
+                      "a_vertices.txt")
+                .error,
+            "@/a_vertices.txt:2:13: error: vertex 4 of tile 2 is where its vertex 1 is; a tile's "
+            "vertices are all different: correct it or delete it");
+  EXPECT_EQ(readFiles({{"a_vertices.txt", "0 0 1 0 1 1\n1 1 2 1 2 2\n"},
+                       {"a_constraints.txt", "1 3 3 1\n"}},
+                      "a_vertices.txt")
+                .error,
+            "@/a_constraints.txt:1:5: error: a_vertices.txt has tiles 1-2, not 3; correct this "
+            "column");
+}
+
+}  // namespace
+}  // namespace kirireel
