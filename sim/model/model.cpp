@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <Eigen/Geometry>
 
@@ -117,6 +118,25 @@ bool liesFlat(const std::vector<Tile>& tiles, double tolerance) {
       return std::abs(vertex.z() - level) <= tolerance;
     });
   });
+}
+
+bool isOnePiece(const Model& model) {
+  // Each tile points to one of its piece; following the pointers ends at the piece's own tile.
+  std::vector<std::size_t> towards(model.tiles.size());
+  std::iota(towards.begin(), towards.end(), std::size_t{0});
+  const auto pieceOf = [&](std::size_t tile) {
+    while (towards[tile] != tile) tile = towards[tile] = towards[towards[tile]];
+    return tile;
+  };
+  std::size_t pieces = model.tiles.size();
+  for (const Joint& joint : model.joints) {
+    const std::size_t a = pieceOf(static_cast<std::size_t>(joint.a.tile));
+    const std::size_t b = pieceOf(static_cast<std::size_t>(joint.b.tile));
+    if (a == b) continue;
+    towards[a] = b;
+    --pieces;
+  }
+  return pieces <= 1;
 }
 
 }  // namespace kirireel

@@ -102,6 +102,9 @@ double modelSize(const Model& model);
 /// Mean edge length over all tiles, metres: the length that "tile size" means.
 double tileSize(const Model& model);
 
+/// Whether joints hold all tiles together, so that none can go away from the others for good.
+bool isOnePiece(const Model& model);
+
 /// How many tiles face the other way in a second state: their normals are more than 90 degrees
 /// apart. Both states have the same tiles.
 int countTurnedOver(const std::vector<Tile>& start, const std::vector<Tile>& target);

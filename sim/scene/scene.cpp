@@ -154,6 +154,7 @@ bool isQuasiStatic(const Scene& scene, std::string& reason) {
                             springs.adaptive == usual.adaptive;
   const bool usualDamping = around.linearDamping == Environment{}.linearDamping &&
                             around.angularDamping == Environment{}.angularDamping;
+  const bool fliesApart = !scene.model.target && !isOnePiece(scene.model);
   const bool isPlainSolver = scene.solver.kind == SolverKind::Direct && !scene.solver.substeps;
   reason = scene.actuation.drive != defaultDrive(scene.model) ? "the actuation was given"
            : !scene.timeline.empty()                          ? "the timeline leads"
@@ -163,7 +164,8 @@ bool isQuasiStatic(const Scene& scene, std::string& reason) {
            : !usualSprings || !usualDamping                   ? "springs or damping were given"
            : scene.brick.mass != MassRule::Unit               ? "masses were given"
            : !isPlainSolver                                   ? "the solver was given"
-                                                              : "";
+           : fliesApart ? "tiles that no joint holds fly apart"
+                        : "";
   return reason.empty();
 }
 

@@ -227,6 +227,18 @@ TEST(Continuation, SaysThatFlushTilesHoldEachOther) {
   EXPECT_EQ(run.accuracy.penetrationGrownMax, 0);
 }
 
+/// Tiles that no joint holds have no full extension.
+TEST(Continuation, LeavesLooseTilesToDynamics) {
+  Model model = makeTessellation({});
+  model.target.reset();
+  EXPECT_TRUE(isOnePiece(model));
+  model.joints.clear();
+  EXPECT_FALSE(isOnePiece(model));
+  std::string reason;
+  EXPECT_FALSE(isQuasiStatic(sceneOf(std::move(model)), reason));
+  EXPECT_EQ(reason, "tiles that no joint holds fly apart");
+}
+
 bool isAnnounced(const DeploymentResult& run) {
   return std::ranges::any_of(run.warnings, [](const std::string& warning) {
     return warning.find("through each other") != std::string::npos;
