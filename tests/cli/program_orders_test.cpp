@@ -254,7 +254,7 @@ class Respelling {
   }
 
   static std::vector<std::string> withDefaults(std::vector<std::string> words) {
-    words.insert(words.end(), {"--angular-damping", "0.050", "--elements-through=1"});
+    words.insert(words.end(), {"--angular-damping", "0.050", "--elements-through=2"});
     words.insert(words.end(), {"--walk-time", "6.0", "--contacts", "auto"});
     return words;
   }

@@ -27,6 +27,7 @@ std::vector<std::string> recordInto(const fs::path& out, const std::vector<std::
   std::vector<std::string> words = {"record",     shippedModel("nonrigid").string(),
                                     "--size",     "320x240",
                                     "--duration", "0.5",
+                                    "--path",     "dynamic",
                                     "--svg",      "--out",
                                     out.string()};
   words.insert(words.end(), more.begin(), more.end());

@@ -17,9 +17,10 @@ class Verify : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     scratch_ = new ScratchFolder;
-    const ProgramEnd end = runKirireel(
-        {"record", shippedModel("nonrigid").string(), "--out", folder().string(), "--size", "96x64",
-         "--fps", "10", "--duration", "0.5", "--frames", "--svg", "--export", "msh,glb"});
+    const ProgramEnd end =
+        runKirireel({"record", shippedModel("nonrigid").string(), "--out", folder().string(),
+                     "--size", "96x64", "--fps", "10", "--duration", "0.5", "--path", "dynamic",
+                     "--frames", "--svg", "--export", "msh,glb"});
     ASSERT_EQ(end.exitCode, kEndedShort) << end.err;
   }
   static void TearDownTestSuite() { delete scratch_; }
