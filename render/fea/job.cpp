@@ -191,6 +191,19 @@ std::vector<int> tilesAtEnds(const ElementMesh& mesh) {
   return tiles;
 }
 
+/// The model with what is gripped and held before its step. Returns the grips.
+std::vector<NamedNodes> appendHeldModel(std::string& text, const ElementMesh& mesh,
+                                        const DeckSettings& settings, const DeckOrigin& origin,
+                                        const std::string& meshFile,
+                                        const std::vector<NodeDisplacement>& supports) {
+  appendJointWarnings(text, mesh);
+  appendModel(text, mesh, settings, origin, meshFile, nodesOf(supports), "NHOLD");
+  std::vector<NamedNodes> grips = gripSets(mesh, nodesOf(supports));
+  for (const NamedNodes& grip : grips) appendNodeSet(text, grip.name, grip.nodes);
+  appendSupports(text, supports);
+  return grips;
+}
+
 }  // namespace
 
 std::string staticJob(const ElementMesh& mesh, const DeckSettings& settings,
@@ -212,11 +225,8 @@ std::string staticJob(const ElementMesh& mesh, const DeckSettings& settings,
          "**   *DLOAD\n**   EALL, GRAV, {}, 0., 0., -1.\n",
          supports.size(), rigid, supports.size() - rigid,
          deckNumber(9.81 * unitScale(settings.unit).length));
-  appendJointWarnings(text, mesh);
-  appendModel(text, mesh, settings, origin, meshFile, nodesOf(supports), "NHOLD");
-  const std::vector<NamedNodes> grips = gripSets(mesh, nodesOf(supports));
-  for (const NamedNodes& grip : grips) appendNodeSet(text, grip.name, grip.nodes);
-  appendSupports(text, supports);
+  const std::vector<NamedNodes> grips =
+      appendHeldModel(text, mesh, settings, origin, meshFile, supports);
   text += "*STEP\n*STATIC\n";
   appendGripForces(text, grips, longestAxis(mesh), 1);
   appendRequests(text, settings.solver, "NHOLD", "RF");
@@ -232,11 +242,8 @@ std::string bucklingJob(const ElementMesh& mesh, const DeckSettings& settings,
       "** Both ends are pushed together by 1 N each; the buckling factors are forces in N. The "
       "supports\n"
       "** hold mechanisms of ideal hinges too: replace them by those of your test.\n";
-  appendJointWarnings(text, mesh);
-  appendModel(text, mesh, settings, origin, meshFile, nodesOf(supports), "NHOLD");
-  const std::vector<NamedNodes> grips = gripSets(mesh, nodesOf(supports));
-  for (const NamedNodes& grip : grips) appendNodeSet(text, grip.name, grip.nodes);
-  appendSupports(text, supports);
+  const std::vector<NamedNodes> grips =
+      appendHeldModel(text, mesh, settings, origin, meshFile, supports);
   text += "*STEP\n*BUCKLE\n5\n";
   appendGripForces(text, grips, longestAxis(mesh), -1);
   text +=

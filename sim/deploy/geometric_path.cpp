@@ -44,30 +44,35 @@ constexpr double kAloneShare = 0.4;
 // An extension shorter than this part of a tile is none.
 constexpr double kLeastExtension = 1e-3;
 
-/// The deepest overlap of any pair on a path beyond that of its first state, whose joints are
-/// closed, metres.
-double mostGrown(const Scene& scene, const MechanismPath& path) {
-  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
-  const std::vector<Pivot> pivots = makePivots(scene.model.joints, bricks);
-  PenetrationMeter meter(bricks, pivots, scene.environment.pivotZone, path.states.front(), 0);
-  double deepest = 0;
-  for (const Poses& state : path.states) deepest = std::max(deepest, meter.at(state).grown);
-  return deepest;
+bool isClear(const Scene& scene, const GeometricPath& found) {
+  return found.grown <= kClearShare * tileSize(scene.model);
 }
 
-/// The largest gap of any joint on a path, metres.
-double mostOpened(const Scene& scene, const MechanismPath& path) {
+/// Measures how deep bricks overlap on a path beyond its first state, and how far compliant joints
+/// open; says why bricks had contacts on it, or had none.
+void judge(const Scene& scene, GeometricPath& found) {
   const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
   const std::vector<Pivot> pivots = makePivots(scene.model.joints, bricks);
-  double largest = 0;
-  for (const Poses& state : path.states) largest = std::max(largest, jointGap(pivots, state).max);
-  return largest;
+  const std::vector<Poses>& states = found.path.states;
+  PenetrationMeter meter(bricks, pivots, scene.environment.pivotZone, states.front(), 0);
+  for (const Poses& state : states) {
+    found.grown = std::max(found.grown, meter.at(state).grown);
+    if (!found.hasCompliantJoints) continue;
+    found.opening = std::max(found.opening, jointGap(pivots, state).max);
+  }
+  const bool isAsked = scene.environment.contacts != ContactFilter::None;
+  const bool isTouching = found.contacts != ContactFilter::None;
+  found.passesThrough = isAsked && !isTouching && !isClear(scene, found);
+  found.contactReason =
+      !isAsked     ? "not asked for"
+      : isTouching ? "bricks meet on the way"
+      : found.passesThrough
+          ? "bricks pass through each other, no path among touching ones was found"
+          : "no bricks meet on the way";
 }
 
 const char* const kAmongBricks = "a path of the mechanism among touching bricks";
 const char* const kCompliantTried = "a path of the mechanism with compliant joints";
-const char* const kThrough =
-    "bricks pass through each other, no path among touching ones was found";
 
 /// Tries the paths of one scene.
 class GeometricSearch {
@@ -84,7 +89,7 @@ class GeometricSearch {
   GeometricPaths find() {
     const ContactFilter wanted = scene_.environment.contacts;
     for (const ContinuationSettings& settings : kAlone) {
-      tryAlone(settings, wanted);
+      tryAlone(settings);
       if (found_.clear || isOver_) return std::move(found_);
       if (isCutShort_) break;
     }
@@ -133,40 +138,32 @@ class GeometricSearch {
     return isAmongBricks && path.error <= room_.nearest.error + near * tile_;
   }
 
-  void tryAlone(const ContinuationSettings& settings, ContactFilter wanted) {
+  void tryAlone(const ContinuationSettings& settings) {
     GeometricPath trial;
     trial.path = follow(tilesOwnMotion(), settings, ContactFilter::None, "a path of the mechanism");
     if (!arrives(trial.path, false)) return;
-    trial.grown = mostGrown(scene_, trial.path);
     trial.reason = "a path of the mechanism, nothing given needs dynamics";
-    if (wanted == ContactFilter::None) {
-      trial.contactReason = "not asked for";
-      found_.clear = std::move(trial);
-    } else if (trial.grown <= kClearShare * tile_) {
-      trial.contactReason = "no bricks meet on the way";
+    judge(scene_, trial);
+    if (!trial.passesThrough) {
       found_.clear = std::move(trial);
     } else if (!found_.through || trial.grown < found_.through->grown) {
-      trial.contactReason = kThrough;
-      trial.passesThrough = true;
       found_.through = std::move(trial);
     }
   }
 
   void tryTouching(const ContinuationSettings& settings, ContactFilter contacts) {
     GeometricPath trial;
+    trial.contacts = contacts;
     trial.path = follow(tilesOwnMotion(), settings, contacts, kAmongBricks);
     if (!arrives(trial.path, true)) return;
-    trial.grown = mostGrown(scene_, trial.path);
-    if (contacts == ContactFilter::All && trial.grown > kClearShare * tile_) return;
-    trial.contacts = contacts;
-    trial.contactReason = "bricks meet on the way";
     trial.reason = "a path of the mechanism among touching bricks, nothing given needs dynamics";
+    judge(scene_, trial);
+    if (contacts == ContactFilter::All && !isClear(scene_, trial)) return;
     found_.clear = std::move(trial);
   }
 
   /// Compliant joints, opening as little as they can: once a path is found, it guides the next.
   void tryCompliant(ContactFilter contacts) {
-    const bool isAmongBricks = contacts != ContactFilter::None;
     std::optional<GeometricPath> best;
     for (ContinuationSettings settings : kCompliant) {
       best = compliantPath(tilesOwnMotion(), settings, contacts);
@@ -179,17 +176,10 @@ class GeometricSearch {
       if (best || isOver_) break;
     }
     if (!best) return;
-    const bool isClear = best->grown <= kClearShare * tile_;
-    best->contacts = contacts;
-    best->contactReason = isAmongBricks ? "bricks meet on the way"
-                          : isClear     ? "no bricks meet on the way"
-                                        : kThrough;
     best->reason = fmt::format(
         "a path of the mechanism with compliant joints, which open by up to {:.2g} m ({:.2g} "
-        "tiles): "
-        "none with exact joints was found",
+        "tiles): none with exact joints was found",
         best->opening, best->opening / tile_);
-    best->passesThrough = !isClear && scene_.environment.contacts != ContactFilter::None;
     (best->passesThrough ? found_.through : found_.compliant) = std::move(best);
   }
 
@@ -198,11 +188,11 @@ class GeometricSearch {
                                              ContactFilter contacts) {
     GeometricPath trial;
     trial.hasCompliantJoints = true;
+    trial.contacts = contacts;
     trial.path = follow(std::move(guide), settings, contacts, kCompliantTried);
     if (!arrives(trial.path, contacts != ContactFilter::None)) return std::nullopt;
-    trial.grown = mostGrown(scene_, trial.path);
-    if (contacts == ContactFilter::All && trial.grown > kClearShare * tile_) return std::nullopt;
-    trial.opening = mostOpened(scene_, trial.path);
+    judge(scene_, trial);
+    if (contacts == ContactFilter::All && !isClear(scene_, trial)) return std::nullopt;
     return trial;
   }
 
@@ -226,6 +216,10 @@ class GeometricSearch {
 
 const char* const kExtending = "the way to full extension";
 
+bool standsStill(const Scene& scene, const MechanismPath& path) {
+  return path.length() < kLeastExtension * tileSize(scene.model);
+}
+
 /// The path to full extension with these contacts, unless a share of the budget's rest is not
 /// enough.
 std::optional<GeometricPath> extension(const Scene& scene, ContactFilter contacts, double share,
@@ -239,9 +233,9 @@ std::optional<GeometricPath> extension(const Scene& scene, ContactFilter contact
   });
   budget.spend(part.spent());
   if (found.path.isCutShort) return std::nullopt;
-  found.grown = mostGrown(scene, found.path);
   found.contacts = contacts;
   found.reason = "a path of the mechanism, nothing given needs dynamics";
+  judge(scene, found);
   return found;
 }
 
@@ -335,6 +329,32 @@ class Walk {
   DeploymentResult result_;
 };
 
+/// How a walk ends that nobody interrupts, `error` metres from the target.
+std::string endOf(const Scene& scene, const GeometricPath& found, double error) {
+  const double tile = tileSize(scene.model);
+  std::string words = "the path ends at full extension";
+  if (scene.model.target) {
+    words = error > kFarShare * tile
+                ? fmt::format(
+                      "the path ends {:.3g} short of the target: no state with closed joints "
+                      "was found nearer",
+                      error)
+                : fmt::format("the path ends {:.3g} from the target", error);
+  } else if (standsStill(scene, found.path)) {
+    words =
+        "the tiles are at full extension from the start: no small motion of the mechanism takes "
+        "them farther apart";
+  }
+  if (found.passesThrough) {
+    words += fmt::format(", bricks pass through each other on it by up to {:.2g} m", found.grown);
+  }
+  if (found.hasCompliantJoints) {
+    words += fmt::format(", joints open by up to {:.2g} m ({:.2g} tiles) on it", found.opening,
+                         found.opening / tile);
+  }
+  return words;
+}
+
 }  // namespace
 
 GeometricPaths findGeometricPaths(const Scene& scene, const TargetRoom& room, SearchBudget& budget,
@@ -345,32 +365,26 @@ GeometricPaths findGeometricPaths(const Scene& scene, const TargetRoom& room, Se
 GeometricPaths findExtension(const Scene& scene, SearchBudget& budget,
                              const TrialObserver& observer) {
   const ContactFilter wanted = scene.environment.contacts;
-  const double clear = kClearShare * tileSize(scene.model);
+  const bool isOpen = wanted == ContactFilter::Auto;
   GeometricPaths found;
   found.trouble = "looking for the way to full extension was cut short";
   std::optional<GeometricPath> alone =
       extension(scene, ContactFilter::None, kAloneShare, budget, observer);
-  if (alone && (wanted == ContactFilter::None || alone->grown <= clear)) {
-    alone->contactReason =
-        wanted == ContactFilter::None ? "not asked for" : "no bricks meet on the way";
+  if (alone && !alone->passesThrough) {
     found.clear = std::move(alone);
     return found;
   }
   if (wanted == ContactFilter::None) return found;
-  const bool isOpen = wanted == ContactFilter::Auto;
   std::optional<GeometricPath> touching =
       extension(scene, isOpen ? ContactFilter::All : wanted, 1, budget, observer);
-  if (touching && touching->contacts == ContactFilter::All && touching->grown > clear)
+  if (touching && touching->contacts == ContactFilter::All && !isClear(scene, *touching)) {
+    found.trouble = "bricks pass through each other on the way to full extension";
     touching.reset();
+  }
   // Flush bricks may hold each other. A sheet that stands still shows nobody how it opens.
-  const bool standsStill =
-      touching && touching->path.length() < kLeastExtension * tileSize(scene.model);
-  if (touching && !(isOpen && alone && standsStill)) {
-    touching->contactReason = "bricks meet on the way";
+  if (touching && !(isOpen && alone && standsStill(scene, touching->path))) {
     found.clear = std::move(touching);
-  } else if (isOpen && alone) {
-    alone->contactReason = kThrough;
-    alone->passesThrough = true;
+  } else if (isOpen) {
     found.through = std::move(alone);
   }
   return found;
@@ -389,24 +403,7 @@ DeploymentResult walk(const Scene& scene, const GeometricPath& found, const Asse
   result.outcome = walk.isInterrupted() ? Outcome::Interrupted
                    : isFar              ? Outcome::Locked
                                         : Outcome::Settled;
-  result.reason = walk.isInterrupted() ? "ended early by the caller"
-                  : isFar              ? fmt::format(
-                                             "the path ends {:.3g} short of the target: no state with closed "
-                                                          "joints was found nearer",
-                                             error)
-                  : scene.model.target ? fmt::format("the path ends {:.3g} from the target", error)
-                  : found.path.length() < kLeastExtension * tileSize(scene.model)
-                      ? "the tiles are at full extension from the start: no motion of the "
-                        "mechanism takes them farther apart"
-                      : "the path ends at full extension";
-  if (found.passesThrough && !walk.isInterrupted()) {
-    result.reason +=
-        fmt::format(", bricks pass through each other on it by up to {:.2g} m", found.grown);
-  }
-  if (found.hasCompliantJoints && !walk.isInterrupted()) {
-    result.reason += fmt::format(", joints open by up to {:.2g} m ({:.2g} tiles) on it",
-                                 found.opening, found.opening / tileSize(scene.model));
-  }
+  result.reason = walk.isInterrupted() ? "ended early by the caller" : endOf(scene, found, error);
   if (scene.model.target) result.atTarget = !isFar;
   result.trajectory.events.push_back(
       {walk.time(), fmt::format("{}: {}", toString(result.outcome), result.reason)});

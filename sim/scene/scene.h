@@ -85,7 +85,7 @@ struct Actuation {
 enum class PathKind {
   /// Continuation where the scene needs no dynamics and that arrives, else Dynamic.
   Auto,
-  Continuation,  ///< the mechanism is followed as geometry, at an even pace; see continueTo()
+  Continuation,  ///< the mechanism is followed as geometry, at an even pace; see continueAlong()
   /// By springs: straight where that arrives, else led, with joints that give as little as arrives.
   Dynamic,
   Straight,  ///< the springs pull towards the target from the start on (the paper's way)
@@ -189,10 +189,10 @@ void fillFromModel(Scene& scene);
 /// What drives a model by default: Target where it has one, else Expansion.
 Drive defaultDrive(const Model& model);
 
-/// Whether a scene's deployment is geometry: it goes to its target, or to
-/// full extension without one, and nothing asked for
-/// needs mass, damping or time (gravity, ground, obstacles, friction, a timeline, other springs or
-/// damping than the usual, another solver). Else `reason` says what does.
+/// Whether a scene's deployment is geometry: it goes to its target, or to full extension without
+/// one, and nothing asked for needs mass, damping or time (gravity, ground, obstacles, friction, a
+/// timeline, other springs or damping than the usual, another solver, tiles that fly apart). Else
+/// `reason` says what does.
 bool isQuasiStatic(const Scene& scene, std::string& reason);
 
 /// Decides what the scene needs. A scene is planar when start and target lie in horizontal planes,

@@ -22,26 +22,25 @@ Tile partOf(const Tile& tile, const PolygonPart& part) {
   return piece;
 }
 
-double leastSine(const Tile& tile) {
-  double least = 1;
+/// The sines of the turns at a tile's corners; negative where it is reflex.
+std::vector<double> cornerSines(const Tile& tile) {
+  std::vector<double> sines;
   const std::size_t count = tile.vertices.size();
   for (std::size_t k = 0; k < count; ++k) {
     const Vector3 before = tile.vertices[k] - tile.vertices[(k + count - 1) % count];
     const Vector3 after = tile.vertices[(k + 1) % count] - tile.vertices[k];
-    least = std::min(least, test::cross2(before, after) / (before.norm() * after.norm()));
+    sines.push_back(test::cross2(before, after) / (before.norm() * after.norm()));
   }
-  return least;
+  return sines;
+}
+
+double leastSine(const Tile& tile) {
+  return std::min(1.0, std::ranges::min(cornerSines(tile)));
 }
 
 int reflexCorners(const Tile& tile) {
-  int count = 0;
-  const std::size_t n = tile.vertices.size();
-  for (std::size_t k = 0; k < n; ++k) {
-    const Vector3 before = tile.vertices[k] - tile.vertices[(k + n - 1) % n];
-    const Vector3 after = tile.vertices[(k + 1) % n] - tile.vertices[k];
-    if (test::cross2(before, after) < 0) ++count;
-  }
-  return count;
+  return static_cast<int>(
+      std::ranges::count_if(cornerSines(tile), [](double sine) { return sine < 0; }));
 }
 
 void expectSoundParts(const Tile& tile) {
