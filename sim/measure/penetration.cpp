@@ -11,6 +11,9 @@
 // not be projected. Any axis gives an upper bound of the depth: the search for a pair stops as soon
 // as that bound is not above what is known already.
 //
+// Two bricks that fill the same layer, as all do in a planar sheet, can be separated within their
+// plane alone: the axis along their thickness does not count for them.
+//
 // A concave brick is looked at piece by piece (see convex_parts.h); two such bricks overlap by as
 // much as their deepest pair of pieces, which no move that separates them can be shorter than.
 //
@@ -32,6 +35,8 @@ namespace {
 
 // Below this sine two directions count as parallel: they give the same separating axes.
 constexpr double kParallel = 1e-9;
+// Bricks are in one layer where their faces are apart by no more than this part of their thickness.
+constexpr double kSameLayer = 1e-6;
 
 bool isParallel(const Vector3& a, const Vector3& b) {
   return a.cross(b).squaredNorm() < kParallel * kParallel;
@@ -127,14 +132,34 @@ double overlapAlong(const PlacedPrism& a, const PlacedPrism& b, const Vector3& a
   return std::min(intervalA.high - intervalB.low, intervalB.high - intervalA.low);
 }
 
+bool areInOneLayer(const PlacedPrism& a, const PlacedPrism& b) {
+  if (!isParallel(a.normal(), b.normal())) return false;
+  const Projection layerA = project(a, a.normal());
+  const Projection layerB = project(b, a.normal());
+  const double tolerance = kSameLayer * a.rise.norm();
+  return std::abs(layerA.low - layerB.low) <= tolerance &&
+         std::abs(layerA.high - layerB.high) <= tolerance;
+}
+
 Eigen::AlignedBox3d boxOf(std::span<const PlacedPrism> pieces) {
   Eigen::AlignedBox3d box;
   for (const PlacedPrism& piece : pieces) box.extend(piece.box);
   return box;
 }
 
-double overlapOfBoxes(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b) {
-  return (a.max().cwiseMin(b.max()) - a.min().cwiseMax(b.min())).minCoeff();
+/// An upper bound of the depth of two sets of pieces, each of one brick, from their boxes.
+double mostDepth(std::span<const PlacedPrism> a, std::span<const PlacedPrism> b,
+                 const Eigen::AlignedBox3d& boxA, const Eigen::AlignedBox3d& boxB) {
+  const Vector3 overlaps = boxA.max().cwiseMin(boxB.max()) - boxA.min().cwiseMax(boxB.min());
+  const double least = overlaps.minCoeff();
+  if (least <= 0 || !areInOneLayer(a.front(), b.front())) return least;
+  // Of the boxes' axes only those within the layer bound its depth.
+  const Vector3& normal = a.front().normal();
+  double most = std::numeric_limits<double>::infinity();
+  for (int axis = 0; axis < 3; ++axis) {
+    if (std::abs(normal[axis]) < kParallel) most = std::min(most, overlaps[axis]);
+  }
+  return most;
 }
 
 /// The axes that can separate two prisms, by number: faces of the first, faces of the second,
@@ -146,6 +171,7 @@ class SeparatingAxes {
     // Products of directions of parallel tiles are the faces' normals again.
     const bool parallel = isParallel(a.normal(), b.normal());
     count_ = facesA_ + facesB_ + (parallel ? 0 : facesA_ * facesB_);
+    hasNormals_ = !parallel || !areInOneLayer(a, b);
   }
 
   std::size_t count() const { return count_; }
@@ -153,6 +179,9 @@ class SeparatingAxes {
   /// The overlap along an axis; infinite where the number means no axis.
   double overlap(std::size_t number) const {
     Vector3 axis;
+    if (!hasNormals_ && (number == 0 || number == facesA_)) {
+      return std::numeric_limits<double>::infinity();
+    }
     if (number < facesA_) {
       axis = face(a_, number);
     } else if (number < facesA_ + facesB_) {
@@ -177,6 +206,7 @@ class SeparatingAxes {
   std::size_t facesA_;
   std::size_t facesB_;
   std::size_t count_;
+  bool hasNormals_;  // whether the axes along the thickness count
 };
 
 /// The depth of a pair, or something not above `known`. The axis numbered `hint` is tried first;
@@ -237,8 +267,8 @@ class PlacedPrisms {
       for (std::size_t j = i + 1; j < order_.size(); ++j) {
         const PlacedPrism& second = (*this)[order_[j]];
         if (second.box.min()[axis_] >= first.box.max()[axis_]) break;
-        if (overlapOfBoxes(first.box, second.box) <= least()) continue;
         if (first.brick == second.brick) continue;
+        if (mostDepth({&first, 1}, {&second, 1}, first.box, second.box) <= least()) continue;
         if (left-- == 0) return false;
         const auto [a, b] = std::minmax(order_[i], order_[j]);
         visit(a, b);
@@ -407,7 +437,7 @@ struct PenetrationMeter::Internals {
 
   void measureJoined(JoinedPair& pair, const Poses& poses, PenetrationDepths& depths) {
     const std::span<const PlacedPrism> a = placed.of(pair.a), b = placed.of(pair.b);
-    const double most = overlapOfBoxes(boxOf(a), boxOf(b));
+    const double most = mostDepth(a, b, boxOf(a), boxOf(b));
     if (most > depths.whole) {
       depths.whole = std::max(depths.whole, deepestOf(a, b, depths.whole, pair.hints));
     }

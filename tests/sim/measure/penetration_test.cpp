@@ -90,6 +90,21 @@ TEST(Penetration, OfTwoBoxesHasTheClosedForm) {
   EXPECT_EQ(depthOf(a, origin, b, {{0, 0, 0.03}}), 0);
 }
 
+TEST(Penetration, InOneLayerCountsWithinIt) {
+  const Brick a = box(1, 1, 0.02), b = box(2, 1, 0.02);
+  const Pose poseB{{1.2, 0.3, 0}};
+  EXPECT_NEAR(depthOf(a, {}, b, poseB), 0.3, 1e-15);
+  // A little above it, the way out is over the other.
+  EXPECT_NEAR(depthOf(a, {}, b, {{1.2, 0.3, 0.001}}), 0.019, 1e-15);
+  // In any plane, and turned over.
+  const Quaternion turn = rotationFromVector({-1, 0.3, 2});
+  const Vector3 shift(5, -7, 3);
+  const Pose movedB{turn * poseB.position + shift, turn * poseB.rotation};
+  EXPECT_NEAR(depthOf(a, {shift, turn}, b, movedB), 0.3, 1e-14);  // measured 4e-16
+  const Pose overB{poseB.position, rotationFromVector({kPi, 0, 0})};
+  EXPECT_NEAR(depthOf(a, {}, b, overB), 0.3, 1e-14);  // measured 0
+}
+
 TEST(Penetration, OfACornerInASideHasTheClosedForm) {
   const Brick a = box(1, 1, 1);
   const Pose turned{{0.5 + std::sqrt(0.5) - 0.05, 0, 0}, rotationFromVector({0, 0, kPi / 4})};
@@ -297,7 +312,7 @@ TEST(PenetrationMeter, LooksAtSoManyPairsOfAHeapAndSaysSo) {
   const std::vector<Brick> bricks(many.size(), box(1, 1, 0.1));
   PenetrationMeter heap(bricks, {}, 0.05, many, 1e-9);
   EXPECT_FALSE(heap.seesAllPairs());
-  EXPECT_NEAR(heap.at(many).whole, 0.1, 1e-12);
+  EXPECT_NEAR(heap.at(many).whole, 1, 1e-12);
   EXPECT_NEAR(heap.at(many).grown, 0, 1e-12);
   // In another order other pairs are looked at: what they had is not taken for new.
   Poses moved = many;
