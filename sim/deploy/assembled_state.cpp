@@ -17,7 +17,7 @@ constexpr double kStep = 0.25;  // seconds
 constexpr double kSpringStiffening = 16;
 constexpr int kSteps = 200;
 constexpr int kStepsFromStart = 100;
-constexpr double kConverged = 1e-7;    // change of the error in a step, relative
+constexpr double kConverged = 1e-7;         // change of the error in a step, relative
 constexpr double kNegligibleError = 1e-12;  // error in tile edges
 
 // Reweighting begins above this error in tile edges, and this factor of the rigid bound.
@@ -61,10 +61,13 @@ class Assembly {
     state.restPoses = state.poses = motion_.poses;
     if (isNearEnough(state)) return state;
     approach(state);
-    if (isNearEnough(state) || !mayStep()) return state;
-    beginAt(startPoses(scene_.model.tiles, bricks_));
-    comeToRest(kStepsFromStart);
-    if (keepIfNearer(state)) approach(state);
+    if (isNearEnough(state)) return state;
+    if (mayStep()) {
+      beginAt(startPoses(scene_.model.tiles, bricks_));
+      comeToRest(kStepsFromStart);
+      if (keepIfNearer(state)) approach(state);
+    }
+    keepStartIfNearer(state);
     return state;
   }
 
@@ -74,6 +77,16 @@ class Assembly {
     weights_.assign(bricks_.size(), 1.0);
     dynamics_ = makeDynamics(scene_, sceneNeeds(scene_), bricks_, motion_.poses);
     if (!dynamics_->assemble(motion_.poses)) dynamics_->setJointStiffness(kMisfitStiffness);
+  }
+
+  /// A target may be so far out of reach that nothing comes nearer than the start.
+  void keepStartIfNearer(AssembledState& state) const {
+    Poses start = startPoses(scene_.model.tiles, bricks_);
+    if (!makeDynamics(scene_, sceneNeeds(scene_), bricks_, start)->assemble(start)) return;
+    const double found = targetError(target_, bricks_, start);
+    if (!(found < (1 - kGain) * state.error)) return;
+    state.error = found;
+    state.poses = std::move(start);
   }
 
   /// Whether no other state is worth its while.

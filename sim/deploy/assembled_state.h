@@ -22,7 +22,7 @@ struct AssembledState {
 /// the state of rest, which has the least sum of squares nearby. Then bricks that are farther off
 /// are pulled more and more, those nearer less (Lawson's weights, as in rigid_bound.cpp): that
 /// leads towards the least largest error. Where this leaves something, the springs pull from the
-/// start, too. The best of all states is kept. Both errors are zero where the target's own data
+/// start, too. The best of all states is kept, the start among them. Both errors are zero where the target's own data
 /// close. Contacts, ground and gravity are left out. Ends early when the budget is spent or
 /// `goesOn`, which may be empty, returns false.
 AssembledState assembleAtTarget(const Scene& scene, SearchBudget& budget,

@@ -54,6 +54,8 @@ constexpr double kShortMove = 0.05;
 constexpr double kNoMove = 1e-10;
 // So many places of the guide with hardly a move in a row: the bricks are stuck.
 constexpr int kStuckPlaces = 8;
+// An error at the end above this part of a tile: another state may be nearer to the target.
+constexpr double kFarError = 1e-6;
 // While opening, a move shorter than this part of its reach halves the reach.
 constexpr double kOpened = 0.1;
 // The pull towards the guide over mass and time squared: a move goes all but this part of the way.
@@ -372,9 +374,27 @@ class Continuation {
 
   MechanismPath finish() {
     if (scene_.model.target) {
-      path_.error = targetError(*scene_.model.target, mechanism_.bricks(), poses_);
+      path_.error = errorOf(poses_);
+      if (!settings_.areJointsCompliant() && path_.error > kFarError * tile_) endWhereNearest();
     }
     return std::move(path_);
+  }
+
+  double errorOf(const Poses& state) const {
+    return targetError(*scene_.model.target, mechanism_.bricks(), state);
+  }
+
+  /// Where the target is out of reach, a path may come nearer to it than its end: it ends there.
+  void endWhereNearest() {
+    std::size_t nearest = path_.states.size() - 1;
+    for (std::size_t k = 0; k < path_.states.size(); ++k) {
+      const double error = errorOf(path_.states[k]);
+      if (error >= path_.error) continue;
+      nearest = k;
+      path_.error = error;
+    }
+    path_.states.resize(nearest + 1);
+    path_.lengths.resize(nearest + 1);
   }
 
   Scene scene_;

@@ -26,8 +26,7 @@ std::string tornWarning(const Scene& scene) {
   if (gap <= kTorn * tile) return "";
   return fmt::format(
       "the target is torn: its own joints are open by {:.3g} m there ({:.2g} tiles), so that "
-      "closed "
-      "joints cannot reach it",
+      "closed joints cannot reach it",
       gap, gap / tile);
 }
 
@@ -80,9 +79,9 @@ std::string reachWarning(const Scene& scene, const AssembledState& nearest) {
   const double bound = rigidBound(scene.model.tiles, *scene.model.target);
   if (nearest.error <= kAboveBound * bound) return "";
   return fmt::format(
-      "the target is out of reach: no state with closed joints was found nearer than {:.3g} m "
-      "({:.2g} "
-      "tiles)",
+      "the target is out of reach: the search for the nearest state with closed joints ended "
+      "{:.3g} "
+      "m ({:.2g} tiles) from it",
       nearest.error, nearest.error / tile);
 }
 

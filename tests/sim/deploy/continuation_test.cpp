@@ -189,6 +189,38 @@ TEST(Continuation, BricksPassThroughEachOtherNeverInSilence) {
 }
 
 /// In the plane the four quads of this design have no freedom: their joints must open.
+/// A target whose upper half is moved away, so that the tiles there cannot hang together.
+Scene tornSquares(double distance) {
+  Model model = makeTessellation({});
+  for (std::size_t i = model.tiles.size() / 2; i < model.tiles.size(); ++i) {
+    for (Vector3& vertex : (*model.target)[i].vertices) vertex.x() += distance;
+  }
+  return sceneOf(std::move(model));
+}
+
+TEST(Continuation, EndsWhereItIsNearestToATargetOutOfReach) {
+  // Half of the distance is the least for two halves that keep together.
+  for (const double distance : {0.5, 1.0}) {
+    const DeploymentResult run = deploy(tornSquares(distance), 1.0 / 60, nullptr);
+    EXPECT_EQ(run.path.kind, PathKind::Continuation) << run.pathReason;
+    EXPECT_LE(run.accuracy.targetErrorEnd, 1.05 * run.assembledError);  // measured: 1.0000
+    EXPECT_LE(run.accuracy.targetErrorEnd, 1.05 * run.accuracy.targetErrorMin);
+    EXPECT_LE(run.accuracy.targetErrorEnd, 1.1 * distance / 2);  // measured: 1.001
+  }
+}
+
+TEST(Continuation, TheStartIsANearestStateWhereNothingComesNearer) {
+  Scene scene = squares();
+  for (Tile& tile : *scene.model.target) {
+    for (Vector3& vertex : tile.vertices) vertex = 100 * vertex;
+  }
+  const AssembledState nearest = assembleAtTarget(scene);
+  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
+  const double atStart =
+      targetError(*scene.model.target, bricks, startPoses(scene.model.tiles, bricks));
+  EXPECT_LE(nearest.error, atStart);
+}
+
 TEST(Continuation, OpensTheJointsOfADesignWithoutFreedomAndSaysByHowMuch) {
   const Scene scene = sceneOf(generateModel(familyNamed("nonrigid"), {}));
   const double tile = tileSize(scene.model);
