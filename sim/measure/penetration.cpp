@@ -134,11 +134,12 @@ double overlapAlong(const PlacedPrism& a, const PlacedPrism& b, const Vector3& a
 
 bool areInOneLayer(const PlacedPrism& a, const PlacedPrism& b) {
   if (!isParallel(a.normal(), b.normal())) return false;
-  const Projection layerA = project(a, a.normal());
-  const Projection layerB = project(b, a.normal());
-  const double tolerance = kSameLayer * a.rise.norm();
-  return std::abs(layerA.low - layerB.low) <= tolerance &&
-         std::abs(layerA.high - layerB.high) <= tolerance;
+  const double thickness = a.rise.dot(a.normal());
+  const double rise = b.rise.dot(a.normal());
+  const double bottom = (b.bottom.front() - a.bottom.front()).dot(a.normal());
+  const double low = std::min(bottom, bottom + rise), high = std::max(bottom, bottom + rise);
+  const double tolerance = kSameLayer * thickness;
+  return std::abs(low) <= tolerance && std::abs(high - thickness) <= tolerance;
 }
 
 Eigen::AlignedBox3d boxOf(std::span<const PlacedPrism> pieces) {
@@ -147,19 +148,21 @@ Eigen::AlignedBox3d boxOf(std::span<const PlacedPrism> pieces) {
   return box;
 }
 
-/// An upper bound of the depth of two sets of pieces, each of one brick, from their boxes.
-double mostDepth(std::span<const PlacedPrism> a, std::span<const PlacedPrism> b,
-                 const Eigen::AlignedBox3d& boxA, const Eigen::AlignedBox3d& boxB) {
+/// Whether two sets of pieces, each of one brick, may overlap deeper than `known`, 0 or more, as
+/// far as their boxes tell.
+bool mayOverlapBy(double known, std::span<const PlacedPrism> a, std::span<const PlacedPrism> b,
+                  const Eigen::AlignedBox3d& boxA, const Eigen::AlignedBox3d& boxB) {
   const Vector3 overlaps = boxA.max().cwiseMin(boxB.max()) - boxA.min().cwiseMax(boxB.min());
   const double least = overlaps.minCoeff();
-  if (least <= 0 || !areInOneLayer(a.front(), b.front())) return least;
+  if (least > known) return true;
+  if (least <= 0 || overlaps.maxCoeff() <= known) return false;
+  if (!areInOneLayer(a.front(), b.front())) return false;
   // Of the boxes' axes only those within the layer bound its depth.
   const Vector3& normal = a.front().normal();
-  double most = std::numeric_limits<double>::infinity();
   for (int axis = 0; axis < 3; ++axis) {
-    if (std::abs(normal[axis]) < kParallel) most = std::min(most, overlaps[axis]);
+    if (std::abs(normal[axis]) < kParallel && overlaps[axis] <= known) return false;
   }
-  return most;
+  return true;
 }
 
 /// The axes that can separate two prisms, by number: faces of the first, faces of the second,
@@ -268,7 +271,7 @@ class PlacedPrisms {
         const PlacedPrism& second = (*this)[order_[j]];
         if (second.box.min()[axis_] >= first.box.max()[axis_]) break;
         if (first.brick == second.brick) continue;
-        if (mostDepth({&first, 1}, {&second, 1}, first.box, second.box) <= least()) continue;
+        if (!mayOverlapBy(least(), {&first, 1}, {&second, 1}, first.box, second.box)) continue;
         if (left-- == 0) return false;
         const auto [a, b] = std::minmax(order_[i], order_[j]);
         visit(a, b);
@@ -437,12 +440,12 @@ struct PenetrationMeter::Internals {
 
   void measureJoined(JoinedPair& pair, const Poses& poses, PenetrationDepths& depths) {
     const std::span<const PlacedPrism> a = placed.of(pair.a), b = placed.of(pair.b);
-    const double most = mostDepth(a, b, boxOf(a), boxOf(b));
-    if (most > depths.whole) {
+    const Eigen::AlignedBox3d boxA = boxOf(a), boxB = boxOf(b);
+    if (mayOverlapBy(depths.whole, a, b, boxA, boxB)) {
       depths.whole = std::max(depths.whole, deepestOf(a, b, depths.whole, pair.hints));
     }
     const double known = std::min(depths.outsidePivots, depths.grown + pair.atStart);
-    if (most <= known) return;
+    if (!mayOverlapBy(known, a, b, boxA, boxB)) return;
     placeAll(pair.cutA, poses[pair.a], cutA);
     placeAll(pair.cutB, poses[pair.b], cutB);
     const double depth = deepestOf(cutA, cutB, known, pair.hintsCut);
