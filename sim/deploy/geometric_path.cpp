@@ -355,6 +355,23 @@ std::string endOf(const Scene& scene, const GeometricPath& found, double error) 
   return words;
 }
 
+/// Joints that are open at the start as read are closed there, whatever is in the way: says so
+/// where that pushes bricks into each other.
+void addPushedWarning(const Scene& scene, const Poses& closed, DeploymentResult& result) {
+  if (scene.environment.contacts == ContactFilter::None) return;
+  const double tile = tileSize(scene.model);
+  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<Pivot> pivots = makePivots(scene.model.joints, bricks);
+  const Poses asRead = startPoses(scene.model.tiles, bricks);
+  PenetrationMeter meter(bricks, pivots, scene.environment.pivotZone, asRead, 0);
+  const double pushed = meter.at(closed).grown;
+  if (pushed <= kClearShare * tile) return;
+  result.warnings.push_back(fmt::format(
+      "closing the joints of the start, which are open by up to {:.2g} m, pushes bricks {:.2g} m "
+      "({:.2g} tiles) into each other",
+      jointGap(pivots, asRead).max, pushed, pushed / tile));
+}
+
 }  // namespace
 
 GeometricPaths findGeometricPaths(const Scene& scene, const TargetRoom& room, SearchBudget& budget,
@@ -398,6 +415,7 @@ DeploymentResult walk(const Scene& scene, const GeometricPath& found, const Asse
   walked.path.kind = PathKind::Continuation;
   Walk walk(walked, found, nearest, sampleInterval, observer);
   DeploymentResult result = walk.finish();
+  if (!found.hasCompliantJoints) addPushedWarning(scene, found.path.states.front(), result);
   const double error = result.accuracy.targetErrorEnd;
   const bool isFar = scene.model.target && error > kFarShare * tileSize(scene.model);
   result.outcome = walk.isInterrupted() ? Outcome::Interrupted

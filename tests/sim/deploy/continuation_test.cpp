@@ -188,7 +188,6 @@ TEST(Continuation, BricksPassThroughEachOtherNeverInSilence) {
   EXPECT_NE(isClear, isSaid);
 }
 
-/// In the plane the four quads of this design have no freedom: their joints must open.
 /// A target whose upper half is moved away, so that the tiles there cannot hang together.
 Scene tornSquares(double distance) {
   Model model = makeTessellation({});
@@ -221,6 +220,7 @@ TEST(Continuation, TheStartIsANearestStateWhereNothingComesNearer) {
   EXPECT_LE(nearest.error, atStart);
 }
 
+/// In the plane the four quads of this design have no freedom: their joints must open.
 TEST(Continuation, OpensTheJointsOfADesignWithoutFreedomAndSaysByHowMuch) {
   const Scene scene = sceneOf(generateModel(familyNamed("nonrigid"), {}));
   const double tile = tileSize(scene.model);

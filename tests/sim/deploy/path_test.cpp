@@ -16,9 +16,12 @@
 namespace kirireel {
 namespace {
 
+using ::testing::Contains;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::SizeIs;
+using ::testing::StartsWith;
 
 /// From one closed state of the rotating squares to the other: every tile comes back to the height
 /// that it left, so that a straight pull first has to pull away from the target.
@@ -332,6 +335,18 @@ TEST(Path, WhatClosingTheStartPushesIntoEachOtherCounts) {
   const DeploymentResult closed = deploy(scene, 1.0 / 60, nullptr);
   EXPECT_THAT(closed.pathReason, HasSubstr("closing the joints at the start pushes bricks 0.67 m"));
   EXPECT_GT(closed.accuracy.penetrationGrownMax, 0.01);  // measured 0.02
+}
+
+TEST(Path, ClosingTheStartAsGeometrySaysWhatItPushesIntoEachOther) {
+  Scene scene = joinedThroughEachOther();
+  scene.path.kind = PathKind::Continuation;
+  scene.environment.contacts = ContactFilter::Auto;
+  const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
+  EXPECT_THAT(result.warnings,
+              Contains(StartsWith("closing the joints of the start, which are open by up to 1.1 m, "
+                                  "pushes bricks 1 m (1 tiles) into each other")));
+  scene.environment.contacts = ContactFilter::None;
+  EXPECT_THAT(deploy(scene, 1.0 / 60, nullptr).warnings, Not(Contains(StartsWith("closing"))));
 }
 
 TEST(Path, JointsThatGiveAreNotClosedFirst) {
