@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "render/studio/studio.h"
+#include "sim/deploy/rounded_joints.h"
 #include "sim/measure/sheet.h"
 
 namespace kirireel {
@@ -28,6 +29,11 @@ std::string whyNoNearer(const Scene& scene, const RunSummary& summary) {
   const double tile = tileSize(scene.model);
   const double error = summary.accuracy.targetErrorEnd;
   if (summary.outcome != Outcome::Settled || error <= kReached * tile) return "";
+  if (scene.model.rounding > 0 && error <= roundedReach(scene.model)) {
+    return fmt::format(
+        "why no nearer: coordinates rounded to {:g} m, with which tiles and target fit no better\n",
+        scene.model.rounding);
+  }
   if (error <= kExplains * summary.accuracy.rigidBound) {
     return "why no nearer: the target's tiles have other shapes, and rigid ones cannot fit them\n";
   }

@@ -6,6 +6,7 @@
 #include "sim/actuation/target_guide.h"
 #include "sim/actuation/target_springs.h"
 #include "sim/deploy/dynamics.h"
+#include "sim/deploy/rounded_joints.h"
 #include "sim/measure/brick_measures.h"
 #include "sim/measure/measures.h"
 
@@ -57,6 +58,7 @@ class Assembly {
     AssembledState state;
     beginAt(bestFitPoses(bricks_, target_));
     comeToRest(kSteps);
+    soften();
     state.restError = state.error = error();
     state.restPoses = state.poses = motion_.poses;
     if (isNearEnough(state)) return state;
@@ -76,7 +78,41 @@ class Assembly {
     motion_.poses = std::move(poses);
     weights_.assign(bricks_.size(), 1.0);
     dynamics_ = makeDynamics(scene_, sceneNeeds(scene_), bricks_, motion_.poses);
-    if (!dynamics_->assemble(motion_.poses)) dynamics_->setJointStiffness(kMisfitStiffness);
+    const double rounded = roundedJointStiffness(scene_.model);
+    if (std::isfinite(rounded)) {
+      dynamics_->setJointStiffness(rounded * pullStiffness());
+    } else if (!dynamics_->assemble(motion_.poses)) {
+      dynamics_->setJointStiffness(kMisfitStiffness);
+    }
+  }
+
+  /// Comes nearer by softer joints, where they are closed within the rounding of the coordinates.
+  void soften() {
+    if (!std::isfinite(roundedJointStiffness(scene_.model))) return;
+    const std::vector<Pivot> pivots = makePivots(scene_.model.joints, bricks_);
+    double closed = roundedJointStiffness(scene_.model);
+    softenWhileClosed(scene_.model, [&](double stiffness) {
+      const Poses before = motion_.poses;
+      dynamics_->setJointStiffness(stiffness * pullStiffness());
+      comeToRest(kSteps);
+      if (jointGap(pivots, motion_.poses).max <= roundedGap(scene_.model)) {
+        closed = stiffness;
+        return true;
+      }
+      motion_.poses = before;
+      return false;
+    });
+    dynamics_->setJointStiffness(closed * pullStiffness());
+  }
+
+  /// Of the springs that pull a brick to its place, the stiffest, N/m.
+  double pullStiffness() const {
+    double stiffest = 0;
+    for (std::size_t i = 0; i < bricks_.size(); ++i) {
+      const Load load = springs_.load(static_cast<int>(i), motion_.poses[i], kSpringStiffening);
+      stiffest = std::max(stiffest, load.stiffness(0, 0));
+    }
+    return stiffest;
   }
 
   /// A target may be so far out of reach that nothing comes nearer than the start.

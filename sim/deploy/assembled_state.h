@@ -22,9 +22,10 @@ struct AssembledState {
 /// the state of rest, which has the least sum of squares nearby. Then bricks that are farther off
 /// are pulled more and more, those nearer less (Lawson's weights, as in rigid_bound.cpp): that
 /// leads towards the least largest error. Where this leaves something, the springs pull from the
-/// start, too. The best of all states is kept, the start among them. Both errors are zero where the target's own data
-/// close. Contacts, ground and gravity are left out. Ends early when the budget is spent or
-/// `goesOn`, which may be empty, returns false.
+/// start, too. The best of all states is kept, the start among them. Both errors are zero where the
+/// target's own data close. In a model whose coordinates were rounded, joints are closed within the
+/// rounding only, see rounded_joints.h. Contacts, ground and gravity are left out. Ends early when
+/// the budget is spent or `goesOn`, which may be empty, returns false.
 AssembledState assembleAtTarget(const Scene& scene, SearchBudget& budget,
                                 const std::function<bool()>& goesOn = {});
 

@@ -14,7 +14,9 @@
 //
 // Compliant joints replace c(q) = 0 by a spring energy: the state minimises
 //   |q - g(s)|_W^2 + r |c(q)|^2,  r the stiffness of a joint over that of the pull to the guide,
-// so that a design without freedom leaves its start, its joints open where they must.
+// so that a design without freedom leaves its start, its joints open where they must. In a model
+// whose coordinates were rounded that is what "closed" means, with r from the rounding: see
+// rounded_joints.h.
 //
 // Full extension is sought by gradient ascent of the sum of squared distances from the common
 // centre on the mechanism, with momentum: Nesterov (1983), Soviet Math. Doklady 27.
@@ -25,10 +27,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <utility>
 
 #include "sim/deploy/dynamics.h"
+#include "sim/deploy/rounded_joints.h"
 #include "sim/measure/measures.h"
 
 namespace kirireel {
@@ -70,6 +74,12 @@ constexpr double kFirstReach = 1e-3;
 constexpr double kWider = 1.0;
 constexpr double kNoGain = 1e-12;  // of the sum of squares, relative
 constexpr int kMostExtending = 2000;
+// Within the rounding of the coordinates a move below this part of the last digit is none.
+constexpr double kNoDigit = 0.1;
+// Exact joints may cost so many times what a path of rounded ones did.
+constexpr double kExactCost = 4;
+// Moves that close compliant joints beyond the first order, at most.
+constexpr int kSettlingMoves = 4;
 // A saddle is left by a turn of so many radians, and where that gains so much extent.
 constexpr double kNudge = 0.02;
 constexpr double kMoreExtent = 1e-6;
@@ -133,9 +143,20 @@ class Mechanism {
     dynamics_->setJointStiffness(jointStiffness_);
   }
 
-  void makeJointsExact() {
-    jointStiffness_ = std::numeric_limits<double>::infinity();
+  /// Holds joints by this over the stiffness of the pull from now on.
+  void holdJoints(double stiffness) {
+    jointStiffness_ = stiffness * kPull;
     dynamics_->setJointStiffness(jointStiffness_);
+  }
+
+  /// Closes compliant joints beyond the first order, moving bricks as little as that takes: one
+  /// move is one step of Gauss-Newton, which leaves gaps of half the square of the turns.
+  void settle(Poses& poses, SearchBudget& budget) {
+    for (int i = 0; i < kSettlingMoves; ++i) {
+      const double moved =
+          move(poses, poses, std::numeric_limits<double>::infinity(), true, budget);
+      if (moved <= scene_.model.rounding) return;
+    }
   }
 
   const std::vector<Brick>& bricks() const { return bricks_; }
@@ -208,16 +229,18 @@ class Guide {
 
 class Continuation {
  public:
+  /// `closedStiffness`: of joints that are closed, as ContinuationSettings::jointStiffness.
   Continuation(const Scene& scene, Poses start, const ContinuationSettings& settings,
-               SearchBudget& budget, const PathObserver& goesOn)
+               double closedStiffness, SearchBudget& budget, const PathObserver& goesOn)
       : scene_(withoutLoads(scene)),
-        settings_(settings),
+        settings_(heldBy(settings, closedStiffness)),
+        closedStiffness_(closedStiffness),
         tile_(tileSize(scene.model)),
         poses_(std::move(start)),
-        mechanism_(scene_, settings, poses_),
+        mechanism_(scene_, settings_, poses_),
         budget_(budget),
         goesOn_(goesOn) {
-    if (!settings.areJointsCompliant()) mechanism_.close(poses_);
+    if (!settings_.areJointsCompliant()) mechanism_.close(poses_);
     keep();
   }
 
@@ -230,7 +253,7 @@ class Continuation {
         std::clamp(path_.guideLength / (kStateShare * tile_), kLeastStates, kMostStates);
     stateLength_ = path_.guideLength / count;
     if (stateLength_ > 0) {
-      if (settings_.leap > 0) leap(guide);
+      if (settings_.leap > 0 && !settings_.areJointsCompliant()) leap(guide);
       if (open()) {
         progress_ = 0;
         follow(Guide(mechanism_.bricks(), {poses_, guide.end()}), 1 / count);
@@ -251,6 +274,16 @@ class Continuation {
   }
 
  private:
+  static ContinuationSettings heldBy(ContinuationSettings settings, double closedStiffness) {
+    settings.jointStiffness = std::min(settings.jointStiffness, closedStiffness);
+    return settings;
+  }
+
+  /// Whether closed joints are so within the rounding of the coordinates.
+  bool isRounded() const {
+    return settings_.jointStiffness == closedStiffness_ && settings_.areJointsCompliant();
+  }
+
   bool mayGoOn() {
     path_.isCutShort = path_.isCutShort || budget_.isSpent() || (goesOn_ && !goesOn_(progress_));
     return !path_.isCutShort && !path_.isStuck;
@@ -267,6 +300,7 @@ class Continuation {
 
   double moveTowards(const Poses& place) {
     const double moved = mechanism_.move(poses_, place, kLongestMove * stateLength_, true, budget_);
+    if (isRounded()) mechanism_.settle(poses_, budget_);
     keep();
     return moved;
   }
@@ -286,6 +320,7 @@ class Continuation {
       const Poses ahead = interpolate(last, poses_, 1 + momentum);
       Poses tried = poses_;
       const double moved = mechanism_.move(tried, spread(ahead, part), stateLength_, true, budget_);
+      if (isRounded()) mechanism_.settle(tried, budget_);
       const double extended = extent(tried);
       if (!(extended - reached > kNoGain * reached)) {
         if (gains == 0) part *= 0.3;
@@ -365,11 +400,36 @@ class Continuation {
     }
     if (settings_.areJointsCompliant()) {
       for (int i = 0; i < kMovesAState && mayGoOn(); ++i) moveTowards(guide.end());
-      mechanism_.makeJointsExact();
+      mechanism_.holdJoints(closedStiffness_);
     }
+    goTo(guide.end());
+    if (isRounded()) soften(guide.end());
+  }
+
+  void goTo(const Poses& goal) {
     for (int i = 0; i < kMovesAtGoal && mayGoOn(); ++i) {
-      if (moveTowards(guide.end()) < kNoMove * tile_) break;
+      if (moveTowards(goal) < noMove()) break;
     }
+  }
+
+  /// A move that is shorter is none, metres.
+  double noMove() const {
+    return std::max(kNoMove * tile_, isRounded() ? kNoDigit * scene_.model.rounding : 0);
+  }
+
+  /// Comes nearer to the goal by softer joints, as long as they are closed within the rounding.
+  void soften(const Poses& goal) {
+    const std::vector<Pivot> pivots = makePivots(scene_.model.joints, mechanism_.bricks());
+    softenWhileClosed(scene_.model, [&](double stiffness) {
+      const Poses before = poses_;
+      const MechanismPath soFar = path_;
+      mechanism_.holdJoints(stiffness);
+      goTo(goal);
+      if (jointGap(pivots, poses_).max <= roundedGap(scene_.model)) return true;
+      poses_ = before;
+      path_ = soFar;
+      return false;
+    });
   }
 
   MechanismPath finish() {
@@ -399,6 +459,7 @@ class Continuation {
 
   Scene scene_;
   ContinuationSettings settings_;
+  double closedStiffness_;
   double tile_;  // metres
   Poses poses_;  // the last state
   Mechanism mechanism_;
@@ -408,6 +469,45 @@ class Continuation {
   const PathObserver& goesOn_;
   MechanismPath path_;
 };
+
+/// Whether each state has one with joints closed exactly beside it, within the rounding's reach.
+bool closesExactly(const Scene& scene, const std::vector<Poses>& states) {
+  const Scene alone = [&] {
+    Scene copy = scene;
+    copy.environment = Environment{};
+    return copy;
+  }();
+  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
+  const auto dynamics = makeDynamics(alone, sceneNeeds(alone), bricks, states.front());
+  const double reach = roundedReach(scene.model);
+  return std::ranges::all_of(states, [&](const Poses& state) {
+    Poses closed = state;
+    return dynamics->assemble(closed) && pathDistance(bricks, state, closed) <= reach;
+  });
+}
+
+/// A path whose joints close within the rounding of the coordinates, which cost that much work:
+/// with exact joints where the tiles fit each other all along it.
+MechanismPath closedExactly(const Scene& scene, MechanismPath rounded, double cost,
+                            SearchBudget& budget, const PathObserver& goesOn) {
+  rounded.isRounded = true;
+  if (rounded.isStuck || rounded.isCutShort) return rounded;
+  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<Pivot> pivots = makePivots(scene.model.joints, bricks);
+  rounded.isStuck = std::ranges::any_of(rounded.states, [&](const Poses& state) {
+    return jointGap(pivots, state).max > roundedReach(scene.model);
+  });
+  if (rounded.isStuck || !closesExactly(scene, rounded.states)) return rounded;
+  SearchBudget part(std::min(kExactCost * cost, budget.left()) / kWorkPerSecond);
+  MechanismPath exact = Continuation(scene, rounded.states.front(), {.leap = 0},
+                                     std::numeric_limits<double>::infinity(), part, goesOn)
+                            .along(rounded.states);
+  budget.spend(part.spent());
+  if (exact.isStuck || exact.isCutShort) return rounded;
+  const double apart = pathDistance(bricks, exact.states.back(), rounded.states.back());
+  exact.guideLength = rounded.guideLength;
+  return apart <= roundedReach(scene.model) ? exact : rounded;
+}
 
 }  // namespace
 
@@ -424,13 +524,23 @@ double pathDistance(const std::vector<Brick>& bricks, const Poses& from, const P
 MechanismPath continueAlong(const Scene& scene, std::vector<Poses> guide,
                             const ContinuationSettings& settings, SearchBudget& budget,
                             const PathObserver& goesOn) {
-  return Continuation(scene, guide.front(), settings, budget, goesOn).along(std::move(guide));
+  const double closed = roundedJointStiffness(scene.model);
+  const double before = budget.spent();
+  MechanismPath path =
+      Continuation(scene, guide.front(), settings, closed, budget, goesOn).along(std::move(guide));
+  if (!std::isfinite(closed) || settings.areJointsCompliant()) return path;
+  return closedExactly(scene, std::move(path), budget.spent() - before, budget, goesOn);
 }
 
 MechanismPath continueToExtension(const Scene& scene, SearchBudget& budget,
                                   const PathObserver& goesOn) {
   const Poses start = startPoses(scene.model.tiles, makeBricks(scene.model.tiles, scene.brick));
-  return Continuation(scene, start, {.turnWeight = 1}, budget, goesOn).toExtension();
+  const double closed = roundedJointStiffness(scene.model);
+  const double before = budget.spent();
+  MechanismPath path =
+      Continuation(scene, start, {.turnWeight = 1}, closed, budget, goesOn).toExtension();
+  if (!std::isfinite(closed)) return path;
+  return closedExactly(scene, std::move(path), budget.spent() - before, budget, goesOn);
 }
 
 }  // namespace kirireel

@@ -21,6 +21,7 @@ struct MechanismPath {
   double error = 0;             ///< target error at the end, metres; 0 without a target
   bool isStuck = false;         ///< it ended early, where the bricks followed the guide no more
   bool isCutShort = false;      ///< the budget or the caller ended it
+  bool isRounded = false;       ///< joints close within the rounding of the coordinates only
 
   double length() const { return lengths.back(); }
 };
@@ -55,7 +56,8 @@ using PathObserver = std::function<bool(double progress)>;
 /// Follows the mechanism from the first state of `guide`, once its joints are closed, along the
 /// others to the last, whose joints are closed; among the contacts that the scene asks for. Loads
 /// and damping are left out. A path with exact joints ends where it is nearest to the scene's target.
-/// `goesOn` may be empty.
+/// In a model whose coordinates were rounded, exact joints are taken where the tiles fit each other
+/// all along the path; see rounded_joints.h. `goesOn` may be empty.
 MechanismPath continueAlong(const Scene& scene, std::vector<Poses> guide,
                             const ContinuationSettings& settings, SearchBudget& budget,
                             const PathObserver& goesOn = {});

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/cpu_time.h"
+#include "sim/deploy/rounded_joints.h"
 #include "sim/deploy/run_figures.h"
 #include "sim/measure/measures.h"
 
@@ -132,7 +133,8 @@ class GeometricSearch {
     if (path.isStuck) ++stuck_;
     if (path.isCutShort) isCutShort_ = true;
     if (path.isCutShort || path.isStuck) return false;
-    const double enough = std::max(1.05 * room_.nearest.error, 1e-6 * tile_);
+    const double enough =
+        std::max(1.05 * room_.nearest.error + roundedReach(scene_.model), 1e-6 * tile_);
     if (path.error <= enough) return true;
     const double near = room_.isBlocked ? kFarShare : kNearShare;
     return isAmongBricks && path.error <= room_.nearest.error + near * tile_;
@@ -142,6 +144,7 @@ class GeometricSearch {
     GeometricPath trial;
     trial.path = follow(tilesOwnMotion(), settings, ContactFilter::None, "a path of the mechanism");
     if (!arrives(trial.path, false)) return;
+    trial.hasCompliantJoints = trial.path.isRounded;
     trial.reason = "a path of the mechanism, nothing given needs dynamics";
     judge(scene_, trial);
     if (!trial.passesThrough) {
@@ -156,6 +159,7 @@ class GeometricSearch {
     trial.contacts = contacts;
     trial.path = follow(tilesOwnMotion(), settings, contacts, kAmongBricks);
     if (!arrives(trial.path, true)) return;
+    trial.hasCompliantJoints = trial.path.isRounded;
     trial.reason = "a path of the mechanism among touching bricks, nothing given needs dynamics";
     judge(scene_, trial);
     if (contacts == ContactFilter::All && !isClear(scene_, trial)) return;
@@ -233,6 +237,7 @@ std::optional<GeometricPath> extension(const Scene& scene, ContactFilter contact
   });
   budget.spend(part.spent());
   if (found.path.isCutShort) return std::nullopt;
+  found.hasCompliantJoints = found.path.isRounded;
   found.contacts = contacts;
   found.reason = "a path of the mechanism, nothing given needs dynamics";
   judge(scene, found);
@@ -351,6 +356,12 @@ std::string endOf(const Scene& scene, const GeometricPath& found, double error) 
   if (found.hasCompliantJoints) {
     words += fmt::format(", joints open by up to {:.2g} m ({:.2g} tiles) on it", found.opening,
                          found.opening / tile);
+  }
+  if (found.path.isRounded) {
+    words += fmt::format(
+        ", {:.2g} of the last digit, {:g} m, of the model's coordinates: tiles so rounded fit each "
+        "other no better",
+        found.opening / scene.model.rounding, scene.model.rounding);
   }
   return words;
 }

@@ -10,6 +10,7 @@
 
 #include "sim/deploy/assembled_state.h"
 #include "sim/deploy/dynamics.h"
+#include "sim/deploy/rounded_joints.h"
 #include "sim/deploy/run.h"
 
 namespace kirireel {
@@ -114,8 +115,8 @@ class StallWatch {
  public:
   explicit StallWatch(const Scene& scene)
       : patience_(kPatienceSeconds + (scene.path.kind == PathKind::Led
-                                   ? scene.path.openTime + scene.path.ledTime
-                                   : 0)) {}
+                                          ? scene.path.openTime + scene.path.ledTime
+                                          : 0)) {}
 
   bool operator()(const StepRecord& step) {
     if (best_ < 0 || step.targetError < kImprovement * best_) {
@@ -131,6 +132,10 @@ class StallWatch {
   double bestTime_ = 0;
 };
 
+bool isJammed(const DeployCost& cost) {
+  return cost.unconvergedSteps > kJammedSteps && 2 * cost.unconvergedSteps > cost.steps;
+}
+
 /// Whether joints cannot be held exactly on the way: with redundant joints the least misfit of the
 /// tiles forbids any motion, and most steps are halved in vain.
 bool exactJointsJam(const Scene& scene, SearchBudget& budget, const TrialObserver& observer) {
@@ -143,7 +148,7 @@ bool exactJointsJam(const Scene& scene, SearchBudget& budget, const TrialObserve
   RunObservers watch;
   watch.step = [&](const StepRecord&) {
     return observer({"exact joints", budget.share()}) &&
-           (!running || limit.allows(running->cost()));
+           (!running || (limit.allows(running->cost()) && !isJammed(running->cost())));
   };
   Run run(trial, {}, watch);
   running = &run;
@@ -151,10 +156,6 @@ bool exactJointsJam(const Scene& scene, SearchBudget& budget, const TrialObserve
   const DeployCost cost = run.finish().cost;
   budget.spend(cost.work);
   return 2 * cost.halvedSteps > cost.steps;
-}
-
-bool isJammed(const DeployCost& cost) {
-  return cost.unconvergedSteps > kJammedSteps && 2 * cost.unconvergedSteps > cost.steps;
 }
 
 /// Whether bricks kept out of each other.
@@ -187,7 +188,8 @@ TrialEnd tryPath(const Scene& scene, const AssembledState& nearest, const Search
   end.error = accuracy.targetErrorEnd;
   end.opening = accuracy.jointOpeningMax;
   end.work = result.cost.work;
-  const double nearEnough = std::max(kArrivedFactor * nearest.restError, kNearEnough * tile);
+  const double nearEnough =
+      std::max(kArrivedFactor * nearest.restError + roundedReach(scene.model), kNearEnough * tile);
   end.arrives = result.outcome != Outcome::Diverged && !end.jams && end.error <= nearEnough;
   end.cutShort = limit.isReached() && !end.arrives && !end.jams;
   // Joints that give may yet open where a trial was cut short.
@@ -217,7 +219,8 @@ class PathSearch {
   PathChoice find(const TargetRoom& room) {
     const bool roomAtTarget = !room.isBlocked;
     if (room.isReachedThrough) {
-      return findAmongBricks({{PathKind::Straight}, "a path of the mechanism arrives"}, roomAtTarget);
+      return findAmongBricks({{PathKind::Straight}, "a path of the mechanism arrives"},
+                             roomAtTarget);
     }
     PathChoice choice = findWithoutContacts();
     const bool contacts = scene_.environment.contacts != ContactFilter::None;
@@ -409,6 +412,15 @@ PathChoice choosePath(const Scene& scene, const TargetRoom& room, SearchBudget& 
   PathSettings straight = scene.path;
   straight.kind = PathKind::Straight;
   if (scene.solver.kind == SolverKind::Bullet) return {straight, "the baseline tries no others"};
+  if (std::isfinite(roundedJointStiffness(scene.model)) && exactJointsJam(scene, budget, watch)) {
+    straight.jointStiffness = kMisfitStiffness;
+    return {
+        straight,
+        fmt::format("exact joints jam, tiles of coordinates rounded to {:g} m fit each other in "
+                    "no open state; joints of {:g} N/m",
+                    scene.model.rounding, kMisfitStiffness),
+        true};
+  }
   if (!scene.timeline.empty()) return {straight, "the timeline leads"};
   const Drive drive = scene.actuation.drive;
   if ((drive == Drive::Expansion || drive == Drive::Boundary) &&

@@ -15,8 +15,8 @@ namespace kirireel {
 
 /// A path, and why it was taken.
 struct PathChoice {
-  PathSettings path;   ///< Straight or Led
-  std::string reason;  ///< one short phrase for the summary
+  PathSettings path;     ///< Straight or Led
+  std::string reason;    ///< one short phrase for the summary
   bool isFound = false;  ///< it arrives, among bricks that touch where they may
   bool isClear = false;  ///< no bricks met on it
   /// A path that arrives where bricks pass through each other, and why it was taken.

@@ -11,6 +11,7 @@
 #include "sim/base/cpu_time.h"
 #include "sim/deploy/path_choice.h"
 #include "sim/deploy/rest_probe.h"
+#include "sim/deploy/rounded_joints.h"
 #include "sim/measure/mobility.h"
 
 namespace kirireel {
@@ -321,10 +322,17 @@ double Run::spentSeconds() const {
   return earlierSeconds_ + threadCpuSeconds() - startSeconds_;
 }
 
-/// Closes the joints, unless that pushes bricks into each other. Returns whether they are closed.
+/// Closes the joints, unless that pushes bricks into each other, or tiles of rounded coordinates
+/// back to where alone they fit. Returns whether they are closed.
 bool Run::closeJoints() {
   const Poses open = motion_.poses;
   if (!dynamics_->assemble(motion_.poses)) return false;
+  if (std::isfinite(roundedJointStiffness(scene_.model)) &&
+      targetError(bottomTiles(bricks_, open), bricks_, motion_.poses) >
+          roundedReach(scene_.model)) {
+    motion_.poses = open;
+    return false;
+  }
   if (!needs_.contacts.on) return true;
   const double before = figures_.overlapsOf(open).grown;
   const double after = figures_.overlapsOf(motion_.poses).grown;
@@ -343,7 +351,8 @@ void Run::followPath() {
   }
   if (!follower_ || follower_->prepareStep(time() + step_, *dynamics_)) return;
   const bool closed = closeJoints();
-  if (scene_.path.jointsGive()) dynamics_->setJointStiffness(closed ? kExactJoints : kMisfitStiffness);
+  if (scene_.path.jointsGive())
+    dynamics_->setJointStiffness(closed ? kExactJoints : kMisfitStiffness);
   misfit_ = misfit_ || !closed;
   follower_.reset();
 }

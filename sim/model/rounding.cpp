@@ -21,6 +21,10 @@ constexpr double kFine = 1e-9;
 // Digits coarser than this part of an edge would change a tile's shape beyond use: the numbers are
 // those that were meant.
 constexpr double kCoarse = 0.01;
+// Numbers that are all multiples of so many last places, and at most so many of these steps, were
+// meant so. Others are by chance: 0.866 and 0.5 are even, 0.866025 is a multiple of 0.000025.
+constexpr std::int64_t kMeantStep = 5;
+constexpr std::int64_t kMeantSteps = 10'000;
 
 /// A number as its shortest text in scientific notation has it.
 struct Digits {
@@ -100,11 +104,13 @@ double roundingOf(const std::vector<Tile>& tiles) {
   const double place = lastPlace(tiles);
   if (place == 0 || place > kCoarse * tileSize(modelOf(tiles))) return 0;
   if (place < kFine) return place;
-  std::int64_t step = 0;
+  std::int64_t step = 0, largest = 0;
   forEachCoordinate(tiles, [&](double value) {
-    step = std::gcd(step, static_cast<std::int64_t>(std::llround(value / place)));
+    const auto places = static_cast<std::int64_t>(std::llround(value / place));
+    step = std::gcd(step, places);
+    largest = std::max(largest, std::abs(places));
   });
-  return step > 1 ? 0 : place;
+  return step >= kMeantStep && largest <= kMeantSteps * step ? 0 : place;
 }
 
 double samePlaceTolerance(const std::vector<Tile>& tiles) {

@@ -19,8 +19,9 @@ namespace kirireel {
 double lastPlace(const std::vector<Tile>& tiles);
 
 /// What rounding the coordinates may carry, metres: the last place, or 0 where the numbers are
-/// exact as written. They are when all are multiples of a coarser step, as 0.25, or when the last
-/// place is too coarse for tiles of that size to be roundings of anything.
+/// exact as written. They are when all are multiples of a coarser step, as 0.25 (five last places
+/// at least), or when the last place is too coarse for tiles of that size to be roundings of
+/// anything.
 double roundingOf(const std::vector<Tile>& tiles);
 
 /// How far apart corners may be that are one, metres: one unit of the last place along each axis,

@@ -66,22 +66,78 @@ TEST(RoundedSheets, KeepTheirDegreesOfFreedom) {
   }
 }
 
+Scene sceneOf(Model model) {
+  Scene scene = openScene();
+  scene.model = std::move(model);
+  alignStartToTarget(scene.model);
+  fillFromModel(scene);
+  return scene;
+}
+
+double largestOpening(const DeploymentResult& run) {
+  return std::max(run.accuracy.jointGapMax, run.accuracy.jointOpeningMax);
+}
+
+// Measured: joints open by 0.54 digits at most, the ends are at most 2.0 digits from their targets.
 TEST(RoundedSheets, OpenTheirJointsByTwoDigitsAtMost) {
-  double worst = 0;
+  double worst = 0, farthest = 0;
   for (int seed = 0; seed < 100; ++seed) {
     const int places = 3 + seed / 4 % 2;
-    Scene scene = openScene();
-    scene.model = rounded(seededSheet(seed), places);
-    alignStartToTarget(scene.model);
-    fillFromModel(scene);
-    scene.path.searchTime = 2;
-    const DeploymentResult run = deploy(scene, 1, nullptr);
+    const DeploymentResult run = deploy(sceneOf(rounded(seededSheet(seed), places)), 1, nullptr);
     const double digit = std::pow(10, -places);
-    const double opening = std::max(run.accuracy.jointGapMax, run.accuracy.jointOpeningMax);
-    worst = std::max(worst, opening / digit);
-    EXPECT_LE(opening, 2 * digit) << "seed " << seed << ": " << run.pathReason;
+    worst = std::max(worst, largestOpening(run) / digit);
+    farthest = std::max(farthest, run.accuracy.targetErrorEnd / digit);
+    EXPECT_LE(largestOpening(run), 2 * digit) << "seed " << seed << ": " << run.pathReason;
+    EXPECT_LE(run.accuracy.targetErrorEnd, 5 * digit) << "seed " << seed << ": " << run.reason;
+    EXPECT_TRUE(run.atTarget.value_or(false)) << "seed " << seed << ": " << run.reason;
   }
   RecordProperty("worst_opening_in_digits", fmt::format("{:.3g}", worst));
+  RecordProperty("farthest_end_in_digits", fmt::format("{:.3g}", farthest));
+}
+
+// A closed start and a closed target are singular: gaps grow there with the square of a turn.
+// Measured: open by 0.66 and 0.82 digits, 2.1 and 2.2 digits from the target at the end.
+TEST(RoundedSheets, LeaveAndReachClosedStates) {
+  for (const int places : {3, 4}) {
+    const Model exact =
+        generateModel(familyNamed("heart"), {{"start-angle", 0}, {"target-angle", 180}});
+    const DeploymentResult run = deploy(sceneOf(rounded(exact, places)), 1, nullptr);
+    const double digit = std::pow(10, -places);
+    EXPECT_LE(largestOpening(run), 2 * digit) << run.reason;
+    EXPECT_LE(run.accuracy.targetErrorEnd, 5 * digit) << run.reason;
+  }
+}
+
+TEST(RoundedSheets, SayByHowMuchJointsOpenAndWhy) {
+  const DeploymentResult run = deploy(sceneOf(rounded(seededSheet(2), 3)), 1, nullptr);
+  EXPECT_NE(run.reason.find("of the last digit, 0.001 m, of the model's coordinates: tiles so "
+                            "rounded fit each other no better"),
+            std::string::npos)
+      << run.reason;
+}
+
+// Two rows of tiles close exactly whatever their shapes are. Measured: 1e-12 m.
+TEST(RoundedSheets, KeepExactJointsWhereTilesFit) {
+  const Model chain = generateModel(
+      familyNamed("tessellation"),
+      {{"columns", 2}, {"rows", 2}, {"length", 0.913}, {"start-angle", 20}, {"target-angle", 77}});
+  const DeploymentResult run = deploy(sceneOf(rounded(chain, 3)), 1, nullptr);
+  EXPECT_LE(run.accuracy.jointGapMax, 1e-10);
+  EXPECT_EQ(run.accuracy.jointOpeningMax, 0);
+  EXPECT_TRUE(run.atTarget.value_or(false)) << run.reason;
+}
+
+// Exact joints leave the start hardly or not at all. Measured: 1.2 and 6.0 digits from the target.
+TEST(RoundedSheets, DeployByDynamicsToo) {
+  const Model heart =
+      generateModel(familyNamed("heart"), {{"start-angle", 0}, {"target-angle", 180}});
+  for (const Model& model : {seededSheet(2), heart}) {
+    Scene scene = sceneOf(rounded(model, 3));
+    scene.path.kind = PathKind::Dynamic;
+    const DeploymentResult run = deploy(scene, 1, nullptr);
+    EXPECT_LE(run.accuracy.targetErrorEnd, 10e-3) << run.pathReason << "; " << run.reason;
+    EXPECT_TRUE(run.atTarget.value_or(false)) << run.reason;
+  }
 }
 
 }  // namespace

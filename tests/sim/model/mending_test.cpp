@@ -199,6 +199,14 @@ TEST(Mending, NumbersThatAreExactAreNotRounded) {
   EXPECT_EQ(roundingOf(makeTessellation(shape).tiles), 0);
 }
 
+TEST(Mending, RegularTilingsThatAreEvenByChanceAreRounded) {
+  // 0.866 and 0.5 are both even in the third decimal.
+  const Tile triangle{{{0, 0, 0}, {1, 0, 0}, {0.5, 0.866, 0}}};
+  EXPECT_NEAR(roundingOf({triangle}), 1e-3, 1e-15);
+  const Tile finer{{{0, 0, 0}, {1, 0, 0}, {0.5, 0.866025, 0}}};
+  EXPECT_NEAR(roundingOf({finer}), 1e-6, 1e-18);
+}
+
 TEST(Mending, CoincidingCornersOfRoundedMeshesAreJoined) {
   // Two squares of an OBJ file with own vertices each, their common corner rounded differently.
   const Reading read =
