@@ -66,6 +66,10 @@ bool isGiven(const CLI::App& command, const char* option) {
                                option, needed, option));
 }
 
+bool isChosen(const CLI::App& command, const char* option, const char* word) {
+  return isGiven(command, option) && command.get_option(option)->results().back() == word;
+}
+
 }  // namespace
 
 bool hasEffect(const std::string& option, const Scene& scene) {
@@ -73,7 +77,21 @@ bool hasEffect(const std::string& option, const Scene& scene) {
       rules(), [&](const Rule& rule) { return rule.option != option || rule.holds(scene); });
 }
 
+void requireConsistentPace(const CLI::App& command) {
+  if (isGiven(command, "--speed") && isChosen(command, "--pace", "even")) {
+    refuse("--speed", "--pace real");
+  }
+  if (isGiven(command, "--length") && isChosen(command, "--pace", "real")) {
+    refuse("--length", "--pace even");
+  }
+  if (isGiven(command, "--length") && isGiven(command, "--speed")) {
+    throw InputError(
+        "error: --length is for an even pace and --speed for real time; leave one of them away");
+  }
+}
+
 void requireConsistent(const CLI::App& command, const Scene& scene) {
+  requireConsistentPace(command);
   for (const Rule& rule : rules()) {
     if (isGiven(command, rule.option) && !rule.holds(scene)) refuse(rule.option, rule.needed);
   }

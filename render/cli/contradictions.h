@@ -16,6 +16,9 @@ struct Scene;
 /// called once all settings are read.
 void requireConsistent(const CLI::App& command, const Scene& scene);
 
+/// The same for how a video's time follows the run.
+void requireConsistentPace(const CLI::App& command);
+
 /// Whether an option means anything, its name with hyphens, beside the scene's other choices.
 bool hasEffect(const std::string& option, const Scene& scene);
 

@@ -56,7 +56,8 @@ std::optional<std::pair<int, int>> readPair(std::string_view text) {
 
 /// The parts of a caption, in the order in which they are written.
 const Choices<bool CaptionParts::*>& captionChoices() {
-  static const Choices<bool CaptionParts::*> choices = {{"time", &CaptionParts::time},
+  static const Choices<bool CaptionParts::*> choices = {{"progress", &CaptionParts::progress},
+                                                        {"time", &CaptionParts::time},
                                                         {"angle", &CaptionParts::angle},
                                                         {"error", &CaptionParts::error},
                                                         {"gap", &CaptionParts::gap}};
@@ -100,7 +101,7 @@ std::vector<CameraKey> parseCameraKeys(const OptionValue& value) {
 }
 
 CaptionParts parseCaption(const OptionValue& value) {
-  CaptionParts parts{false, false, false, false};
+  CaptionParts parts;
   if (value.text == "none") return parts;
   Choices<bool CaptionParts::*> choices = captionChoices();
   choices.emplace_back("none", nullptr);

@@ -18,10 +18,10 @@ void addPictureOptions(CLI::App& command, PictureSettings& settings) {
              [&](const OptionValue& typed) { settings.grid = parseGrid(typed); })
       .saidAs([&] { return gridText(settings.grid); });
   group
-      .value("--captions", "PARTS", "time",
-             "under the grid's pictures: time, angle, error, gap; or none",
+      .value("--captions", "PARTS", "progress, at real pace time",
+             "under the grid's pictures: progress, time, angle, error, gap; or none",
              [&](const OptionValue& typed) { settings.captions = parseCaption(typed); })
-      .saidAs([&] { return captionText(settings.captions); });
+      .saidAs([&] { return captionText(settings.captionParts()); });
   group.flag("--scale-bar", settings.scaleBar,
              "a length under the grid; needs a parallel projection");
   group
@@ -33,11 +33,11 @@ void addPictureOptions(CLI::App& command, PictureSettings& settings) {
   group.choice<SnapshotSpacing>(
       "--snapshots", settings.spacing,
       {{"progress", SnapshotSpacing::Progress}, {"time", SnapshotSpacing::Time}},
-      "spacing of the grid's pictures, in equal shares of way or of time");
+      "spacing of the grid's pictures, in equal shares of motion or of time");
   group.flag("--frames", settings.frames, "write every frame of the video as a PNG into frames/");
   group
       .value("--frames-at", "LIST", "none",
-             "the same of these moments: seconds, or shares of the way, such as 0,1.5,50%,100%",
+             "the same of these moments: seconds, or shares of the motion, such as 0,1.5,50%,100%",
              [&](const OptionValue& typed) { settings.chosenFrames = parseFrameChoices(typed); })
       .saidAs([&] { return frameChoicesText(settings.chosenFrames); });
   group.flag("--no-snapshots", settings.snapshots, "no snapshots.png", false);

@@ -58,7 +58,7 @@ void addRunOptions(CLI::App& command, RecordOrder& order) {
   addFolderOptions(command, order);
   OptionGroup(command, "Output")
       .integer("--fps", order.settings.framesPerSecond, {1, 240}, "COUNT",
-               "frames, and samples, a simulated second");
+               "frames in a second of video, and samples in a simulated second");
   addModelOptions(command, order);
   addSceneRequestOptions(command, order.request, order.scene.alignment);
   addSceneOptions(command, order.scene);

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "render/cli/contradictions.h"
 #include "render/cli/exit_codes.h"
 #include "render/cli/interrupt.h"
 #include "render/cli/option_group.h"
@@ -24,7 +25,7 @@ CLI::App* addRenderCommand(CLI::App& program, RenderOrder& order) {
   addPictureOptions(*command, order.settings);
   addVideoOptions(*command, order.settings);
   command->footer(
-      "States between two samples are interpolated.\n\n"
+      "States between two samples are interpolated, with their joints closed.\n\n"
       "Examples:\n"
       "  kirireel render out/tessellation_4x4/trajectory.h5 --view iso --out out/again\n"
       "  kirireel render out/tessellation_4x4/trajectory.h5 --format gif --fps 25 --speed 0.5");
@@ -33,6 +34,7 @@ CLI::App* addRenderCommand(CLI::App& program, RenderOrder& order) {
 
 void completeOrder(const CLI::App& command, RenderOrder& order) {
   requireGiven(order.trajectory, "TRAJECTORY", command);
+  requireConsistentPace(command);
 }
 
 int carryOut(const RenderOrder& order) {

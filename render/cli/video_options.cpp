@@ -16,6 +16,35 @@ std::string parseFileName(const OptionValue& value) {
   throw valueError(value, "the name of a file, for example talk.webm; --out gives its folder");
 }
 
+void addPaceOptions(OptionGroup& group, PictureSettings& settings) {
+  group.choice<Pace>("--pace", settings.pace, {{"even", Pace::Even}, {"real", Pace::Real}},
+                     "every frame brings the same motion, or the same simulated time");
+  group
+      .value("--length", "SECONDS", numberText(settings.length),
+             "of a video at an even pace, without its title",
+             [&](const OptionValue& typed) {
+               settings.length = parseNumber(typed, {0.1, 36000});
+               settings.pace = Pace::Even;
+             })
+      .saidAs([&] { return settings.pace == Pace::Even ? numberText(settings.length) : ""; });
+  group
+      .value("--speed", "FACTOR", numberText(settings.speed),
+             "real pace, with so many simulated seconds in a second of video; below 1 is slow "
+             "motion",
+             [&](const OptionValue& typed) {
+               settings.speed = parseNumber(typed, {1e-3, 1e3});
+               settings.pace = Pace::Real;
+             })
+      .saidAs([&] { return settings.pace == Pace::Real ? numberText(settings.speed) : ""; });
+  group
+      .value("--hold", "SECONDS", "0.5 at an even pace, else 0",
+             "show the first and the last frame longer",
+             [&](const OptionValue& typed) {
+               settings.hold = parseNumber(typed, {0, 60});
+             })
+      .saidAs([&] { return numberText(settings.heldSeconds()); });
+}
+
 }  // namespace
 
 void addVideoOptions(CLI::App& command, PictureSettings& settings) {
@@ -33,10 +62,7 @@ void addVideoOptions(CLI::App& command, PictureSettings& settings) {
              })
       .decidesNothing();  // --video says it
   group.flag("--no-video", settings.video, "no video", false);
-  group.number("--speed", settings.speed, {1e-3, 1e3}, "FACTOR",
-               "simulated seconds in a second of video, below 1 is slow motion");
-  group.number("--hold", settings.hold, {0, 60}, "SECONDS",
-               "show the first and the last frame longer");
+  addPaceOptions(group, settings);
   group
       .value("--title", "TEXT", "", "a card before the video, 2 s",
              [&](const OptionValue& typed) { settings.title = typed.text; })

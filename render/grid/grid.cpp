@@ -185,12 +185,18 @@ std::string twoDigits(double value) {
   return value < 10 ? fmt::format("{:#.2g}", value) : fmt::format("{:.2g}", value);
 }
 
+/// Per cent to a tenth, without a zero at its end: "12.5%", "25%".
+std::string progressText(double progress) {
+  return fmt::format("{}%", std::round(1000 * progress) / 10);
+}
+
 }  // namespace
 
 std::string captionText(const CaptionParts& parts, const CaptionValues& values) {
   std::vector<std::string> texts;
+  if (parts.progress) texts.push_back(progressText(values.progress));
   if (parts.time) texts.push_back(fmt::format("t = {:.2f} s", values.time));
-  if (parts.angle) texts.push_back(fmt::format("{:.1f} deg", values.angle / kDegree));
+  if (parts.angle) texts.push_back(fmt::format("turned {:.1f}°", values.angle / kDegree));
   if (parts.error && values.error)
     texts.push_back(fmt::format("error {} m", twoDigits(*values.error)));
   if (parts.gap) texts.push_back(fmt::format("gap {} m", twoDigits(values.gap)));

@@ -22,7 +22,7 @@ struct GridShape {
 /// One cell of a grid.
 struct GridPicture {
   Frame frame;
-  std::string caption;  ///< printed centred under the picture, ASCII; may be empty
+  std::string caption;  ///< printed centred under the picture, UTF-8; may be empty
 };
 
 /// Cuts the empty margins that all pictures share, by the same box, so that models fill the sheet;
@@ -70,7 +70,8 @@ Frame composeGrid(const std::vector<GridPicture>& pictures, GridShape shape,
 
 /// What the caption of a picture says.
 struct CaptionParts {
-  bool time = true;
+  bool progress = false;  ///< share of the motion
+  bool time = false;
   bool angle = false;  ///< by which the brick that has turned most is turned from its start
   bool error = false;  ///< target error; left out where there is no target
   bool gap = false;    ///< largest joint gap
@@ -78,13 +79,14 @@ struct CaptionParts {
 
 /// The state that a caption describes.
 struct CaptionValues {
+  double progress = 0;          ///< share of the motion, 0 to 1
   double time = 0;              ///< simulated seconds
   double angle = 0;             ///< radians
   std::optional<double> error;  ///< metres
   double gap = 0;               ///< metres
 };
 
-/// For example "t = 1.25 s, 45.0 deg, error 0.0012 m"; empty when it has no parts.
+/// For example "12.5%, t = 1.25 s, turned 45.0°, error 0.0012 m"; empty when it has no parts.
 std::string captionText(const CaptionParts& parts, const CaptionValues& values);
 
 }  // namespace kirireel

@@ -51,9 +51,8 @@ ViewAngles viewFromYawPitch(double yaw, double pitch) {
   return {yaw - kQuarterTurn, -pitch};
 }
 
-CameraPath::CameraPath(const CameraChoice& choice, std::span<const Vector3> points, double aspect,
-                       double endTime)
-    : choice_(choice), endTime_(endTime) {
+CameraPath::CameraPath(const CameraChoice& choice, std::span<const Vector3> points, double aspect)
+    : choice_(choice) {
   requireRisingTimes(choice.keys);
   fit_.view = choice.view.value_or(defaultView(points));
   // Straight from above or in front, equal lengths should look equal.
@@ -82,14 +81,13 @@ CameraKey CameraPath::keyAt(double time) const {
   return between(keys, static_cast<std::size_t>(next - keys.begin()) - 1, time);
 }
 
-Camera CameraPath::at(double time) const {
+Camera CameraPath::at(double time, double turn) const {
   Camera camera = still_;
   if (!isStill()) {
     const CameraKey key = keyAt(time);
-    const double share = endTime_ > 0 ? std::clamp(time / endTime_, 0.0, 1.0) : 0;
     CameraFit fit = fit_;
     fit.view = key.view;
-    fit.view.azimuth += share * choice_.orbit;
+    fit.view.azimuth += std::clamp(turn, 0.0, 1.0) * choice_.orbit;
     fit.zoom *= key.zoom;
     camera = fitCameraToBall(ballCentre_, ballRadius_, fit);
   }

@@ -25,7 +25,7 @@ struct CameraChoice {
   double margin = 0.06;              ///< part of the picture left free on each side, 0 to 0.45
   double zoom = 1;                   ///< enlarges the middle of the picture, positive
   std::optional<double> distance;    ///< of the eye from the centre, metres; absent: as it fits
-  double orbit = 0;                  ///< radians that the camera turns about +z over the run
+  double orbit = 0;                  ///< radians that the camera turns about +z in all
   std::vector<CameraKey> keys;  ///< rising in time; when given, they take the place of the view
 };
 
@@ -36,14 +36,13 @@ ViewAngles viewFromYawPitch(double yaw, double pitch);
 /// The camera of every picture of one run.
 class CameraPath {
  public:
-  /// points: what must be in sight, at least one. aspect: width / height of the pictures. endTime:
-  /// simulated seconds at the end of the run. Throws InputError when there are no points or the
-  /// keys' times do not rise.
-  CameraPath(const CameraChoice& choice, std::span<const Vector3> points, double aspect,
-             double endTime);
+  /// points: what must be in sight, at least one. aspect: width / height of the pictures. Throws
+  /// InputError when there are no points or the keys' times do not rise.
+  CameraPath(const CameraChoice& choice, std::span<const Vector3> points, double aspect);
 
-  /// The camera at a time; before the first key and after the last it stands still.
-  Camera at(double time) const;
+  /// The camera at a time, simulated seconds, with a share of its orbit behind it, 0 to 1. Before
+  /// the first key and after the last it stands still but for the orbit.
+  Camera at(double time, double turn) const;
 
   /// Whether the camera stands still, so that all pictures share one scale and one view.
   bool isStill() const { return choice_.keys.empty() && choice_.orbit == 0; }
@@ -56,7 +55,6 @@ class CameraPath {
   Camera still_;
   Vector3 ballCentre_ = Vector3::Zero();
   double ballRadius_ = 1;
-  double endTime_;
 };
 
 }  // namespace kirireel

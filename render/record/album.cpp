@@ -10,6 +10,7 @@
 #include "render/png/png.h"
 #include "render/record/crew.h"
 #include "render/record/frame_sink.h"
+#include "render/record/samples.h"
 #include "render/record/snapshot_choice.h"
 #include "render/record/stopwatch.h"
 #include "render/record/title_card.h"
@@ -56,17 +57,37 @@ GridStyle gridStyle(const Stage& stage, const PictureSettings& settings) {
   return style;
 }
 
-}  // namespace
-
+/// Whether a camera that cuts something off is the program's mistake, not the settings' wish.
 bool choosesCamera(const PictureSettings& settings) {
   const CameraChoice& camera = settings.look.camera;
   return settings.look.fit == FitScope::Auto && camera.zoom == 1 && camera.keys.empty() &&
          !camera.distance;
 }
 
-bool paintsAlong(const Model& model, const PictureSettings& settings) {
-  return settings.paintsFrames() && fitsEnds(model, settings) && settings.look.camera.orbit == 0;
+bool seesAll(const Stage& stage, const Moment& moment, double aspect) {
+  const Eigen::Matrix4d clip = clipFromWorld(stage.camera(moment), aspect);
+  const std::vector<Vector3> corners = shownCorners(stage.motif(), moment.poses);
+  return std::ranges::all_of(corners, [&](const Vector3& corner) {
+    const Eigen::Vector4d point = clip * corner.homogeneous();
+    return point.head<2>().cwiseAbs().maxCoeff() <= kBorder * point.w();
+  });
 }
+
+/// Whether no sample of the run leaves pictures of this motif.
+bool seesRun(const TrajectoryReader& run, const PictureSettings& settings, const Motif& motif) {
+  const Stage stage(settings.look, motif, settings.size);
+  for (std::size_t i = 0; i < run.times().size(); ++i) {
+    const Sample sample = run.sample(i);
+    if (!seesAll(stage, {sample.time, sample.poses, {}}, settings.size.aspect())) return false;
+  }
+  return true;
+}
+
+Moment stillOf(const FrameState& state) {
+  return {state.moment.time, state.sample.poses, state.sample.pinned, state.moment.turn};
+}
+
+}  // namespace
 
 Motif motifOf(const Subject& subject) {
   Motif motif = makeMotif(subject.model, subject.brickRule, subject.ground);
@@ -74,10 +95,11 @@ Motif motifOf(const Subject& subject) {
   return motif;
 }
 
-Motif motifOf(const TrajectoryReader& run, const PictureSettings& settings, bool whole) {
+Motif motifOf(const TrajectoryReader& run, const PictureSettings& settings) {
   Motif motif = motifOf(run.subject());
-  motif.endTime = run.times().back();
-  if (whole || !fitsEnds(run.subject().model, settings)) keepRunInSight(motif, run);
+  const bool fits = fitsEnds(run.subject().model, settings) &&
+                    (!choosesCamera(settings) || seesRun(run, settings, motif));
+  if (!fits) keepRunInSight(motif, run);
   return motif;
 }
 
@@ -94,32 +116,28 @@ Album::Album(const PictureSettings& settings, Motif motif, PictureReport& report
   report_.graphics = graphicsVersion();
 }
 
-bool Album::makeFrames(const SampleFeed& feed) {
-  SampleQueue samples(kWaitingSamples);
+void Album::makeFrames(const TrajectoryReader& run, const MotionCurve& motion,
+                       const ProgressObserver& observer) {
+  const std::vector<FrameMoment> moments = videoMoments(motion, settings_);
+  const StateFeed feed = replay(run, moments, observer, report_);
+  StateQueue states(kWaitingSamples);
   FrameQueue frames(kWaitingFrames);
   Crew crew([&] {
-    samples.stop();
+    states.stop();
     frames.stop();
   });
   crew.start([&] {
-    feed([&](const SharedSample& sample) { return samples.push(sample); });
-    samples.close();
+    feed([&](const SharedState& state) { return states.push(state); });
+    states.close();
   });
   crew.start([&] { encode(frames); });
-  crew.run([&] { paint(samples, frames); });
+  crew.run([&] { paint(states, frames); });
   crew.finish();
-  return !lostSight_;
 }
 
-void Album::paint(SampleQueue& samples, FrameQueue& frames) {
-  while (const std::optional<SharedSample> sample = samples.pop()) {
-    if (lostSight_) continue;  // the run goes on
-    lostSight_ = watchesSight_ && !isInSight(**sample);
-    if (lostSight_) {
-      frames.stop();
-    } else if (!frames.push(take(**sample, Studio::Scales::Drawn))) {
-      return;
-    }
+void Album::paint(StateQueue& states, FrameQueue& frames) {
+  while (const std::optional<SharedState> state = states.pop()) {
+    if (!frames.push(take(**state, Studio::Scales::Drawn))) return;
   }
   frames.close();
 }
@@ -134,55 +152,38 @@ void Album::encode(FrameQueue& frames) {
   if (!frames.isStopped()) sink.finish();
 }
 
-bool Album::isInSight(const Sample& sample) const {
-  const Camera camera = studio_.stage().camera({sample.time, sample.poses, {}});
-  const Eigen::Matrix4d clip = clipFromWorld(camera, settings_.size.aspect());
-  const std::vector<Vector3> corners = shownCorners(studio_.stage().motif(), sample.poses);
-  return std::ranges::all_of(corners, [&](const Vector3& corner) {
-    const Eigen::Vector4d point = clip * corner.homogeneous();
-    return point.head<2>().cwiseAbs().maxCoeff() <= kBorder * point.w();
-  });
-}
-
-bool Album::sees(const TrajectoryReader& run) const {
-  for (std::size_t i = 0; i < run.times().size(); ++i) {
-    if (!isInSight(run.sample(i))) return false;
-  }
-  return true;
-}
-
-Frame Album::take(const Sample& sample, Studio::Scales scales) {
+Frame Album::take(const FrameState& state, Studio::Scales scales) {
   const CpuTimer timer(report_.recordCost.cpuSecondsRender);
-  return studio_.take({sample.time, sample.poses, sample.pinned}, scales);
+  return studio_.take(stillOf(state), scales);
 }
 
-std::string Album::caption(const Sample& sample, bool hasTarget) const {
-  const std::vector<double> turned = brickRotations(studio_.stage().motif().start, sample.poses);
-  CaptionValues values{sample.time, *std::ranges::max_element(turned), std::nullopt,
-                       sample.jointGap};
-  if (hasTarget) values.error = sample.targetError;
-  return captionText(settings_.captions, values);
+std::string Album::caption(const FrameState& state) const {
+  const Motif& motif = studio_.stage().motif();
+  const std::vector<double> turned = brickRotations(motif.start, state.sample.poses);
+  CaptionValues values{state.moment.progress, state.moment.time, *std::ranges::max_element(turned),
+                       std::nullopt, state.sample.jointGap};
+  if (motif.target) values.error = state.sample.targetError;
+  return captionText(settings_.captionParts(), values);
 }
 
-/// The picture of a sample as vector graphics.
-void Album::writeDrawing(const Sample& sample, int number) {
+/// The picture of a state as vector graphics.
+void Album::writeDrawing(const FrameState& state, int number) {
   const Stage& stage = studio_.stage();
-  const Moment moment{sample.time, sample.poses, sample.pinned};
+  const Moment moment = stillOf(state);
   report_.files.push_back(snapshotDrawing(number).string());
   writeTextFile(settings_.folder / report_.files.back(),
                 svgText(stage.sketch(moment), stage.camera(moment), settings_.size,
                         stage.style().background));
 }
 
-void Album::writeGrid(const TrajectoryReader& run) {
-  const bool hasTarget = run.subject().model.target.has_value();
+void Album::writeGrid(const TrajectoryReader& run, const MotionCurve& motion) {
   const GridStyle style = gridStyle(studio_.stage(), settings_);
+  Replay states(run);
   std::vector<GridPicture> pictures;
-  for (const int number :
-       chooseSnapshots(marksOf(run, settings_.spacing), settings_.grid.cells())) {
-    const Sample sample = run.sample(static_cast<std::size_t>(number));
-    pictures.push_back({take(sample, Studio::Scales::None), caption(sample, hasTarget)});
-    if (settings_.svg) writeDrawing(sample, static_cast<int>(pictures.size()));
+  for (const FrameMoment& moment : snapshotMoments(motion, settings_, settings_.grid.cells())) {
+    const FrameState state{moment, states.at(moment.time)};
+    pictures.push_back({take(state, Studio::Scales::None), caption(state)});
+    if (settings_.svg) writeDrawing(state, static_cast<int>(pictures.size()));
   }
   trimAlike(pictures);
   writePng(composeGrid(pictures, settings_.grid, style), settings_.folder / output::kSnapshots,
@@ -190,29 +191,32 @@ void Album::writeGrid(const TrajectoryReader& run) {
   report_.files.emplace_back(output::kSnapshots);
 }
 
-void Album::writeChosenFrames(const TrajectoryReader& run) {
+void Album::writeChosenFrames(const TrajectoryReader& run, const MotionCurve& motion) {
   makeFolder(settings_.folder / output::kFrames);
-  for (const int number : chooseFrames(run, settings_.chosenFrames)) {
-    const Frame frame = take(run.sample(static_cast<std::size_t>(number)), Studio::Scales::Drawn);
+  for (const int number : chooseFrames(run.times(), motion, settings_.chosenFrames)) {
+    const Sample sample = run.sample(static_cast<std::size_t>(number));
+    const Frame frame =
+        take({momentAt(motion, settings_.pace, sample.time), sample}, Studio::Scales::Drawn);
     writePng(frame, settings_.folder / frameFile(number), {.dotsPerInch = settings_.dotsPerInch});
     report_.files.push_back(frameFile(number).string());
   }
 }
 
 /// The pictures that the timeline asked for.
-void Album::writeMoments(const TrajectoryReader& run) {
+void Album::writeMoments(const TrajectoryReader& run, const MotionCurve& motion) {
   int number = 0;
-  for (const std::size_t sample : samplesOf("snapshot", run)) {
+  for (const std::size_t index : samplesOf("snapshot", run)) {
+    const Sample sample = run.sample(index);
     report_.files.push_back(momentFile(output::kSnapshotMoment, ++number, ".png"));
-    writePng(take(run.sample(sample), Studio::Scales::Drawn),
+    writePng(take({momentAt(motion, settings_.pace, sample.time), sample}, Studio::Scales::Drawn),
              settings_.folder / report_.files.back(), {.dotsPerInch = settings_.dotsPerInch});
   }
 }
 
-void Album::writeSnapshots(const TrajectoryReader& run) {
-  writeMoments(run);
-  if (settings_.snapshots) writeGrid(run);
-  if (!settings_.chosenFrames.empty()) writeChosenFrames(run);
+void Album::writeSnapshots(const TrajectoryReader& run, const MotionCurve& motion) {
+  writeMoments(run, motion);
+  if (settings_.snapshots) writeGrid(run, motion);
+  if (!settings_.chosenFrames.empty()) writeChosenFrames(run, motion);
 }
 
 }  // namespace kirireel

@@ -22,10 +22,12 @@ VideoSettings videoSettings(const PictureSettings& settings) {
           .encoder = settings.encoder};
 }
 
+int heldFrames(const PictureSettings& settings) {
+  return static_cast<int>(std::lround(settings.heldSeconds() * settings.framesPerSecond));
+}
+
 FrameSink::FrameSink(const PictureSettings& settings, PictureReport& report)
-    : settings_(settings),
-      report_(report),
-      heldFrames_(static_cast<int>(std::lround(settings.hold * settings.framesPerSecond))) {
+    : settings_(settings), report_(report), heldFrames_(heldFrames(settings)) {
   if (settings.frames) makeFolder(settings.folder / output::kFrames);
   if (settings.video) video_.emplace(settings.folder / settings.videoFile, videoSettings(settings));
 }

@@ -11,6 +11,9 @@ namespace kirireel {
 /// How the run's video is encoded.
 VideoSettings videoSettings(const PictureSettings& settings);
 
+/// How many more frames the first and the last one are shown for.
+int heldFrames(const PictureSettings& settings);
+
 /// Encodes and writes frames in order; holds the first and the last as long as the settings say.
 /// Belongs to the thread that makes it.
 class FrameSink {

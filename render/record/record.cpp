@@ -27,6 +27,9 @@
 namespace kirireel {
 namespace {
 
+/// Of a video at an even pace between what is held, seconds.
+constexpr double kLeastMotion = 0.1;
+
 void requireWithin(double value, double least, double most, const char* option,
                    const char* meaning) {
   if (value >= least && value <= most) return;
@@ -45,7 +48,14 @@ void requireValidSettings(const PictureSettings& settings) {
   if (settings.video) requireEncoder(settings.folder / settings.videoFile, videoSettings(settings));
   if (settings.video) requireTitle(settings.title);
   requireWithin(settings.speed, 1e-3, 1e3, "--speed", "a factor");
-  requireWithin(settings.hold, 0, 60, "--hold", "seconds");
+  requireWithin(settings.heldSeconds(), 0, 60, "--hold", "seconds");
+  requireWithin(settings.length, 0.1, 36000, "--length", "seconds");
+  if (settings.pace == Pace::Even && settings.length < 2 * settings.heldSeconds() + kLeastMotion) {
+    throw InputError(fmt::format(
+        "error: --length {:g} leaves no time for motion between --hold {:g} at the start and the "
+        "end; give --length of {:g} or more, or a shorter --hold",
+        settings.length, settings.heldSeconds(), 2 * settings.heldSeconds() + kLeastMotion));
+  }
 }
 
 bool leavesTrajectory(const RecordSettings& settings) {
@@ -86,7 +96,7 @@ void summarize(const RunEnd& end, RunSummary& summary) {
   summary.events = end.result.trajectory.events;
 }
 
-/// One run into trajectory.h5 and to a taker.
+/// One run into trajectory.h5.
 class LiveRun {
  public:
   /// The folder must be locked.
@@ -104,7 +114,7 @@ class LiveRun {
     }
   }
 
-  void feed(const SampleTaker& take) {
+  void deploy() {
     std::optional<Scribe> scribe;
     if (leavesTrajectory(settings_)) {
       subject_.settings = settingsText(scene_, settings_);
@@ -112,14 +122,14 @@ class LiveRun {
     }
     const SampleObserver watch = [&](const Sample& sample) {
       keep(sample);
-      const bool taken = (!scribe || scribe->take(end_.last)) && take(end_.last);
+      const bool taken = !scribe || scribe->take(end_.last);
       return taken && tell("deploying", std::min(1.0, sample.time / scene_.stop.duration));
     };
     const TrialObserver searching = [&](const SearchNews& news) {
       if (!news.warning.empty()) tellWarning(news.warning);
       return tell("looking for a path", news.share);
     };
-    end_.result = deployUnkept(scene_, settings_.frameInterval(), watch, searching,
+    end_.result = deployUnkept(scene_, settings_.sampleInterval(), watch, searching,
                                settings_.order.empty() ? nullptr : &checkpoints_);
     if (interruption_) nameInterruption(*interruption_, end_.result);
     if (!scribe) return;
@@ -193,59 +203,23 @@ void writeStates(const Scene& scene, const RecordSettings& settings, RunSummary&
   }
 }
 
-/// Where pictures come from: this thread's album, once it is known what it must hold in sight.
-class PictureJob {
- public:
-  PictureJob(const PictureSettings& settings, const ProgressObserver& observer,
-             PictureReport& report)
-      : settings_(settings), observer_(observer), report_(report) {
-    if (settings.graphics) setGraphicsLibrary(*settings.graphics);
-    // Other cores simulate and encode.
-    if (settings.paintsFrames()) setRasterThreads(0);
-    // Made and dropped: says what is missing before the simulation, not after it.
-    if (settings.paints()) const Context probe;
-  }
+/// Sets up the graphics library; says what is missing of it before a simulation, not after it.
+void prepareGraphics(const PictureSettings& settings) {
+  if (settings.graphics) setGraphicsLibrary(*settings.graphics);
+  // Other cores encode.
+  if (settings.paintsFrames()) setRasterThreads(0);
+  if (settings.paints()) const Context probe;
+}
 
-  /// Paints frames while the run goes on.
-  void makeFramesAlong(const Subject& subject, const SampleFeed& feed) {
-    album_.emplace(settings_, motifOf(subject), report_);
-    if (choosesCamera(settings_)) album_->watchSight();
-    framesMade_ = album_->makeFrames(feed);
-  }
-
-  /// Makes what is missing, once the run is over.
-  void makeTheRest(const TrajectoryReader& run) {
-    if (settings_.paintsFrames() && !framesMade_) makeFrames(run);
-    if (!album_) openAlbum(run);
-    album_->writeSnapshots(run);
-  }
-
- private:
-  /// An album for pictures alone.
-  void openAlbum(const TrajectoryReader& run) {
-    album_.emplace(settings_, motifOf(run, settings_), report_);
-    if (!choosesCamera(settings_) || album_->sees(run)) return;
-    album_.reset();
-    album_.emplace(settings_, motifOf(run, settings_, true), report_);
-  }
-
-  void makeFrames(const TrajectoryReader& run) {
-    const SampleFeed feed = replay(run, settings_.frameInterval(), observer_, report_);
-    // An album that lost sight of something is replaced by one that sees all of the run.
-    for (const bool whole : {album_.has_value(), true}) {
-      album_.reset();
-      album_.emplace(settings_, motifOf(run, settings_, whole), report_);
-      if (!whole && choosesCamera(settings_)) album_->watchSight();
-      if (album_->makeFrames(feed)) return;
-    }
-  }
-
-  const PictureSettings& settings_;
-  const ProgressObserver& observer_;
-  PictureReport& report_;
-  std::optional<Album> album_;
-  bool framesMade_ = false;
-};
+/// All pictures of a finished run.
+void makePictures(const TrajectoryReader& run, const PictureSettings& settings,
+                  const ProgressObserver& observer, PictureReport& report) {
+  if (!settings.paints()) return;
+  const MotionCurve motion = motionOf(run);
+  Album album(settings, motifOf(run, settings), report);
+  if (settings.paintsFrames()) album.makeFrames(run, motion, observer);
+  album.writeSnapshots(run, motion);
+}
 
 /// Files in place change no more: each is read once.
 void noteDigests(const std::filesystem::path& folder, RunSummary& summary) {
@@ -310,19 +284,16 @@ RunSummary record(const Scene& scene, const RecordSettings& asked,
 
   RunSummary summary;
   LiveRun run(scene, settings, observer);
-  PictureJob pictures(settings, observer, summary);
-  const SampleFeed feed = [&run](const SampleTaker& take) { run.feed(take); };
-  if (paintsAlong(scene.model, settings)) {
-    pictures.makeFramesAlong(subjectOf(scene), feed);
-  } else {
-    feed([](const SharedSample&) { return true; });
-  }
+  prepareGraphics(settings);
+  run.deploy();
   summarize(run.end(), summary);
   if (leavesTrajectory(settings)) summary.files.emplace_back(output::kTrajectory);
   writeEndState(scene, run.end(), settings, summary);
   if (settings.meshes) writeStates(scene, settings, summary);
-  if (settings.paints())
-    pictures.makeTheRest(TrajectoryReader(settings.folder / output::kTrajectory));
+  if (settings.paints()) {
+    const TrajectoryReader trajectory(settings.folder / output::kTrajectory);
+    makePictures(trajectory, settings, observer, summary);
+  }
   if (summary.stoppedAt) {
     summary.outcome = Outcome::Interrupted;
     summary.reason = fmt::format("interrupted by {} while painting; the video ends at {:.4g} s",
@@ -361,7 +332,8 @@ PictureReport render(const std::filesystem::path& trajectory, const PictureSetti
   PictureSettings aside = settings;
   aside.folder = files.stage();
   PictureReport report;
-  if (settings.paints()) PictureJob(aside, observer, report).makeTheRest(run);
+  prepareGraphics(settings);
+  makePictures(run, aside, observer, report);
   if (!report.files.empty()) files.commit(report.files);
   report.recordCost.wallSeconds = stopwatch.seconds();
   report.recordCost.peakMemoryBytes = peakMemoryBytes();

@@ -23,13 +23,19 @@ namespace kirireel {
 /// How the pictures of a snapshot grid are spread over a run; the first and last are always in.
 enum class SnapshotSpacing {
   Time,      ///< equal steps of simulated time
-  Progress,  ///< equal shares of the way that the tiles travel
+  Progress,  ///< equal shares of the motion, see MotionCurve
+};
+
+/// How a video's time follows the run.
+enum class Pace {
+  Even,  ///< each frame brings the same motion
+  Real,  ///< each frame brings the same simulated time
 };
 
 /// A moment of a run that is wanted as a picture of its own.
 struct FrameChoice {
   enum class Unit { Seconds, Share };
-  double value = 0;  ///< simulated seconds, or the share of the way, 0 to 1
+  double value = 0;  ///< simulated seconds, or the share of the motion, 0 to 1
   Unit unit = Unit::Seconds;
 
   bool operator==(const FrameChoice&) const = default;
@@ -41,12 +47,18 @@ struct PictureSettings {
   std::filesystem::path folder;  ///< made if need be; a former run's files in it are replaced
   FrameSize size;                ///< of video frames and of each snapshot
   int framesPerSecond = 60;      ///< of the video, 1 to 240
-  double speed = 1;              ///< simulated seconds in a second of video; below 1 is slow motion
-  double hold = 0;    ///< seconds that the video shows its first and its last frame longer
+  Pace pace = Pace::Even;
+  double length = 8;  ///< of a video at an even pace, seconds, without a title
+  double speed =
+      1;  ///< simulated seconds in a second of video at real pace; below 1 is slow motion
+  /// Seconds that the video shows its first and its last frame longer; absent: 0.5 at an even pace,
+  /// else none.
+  std::optional<double> hold;
   std::string title;  ///< of a card shown before the video, UTF-8; none when empty
   Look look;          ///< of all pictures
   GridShape grid;
-  CaptionParts captions;              ///< under the grid's pictures
+  /// Under the grid's pictures; absent: progress at an even pace, time at real pace.
+  std::optional<CaptionParts> captions;
   bool scaleBar = false;              ///< a length under the grid; needs a parallel projection
   std::optional<double> dotsPerInch;  ///< noted in PNG files, for print
   SnapshotSpacing spacing = SnapshotSpacing::Progress;
@@ -62,11 +74,16 @@ struct PictureSettings {
 
   bool paintsFrames() const { return video || frames; }
   bool paints() const { return paintsFrames() || snapshots || !chosenFrames.empty(); }
-  /// Simulated seconds from one frame of the video to the next.
-  double frameInterval() const { return speed / framesPerSecond; }
+  /// Simulated seconds from one sample of the run to the next.
+  double sampleInterval() const { return (pace == Pace::Real ? speed : 1) / framesPerSecond; }
+  double heldSeconds() const { return hold.value_or(pace == Pace::Even ? 0.5 : 0); }
+  CaptionParts captionParts() const {
+    return captions.value_or(pace == Pace::Even ? CaptionParts{.progress = true}
+                                                : CaptionParts{.time = true});
+  }
 };
 
-/// What a run leaves: its pictures, one sample for each frame, and more.
+/// What a run leaves: its samples, its pictures, and more.
 struct RecordSettings : PictureSettings {
   std::string order;      ///< fingerprint of all that decides the run, for summary.json and for
                           ///< checkpoints, which runs without one do not make
@@ -132,13 +149,13 @@ using Interruption = std::optional<std::string>;
 /// counts as interrupted, and what exists so far is still written out.
 using ProgressObserver = std::function<Interruption(const Progress&)>;
 
-/// Deploys the scene and writes everything that the settings ask for, then summary.json. Deploying,
-/// painting, encoding and writing go on at the same time, so memory does not grow with the length
-/// of the run, and the video of a run that is interrupted is whole as far as it goes. A run that
-/// diverges or is interrupted leaves its files too, and says so in the summary. Until it is over, a
-/// checkpoint in the folder lets another call resume it.
-/// Throws InputError for settings out of range, OutputError when a file cannot be written; the
-/// folder and the settings are checked before the deployment starts.
+/// Deploys the scene into trajectory.h5, then makes everything else from that file as the settings
+/// ask for, and at last summary.json. Memory does not grow with the length of the run, and the
+/// video of a run that is interrupted is whole as far as it goes. A run that diverges or is
+/// interrupted leaves its files too, and says so in the summary. Until it is over, a checkpoint in
+/// the folder lets another call resume it. Throws InputError for settings out of range, OutputError
+/// when a file cannot be written; the folder and the settings are checked before the deployment
+/// starts.
 RunSummary record(const Scene& scene, const RecordSettings& settings,
                   const ProgressObserver& observer);
 

@@ -59,7 +59,9 @@ Json pathJson(const RunSummary& summary) {
   const PathSettings& path = summary.path;
   const bool isLed = path.kind == PathKind::Led;
   const bool isWalked = path.kind == PathKind::Continuation;
-  return {{"kind", isLed ? "led" : isWalked ? "continuation" : "straight"},
+  return {{"kind", isLed      ? "led"
+                   : isWalked ? "continuation"
+                              : "straight"},
           {"reason", summary.pathReason},
           {"search_seconds", summary.deployCost.searchSeconds},
           {"search_budget", summary.deployCost.searchBudget},
@@ -253,6 +255,7 @@ Json pictureJson(const RecordSettings& settings) {
           {"look", lookJson(settings.look)},
           {"grid_rows", settings.grid.rows},
           {"grid_columns", settings.grid.columns},
+          {"pace", settings.pace == Pace::Even ? "even" : "real"},
           {"snapshots", settings.spacing == SnapshotSpacing::Time ? "time" : "progress"}};
 }
 

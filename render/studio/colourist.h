@@ -24,7 +24,6 @@ struct Motif {
   /// Of the model, metres; infinity where bricks are to be shown however far they are.
   double size = std::numeric_limits<double>::infinity();
   std::vector<Vector3> points;  ///< what cameras must hold in sight, world axes
-  double endTime = 0;           ///< simulated seconds at the end of the run
 };
 
 /// Whether the colours stand for values.

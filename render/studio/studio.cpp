@@ -67,11 +67,6 @@ Style styleFor(const Look& look, const Motif& motif, FrameSize size) {
   return style;
 }
 
-bool isShown(const Motif& motif, std::size_t brick, const Pose& pose) {
-  const double moved = (pose.position - motif.start[brick].position).norm();
-  return moved <= kFarthestShown * motif.size;
-}
-
 /// Refuses a bad size before anything is made of it.
 FrameSize validated(FrameSize size) {
   requireValidSize(size);
@@ -100,6 +95,11 @@ void keepInSight(Motif& motif, const Poses& poses) {
   append(motif.points, shownCorners(motif, poses));
 }
 
+bool isShown(const Motif& motif, std::size_t brick, const Pose& pose) {
+  const double moved = (pose.position - motif.start[brick].position).norm();
+  return moved <= kFarthestShown * motif.size;
+}
+
 bool showsAllBricks(const Motif& motif, const Poses& poses) {
   for (std::size_t i = 0; i < poses.size(); ++i) {
     if (!isShown(motif, i, poses[i])) return false;
@@ -121,7 +121,7 @@ Stage::Stage(const Look& look, Motif motif, FrameSize size)
     : motif_(std::move(motif)),
       style_(styleFor(look, motif_, validated(size))),
       colourist_(look, motif_),
-      cameras_(look.camera, motif_.points, size.aspect(), motif_.endTime),
+      cameras_(look.camera, motif_.points, size.aspect()),
       jointMarks_(look.jointMarks),
       targetLines_(look.targetLines) {
   if (!targetLines_ || motif_.target) return;
@@ -142,7 +142,7 @@ Shot Stage::shot(const Moment& moment) const {
 }
 
 Camera Stage::camera(const Moment& moment) const {
-  const Camera camera = cameras_.at(moment.time);
+  const Camera camera = cameras_.at(moment.time, moment.turn);
   if (camera.orthographic) return camera;
   if (const auto brick = brickAround(motif_.bricks, moment.poses, camera.eye)) {
     throw InputError(
@@ -160,7 +160,7 @@ Sketch Stage::sketch(const Moment& moment) const {
 }
 
 std::optional<double> Stage::sharedHeight() const {
-  const Camera camera = cameras_.at(0);
+  const Camera camera = cameras_.at(0, 0);
   if (!cameras_.isStill() || !camera.orthographic) return std::nullopt;
   return camera.viewHeight;
 }

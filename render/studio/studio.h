@@ -19,6 +19,7 @@ struct Moment {
   double time = 0;          ///< simulated seconds
   const Poses& poses;       ///< one a brick
   std::vector<int> pinned;  ///< bricks that are held
+  double turn = 0;          ///< share of the camera's orbit that is behind, 0 to 1
 };
 
 /// The motif of a model whose bricks are made by the rule, on the scene's ground if it has one.
@@ -28,6 +29,9 @@ Motif makeMotif(const Model& model, const BrickRule& rule, const std::optional<G
 /// A brick farther from its start than this many model sizes is not held in sight: the others would
 /// shrink to a dot.
 inline constexpr double kFarthestShown = 20;
+
+/// Whether a brick at a pose is near enough to be held in sight.
+bool isShown(const Motif& motif, std::size_t brick, const Pose& pose);
 
 /// Whether all bricks are near enough to be held in sight.
 bool showsAllBricks(const Motif& motif, const Poses& poses);

@@ -155,8 +155,8 @@ TEST(CommandLine, ReadsEveryPictureOption) {
   EXPECT_EQ(settings.grid, (GridShape{2, 4}));
   EXPECT_EQ(settings.look.camera.view, kTopView);
   EXPECT_EQ(settings.spacing, SnapshotSpacing::Time);
-  EXPECT_TRUE(settings.captions.angle && settings.captions.gap);
-  EXPECT_FALSE(settings.captions.time || settings.captions.error);
+  EXPECT_TRUE(settings.captions->angle && settings.captions->gap);
+  EXPECT_FALSE(settings.captions->time || settings.captions->error);
   EXPECT_TRUE(settings.scaleBar);
   EXPECT_EQ(settings.dotsPerInch, 300);
   EXPECT_TRUE(settings.svg);
@@ -310,9 +310,10 @@ TEST(CommandLine, MissingAndSurplusArgumentsAreErrors) {
 
 TEST(CommandLine, HelpTeaches) {
   const std::string help = page({"record", "--help"});
-  for (const char* part : {"Usage: kirireel record", "--thickness METRES", "(default 0.02 of the mean edge)",
-                           "auto, none, unjoined or all (default auto)", "Examples:",
-                           "kirireel record data/tessellation_4x4", "PyKirigami", "--headless"}) {
+  for (const char* part :
+       {"Usage: kirireel record", "--thickness METRES", "(default 0.02 of the mean edge)",
+        "auto, none, unjoined or all (default auto)",
+        "Examples:", "kirireel record data/tessellation_4x4", "PyKirigami", "--headless"}) {
     EXPECT_THAT(help, HasSubstr(part));
   }
   EXPECT_THAT(page({"--help"}), HasSubstr("simulate"));
@@ -333,6 +334,7 @@ TEST(CommandLine, RenderTakesPictureAndVideoOptions) {
   EXPECT_EQ(order.settings.videoFile, "deployment.webm");
   EXPECT_EQ(order.settings.framesPerSecond, 25);
   EXPECT_EQ(order.settings.speed, 0.5);
+  EXPECT_EQ(order.settings.pace, Pace::Real);
   EXPECT_EQ(order.settings.hold, 1);
   EXPECT_EQ(order.settings.crf, 30);
   EXPECT_THROW(parseCommandLine({"render"}), InputError);

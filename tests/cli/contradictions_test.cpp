@@ -9,7 +9,7 @@ namespace kirireel {
 namespace {
 
 std::string refusal(std::vector<std::string> options) {
-  options.insert(options.begin(), {"simulate", "fan"});
+  options.insert(options.begin(), {"record", "fan"});
   try {
     parseCommandLine(options);
   } catch (const InputError& error) {
@@ -40,6 +40,9 @@ TEST(Contradictions, NameWhatAnOptionNeeds) {
       {{"--density", "900"}, "--density works with --mass prism "},
       {{"--faces", "fold", "--auto_detect_connections"},
        "--auto-detect-connections is --faces pykirigami; leave one of them away"},
+      {{"--pace", "even", "--speed", "0.5"}, "--speed works with --pace real "},
+      {{"--length", "5", "--pace", "real"}, "--length works with --pace even "},
+      {{"--length", "5", "--speed", "0.5"}, "--length is for an even pace and --speed for real "},
   };
   for (const auto& [options, start] : cases) {
     EXPECT_TRUE(refusal(options).starts_with("error: " + start)) << refusal(options);

@@ -135,7 +135,8 @@ TEST(OptionCaption, NamesParts) {
   EXPECT_EQ(messageOf([] {
               parseCaption({"--captions", "time,colour"});
             }),
-            "error: --captions: 'colour' is not allowed; give time, angle, error, gap or none");
+            "error: --captions: 'colour' is not allowed; give progress, time, angle, error, gap or "
+            "none");
   EXPECT_EQ(messageOf([] {
               parseCaption({"--captions", "time,none"});
             }),

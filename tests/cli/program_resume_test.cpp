@@ -91,19 +91,19 @@ class ResumeOnTheWay : public testing::Test {
 
   std::vector<std::string> recordLongInto(const fs::path& out,
                                           const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> words = {"record",   model_,   "--planar",  "off",   "--path",
-                                      "straight", "--size", "160x120",   "--svg", "--duration",
-                                      "1",        "--out",  out.string()};
+    std::vector<std::string> words = {"record",   model_,       "--planar", "off",        "--path",
+                                      "straight", "--timestep", "5e-4",     "--duration", "1",
+                                      "--size",   "160x120",    "--length", "2",          "--svg",
+                                      "--out",    out.string()};
     words.insert(words.end(), more.begin(), more.end());
     return words;
   }
 
-  /// Runs until the first pictures are there, then ends it by a signal. Returns what it printed on
-  /// the error stream.
+  /// Runs until there is a checkpoint, then ends it by a signal. Returns what it printed on the
+  /// error stream.
   std::string endBy(int signal, const std::vector<std::string>& words) const {
-    fs::remove(out_ / ".unfinished/deployment.part.mp4");
     RunningProgram program(words, {});
-    EXPECT_TRUE(waitFor(out_ / ".unfinished/deployment.part.mp4"));
+    EXPECT_TRUE(waitFor(out_ / ".unfinished/checkpoint/state.h5"));
     program.sendSignal(signal);
     const ProgramEnd end = program.wait();
     EXPECT_EQ(end.exitCode, signal == SIGKILL ? -SIGKILL : 4);

@@ -82,14 +82,13 @@ void expectGolden(const Frame& frame, const std::string& file, const std::vector
 
 GridPicture picture(const test::GoldenScene& scene, const test::GoldenLook& look) {
   Studio studio(kCell, look.look, scene.motif);
-  return {studio.take({0.5, scene.poses, look.pinned}, Studio::Scales::Drawn), look.name};
+  return {studio.take({0.5, scene.poses, look.pinned, 0.5}, Studio::Scales::Drawn), look.name};
 }
 
 class GoldenSheet : public testing::TestWithParam<int> {};
 
 TEST_P(GoldenSheet, ShowsEveryLookAsBefore) {
-  test::GoldenScene scene = test::goldenScenes()[GetParam()];
-  scene.motif.endTime = 1;
+  const test::GoldenScene scene = test::goldenScenes()[GetParam()];
   const GridLayout layout = layOutGrid(kCell, kSheet);
   std::vector<GridPicture> pictures;
   std::vector<Part> parts;

@@ -151,13 +151,16 @@ TEST(TrimAlike, LeavesEmptyAndFullPicturesAlone) {
 }
 
 TEST(CaptionText, SaysTheChosenParts) {
-  const CaptionValues values{1.25, M_PI / 4, 0.00123, 4.56e-13};
-  EXPECT_EQ(captionText({}, values), "t = 1.25 s");
-  EXPECT_EQ(captionText({true, true, true, true}, values),
-            "t = 1.25 s, 45.0 deg, error 0.0012 m, gap 4.6e-13 m");
-  EXPECT_EQ(captionText({false, false, true, true}, {0, 0, 2, 12}), "error 2.0 m, gap 12 m");
-  EXPECT_EQ(captionText({false, false, false, false}, values), "");
-  EXPECT_EQ(captionText({true, false, true, false}, {0, 0, std::nullopt, 0}), "t = 0.00 s");
+  const CaptionValues values{0.125, 1.25, M_PI / 4, 0.00123, 4.56e-13};
+  EXPECT_EQ(captionText({.progress = true}, values), "12.5%");
+  EXPECT_EQ(captionText({.time = true}, values), "t = 1.25 s");
+  EXPECT_EQ(captionText({true, true, true, true, true}, values),
+            "12.5%, t = 1.25 s, turned 45.0°, error 0.0012 m, gap 4.6e-13 m");
+  EXPECT_EQ(captionText({.error = true, .gap = true}, {0, 0, 0, 2, 12}), "error 2.0 m, gap 12 m");
+  EXPECT_EQ(captionText({}, values), "");
+  EXPECT_EQ(captionText({.time = true, .error = true}, {}), "t = 0.00 s");
+  EXPECT_EQ(captionText({.progress = true}, {.progress = 1}), "100%");
+  EXPECT_EQ(captionText({.progress = true}, {.progress = 2 / 3.0}), "66.7%");
 }
 
 TEST(Grid, ShrinksCaptionsThatAreTooWide) {

@@ -54,6 +54,7 @@ class RecordTest : public testing::Test {
     settings_.size = {96, 64};
     settings_.grid = {1, 2};
     settings_.framesPerSecond = 20;
+    settings_.pace = Pace::Real;
   }
   void TearDown() override { fs::remove_all(settings_.folder); }
 
@@ -79,8 +80,19 @@ TEST_F(RecordTest, PaintsAFrameForEachSample) {
   EXPECT_GT(summary.recordCost.peakMemoryBytes, 1 << 20);
 }
 
+TEST_F(RecordTest, FillsItsLengthAtAnEvenPace) {
+  settings_.pace = Pace::Even;
+  settings_.length = 2;
+  EXPECT_EQ(record(tessellationScene(), settings_, proceed_).videoFrames, 40);
+  settings_.hold = 0;
+  EXPECT_EQ(record(tessellationScene(), settings_, proceed_).videoFrames, 40);
+  settings_.hold = 0.97;
+  EXPECT_EQ(messageOfRecording(),
+            "error: --length 2 leaves no time for motion between --hold 0.97 at the start and the "
+            "end; give --length of 2.04 or more, or a shorter --hold");
+}
+
 TEST_F(RecordTest, ReportsProgressOfBothStagesToTheEnd) {
-  settings_.look.fit = FitScope::Run;  // painted afterwards
   std::vector<double> deploying;
   std::vector<double> painting;
   record(tessellationScene(), settings_, [&](const Progress& progress) {
@@ -108,7 +120,6 @@ TEST_F(RecordTest, InterruptedWhileDeployingKeepsWhatWasDone) {
 }
 
 TEST_F(RecordTest, InterruptedWhilePaintingEndsTheVideoThere) {
-  settings_.look.fit = FitScope::Run;
   const RunSummary summary = record(tessellationScene(), settings_, [](const Progress& progress) {
     const bool goesOn = std::string(progress.stage) == "deploying" || progress.share < 0.3;
     return goesOn ? Interruption() : "the test";
@@ -254,7 +265,7 @@ Scene fallingScene() {
   return scene;
 }
 
-TEST_F(RecordTest, RepaintsWhatLeftThePicture) {
+TEST_F(RecordTest, ShowsWhatLeavesAPictureOfTheEndsToo) {
   settings_.look.camera.view = kFrontView;
   settings_.frames = true;
   settings_.snapshots = false;

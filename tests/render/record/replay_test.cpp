@@ -29,12 +29,17 @@ class ReplayTest : public testing::Test {
 
   std::vector<double> timesOfReplay(double step, int observed = 1000) {
     const TrajectoryReader run(folder_ / "run.h5");
+    PictureSettings settings;
+    settings.pace = Pace::Real;
+    settings.framesPerSecond = 1;
+    settings.speed = step;
+    const std::vector<FrameMoment> moments = videoMoments(motionOf(run), settings);
     std::vector<double> times;
     const ProgressObserver observer = [&](const Progress&) {
       return --observed > 0 ? Interruption() : "the test";
     };
-    replay(run, step, observer, report_)([&](const SharedSample& sample) {
-      times.push_back(sample->time);
+    replay(run, moments, observer, report_)([&](const SharedState& state) {
+      times.push_back(state->sample.time);
       return true;
     });
     return times;
@@ -46,8 +51,9 @@ class ReplayTest : public testing::Test {
 
 TEST_F(ReplayTest, StatesBetweenSamplesAreInterpolated) {
   const TrajectoryReader run(folder_ / "run.h5");
-  for (const double time : {0.0, 0.3, 0.333, 0.95, 1.0}) {
-    const Sample sample = sampleAt(run, time);
+  Replay states(run);
+  for (const double time : {0.0, 0.3, 0.333, 0.95, 0.12, 0.31, 1.0}) {
+    const Sample sample = states.at(time);
     EXPECT_NEAR(sample.time, time, 1e-12);
     EXPECT_NEAR(sample.poses[0].position.x(), time, 1e-12);  // measured: 1.1e-16
     const Quaternion wanted = rotationFromVector({0, 0, time});

@@ -1,0 +1,129 @@
+#include "sim/deploy/interpolation.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "sim/deploy/continuation.h"
+#include "sim/measure/measures.h"
+#include "sim/model/tessellation.h"
+
+namespace kirireel {
+namespace {
+
+/// Rotating squares, and their exact states by opening angle.
+class ExactSheet {
+ public:
+  explicit ExactSheet(bool inPlane = true)
+      : tilt_(inPlane ? Quaternion::Identity() : rotationFromVector({0.3, -0.4, 0.1})) {
+    subject_.model = makeTessellation(shape_);
+    subject_.model.tiles = tilesAt(0);
+    subject_.model.target = tilesAt(shape_.targetAngle);
+    subject_.bricks = makeBricks(subject_.model.tiles, subject_.brickRule);
+  }
+
+  const Subject& subject() const { return subject_; }
+
+  Sample sample(double angle) const {
+    Sample sample;
+    sample.time = angle;
+    sample.poses = startPoses(subject_.model.tiles, subject_.bricks);
+    for (std::size_t i = 0; i < sample.poses.size(); ++i) {
+      const bool isEven = (i / 4 + i % 4) % 2 == 0;
+      const Vector3 turn(0, 0, isEven ? -angle / 2 : angle / 2);
+      sample.poses[i].rotation = tilt_ * rotationFromVector(turn) * tilt_.conjugate();
+    }
+    const std::vector<Brick> there = makeBricks(tilesAt(angle), subject_.brickRule);
+    const Poses moved = startPoses(tilesAt(angle), there);
+    for (std::size_t i = 0; i < moved.size(); ++i) sample.poses[i].position = moved[i].position;
+    return sample;
+  }
+
+  double gap(const Poses& poses) const {
+    return jointGap(makePivots(subject_.model.joints, subject_.bricks), poses).max;
+  }
+
+ private:
+  std::vector<Tile> tilesAt(double angle) const {
+    std::vector<Tile> tiles = tessellationTiles(shape_, angle);
+    for (Tile& tile : tiles) {
+      for (Vector3& vertex : tile.vertices) vertex = tilt_ * vertex;
+    }
+    return tiles;
+  }
+
+  TessellationShape shape_;
+  Quaternion tilt_;
+  Subject subject_;
+};
+
+// Oracle: the mechanism's exact motion, of which every closed state is one.
+TEST(StateInterpolator, ClosesTheJointsOfStatesBetween) {
+  for (const bool inPlane : {true, false}) {
+    const ExactSheet sheet(inPlane);
+    const Sample from = sheet.sample(0.4), to = sheet.sample(0.8);
+    ASSERT_LT(sheet.gap(from.poses), 1e-14);
+    EXPECT_GT(sheet.gap(interpolate(from.poses, to.poses, 0.5)), 0.005);  // measured 0.0062
+    StateInterpolator interpolator(sheet.subject());
+    const Sample middle = interpolator.between(from, to, 0.5);
+    EXPECT_LT(sheet.gap(middle.poses), 1e-12);  // measured 1e-15
+    EXPECT_EQ(middle.jointGap, sheet.gap(middle.poses));
+    EXPECT_DOUBLE_EQ(middle.time, 0.6);
+    const double angle = turnBetween(middle.poses[0].rotation, middle.poses[1].rotation).norm();
+    EXPECT_NEAR(angle, 0.6, 0.02);  // measured 0.587
+    const Sample exact = sheet.sample(angle);
+    const double off = pathDistance(sheet.subject().bricks, middle.poses, exact.poses);
+    EXPECT_LT(off, 1e-12) << inPlane;  // measured 2e-15
+  }
+}
+
+TEST(StateInterpolator, GivesTheSamplesThemselvesAtBothEnds) {
+  const ExactSheet sheet;
+  const Sample from = sheet.sample(0.4), to = sheet.sample(0.8);
+  StateInterpolator interpolator(sheet.subject());
+  EXPECT_EQ(
+      pathDistance(sheet.subject().bricks, interpolator.between(from, to, 0).poses, from.poses), 0);
+  EXPECT_EQ(pathDistance(sheet.subject().bricks, interpolator.between(from, to, 1).poses, to.poses),
+            0);
+}
+
+TEST(StateInterpolator, LeavesOpenJointsAsOpenAsTheSamplesAre) {
+  const ExactSheet sheet;
+  Sample from = sheet.sample(0.4), to = sheet.sample(0.4);
+  for (Sample* sample : {&from, &to}) sample->poses[0].position.x() += 1e-3;
+  StateInterpolator interpolator(sheet.subject());
+  EXPECT_NEAR(interpolator.between(from, to, 0.5).jointGap, 1e-3, 1e-12);
+}
+
+TEST(StateInterpolator, KeepsPinnedTilesInTheirPlace) {
+  const ExactSheet sheet;
+  Sample from = sheet.sample(0.4), to = sheet.sample(0.8);
+  const Pose held = from.poses[5];
+  for (Sample* sample : {&from, &to}) {
+    const Quaternion turn = held.rotation * sample->poses[5].rotation.conjugate();
+    const Vector3 pivot = sample->poses[5].position;
+    for (Pose& pose : sample->poses) {
+      pose.position = held.position + turn * (pose.position - pivot);
+      pose.rotation = turn * pose.rotation;
+    }
+    sample->pinned = {5};
+  }
+  StateInterpolator interpolator(sheet.subject());
+  const Sample middle = interpolator.between(from, to, 0.3);
+  EXPECT_LT(sheet.gap(middle.poses), 1e-12);
+  EXPECT_LT((middle.poses[5].position - held.position).norm(), 1e-15);
+  EXPECT_LT(middle.poses[5].rotation.angularDistance(held.rotation), 1e-7);
+}
+
+// Between two branches of the mechanism there is no closed state near the straight one.
+TEST(StateInterpolator, TakesTheNearerSampleWhereNoClosedStateLiesBetween) {
+  const ExactSheet sheet;
+  const Sample from = sheet.sample(1.2), to = sheet.sample(-1.2);
+  StateInterpolator interpolator(sheet.subject());
+  for (const double share : {0.2, 0.5, 0.8}) {
+    EXPECT_LT(sheet.gap(interpolator.between(from, to, share).poses), 1e-9);
+  }
+}
+
+}  // namespace
+}  // namespace kirireel
