@@ -19,11 +19,12 @@ void addPictureOptions(CLI::App& command, PictureSettings& settings) {
       .saidAs([&] { return gridText(settings.grid); });
   group
       .value("--captions", "PARTS", "progress, at real pace time",
-             "under the grid's pictures: progress, time, angle, error, gap; or none",
+             "under the grid's pictures, and where given under the video's frames: progress, time, "
+             "angle, error, gap; or none",
              [&](const OptionValue& typed) { settings.captions = parseCaption(typed); })
-      .saidAs([&] { return captionText(settings.captionParts()); });
+      .saidAs([&] { return settings.captions ? captionText(*settings.captions) : ""; });
   group.flag("--scale-bar", settings.scaleBar,
-             "a length under the grid; needs a parallel projection");
+             "a length under the grid and the video; needs a parallel projection");
   group
       .value("--dpi", "COUNT", "not noted", "dots per inch noted in PNG files, for print",
              [&](const OptionValue& typed) {

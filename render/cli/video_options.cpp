@@ -16,6 +16,14 @@ std::string parseFileName(const OptionValue& value) {
   throw valueError(value, "the name of a file, for example talk.webm; --out gives its folder");
 }
 
+/// Shells leave "\n" as it is typed.
+std::string withLineFeeds(std::string text) {
+  for (std::size_t at = 0; (at = text.find("\\n", at)) != std::string::npos;) {
+    text.replace(at, 2, "\n");
+  }
+  return text;
+}
+
 void addPaceOptions(OptionGroup& group, PictureSettings& settings) {
   group.choice<Pace>("--pace", settings.pace, {{"even", Pace::Even}, {"real", Pace::Real}},
                      "every frame brings the same motion, or the same simulated time");
@@ -64,9 +72,15 @@ void addVideoOptions(CLI::App& command, PictureSettings& settings) {
   group.flag("--no-video", settings.video, "no video", false);
   addPaceOptions(group, settings);
   group
-      .value("--title", "TEXT", "", "a card before the video, 2 s",
-             [&](const OptionValue& typed) { settings.title = typed.text; })
+      .value("--title", "TEXT", "", "a card before the video, 2 s; \\n begins a new line",
+             [&](const OptionValue& typed) { settings.title = withLineFeeds(typed.text); })
       .saidAs([&] { return quotedText(settings.title); });
+  group
+      .value("--subtitle", "TEXT", "", "smaller lines below the title",
+             [&](const OptionValue& typed) { settings.subtitle = withLineFeeds(typed.text); })
+      .saidAs([&] { return quotedText(settings.subtitle); });
+  group.flag("--progress-bar", settings.progressBar,
+             "a bar under the frames that fills with the motion");
   group
       .value("--crf", "NUMBER", "18 H.264, 24 VP9", "quality, 0 is best, to 51 (H.264) or 63 (VP9)",
              [&](const OptionValue& typed) {

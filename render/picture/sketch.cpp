@@ -106,11 +106,6 @@ void drawOverlay(const std::vector<Tile>& polygons, double width, Colour colour,
   }
 }
 
-/// Brings a corner of a brick to where the key light casts its shadow.
-Vector3 castDown(const Vector3& point, const Vector3& light, double height) {
-  return point - (point.z() - height) / light.z() * light;
-}
-
 }  // namespace
 
 Sketcher::Face Sketcher::makeFace(const std::vector<Vector3>& corners) {
@@ -202,7 +197,7 @@ void Sketcher::drawShadow(const Poses& poses, Sketch& sketch) const {
       if (light.dot(pose.rotation * face.normal) <= 0) continue;
       corners.clear();
       for (const Vector3& point : face.corners) {
-        corners.push_back(castDown(pose.apply(point), light, style_.plate->height));
+        corners.push_back(shadowOf(pose.apply(point), style_));
       }
       if (face.triangles.empty()) {
         sketch.shadow.push_back(appendFacet(sketch, corners, style_.shadow));

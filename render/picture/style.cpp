@@ -48,6 +48,11 @@ Colour faceColour(const Vector3& normal, Colour base, const Style& style) {
   return {lit(base.red), lit(base.green), lit(base.blue), base.alpha};
 }
 
+Vector3 shadowOf(const Vector3& point, const Style& style) {
+  const Vector3& light = style.key.direction;
+  return point - (point.z() - style.plate->height) / light.z() * light;
+}
+
 GroundPlate groundUnder(std::span<const Vector3> points, double height) {
   Eigen::AlignedBox3d box;
   for (const Vector3& point : points) box.extend(point);

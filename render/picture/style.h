@@ -73,6 +73,9 @@ Style darkStyle();
 /// on sRGB bytes as they are. Alpha is the base's. normal: unit, outward, world axes.
 Colour faceColour(const Vector3& normal, Colour base, const Style& style);
 
+/// Where the key light casts the shadow of a point: on the style's plate, which must be there.
+Vector3 shadowOf(const Vector3& point, const Style& style);
+
 /// A ground plate around points at the given height, so wide that its borders are out of sight
 /// except from near the ground.
 GroundPlate groundUnder(std::span<const Vector3> points, double height);

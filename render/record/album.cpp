@@ -1,6 +1,8 @@
 #include "render/record/album.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -46,14 +48,7 @@ GridStyle gridStyle(const Stage& stage, const PictureSettings& settings) {
   style.background = stage.style().background;
   style.text = stage.style().text;
   style.colourScale = stage.colourScale();
-  if (!settings.scaleBar) return style;
-  const std::optional<double> height = stage.sharedHeight();
-  if (!height) {
-    throw InputError(
-        "error: one scale bar cannot hold all over a picture in perspective or from a moving "
-        "camera; add --projection parallel, or leave --scale-bar away");
-  }
-  style.metresPerPixel = *height / settings.size.height;
+  if (settings.scaleBar) style.metresPerPixel = stage.metresPerPixel();
   return style;
 }
 
@@ -74,11 +69,12 @@ bool seesAll(const Stage& stage, const Moment& moment, double aspect) {
 }
 
 /// Whether no sample of the run leaves pictures of this motif.
-bool seesRun(const TrajectoryReader& run, const PictureSettings& settings, const Motif& motif) {
-  const Stage stage(settings.look, motif, settings.size);
+bool seesRun(const TrajectoryReader& run, const Stage& stage) {
   for (std::size_t i = 0; i < run.times().size(); ++i) {
     const Sample sample = run.sample(i);
-    if (!seesAll(stage, {sample.time, sample.poses, {}}, settings.size.aspect())) return false;
+    if (!seesAll(stage, {sample.time, sample.poses, {}}, stage.pictureSize().aspect())) {
+      return false;
+    }
   }
   return true;
 }
@@ -97,8 +93,9 @@ Motif motifOf(const Subject& subject) {
 
 Motif motifOf(const TrajectoryReader& run, const PictureSettings& settings) {
   Motif motif = motifOf(run.subject());
-  const bool fits = fitsEnds(run.subject().model, settings) &&
-                    (!choosesCamera(settings) || seesRun(run, settings, motif));
+  const bool fits =
+      fitsEnds(run.subject().model, settings) &&
+      (!choosesCamera(settings) || seesRun(run, Stage(settings.look, motif, settings.size)));
   if (!fits) keepRunInSight(motif, run);
   return motif;
 }
@@ -106,13 +103,48 @@ Motif motifOf(const TrajectoryReader& run, const PictureSettings& settings) {
 void requirePaintable(const Motif& motif, const PictureSettings& settings) {
   if (!settings.paints()) return;
   const Stage stage(settings.look, motif, settings.size);
-  if (settings.snapshots) gridStyle(stage, settings);
+  if (settings.scaleBar) stage.metresPerPixel();
 }
 
-Album::Album(const PictureSettings& settings, Motif motif, PictureReport& report)
+std::string CaptionWriter::text(const FrameState& state, double progress) const {
+  const std::vector<double> turned = brickRotations(start_, state.sample.poses);
+  CaptionValues values{progress, state.moment.time, *std::ranges::max_element(turned), std::nullopt,
+                       state.sample.jointGap};
+  if (hasTarget_) values.error = state.sample.targetError;
+  return captionText(parts_, values);
+}
+
+std::string CaptionWriter::of(const FrameState& state) const {
+  return text(state, state.moment.progress);
+}
+
+std::string CaptionWriter::inVideo(const FrameState& state) const {
+  return text(state, 0.01 * std::round(100 * state.moment.progress));
+}
+
+std::string CaptionWriter::longest(double endTime) const {
+  constexpr double kLongLength = 8.8e-88;  // metres, in the form that has most letters
+  CaptionValues values{1, endTime, std::numbers::pi, std::nullopt, kLongLength};
+  if (hasTarget_) values.error = kLongLength;
+  return captionText(parts_, values);
+}
+
+StripParts stripParts(const PictureSettings& settings, const CaptionWriter& captions,
+                      double endTime) {
+  StripParts parts;
+  if (settings.captions) parts.longestCaption = captions.longest(endTime);
+  parts.progressBar = settings.progressBar;
+  parts.scaleBar = settings.scaleBar;
+  parts.colours = true;
+  return parts;
+}
+
+Album::Album(const TrajectoryReader& run, const PictureSettings& settings, PictureReport& report)
     : settings_(settings),
       report_(report),
-      studio_(settings.size, settings.look, std::move(motif)) {
+      captions_(settings.captionParts(), motifOf(run.subject())),
+      frames_(settings.size, settings.look, motifOf(run, settings),
+              stripParts(settings, captions_, run.times().back())) {
   report_.graphics = graphicsVersion();
 }
 
@@ -137,38 +169,36 @@ void Album::makeFrames(const TrajectoryReader& run, const MotionCurve& motion,
 
 void Album::paint(StateQueue& states, FrameQueue& frames) {
   while (const std::optional<SharedState> state = states.pop()) {
-    if (!frames.push(take(**state, Studio::Scales::Drawn))) return;
+    if (!frames.push(takeFrame(**state))) return;
   }
   frames.close();
 }
 
 void Album::encode(FrameQueue& frames) {
   FrameSink sink(settings_, report_);
-  const Style& style = studio_.stage().style();
-  if (!settings_.title.empty()) {
-    sink.putTitle(titleCard(settings_.title, settings_.size, style.background, style.text));
+  const Style& style = frames_.stage().style();
+  const Title title{settings_.title, settings_.subtitle};
+  if (!title.empty()) {
+    sink.putTitle(titleCard(title, settings_.size, style.background, style.text));
   }
   while (std::optional<Frame> frame = frames.pop()) sink.put(std::move(*frame));
   if (!frames.isStopped()) sink.finish();
 }
 
-Frame Album::take(const FrameState& state, Studio::Scales scales) {
+Frame Album::takeFrame(const FrameState& state) {
   const CpuTimer timer(report_.recordCost.cpuSecondsRender);
-  return studio_.take(stillOf(state), scales);
+  return frames_.take(stillOf(state), {captions_.inVideo(state), state.moment.progress});
 }
 
-std::string Album::caption(const FrameState& state) const {
-  const Motif& motif = studio_.stage().motif();
-  const std::vector<double> turned = brickRotations(motif.start, state.sample.poses);
-  CaptionValues values{state.moment.progress, state.moment.time, *std::ranges::max_element(turned),
-                       std::nullopt, state.sample.jointGap};
-  if (motif.target) values.error = state.sample.targetError;
-  return captionText(settings_.captionParts(), values);
+Frame Album::takePicture(const FrameState& state) {
+  const CpuTimer timer(report_.recordCost.cpuSecondsRender);
+  if (!pictures_) pictures_.emplace(settings_.size, settings_.look, frames_.stage().motif());
+  return pictures_->take(stillOf(state));
 }
 
 /// The picture of a state as vector graphics.
 void Album::writeDrawing(const FrameState& state, int number) {
-  const Stage& stage = studio_.stage();
+  const Stage& stage = pictures_->stage();
   const Moment moment = stillOf(state);
   report_.files.push_back(snapshotDrawing(number).string());
   writeTextFile(settings_.folder / report_.files.back(),
@@ -177,15 +207,15 @@ void Album::writeDrawing(const FrameState& state, int number) {
 }
 
 void Album::writeGrid(const TrajectoryReader& run, const MotionCurve& motion) {
-  const GridStyle style = gridStyle(studio_.stage(), settings_);
   Replay states(run);
   std::vector<GridPicture> pictures;
   for (const FrameMoment& moment : snapshotMoments(motion, settings_, settings_.grid.cells())) {
     const FrameState state{moment, states.at(moment.time)};
-    pictures.push_back({take(state, Studio::Scales::None), caption(state)});
+    pictures.push_back({takePicture(state), captions_.of(state)});
     if (settings_.svg) writeDrawing(state, static_cast<int>(pictures.size()));
   }
   trimAlike(pictures);
+  const GridStyle style = gridStyle(pictures_->stage(), settings_);
   writePng(composeGrid(pictures, settings_.grid, style), settings_.folder / output::kSnapshots,
            {.dotsPerInch = settings_.dotsPerInch});
   report_.files.emplace_back(output::kSnapshots);
@@ -195,8 +225,7 @@ void Album::writeChosenFrames(const TrajectoryReader& run, const MotionCurve& mo
   makeFolder(settings_.folder / output::kFrames);
   for (const int number : chooseFrames(run.times(), motion, settings_.chosenFrames)) {
     const Sample sample = run.sample(static_cast<std::size_t>(number));
-    const Frame frame =
-        take({momentAt(motion, settings_.pace, sample.time), sample}, Studio::Scales::Drawn);
+    const Frame frame = takeFrame({momentAt(motion, settings_.pace, sample.time), sample});
     writePng(frame, settings_.folder / frameFile(number), {.dotsPerInch = settings_.dotsPerInch});
     report_.files.push_back(frameFile(number).string());
   }
@@ -208,7 +237,7 @@ void Album::writeMoments(const TrajectoryReader& run, const MotionCurve& motion)
   for (const std::size_t index : samplesOf("snapshot", run)) {
     const Sample sample = run.sample(index);
     report_.files.push_back(momentFile(output::kSnapshotMoment, ++number, ".png"));
-    writePng(take({momentAt(motion, settings_.pace, sample.time), sample}, Studio::Scales::Drawn),
+    writePng(takeFrame({momentAt(motion, settings_.pace, sample.time), sample}),
              settings_.folder / report_.files.back(), {.dotsPerInch = settings_.dotsPerInch});
   }
 }

@@ -21,12 +21,36 @@ Motif motifOf(const TrajectoryReader& run, const PictureSettings& settings);
 /// is deployed.
 void requirePaintable(const Motif& motif, const PictureSettings& settings);
 
+/// Writes what pictures say of the states that they show.
+class CaptionWriter {
+ public:
+  CaptionWriter(const CaptionParts& parts, const Motif& motif)
+      : parts_(parts), start_(motif.start), hasTarget_(motif.target.has_value()) {}
+
+  /// In the grid to a tenth of a per cent; whole per cents where frames follow each other.
+  std::string of(const FrameState& state) const;
+  std::string inVideo(const FrameState& state) const;
+  /// At least as wide as any of a run that ends then, seconds.
+  std::string longest(double endTime) const;
+
+ private:
+  std::string text(const FrameState& state, double progress) const;
+
+  CaptionParts parts_;
+  Poses start_;
+  bool hasTarget_;
+};
+
+/// What stands under the frames of a video.
+StripParts stripParts(const PictureSettings& settings, const CaptionWriter& captions,
+                      double endTime);
+
 /// One studio and what it photographs. Belongs to the thread that makes it.
 class Album {
  public:
-  /// Settings and report must outlive the album. Throws InputError when the look asks for what the
+  /// Everything passed must outlive the album. Throws InputError when the look asks for what the
   /// motif lacks, OutputError when no graphics context can be made.
-  Album(const PictureSettings& settings, Motif motif, PictureReport& report);
+  Album(const TrajectoryReader& run, const PictureSettings& settings, PictureReport& report);
 
   /// Paints the run's video frames and encodes them, both at the same time on threads of their own
   /// (painting on this one). The bytes do not depend on which is faster. Throws the first error of
@@ -43,8 +67,8 @@ class Album {
 
   void paint(StateQueue& states, FrameQueue& frames);
   void encode(FrameQueue& frames);
-  Frame take(const FrameState& state, Studio::Scales scales);
-  std::string caption(const FrameState& state) const;
+  Frame takeFrame(const FrameState& state);
+  Frame takePicture(const FrameState& state);
   void writeDrawing(const FrameState& state, int number);
   void writeGrid(const TrajectoryReader& run, const MotionCurve& motion);
   void writeMoments(const TrajectoryReader& run, const MotionCurve& motion);
@@ -52,7 +76,9 @@ class Album {
 
   const PictureSettings& settings_;
   PictureReport& report_;
-  Studio studio_;
+  CaptionWriter captions_;
+  Studio frames_;                   ///< for frames of the video, with a strip under them
+  std::optional<Studio> pictures_;  ///< for the grid, without one; made when first needed
 };
 
 }  // namespace kirireel

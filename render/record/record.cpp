@@ -46,7 +46,7 @@ void requireValidSettings(const PictureSettings& settings) {
                                  settings.framesPerSecond));
   }
   if (settings.video) requireEncoder(settings.folder / settings.videoFile, videoSettings(settings));
-  if (settings.video) requireTitle(settings.title);
+  if (settings.video) requireTitle({settings.title, settings.subtitle});
   requireWithin(settings.speed, 1e-3, 1e3, "--speed", "a factor");
   requireWithin(settings.heldSeconds(), 0, 60, "--hold", "seconds");
   requireWithin(settings.length, 0.1, 36000, "--length", "seconds");
@@ -216,7 +216,7 @@ void makePictures(const TrajectoryReader& run, const PictureSettings& settings,
                   const ProgressObserver& observer, PictureReport& report) {
   if (!settings.paints()) return;
   const MotionCurve motion = motionOf(run);
-  Album album(settings, motifOf(run, settings), report);
+  Album album(run, settings, report);
   if (settings.paintsFrames()) album.makeFrames(run, motion, observer);
   album.writeSnapshots(run, motion);
 }

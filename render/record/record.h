@@ -54,12 +54,18 @@ struct PictureSettings {
   /// Seconds that the video shows its first and its last frame longer; absent: 0.5 at an even pace,
   /// else none.
   std::optional<double> hold;
-  std::string title;  ///< of a card shown before the video, UTF-8; none when empty
-  Look look;          ///< of all pictures
+  /// Of a card shown before the video, UTF-8, line feeds begin new lines; no card when both are
+  /// empty.
+  std::string title;
+  std::string subtitle;
+  Look look;  ///< of all pictures
   GridShape grid;
-  /// Under the grid's pictures; absent: progress at an even pace, time at real pace.
+  /// Under the grid's pictures and the video's frames; absent: progress at an even pace, time at
+  /// real pace, under the grid alone.
   std::optional<CaptionParts> captions;
-  bool scaleBar = false;              ///< a length under the grid; needs a parallel projection
+  /// A length under the grid and the video; needs a parallel projection.
+  bool scaleBar = false;
+  bool progressBar = false;           ///< under the video
   std::optional<double> dotsPerInch;  ///< noted in PNG files, for print
   SnapshotSpacing spacing = SnapshotSpacing::Progress;
   bool video = true;

@@ -1,47 +1,94 @@
 #include "render/record/title_card.h"
 
 #include <algorithm>
+#include <cmath>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "render/grid/label.h"
+#include "render/grid/text_lines.h"
 #include "sim/base/error.h"
 #include "sim/base/spelling.h"
 
 namespace kirireel {
 namespace {
 
-constexpr double kTextHeight = 0.07;  // em, in heights of the picture
-constexpr double kTextWidth = 0.9;    // at most, in widths of the picture
-constexpr double kCapital = 0.7;      // height of capital letters, em
+constexpr double kTitleSize = 0.07;      // em, in heights of the picture
+constexpr double kSubtitleSize = 0.045;  // likewise
+constexpr double kLineEms = 1.35;        // from line to line
+constexpr double kMostWidth = 0.9;       // of the picture that text may take
+constexpr double kMostHeight = 0.9;
+
+/// A line of a card.
+struct CardLine {
+  std::string text;
+  double em = 0;  ///< pixels
+};
+
+void append(std::vector<CardLine>& lines, const std::string& text, double em, double most) {
+  if (text.empty()) return;
+  const LabelWriter writer(std::max(1, static_cast<int>(em)));
+  const auto width = [&writer](const std::string& line) -> double { return writer.width(line); };
+  for (std::string& line : wrapText(text, width, most)) lines.push_back({std::move(line), em});
+}
+
+double widthOf(const CardLine& line) {
+  return LabelWriter(std::max(1, static_cast<int>(line.em))).width(line.text);
+}
+
+/// Makes all lines smaller by what the widest, or all together, take too much.
+void shrinkToFit(std::vector<CardLine>& lines, FrameSize size) {
+  double widest = 1, height = 1;
+  for (const CardLine& line : lines) {
+    widest = std::max(widest, widthOf(line));
+    height += kLineEms * line.em;
+  }
+  const double share =
+      std::min({1.0, kMostWidth * size.width / widest, kMostHeight * size.height / height});
+  for (CardLine& line : lines) line.em *= share;
+}
+
+void requireDrawable(const char* option, const std::string& text) {
+  const std::optional<std::u32string> letters = codePoints(text);
+  if (!letters) {
+    throw InputError(
+        fmt::format("error: {}: '{}' is not UTF-8; give the title in that encoding, which "
+                    "terminals use",
+                    option, shown(text)));
+  }
+  std::u32string drawn = *letters;
+  std::erase(drawn, U'\n');
+  const std::optional<char32_t> missing = LabelWriter(1).missingGlyph(drawn);
+  if (!missing) return;
+  throw InputError(fmt::format(
+      "error: {}: the font has no U+{:04X}, character {} of '{}'; leave it out, or "
+      "set KIRIREEL_FONT to a TrueType file that has it",
+      option, static_cast<std::uint32_t>(*missing), letters->find(*missing) + 1, oneLine(text)));
+}
 
 }  // namespace
 
-void requireTitle(const std::string& title) {
-  const std::optional<std::u32string> letters = codePoints(title);
-  if (!letters) {
-    throw InputError(
-        fmt::format("error: --title: '{}' is not UTF-8; give the title in that encoding, which "
-                    "terminals use",
-                    shown(title)));
-  }
-  const std::optional<char32_t> missing = LabelWriter(1).missingGlyph(*letters);
-  if (!missing) return;
-  throw InputError(fmt::format(
-      "error: --title: the font has no U+{:04X}, character {} of '{}'; leave it out, or "
-      "set KIRIREEL_FONT to a TrueType file that has it",
-      static_cast<std::uint32_t>(*missing), letters->find(*missing) + 1, oneLine(title)));
+void requireTitle(const Title& title) {
+  requireDrawable("--title", title.title);
+  requireDrawable("--subtitle", title.subtitle);
 }
 
-Frame titleCard(const std::string& text, FrameSize size, Colour background, Colour ink) {
+Frame titleCard(const Title& title, FrameSize size, Colour background, Colour ink) {
+  std::vector<CardLine> lines;
+  append(lines, title.title, kTitleSize * size.height, kMostWidth * size.width);
+  append(lines, title.subtitle, kSubtitleSize * size.height, kMostWidth * size.width);
+  shrinkToFit(lines, size);
+  double height = 0;
+  for (const CardLine& line : lines) height += kLineEms * line.em;
   Frame card = makeFrame(size, background);
-  const double wanted = std::max(1.0, kTextHeight * size.height);
-  const double width = LabelWriter(static_cast<int>(wanted)).width(text);
-  const double shrink = std::min(1.0, kTextWidth * size.width / std::max(1.0, width));
-  const int em = std::max(1, static_cast<int>(wanted * shrink));
-  const LabelWriter writer(em);
-  writer.draw(card, text, (size.width - writer.width(text)) / 2,
-              static_cast<int>(0.5 * (size.height + kCapital * em)), ink);
+  double upper = 0.5 * (size.height - height);
+  for (const CardLine& line : lines) {
+    const LabelWriter writer(std::max(1, static_cast<int>(line.em)));
+    writer.draw(card, line.text, (size.width - writer.width(line.text)) / 2,
+                static_cast<int>(std::lround(upper + line.em)), ink);
+    upper += kLineEms * line.em;
+  }
   return card;
 }
 

@@ -7,12 +7,21 @@
 
 namespace kirireel {
 
-/// Throws InputError for a title that is not UTF-8, or has a character that the font lacks, and
-/// OutputError when the font is missing.
-void requireTitle(const std::string& title);
+/// What a card says, UTF-8; line feeds begin new lines.
+struct Title {
+  std::string title;
+  std::string subtitle;
 
-/// One line of text in UTF-8 in the middle of a picture, as large as a title should be and as
-/// narrow as fits. Throws OutputError when the font is missing.
-Frame titleCard(const std::string& text, FrameSize size, Colour background, Colour ink);
+  bool empty() const { return title.empty() && subtitle.empty(); }
+};
+
+/// Throws InputError for a text that is not UTF-8, or has a character that the font lacks, and
+/// OutputError when the font is missing.
+void requireTitle(const Title& title);
+
+/// The title in the middle of a picture, its subtitle below in smaller letters. Lines that would be
+/// too wide are wrapped; what is too wide or too high even so is drawn smaller. Throws OutputError
+/// when the font is missing.
+Frame titleCard(const Title& title, FrameSize size, Colour background, Colour ink);
 
 }  // namespace kirireel

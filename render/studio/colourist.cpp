@@ -14,7 +14,6 @@
 namespace kirireel {
 namespace {
 
-
 /// Lengths of congruent tiles may differ by this part.
 constexpr double kCongruence = 1e-4;
 

@@ -11,12 +11,6 @@
 namespace kirireel {
 namespace {
 
-/// Em of the text of a bar of colours, and its middle above the lower border, in heights of the
-/// picture; and the smallest text that can be read, pixels.
-constexpr double kTextSize = 0.034;
-constexpr double kBarHeight = 0.05;
-constexpr int kSmallestText = 9;
-
 /// Light where colours stand for values: brightness of a face in the dark, and the part of the
 /// usual lights that is left.
 constexpr double kMeasureAmbient = 0.84;
@@ -47,12 +41,18 @@ std::optional<GroundPlate> plateFor(const Look& look, const Motif& motif) {
   return plate;
 }
 
-Style styleFor(const Look& look, const Motif& motif, FrameSize size) {
+/// The colours of a page.
+Style pageStyle(const Look& look) {
   Style style = look.theme == Theme::Dark ? darkStyle() : Style();
   if (look.transparent) {
     style.background.alpha = 0;
     style.shadow = {0, 0, 0, 56};
   }
+  return style;
+}
+
+Style styleFor(const Look& look, const Motif& motif, FrameSize size) {
+  Style style = pageStyle(look);
   if (look.brickColour) style.brick = shadesOf(*look.brickColour);
   // Thinner lines would break up into dashes.
   style.edgeWidth = look.outlines ? std::max(style.edgeWidth, kThinnestEdge / size.height) : 0;
@@ -65,6 +65,14 @@ Style styleFor(const Look& look, const Motif& motif, FrameSize size) {
   }
   style.plate = plateFor(look, motif);
   return style;
+}
+
+/// What cameras must hold in sight: the motif's points and, where they cast one, their shadow.
+std::vector<Vector3> pointsInSight(const Motif& motif, const Style& style) {
+  std::vector<Vector3> points = motif.points;
+  if (!style.plate || !style.plate->shadow) return points;
+  for (const Vector3& point : motif.points) points.push_back(shadowOf(point, style));
+  return points;
 }
 
 /// Refuses a bad size before anything is made of it.
@@ -121,7 +129,8 @@ Stage::Stage(const Look& look, Motif motif, FrameSize size)
     : motif_(std::move(motif)),
       style_(styleFor(look, motif_, validated(size))),
       colourist_(look, motif_),
-      cameras_(look.camera, motif_.points, size.aspect()),
+      size_(size),
+      cameras_(look.camera, pointsInSight(motif_, style_), size.aspect()),
       jointMarks_(look.jointMarks),
       targetLines_(look.targetLines) {
   if (!targetLines_ || motif_.target) return;
@@ -165,28 +174,39 @@ std::optional<double> Stage::sharedHeight() const {
   return camera.viewHeight;
 }
 
-Studio::Studio(FrameSize size, const Look& look, Motif motif)
-    : stage_(std::in_place, look, std::move(motif), size),
-      painter_(size, stage_->motif().bricks, stage_->style()) {}
-
-void Studio::show(const Look& look, Motif motif) {
-  stage_.emplace(look, std::move(motif), painter_.size());
-  painter_.show(stage_->motif().bricks, stage_->style());
-  scaleDrawer_.reset();
+double Stage::metresPerPixel() const {
+  const std::optional<double> height = sharedHeight();
+  if (height) return *height / size_.height;
+  throw InputError(
+      "error: one scale bar cannot hold all over a picture in perspective or from a moving camera; "
+      "add --projection parallel, or leave --scale-bar away");
 }
 
-Frame Studio::take(const Moment& moment, Scales scales) {
-  const Camera camera = stage_->camera(moment);
-  Frame frame = painter_.paint(stage_->shot(moment), camera);
-  if (scales == Scales::None || !stage_->colourScale()) return frame;
-  const FrameSize size = frame.size;
-  if (!scaleDrawer_) {
-    const int em = std::max(kSmallestText, static_cast<int>(std::lround(kTextSize * size.height)));
-    scaleDrawer_.emplace(em, stage_->style().text);
+Studio::Studio(FrameSize size, const Look& look, Motif motif, const StripParts& parts)
+    : size_(size), parts_(parts) {
+  show(look, std::move(motif));
+}
+
+void Studio::show(const Look& look, Motif motif) {
+  StripParts parts = parts_;
+  parts.colours = parts.colours && isMeasure(look.colouring);
+  strip_.emplace(validated(size_), parts, pageStyle(look));
+  stage_.emplace(look, std::move(motif), strip_->picture());
+  metresPerPixel_.reset();
+  if (parts.scaleBar) metresPerPixel_ = stage_->metresPerPixel();
+  if (painter_ && painter_->size() == strip_->picture()) {
+    painter_->show(stage_->motif().bricks, stage_->style());
+  } else {
+    painter_.reset();
+    painter_.emplace(strip_->picture(), stage_->motif().bricks, stage_->style());
   }
-  scaleDrawer_->drawColourBar(frame, *stage_->colourScale(), size.width / 2,
-                              size.height - static_cast<int>(std::lround(kBarHeight * size.height)),
-                              size.width);
+}
+
+Frame Studio::take(const Moment& moment, const StripText& text) {
+  const Camera camera = stage_->camera(moment);
+  Frame frame = painter_->paint(stage_->shot(moment), camera);
+  strip_->append(frame, text, parts_.colours ? stage_->colourScale() : std::nullopt,
+                 metresPerPixel_);
   return frame;
 }
 

@@ -10,6 +10,7 @@
 #include "render/picture/sketch.h"
 #include "render/studio/colourist.h"
 #include "render/studio/look.h"
+#include "render/studio/strip.h"
 #include "sim/scene/scene.h"
 
 namespace kirireel {
@@ -62,6 +63,7 @@ class Stage {
 
   const Motif& motif() const { return motif_; }
   const Style& style() const { return style_; }
+  FrameSize pictureSize() const { return size_; }
 
   /// What the bricks' colours mean, when they are those of a measure.
   const std::optional<ColourScale>& colourScale() const { return colourist_.scale(); }
@@ -70,10 +72,14 @@ class Stage {
   /// still and projects in parallel.
   std::optional<double> sharedHeight() const;
 
+  /// The same for one pixel. Throws InputError when no one scale holds.
+  double metresPerPixel() const;
+
  private:
   Motif motif_;
   Style style_;
   Colourist colourist_;
+  FrameSize size_;
   CameraPath cameras_;
   bool jointMarks_;
   bool targetLines_;
@@ -82,25 +88,28 @@ class Stage {
 /// A stage with a painter. Belongs to the thread that makes it.
 class Studio {
  public:
-  /// Throws as Stage and Painter do.
-  Studio(FrameSize size, const Look& look, Motif motif);
+  /// size: of the pictures, with a strip under them where there are parts of one; colours stand on
+  /// it only where they are those of a measure. Throws as Stage and Painter do, and OutputError
+  /// when the font is missing.
+  Studio(FrameSize size, const Look& look, Motif motif, const StripParts& parts = {});
 
   /// Photographs this motif from now on, in pictures of the same size; quicker than a new studio.
   /// Throws as Stage does.
   void show(const Look& look, Motif motif);
 
-  /// Whether a picture says what its colours mean, when they are those of a measure.
-  enum class Scales { None, Drawn };
-
-  /// The picture of a moment. Throws InputError when the camera stands within a brick.
-  Frame take(const Moment& moment, Scales scales = Scales::None);
+  /// The picture of a moment with its strip. Throws InputError when the camera stands within a
+  /// brick.
+  Frame take(const Moment& moment, const StripText& text = {});
 
   const Stage& stage() const { return *stage_; }
 
  private:
-  std::optional<Stage> stage_;  ///< always there; made anew for each motif
-  Painter painter_;
-  std::optional<ScaleDrawer> scaleDrawer_;  ///< made when first needed
+  FrameSize size_;
+  StripParts parts_;
+  std::optional<Strip> strip_;  ///< made anew for each motif, as is the stage; always there
+  std::optional<Stage> stage_;
+  std::optional<Painter> painter_;        ///< made anew when the strip's height changes
+  std::optional<double> metresPerPixel_;  ///< where a bar of length is drawn
 };
 
 }  // namespace kirireel

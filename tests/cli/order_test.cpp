@@ -129,6 +129,8 @@ const std::vector<Sample>& samples() {
       {"--speed", {"0.5", "3"}},
       {"--hold", {"0.25", "3"}},
       {"--title", {"Squares \\ \"open\"", "\tat last"}},
+      {"--subtitle", {"two\nlines"}},
+      {"--progress-bar", {}},
       {"--crf", {"0", "30"}},
       {"--preset", {"slow", "medium"}},
       {"--encoder", {"libx264", "mpeg4"}},

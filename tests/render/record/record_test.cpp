@@ -283,8 +283,9 @@ TEST_F(RecordTest, PicturesWithoutVideoShowTheRunWholeToo) {
 }
 
 TEST_F(RecordTest, ErrorOfAStageEndsTheOthers) {
-  // Where frames are to be written.
+  // Where frames are to be written; there are more than queues hold.
   settings_.frames = true;
+  settings_.pace = Pace::Even;
   const auto recording = [this] {
     record(tessellationScene(), settings_, [this](const Progress&) {
       const fs::path frames = settings_.folder / ".unfinished/frames";

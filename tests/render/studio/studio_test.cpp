@@ -113,20 +113,49 @@ TEST(Studio, RefusesAnEmptyPictureBeforeItDividesByIt) {
             "16384, for example --size 1280x720");
 }
 
-TEST(Studio, AddsABarOfColoursToPicturesThatNeedIt) {
+TEST(Studio, PutsABarOfColoursUnderPicturesThatNeedIt) {
   Look look;
   look.colouring = Colouring::TargetError;
-  Studio studio({320, 180}, look, tessellationMotif());
+  Studio studio({320, 180}, look, tessellationMotif(), {.colours = true});
   const Moment moment{0, studio.stage().motif().start, {}};
-  const Frame without = studio.take(moment);
-  const Frame with = studio.take(moment, Studio::Scales::Drawn);
-  EXPECT_NE(without.pixels, with.pixels);
-  // Only the strip at the lower border differs.
-  const auto upperEnd = static_cast<std::ptrdiff_t>(without.rowStart(160));
-  EXPECT_TRUE(
-      std::equal(without.pixels.begin(), without.pixels.begin() + upperEnd, with.pixels.begin()));
+  const Frame frame = studio.take(moment);
+  EXPECT_EQ(frame.size, (FrameSize{320, 180}));
+  const int height = studio.stage().pictureSize().height;
+  EXPECT_LT(height, 170);
+  // Above the strip is the picture, in a smaller format.
+  Studio small({320, height}, look, tessellationMotif());
+  const Frame picture = small.take(moment);
+  EXPECT_TRUE(std::equal(picture.pixels.begin(), picture.pixels.end(), frame.pixels.begin()));
   Studio plain({320, 180}, {}, tessellationMotif());
-  EXPECT_EQ(plain.take(moment).pixels, plain.take(moment, Studio::Scales::Drawn).pixels);
+  Studio asked({320, 180}, {}, tessellationMotif(), {.colours = true});
+  EXPECT_EQ(plain.take(moment).pixels, asked.take(moment).pixels);
+}
+
+// The shadow reaches farther than the bricks, and is in sight all the same.
+TEST(Studio, HoldsTheShadowInSight) {
+  Look look;
+  look.ground = GroundLook::Shadow;
+  look.camera.view = kIsometricView;
+  Motif tall = tessellationMotif();
+  for (Vector3& point : tall.points) point.z() += 3;
+  for (Pose& pose : tall.start) pose.position.z() += 3;
+  tall.points.emplace_back(0, 0, 0);
+  Studio studio({320, 180}, look, tall);
+  const Frame frame = studio.take({0, tall.start, {}});
+  for (int x = 0; x < frame.size.width; ++x) {
+    ASSERT_EQ(frame.at(x, 0), Style().background);
+    ASSERT_EQ(frame.at(x, frame.size.height - 1), Style().background);
+  }
+  for (int y = 0; y < frame.size.height; ++y) {
+    ASSERT_EQ(frame.at(0, y), Style().background);
+    ASSERT_EQ(frame.at(frame.size.width - 1, y), Style().background);
+  }
+}
+
+TEST(Studio, RefusesAScaleBarInPerspective) {
+  Look look;
+  look.camera.view = kIsometricView;
+  EXPECT_THROW(Studio({320, 180}, look, tessellationMotif(), {.scaleBar = true}), InputError);
 }
 
 TEST(Studio, ShowsAnotherMotifAsANewStudioWould) {
@@ -136,14 +165,14 @@ TEST(Studio, ShowsAnotherMotifAsANewStudioWould) {
   Motif wide = tessellationMotif();
   wide.points.emplace_back(40, 0, 0);
   const auto takeIn = [](Studio& studio) {
-    return studio.take({0, studio.stage().motif().start, {}}, Studio::Scales::Drawn).pixels;
+    return studio.take({0, studio.stage().motif().start, {}}).pixels;
   };
   Look light = dark;
   light.theme = Theme::Light;
-  Studio studio({320, 180}, light, tessellationMotif());
+  Studio studio({320, 180}, light, tessellationMotif(), {.colours = true});
   takeIn(studio);
   studio.show(dark, wide);
-  Studio fresh({320, 180}, dark, wide);
+  Studio fresh({320, 180}, dark, wide, {.colours = true});
   EXPECT_EQ(takeIn(studio), takeIn(fresh));
 }
 
