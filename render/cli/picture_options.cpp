@@ -1,11 +1,65 @@
 #include "render/cli/picture_options.h"
 
+#include <algorithm>
+#include <sstream>
+
 #include <CLI/CLI.hpp>
 
 #include "render/cli/look_options.h"
 #include "render/cli/option_group.h"
 
 namespace kirireel {
+
+namespace {
+
+/// "180mm" or "7pt": a positive number with its unit, or without.
+double parseLength(const OptionValue& value, const std::string& unit, Range range) {
+  std::string digits = value.text;
+  if (digits.ends_with(unit)) digits.resize(digits.size() - unit.size());
+  return parseNumber({value.name, digits}, range);
+}
+
+std::vector<PageFormat> parsePages(const OptionValue& value) {
+  std::vector<PageFormat> pages;
+  std::istringstream words(value.text);
+  for (std::string word; std::getline(words, word, ',');) {
+    const auto format = parseChoice<PageFormat>(
+        {value.name, word}, {{"svg", PageFormat::Svg}, {"pdf", PageFormat::Pdf}});
+    if (std::ranges::find(pages, format) == pages.end()) pages.push_back(format);
+  }
+  return pages;
+}
+
+std::string pagesText(const std::vector<PageFormat>& pages) {
+  std::string text;
+  for (const PageFormat page : pages) {
+    text += (text.empty() ? "" : ",") + std::string(page == PageFormat::Svg ? "svg" : "pdf");
+  }
+  return quotedText(text);
+}
+
+void addPrintOptions(OptionGroup& group, PictureSettings& settings) {
+  group
+      .value("--width", "MM", "as it comes", "of the grid in print, 180mm; at --dpi, else 300 dpi",
+             [&](const OptionValue& typed) {
+               settings.gridWidth = parseLength(typed, "mm", {1, 10000});
+             })
+      .saidAs([&] { return settings.gridWidth ? numberText(*settings.gridWidth) : ""; });
+  group
+      .value("--font-size", "PT", "by the pictures' size", "of the grid's text in print, 7pt",
+             [&](const OptionValue& typed) {
+               settings.fontPoints = parseLength(typed, "pt", {1, 200});
+             })
+      .saidAs([&] { return settings.fontPoints ? numberText(*settings.fontPoints) : ""; });
+  group.flag("--letters", settings.letters, "(a), (b), ... over the grid's pictures");
+  group
+      .value("--figure", "LIST", "none",
+             "the whole grid as vector graphics too: svg, pdf, as snapshots.svg, snapshots.pdf",
+             [&](const OptionValue& typed) { settings.pages = parsePages(typed); })
+      .saidAs([&] { return pagesText(settings.pages); });
+}
+
+}  // namespace
 
 void addPictureOptions(CLI::App& command, PictureSettings& settings) {
   OptionGroup group(command, "Pictures");
@@ -31,6 +85,7 @@ void addPictureOptions(CLI::App& command, PictureSettings& settings) {
                settings.dotsPerInch = parseNumber(typed, {1, 100000});
              })
       .saidAs([&] { return settings.dotsPerInch ? numberText(*settings.dotsPerInch) : ""; });
+  addPrintOptions(group, settings);
   group.choice<SnapshotSpacing>(
       "--snapshots", settings.spacing,
       {{"progress", SnapshotSpacing::Progress}, {"time", SnapshotSpacing::Time}},

@@ -11,6 +11,8 @@ namespace kirireel {
 namespace output {
 inline constexpr const char* kVideo = "deployment.mp4";
 inline constexpr const char* kSnapshots = "snapshots.png";
+inline constexpr const char* kSnapshotsSvg = "snapshots.svg";
+inline constexpr const char* kSnapshotsPdf = "snapshots.pdf";
 inline constexpr const char* kInitialMesh = "initial";  ///< .obj and .ply
 inline constexpr const char* kFinalMesh = "final";      ///< .obj and .ply
 inline constexpr const char* kFinalVertices = "final_vertices.txt";

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include "render/grid/label.h"
+#include "render/grid/text_lines.h"
 #include "sim/base/error.h"
 #include "sim/base/geometry.h"
 
@@ -20,6 +22,10 @@ constexpr int kSmallestText = 9;
 /// Height of the strip under a picture, in ems of its text; the baseline's place in it.
 constexpr double kStripEms = 1.6;
 constexpr double kBaselineEms = 1.25;
+/// From line to line of a caption; the strip over a picture with its letter, and its baseline; ems.
+constexpr double kLineEms = 1.25;
+constexpr double kLetterEms = 1.4;
+constexpr double kLetterBaselineEms = 1;
 
 /// Height of the strip of a scale below the pictures, in ems of its text; and the longest bar of
 /// length, in widths of a picture.
@@ -55,34 +61,48 @@ PixelBox withMargin(const PixelBox& box, FrameSize size) {
   return PixelBox(box.min() - growth, box.max() + growth).intersection(picture);
 }
 
-Frame cutOut(const Frame& frame, const PixelBox& box) {
-  const std::ptrdiff_t first = std::ptrdiff_t{4} * box.min().x();
-  const std::ptrdiff_t end = std::ptrdiff_t{4} * (box.max().x() + 1);
-  Frame part{{box.sizes().x() + 1, box.sizes().y() + 1}, {}};
-  for (int y = box.min().y(); y <= box.max().y(); ++y) {
+Frame cutOut(const Frame& frame, const PictureBox& part) {
+  const std::ptrdiff_t first = std::ptrdiff_t{4} * part.left;
+  const std::ptrdiff_t end = std::ptrdiff_t{4} * (part.left + part.size.width);
+  Frame cut{part.size, {}};
+  for (int y = part.upper; y < part.upper + part.size.height; ++y) {
     const auto row = frame.pixels.begin() + static_cast<std::ptrdiff_t>(frame.rowStart(y));
-    part.pixels.insert(part.pixels.end(), row + first, row + end);
+    cut.pixels.insert(cut.pixels.end(), row + first, row + end);
   }
-  return part;
+  return cut;
 }
 
 /// The size at which the widest caption fits under its picture, at most the layout's.
-int captionSize(const std::vector<GridPicture>& pictures, const GridLayout& layout) {
+int captionSize(const std::vector<std::string>& captions, const GridLayout& layout) {
   const LabelWriter writer(layout.textSize);
   int widest = 1;
-  for (const GridPicture& picture : pictures) {
-    widest = std::max(widest, writer.width(picture.caption));
-  }
+  for (const std::string& caption : captions) widest = std::max(widest, writer.width(caption));
   const double share = std::min(1.0, static_cast<double>(layout.picture.width) / widest);
   return std::max(kSmallestText, static_cast<int>(share * layout.textSize));
 }
 
+/// The lines of a caption under its picture.
+std::vector<std::string> captionLines(const std::string& caption, const LabelWriter& writer,
+                                      int width) {
+  return wrapText(
+      caption, [&writer](const std::string& line) { return double(writer.width(line)); }, width);
+}
+
+/// "(a)" to "(z)", then "(aa)", "(ab)" and so on.
+std::string panelLetter(int number) {
+  std::string letters;
+  for (int rest = number; rest >= 0; rest = rest / 26 - 1) {
+    letters.insert(letters.begin(), static_cast<char>('a' + rest % 26));
+  }
+  return '(' + letters + ')';
+}
+
 /// Draws the scales that all pictures share, one below the other at the lower end of the sheet.
-void drawScales(Frame& sheet, const GridLayout& layout, const GridStyle& style) {
+void drawScales(Surface& sheet, const GridLayout& layout, const GridStyle& style) {
   if (layout.scales == 0) return;
   const ScaleDrawer drawer(layout.textSize, style.text);
-  const int middle = sheet.size.width / 2;
-  int y = sheet.size.height - layout.gap / 2 - layout.scales * layout.scaleHeight +
+  const int middle = layout.sheet.width / 2;
+  int y = layout.sheet.height - layout.gap / 2 - layout.scales * layout.scaleHeight +
           layout.scaleHeight / 2;
   if (style.metresPerPixel) {
     const ScaleLength length =
@@ -92,7 +112,7 @@ void drawScales(Frame& sheet, const GridLayout& layout, const GridStyle& style) 
     y += layout.scaleHeight;
   }
   if (style.colourScale) {
-    drawer.drawColourBar(sheet, *style.colourScale, middle, y, sheet.size.width - 2 * layout.gap);
+    drawer.drawColourBar(sheet, *style.colourScale, middle, y, layout.sheet.width - 2 * layout.gap);
   }
 }
 
@@ -115,7 +135,7 @@ void requireFitting(const std::vector<GridPicture>& pictures, GridShape shape) {
 
 }  // namespace
 
-GridLayout layOutGrid(FrameSize picture, GridShape shape, const GridStyle& style) {
+GridLayout layOutGrid(FrameSize picture, GridShape shape, const GridStyle& style, int lines) {
   if (shape.rows < 1 || shape.columns < 1) {
     throw InputError(
         fmt::format("error: a grid cannot have {} x {} cells; give at least one row and one "
@@ -127,7 +147,12 @@ GridLayout layOutGrid(FrameSize picture, GridShape shape, const GridStyle& style
   layout.gap = static_cast<int>(std::lround(style.gap * picture.height));
   layout.textSize =
       std::max(kSmallestText, static_cast<int>(std::lround(style.captionSize * picture.height)));
-  layout.captionHeight = static_cast<int>(std::lround(kStripEms * layout.textSize));
+  if (style.textSize) layout.textSize = *style.textSize;
+  layout.captionHeight =
+      static_cast<int>(std::lround((kStripEms + (lines - 1) * kLineEms) * layout.textSize));
+  if (style.letters) {
+    layout.letterHeight = static_cast<int>(std::lround(kLetterEms * layout.textSize));
+  }
   layout.scaleHeight = static_cast<int>(std::lround(kScaleEms * layout.textSize));
   layout.scales = (style.colourScale ? 1 : 0) + (style.metresPerPixel ? 1 : 0);
   // In 64 bits: rows and columns may be anything that a person typed.
@@ -135,7 +160,8 @@ GridLayout layOutGrid(FrameSize picture, GridShape shape, const GridStyle& style
       layout.gap + shape.columns * static_cast<long long>(picture.width + layout.gap);
   const long long height =
       layout.gap +
-      shape.rows * static_cast<long long>(picture.height + layout.captionHeight + layout.gap) +
+      shape.rows * static_cast<long long>(layout.letterHeight + picture.height +
+                                          layout.captionHeight + layout.gap) +
       static_cast<long long>(layout.scales) * layout.scaleHeight;
   if (width > kMaxFrameSide || height > kMaxFrameSide) {
     throw InputError(fmt::format(
@@ -147,35 +173,81 @@ GridLayout layOutGrid(FrameSize picture, GridShape shape, const GridStyle& style
   return layout;
 }
 
+GridLayout layOutGrid(FrameSize picture, GridShape shape, const GridStyle& style,
+                      const std::vector<std::string>& captions) {
+  if (!style.textSize) return layOutGrid(picture, shape, style);
+  const LabelWriter writer(*style.textSize);
+  std::size_t most = 1;
+  for (const std::string& caption : captions) {
+    most = std::max(most, captionLines(caption, writer, picture.width).size());
+  }
+  return layOutGrid(picture, shape, style, static_cast<int>(most));
+}
+
+void drawGridText(Surface& surface, const GridLayout& layout, const GridStyle& style,
+                  const std::vector<std::string>& captions, int columns) {
+  const int em = style.textSize ? *style.textSize : captionSize(captions, layout);
+  const LabelWriter writer(em);
+  for (int cell = 0; cell < static_cast<int>(captions.size()); ++cell) {
+    const int left = layout.left(cell % columns), upper = layout.upper(cell / columns);
+    if (style.letters) {
+      const double baseline = upper - (kLetterEms - kLetterBaselineEms) * layout.textSize;
+      surface.text(panelLetter(cell), left, std::round(baseline), em, style.text);
+    }
+    double baseline = upper + layout.picture.height + std::lround(kBaselineEms * layout.textSize);
+    const int width = style.textSize ? layout.picture.width : std::numeric_limits<int>::max();
+    for (const std::string& line : captionLines(captions[cell], writer, width)) {
+      const int indent = (layout.picture.width - writer.width(line)) / 2;
+      surface.text(line, left + indent, baseline, em, style.text);
+      baseline += std::round(kLineEms * layout.textSize);
+    }
+  }
+  drawScales(surface, layout, style);
+}
+
+std::vector<std::string> captionsOf(const std::vector<GridPicture>& pictures) {
+  std::vector<std::string> captions;
+  for (const GridPicture& picture : pictures) captions.push_back(picture.caption);
+  return captions;
+}
+
 Frame composeGrid(const std::vector<GridPicture>& pictures, GridShape shape,
                   const GridStyle& style) {
   if (pictures.empty()) throw InputError("error: a grid needs at least one picture; give it some");
-  const GridLayout layout = layOutGrid(pictures.front().frame.size, shape, style);
+  const std::vector<std::string> captions = captionsOf(pictures);
+  const GridLayout layout = layOutGrid(pictures.front().frame.size, shape, style, captions);
   requireFitting(pictures, shape);
-  const LabelWriter writer(captionSize(pictures, layout));
   Frame sheet = makeFrame(layout.sheet, style.background);
   for (int cell = 0; cell < static_cast<int>(pictures.size()); ++cell) {
-    const GridPicture& picture = pictures[cell];
-    const int left = layout.left(cell % shape.columns);
-    const int upper = layout.upper(cell / shape.columns);
-    pasteFrame(sheet, picture.frame, left, upper);
-    const int textLeft = left + (layout.picture.width - writer.width(picture.caption)) / 2;
-    const int baseline = upper + layout.picture.height +
-                         static_cast<int>(std::lround(kBaselineEms * layout.textSize));
-    writer.draw(sheet, picture.caption, textLeft, baseline, style.text);
+    pasteFrame(sheet, pictures[cell].frame, layout.left(cell % shape.columns),
+               layout.upper(cell / shape.columns));
   }
-  drawScales(sheet, layout, style);
+  FrameSurface surface(sheet);
+  drawGridText(surface, layout, style, captions, shape.columns);
   return sheet;
 }
 
-void trimAlike(std::vector<GridPicture>& pictures) {
+PictureBox PictureBox::scaled(double scale) const {
+  const auto pixels = [scale](int length) { return static_cast<int>(std::lround(scale * length)); };
+  return {pixels(left),
+          pixels(upper),
+          {std::max(1, pixels(left + size.width) - pixels(left)),
+           std::max(1, pixels(upper + size.height) - pixels(upper))}};
+}
+
+PictureBox filledPart(const std::vector<GridPicture>& pictures) {
+  const Frame& first = pictures.front().frame;
   PixelBox filled;
   for (const GridPicture& picture : pictures) {
-    filled.extend(filledBox(picture.frame, pictures.front().frame.at(0, 0)));
+    filled.extend(filledBox(picture.frame, first.at(0, 0)));
   }
-  if (filled.isEmpty()) return;
-  const PixelBox box = withMargin(filled, pictures.front().frame.size);
-  for (GridPicture& picture : pictures) picture.frame = cutOut(picture.frame, box);
+  if (filled.isEmpty()) return {0, 0, first.size};
+  const PixelBox box = withMargin(filled, first.size);
+  return {box.min().x(), box.min().y(), {box.sizes().x() + 1, box.sizes().y() + 1}};
+}
+
+void cutAlike(std::vector<GridPicture>& pictures, const PictureBox& part) {
+  for (GridPicture& picture : pictures) picture.frame = cutOut(picture.frame, part);
 }
 
 namespace {

@@ -25,10 +25,23 @@ struct GridPicture {
   std::string caption;  ///< printed centred under the picture, UTF-8; may be empty
 };
 
-/// Cuts the empty margins that all pictures share, by the same box, so that models fill the sheet;
-/// a small margin stays, and a caption's width. Empty is what looks like the first picture's upper
-/// left pixel. The pictures must have one size.
-void trimAlike(std::vector<GridPicture>& pictures);
+/// A part of a picture, pixels from its upper left corner.
+struct PictureBox {
+  int left = 0;
+  int upper = 0;
+  FrameSize size;
+
+  /// The same part of a picture that is `scale` times as large.
+  PictureBox scaled(double scale) const;
+};
+
+/// The part without the empty margins that all pictures share, so that models fill the sheet; a
+/// small margin stays, and a caption's width. Empty is what looks like the first picture's upper
+/// left pixel. The pictures, one or more, must have one size.
+PictureBox filledPart(const std::vector<GridPicture>& pictures);
+
+/// Leaves of each picture that part alone, which must lie within it.
+void cutAlike(std::vector<GridPicture>& pictures, const PictureBox& part);
 
 /// The look of a grid. Lengths are in heights of one picture, so that grids of any size look alike.
 struct GridStyle {
@@ -36,6 +49,9 @@ struct GridStyle {
   Colour text = {30, 30, 30};
   double captionSize = 0.065;  ///< height of the text (its em); captions that need less get less
   double gap = 0.04;           ///< between cells and around the sheet
+  /// Em of all text, pixels, whatever the pictures' size; captions that need more room get lines.
+  std::optional<int> textSize;
+  bool letters = false;  ///< (a), (b), ... over the pictures
   /// What the colours of all pictures mean: drawn below them when given.
   std::optional<ColourScale> colourScale;
   /// Of all pictures: a bar of a round length is drawn below them when given.
@@ -47,6 +63,7 @@ struct GridLayout {
   FrameSize sheet;        ///< the whole grid
   FrameSize picture;      ///< one picture
   int gap = 0;            ///< around every cell
+  int letterHeight = 0;   ///< strip over each picture
   int captionHeight = 0;  ///< strip under each picture
   int textSize = 0;       ///< em of the caption
   int scaleHeight = 0;    ///< strip for each scale below all pictures
@@ -55,12 +72,26 @@ struct GridLayout {
   /// Left edge of a column of pictures.
   int left(int column) const { return gap + column * (picture.width + gap); }
   /// Upper edge of a row of pictures.
-  int upper(int row) const { return gap + row * (picture.height + captionHeight + gap); }
+  int upper(int row) const {
+    return gap + letterHeight + row * (letterHeight + picture.height + captionHeight + gap);
+  }
 };
 
-/// The layout of a grid of pictures of one size. Throws InputError when the shape is empty or the
-/// sheet would be larger than kMaxFrameSide.
-GridLayout layOutGrid(FrameSize picture, GridShape shape, const GridStyle& style = {});
+/// The layout of a grid of pictures of one size, with so many lines of caption under each. Throws
+/// InputError when the shape is empty or the sheet would be larger than kMaxFrameSide.
+GridLayout layOutGrid(FrameSize picture, GridShape shape, const GridStyle& style = {},
+                      int captionLines = 1);
+
+/// The same with as many lines as the widest of the captions needs.
+GridLayout layOutGrid(FrameSize picture, GridShape shape, const GridStyle& style,
+                      const std::vector<std::string>& captions);
+
+/// Draws everything on the sheet but the pictures and the background.
+void drawGridText(Surface& surface, const GridLayout& layout, const GridStyle& style,
+                  const std::vector<std::string>& captions, int columns);
+
+/// The captions of pictures.
+std::vector<std::string> captionsOf(const std::vector<GridPicture>& pictures);
 
 /// The sheet: pictures fill rows from the left, top row first; cells without a picture stay blank.
 /// Throws InputError when there is no picture, more pictures than cells, or their sizes differ;

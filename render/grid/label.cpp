@@ -92,6 +92,15 @@ LabelWriter::LabelWriter(int pixelsPerEm, const std::filesystem::path& font)
 
 LabelWriter::~LabelWriter() = default;
 
+std::string fontFamily() {
+  return LabelWriter(1).family();
+}
+
+std::string LabelWriter::family() const {
+  const char* name = face_->face->family_name;
+  return name == nullptr ? "sans-serif" : name;
+}
+
 int LabelWriter::width(const std::string& text) const {
   long units = 0;
   for (const char32_t letter : codePoints(text).value_or(kUnknown)) {

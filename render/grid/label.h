@@ -14,6 +14,9 @@ namespace kirireel {
 /// keep it. Throws OutputError that names Debian's package when there is none.
 std::filesystem::path findFont();
 
+/// The name of that font's family, for example "DejaVu Sans".
+std::string fontFamily();
+
 /// Draws lines of text in one size.
 class LabelWriter {
  public:
@@ -23,6 +26,9 @@ class LabelWriter {
   ~LabelWriter();
   LabelWriter(const LabelWriter&) = delete;
   LabelWriter& operator=(const LabelWriter&) = delete;
+
+  /// The name of the font's family.
+  std::string family() const;
 
   /// Width of one line of text in UTF-8, pixels. Each character that the font lacks, and any text
   /// that is not UTF-8, counts and is drawn as the font's box.

@@ -16,14 +16,6 @@ constexpr double kSpaceEms = 0.5;
 /// Length of a bar of colours, ems, where there is room.
 constexpr double kColourBarLengthEms = 14;
 
-void fill(Frame& frame, int left, int upper, int width, int height, Colour colour) {
-  const int right = std::min(left + width, frame.size.width);
-  const int lower = std::min(upper + height, frame.size.height);
-  for (int y = std::max(upper, 0); y < lower; ++y) {
-    for (int x = std::max(left, 0); x < right; ++x) frame.set(x, y, colour);
-  }
-}
-
 int pixels(double length) {
   return static_cast<int>(std::lround(length));
 }
@@ -55,7 +47,7 @@ int ScaleDrawer::baseline(int y) const {
   return y + pixels(0.36 * em_);
 }
 
-void ScaleDrawer::drawColourBar(Frame& frame, const ColourScale& scale, int x, int y,
+void ScaleDrawer::drawColourBar(Surface& surface, const ColourScale& scale, int x, int y,
                                 int width) const {
   const int space = pixels(kSpaceEms * em_);
   const std::string least = shortNumber(scale.least), most = shortNumber(scale.most);
@@ -64,7 +56,7 @@ void ScaleDrawer::drawColourBar(Frame& frame, const ColourScale& scale, int x, i
   const int length = std::clamp(room, em_, pixels(kColourBarLengthEms * em_));
   int pen = x - (texts + 4 * space + length) / 2;
   const auto write = [&](const std::string& text, int gap) {
-    writer_.draw(frame, text, pen, baseline(y), text_);
+    surface.text(text, pen, baseline(y), em_, text_);
     pen += writer_.width(text) + gap;
   };
   write(scale.title, 2 * space);
@@ -72,19 +64,20 @@ void ScaleDrawer::drawColourBar(Frame& frame, const ColourScale& scale, int x, i
   const int height = std::max(3, pixels(kColourBarEms * em_));
   for (int k = 0; k < length; ++k) {
     const double share = length > 1 ? static_cast<double>(k) / (length - 1) : 0;
-    fill(frame, pen + k, y - height / 2, 1, height, mapColour(scale.map, share));
+    // Each over the rest of the bar, so that no gap shows between two.
+    surface.box(pen + k, y - height / 2, length - k, height, mapColour(scale.map, share));
   }
   pen += length + space;
   write(most, 0);
 }
 
-void ScaleDrawer::drawScaleBar(Frame& frame, const std::string& text, int length, int x,
+void ScaleDrawer::drawScaleBar(Surface& surface, const std::string& text, int length, int x,
                                int y) const {
   const int space = pixels(kSpaceEms * em_);
   const int left = x - (length + space + writer_.width(text)) / 2;
   const int height = std::max(2, pixels(kScaleBarEms * em_));
-  fill(frame, left, y - height / 2, length, height, text_);
-  writer_.draw(frame, text, left + length + space, baseline(y), text_);
+  surface.box(left, y - height / 2, length, height, text_);
+  surface.text(text, left + length + space, baseline(y), em_, text_);
 }
 
 }  // namespace kirireel

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "render/grid/label.h"
+#include "render/grid/surface.h"
 #include "render/picture/frame.h"
 #include "render/picture/palette.h"
 
@@ -31,7 +32,7 @@ struct ScaleLength {
 /// The longest such length. longest: metres, positive.
 ScaleLength roundLength(double longest);
 
-/// Draws scales into pictures in one size of text.
+/// Draws scales in one size of text.
 class ScaleDrawer {
  public:
   /// em: of the text, pixels. Throws OutputError when the font is missing.
@@ -39,11 +40,11 @@ class ScaleDrawer {
 
   /// Draws a horizontal bar of colours with its title to the left, its ends' values at its ends.
   /// Its middle line is row y; it is centred on column x, as wide as fits in `width` pixels.
-  void drawColourBar(Frame& frame, const ColourScale& scale, int x, int y, int width) const;
+  void drawColourBar(Surface& surface, const ColourScale& scale, int x, int y, int width) const;
 
   /// Draws a bar of `pixels` pixels with its text to the right; both centred on column x, middle
   /// line on row y.
-  void drawScaleBar(Frame& frame, const std::string& text, int pixels, int x, int y) const;
+  void drawScaleBar(Surface& surface, const std::string& text, int pixels, int x, int y) const;
 
  private:
   int baseline(int y) const;

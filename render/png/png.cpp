@@ -72,6 +72,14 @@ void writeHeader(png_structp png, png_infop info, const Frame& frame, bool opaqu
         static_cast<png_uint_32>(std::lround(*settings.dotsPerInch / kMetresPerInch));
     png_set_pHYs(png, info, dotsPerMetre, dotsPerMetre, PNG_RESOLUTION_METER);
   }
+  if (!settings.description.empty()) {
+    std::string key = "Description", text = settings.description;
+    png_text note{};
+    note.compression = PNG_ITXT_COMPRESSION_NONE;
+    note.key = key.data();
+    note.text = text.data();
+    png_set_text(png, info, &note, 1);
+  }
   png_set_compression_level(png, settings.compressionLevel);
   png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_NONE);
   png_write_info(png, info);

@@ -14,6 +14,7 @@ namespace kirireel {
 struct PngSettings {
   int compressionLevel = 6;           ///< of zlib, 0 (none) to 9
   std::optional<double> dotsPerInch;  ///< printed resolution noted in the file, positive
+  std::string description;            ///< who made it from what, UTF-8, noted too; may be empty
 };
 
 /// Writes a picture: RGB when it is opaque, else RGBA; tagged as sRGB. The file appears under its

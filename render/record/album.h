@@ -41,6 +41,9 @@ class CaptionWriter {
   bool hasTarget_;
 };
 
+/// The name of the grid's file in this format.
+const char* pageFile(PageFormat format);
+
 /// What stands under the frames of a video.
 StripParts stripParts(const PictureSettings& settings, const CaptionWriter& captions,
                       double endTime);
@@ -71,6 +74,10 @@ class Album {
   Frame takePicture(const FrameState& state);
   void writeDrawing(const FrameState& state, int number);
   void writeGrid(const TrajectoryReader& run, const MotionCurve& motion);
+  std::vector<GridPicture> takeAll(const std::vector<FrameState>& states);
+  double enlargement(const PictureBox& part, const GridStyle& style) const;
+  void writePage(PageFormat format, const std::vector<FrameState>& states, const PictureBox& part,
+                 const GridLayout& layout, const GridStyle& style);
   void writeMoments(const TrajectoryReader& run, const MotionCurve& motion);
   void writeChosenFrames(const TrajectoryReader& run, const MotionCurve& motion);
 

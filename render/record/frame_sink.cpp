@@ -19,7 +19,12 @@ VideoSettings videoSettings(const PictureSettings& settings) {
           .framesPerSecond = settings.framesPerSecond,
           .crf = settings.crf,
           .preset = settings.preset,
-          .encoder = settings.encoder};
+          .encoder = settings.encoder,
+          .description = settings.madeBy};
+}
+
+PngSettings pngSettings(const PictureSettings& settings) {
+  return {.dotsPerInch = settings.dotsPerInch, .description = settings.madeBy};
 }
 
 int heldFrames(const PictureSettings& settings) {
@@ -46,7 +51,7 @@ void FrameSink::put(Frame frame) {
   const CpuTimer timer(report_.recordCost.cpuSecondsEncode);
   if (video_) encode(frame, number_ == 0 ? 1 + heldFrames_ : 1);
   if (settings_.frames) {
-    writePng(frame, settings_.folder / frameFile(number_), {.dotsPerInch = settings_.dotsPerInch});
+    writePng(frame, settings_.folder / frameFile(number_), pngSettings(settings_));
     files_.push_back(frameFile(number_).string());
   }
   ++number_;

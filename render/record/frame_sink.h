@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "render/png/png.h"
 #include "render/record/record.h"
 #include "render/video/video.h"
 
@@ -10,6 +11,9 @@ namespace kirireel {
 
 /// How the run's video is encoded.
 VideoSettings videoSettings(const PictureSettings& settings);
+
+/// How its single pictures are written.
+PngSettings pngSettings(const PictureSettings& settings);
 
 /// How many more frames the first and the last one are shown for.
 int heldFrames(const PictureSettings& settings);

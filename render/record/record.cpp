@@ -20,6 +20,7 @@
 #include "render/record/stopwatch.h"
 #include "render/record/summary.h"
 #include "render/record/title_card.h"
+#include "render/record/versions.h"
 #include "sim/base/error.h"
 #include "sim/base/pending_file.h"
 #include "sim/model/folder.h"
@@ -48,6 +49,18 @@ void requireValidSettings(const PictureSettings& settings) {
   if (settings.video) requireEncoder(settings.folder / settings.videoFile, videoSettings(settings));
   if (settings.video) requireTitle({settings.title, settings.subtitle});
   requireWithin(settings.speed, 1e-3, 1e3, "--speed", "a factor");
+  if (settings.fontPoints && !settings.gridWidth) {
+    throw InputError(
+        "error: --font-size works with --width alone, such as --width 180mm; give that too, or "
+        "leave --font-size away");
+  }
+  const double dots = settings.gridWidth.value_or(0) / 25.4 * settings.gridDotsPerInch();
+  if (dots > kMaxFrameSide) {
+    throw InputError(fmt::format(
+        "error: --width {:g}mm at {:g} dots an inch is {:.0f} pixels, and may be {}; give a "
+        "smaller --dpi",
+        *settings.gridWidth, settings.gridDotsPerInch(), dots, kMaxFrameSide));
+  }
   requireWithin(settings.heldSeconds(), 0, 60, "--hold", "seconds");
   requireWithin(settings.length, 0.1, 36000, "--length", "seconds");
   if (settings.pace == Pace::Even && settings.length < 2 * settings.heldSeconds() + kLeastMotion) {
@@ -203,6 +216,12 @@ void writeStates(const Scene& scene, const RecordSettings& settings, RunSummary&
   }
 }
 
+/// Who makes a run's pictures from what: noted in each of them.
+std::string madeBy(const std::string& model, const std::string& order) {
+  const std::string text = fmt::format("Kirireel {}, model {}", programVersion(), model);
+  return order.empty() ? text : fmt::format("{}, order {}", text, order);
+}
+
 /// Sets up the graphics library; says what is missing of it before a simulation, not after it.
 void prepareGraphics(const PictureSettings& settings) {
   if (settings.graphics) setGraphicsLibrary(*settings.graphics);
@@ -247,6 +266,9 @@ bool isPicture(const std::string& name, const PictureSettings& settings) {
   const bool hasFrames = settings.frames || !settings.chosenFrames.empty();
   return (settings.video && name == settings.videoFile) ||
          (settings.snapshots && name == output::kSnapshots) ||
+         (settings.snapshots &&
+          std::ranges::any_of(settings.pages,
+                              [&name](PageFormat format) { return name == pageFile(format); })) ||
          (settings.svg && isNumbered(name, [](int k) { return snapshotDrawing(k).string(); })) ||
          (hasFrames && name == output::kFrames + std::string("/")) ||
          (hasFrames && isNumbered(name, [](int k) { return frameFile(k).string(); })) ||
@@ -281,6 +303,7 @@ RunSummary record(const Scene& scene, const RecordSettings& asked,
   files.requireFree([&asked](const std::string& name) { return isOutput(name, asked); });
   RecordSettings settings = asked;
   settings.folder = files.stage();
+  settings.madeBy = madeBy(scene.model.name, settings.order);
 
   RunSummary summary;
   LiveRun run(scene, settings, observer);
@@ -331,6 +354,7 @@ PictureReport render(const std::filesystem::path& trajectory, const PictureSetti
   });
   PictureSettings aside = settings;
   aside.folder = files.stage();
+  aside.madeBy = madeBy(run.subject().model.name, "");
   PictureReport report;
   prepareGraphics(settings);
   makePictures(run, aside, observer, report);

@@ -14,6 +14,7 @@
 #include "render/grid/grid.h"
 #include "render/picture/frame.h"
 #include "render/studio/look.h"
+#include "render/vector/canvas.h"
 #include "sim/base/input_file.h"
 #include "sim/deploy/deployment.h"
 #include "sim/scene/scene.h"
@@ -67,6 +68,11 @@ struct PictureSettings {
   bool scaleBar = false;
   bool progressBar = false;           ///< under the video
   std::optional<double> dotsPerInch;  ///< noted in PNG files, for print
+  std::optional<double> gridWidth;    ///< of the grid in print, millimetres; absent: as it comes
+  std::optional<double> fontPoints;   ///< size of its text in print; needs gridWidth
+  bool letters = false;               ///< (a), (b), ... over the grid's pictures
+  std::vector<PageFormat> pages;      ///< the grid as vector graphics too, as snapshots.svg, .pdf
+  std::string madeBy;                 ///< who makes the pictures from what, noted in the files
   SnapshotSpacing spacing = SnapshotSpacing::Progress;
   bool video = true;
   std::string videoFile = "deployment.mp4";  ///< its ending chooses the format
@@ -83,6 +89,8 @@ struct PictureSettings {
   /// Simulated seconds from one sample of the run to the next.
   double sampleInterval() const { return (pace == Pace::Real ? speed : 1) / framesPerSecond; }
   double heldSeconds() const { return hold.value_or(pace == Pace::Even ? 0.5 : 0); }
+  /// Of the grid in print, where it has a width.
+  double gridDotsPerInch() const { return dotsPerInch.value_or(300); }
   CaptionParts captionParts() const {
     return captions.value_or(pace == Pace::Even ? CaptionParts{.progress = true}
                                                 : CaptionParts{.time = true});

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <numbers>
 
 #include <Eigen/Geometry>
 
@@ -134,12 +133,20 @@ Colourist::Colourist(const Look& look, const Motif& motif)
     for (const int kind : shapeKinds(motif.bricks)) kinds_.push_back(shadesOf(kindColour(kind)));
   }
   if (isMeasure(colouring_)) {
-    const double unit = colouring_ == Colouring::Rotation ? kDegree : 1;
-    scale_ = ColourScale{look.map, 0, look.colourMost.value_or(largestExpected() / unit),
-                         titleOf(colouring_)};
+    const double found = largestOfRun();
+    const double most = found > 0 ? found : largestExpected();
+    scale_ = ColourScale{look.map, 0, look.colourMost.value_or(most), titleOf(colouring_)};
   }
 }
 
+/// The largest value in the states of the run; 0 before it.
+double Colourist::largestOfRun() const {
+  double most = 0;
+  for (const Poses& poses : motif_.states) most = std::max(most, largest(values(poses)));
+  return most;
+}
+
+/// What is to be expected before the run, in the scale's unit.
 double Colourist::largestExpected() const {
   switch (colouring_) {
     case Colouring::TargetError:
@@ -148,7 +155,7 @@ double Colourist::largestExpected() const {
       return motif_.target ? largest(brickTargetErrors(*motif_.target, motif_.bricks, motif_.start))
                            : 0.5 * diagonal(motif_.points);
     case Colouring::Rotation:
-      return 0.5 * std::numbers::pi;
+      return 90;
     default:
       // Exact joints stay far below this, a baseline solver's do not.
       return 1e-6 * meanEdge(motif_.bricks);

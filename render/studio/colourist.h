@@ -24,6 +24,8 @@ struct Motif {
   /// Of the model, metres; infinity where bricks are to be shown however far they are.
   double size = std::numeric_limits<double>::infinity();
   std::vector<Vector3> points;  ///< what cameras must hold in sight, world axes
+  /// Of the run, one pose a brick: what colours stand for ranges over them; none before the run.
+  std::vector<Poses> states;
 };
 
 /// Whether the colours stand for values.
@@ -50,6 +52,7 @@ class Colourist {
   std::vector<double> values(const Poses& poses) const;
   std::vector<BrickColours> stateColours(const Poses& poses) const;
   double largestExpected() const;
+  double largestOfRun() const;
 
   Colouring colouring_;
   const Motif& motif_;

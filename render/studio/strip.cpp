@@ -34,14 +34,6 @@ Colour between(Colour from, Colour to, double share) {
           mix(from.alpha, to.alpha)};
 }
 
-void fillBox(Frame& frame, int left, int upper, int right, int lower, Colour colour) {
-  for (int y = std::max(0, upper); y < std::min(lower, frame.size.height); ++y) {
-    for (int x = std::max(0, left); x < std::min(right, frame.size.width); ++x) {
-      frame.set(x, y, colour);
-    }
-  }
-}
-
 /// The size at which the widest caption fits.
 int textSize(FrameSize whole, const std::string& longest) {
   const int wanted = std::max(kLeastText, rounded(kTextShare * whole.height));
@@ -91,16 +83,17 @@ void Strip::append(Frame& picture, const StripText& text, const std::optional<Co
 /// One beside the other where there are both.
 void Strip::drawScales(Frame& frame, int upper, const std::optional<ColourScale>& colours,
                        const std::optional<double>& metresPerPixel) const {
+  FrameSurface surface(frame);
   const int y = upper + rounded(0.5 * kScalesEms * em_);
   const bool both = colours && metresPerPixel;
   const int width = frame.size.width;
   if (colours) {
-    scales_->drawColourBar(frame, *colours, both ? width / 3 : width / 2, y,
+    scales_->drawColourBar(surface, *colours, both ? width / 3 : width / 2, y,
                            both ? 2 * width / 3 : width);
   }
   if (!metresPerPixel) return;
   const ScaleLength length = roundLength(kLongestLength * width * *metresPerPixel);
-  scales_->drawScaleBar(frame, length.text, rounded(length.metres / *metresPerPixel),
+  scales_->drawScaleBar(surface, length.text, rounded(length.metres / *metresPerPixel),
                         both ? 5 * width / 6 : width / 2, y);
 }
 
@@ -110,8 +103,9 @@ void Strip::drawProgress(Frame& frame, int upper, double progress) const {
   const int height = std::max(2, rounded(kProgressBarEms * em_));
   const int top = upper + (rounded(kProgressEms * em_) - height) / 2;
   const int done = margin + rounded(std::clamp(progress, 0.0, 1.0) * length);
-  fillBox(frame, margin, top, done, top + height, text_);
-  fillBox(frame, done, top, margin + length, top + height, between(background_, text_, kFaint));
+  FrameSurface surface(frame);
+  surface.box(margin, top, length, height, between(background_, text_, kFaint));
+  surface.box(margin, top, done - margin, height, text_);
 }
 
 }  // namespace kirireel

@@ -1,16 +1,43 @@
-/// Figures as scalable vector graphics, for print and for editing.
+/// Pages as SVG, for print and for editing.
 #pragma once
 
+#include <iterator>
 #include <string>
 
-#include "render/picture/frame.h"
-#include "render/picture/sketch.h"
+#include <fmt/format.h>
+
+#include "render/vector/canvas.h"
 
 namespace kirireel {
 
-/// The text of an SVG 1.1 file that shows the sketch as the painter does: the same colours, hidden
-/// surfaces removed, one unit a pixel of a picture of this size. Its elements are filled paths
-/// alone, so that every program reads it. The same sketch gives the same bytes.
-std::string svgText(const Sketch& sketch, const Camera& camera, FrameSize size, Colour background);
+/// Writes SVG 1.1 that every program reads: filled paths, lines and text, named groups that editors
+/// show as layers, and one style sheet that says how faces, outlines and text look. The same page
+/// gives the same bytes.
+class SvgCanvas : public Canvas {
+ public:
+  explicit SvgCanvas(const PageSettings& settings);
+
+  void begin(const std::string& name, double opacity = 1) override;
+  void beginWithin(const std::string& name, double left, double upper, double width,
+                   double height) override;
+  void end() override;
+  void polygon(const Points& corners, Colour colour) override;
+  void seams(const std::vector<Points>& lines, Colour colour) override;
+  void outlines(const std::vector<Points>& lines) override;
+  void box(double left, double upper, double width, double height, Colour colour) override;
+  void text(const std::string& line, double left, double baseline, int em, Colour colour) override;
+
+  std::string finish() override;
+
+ private:
+  template <typename... Arguments>
+  void append(fmt::format_string<Arguments...> form, Arguments&&... arguments) {
+    fmt::format_to(std::back_inserter(file_), form, std::forward<Arguments>(arguments)...);
+  }
+
+  std::string file_;
+  int depth_ = 0;  ///< of groups
+  int clips_ = 0;
+};
 
 }  // namespace kirireel

@@ -115,6 +115,7 @@ struct VideoWriter::Internals {
   void pullFiltered();
   void encode(const AVFrame* input);
   void close();
+  void noteDescription();
   void moveIndexToFront();
 
   /// Throws OutputError when a libav call reported an error.
@@ -252,6 +253,7 @@ void VideoWriter::Internals::openContainer() {
   stream->avg_frame_rate = encoder->framerate;
   check(avcodec_parameters_from_context(stream->codecpar, encoder.get()));
   check(avio_open(&container->pb, urlOf(file.path()).c_str(), AVIO_FLAG_WRITE));
+  noteDescription();
   Options options;
   if (isMp4()) {
     options.set("movflags", "+delay_moov+default_base_moof+frag_custom");
@@ -321,6 +323,12 @@ void VideoWriter::Internals::close() {
   check(avio_closep(&container->pb));
 }
 
+/// Who made the file from what, as its comment.
+void VideoWriter::Internals::noteDescription() {
+  if (settings.description.empty()) return;
+  check(av_dict_set(&container->metadata, "comment", settings.description.c_str(), 0));
+}
+
 /// Copies the fragments into one file that starts with its index, so that players can start before
 /// they have the whole file.
 void VideoWriter::Internals::moveIndexToFront() {
@@ -341,6 +349,7 @@ void VideoWriter::Internals::moveIndexToFront() {
   to->time_base = from->time_base;
   to->avg_frame_rate = encoder->framerate;
   check(avio_open(&container->pb, urlOf(whole.path()).c_str(), AVIO_FLAG_WRITE));
+  noteDescription();
   Options options;
   options.set("movflags", "+faststart");
   check(avformat_write_header(container.get(), options.get()));

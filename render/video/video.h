@@ -18,6 +18,7 @@ struct VideoSettings {
   std::optional<int> crf;    ///< constant quality, from 0 (best); absent: the format's usual one
   std::string preset = "veryfast";  ///< of x264, "ultrafast" to "placebo"; VP9 has steps like it
   std::string encoder;              ///< of libavcodec; empty: the format's usual one
+  std::string description;          ///< who made it from what, UTF-8: the file's comment
 };
 
 /// A kind of video file.

@@ -124,7 +124,7 @@ TEST(TrimAlike, KeepsWhatAnyPictureShows) {
   std::vector<GridPicture> pictures(2, {makeFrame({400, 300}, white), ""});
   pictures[0].frame.set(100, 80, red);
   pictures[1].frame.set(299, 279, red);
-  trimAlike(pictures);
+  cutAlike(pictures, filledPart(pictures));
   // The marks span 200 x 200 pixels, with a margin of a twentieth of that on each side.
   EXPECT_EQ(pictures[0].frame.size, (FrameSize{220, 220}));
   EXPECT_EQ(pictures[1].frame.size, (FrameSize{220, 220}));
@@ -135,19 +135,68 @@ TEST(TrimAlike, KeepsWhatAnyPictureShows) {
 TEST(TrimAlike, LeavesRoomForCaptionsUnderNarrowModels) {
   std::vector<GridPicture> pictures(1, {makeFrame({400, 300}, {255, 255, 255}), ""});
   for (int y = 50; y < 250; ++y) pictures[0].frame.set(200, y, {0, 0, 0});
-  trimAlike(pictures);
+  cutAlike(pictures, filledPart(pictures));
   EXPECT_EQ(pictures[0].frame.size, (FrameSize{91, 220}));
   EXPECT_EQ(pictures[0].frame.at(45, 10), (Colour{0, 0, 0}));
 }
 
 TEST(TrimAlike, LeavesEmptyAndFullPicturesAlone) {
   std::vector<GridPicture> pictures(1, {makeFrame({40, 30}, {255, 255, 255}), ""});
-  trimAlike(pictures);
+  cutAlike(pictures, filledPart(pictures));
   EXPECT_EQ(pictures[0].frame.size, (FrameSize{40, 30}));
   pictures[0].frame.set(39, 0, {});
   pictures[0].frame.set(0, 29, {});
-  trimAlike(pictures);
+  cutAlike(pictures, filledPart(pictures));
   EXPECT_EQ(pictures[0].frame.size, (FrameSize{40, 30}));
+}
+
+TEST(PictureBox, OfALargerPictureIsTheSamePart) {
+  const PictureBox part{10, 21, {100, 50}};
+  EXPECT_EQ(part.scaled(2.5).left, 25);
+  EXPECT_EQ(part.scaled(2.5).upper, 53);
+  EXPECT_EQ(part.scaled(2.5).size, (FrameSize{250, 125}));
+}
+
+/// Notes what is drawn on it.
+class NotedSurface : public Surface {
+ public:
+  void box(double, double, double, double, Colour) override {}
+  void text(const std::string& line, double left, double baseline, int em, Colour) override {
+    lines.push_back(line);
+    ems.push_back(em);
+    places.emplace_back(left, baseline);
+  }
+
+  std::vector<std::string> lines;
+  std::vector<int> ems;
+  std::vector<std::pair<double, double>> places;
+};
+
+TEST(Grid, KeepsItsTextSizeAndWrapsCaptions) {
+  GridStyle style;
+  style.textSize = 20;
+  const std::vector<std::string> captions = {"12.5%, t = 1.25 s, error 0.0012 m", "50%"};
+  const GridLayout layout = layOutGrid({220, 200}, {1, 2}, style, captions);
+  NotedSurface surface;
+  drawGridText(surface, layout, style, captions, 2);
+  EXPECT_EQ(surface.lines,
+            (std::vector<std::string>{"12.5%, t = 1.25 s,", "error 0.0012 m", "50%"}));
+  for (const int em : surface.ems) EXPECT_EQ(em, 20);
+  for (const auto& [left, baseline] : surface.places) EXPECT_LT(baseline, layout.sheet.height - 5);
+}
+
+TEST(Grid, LettersItsPanels) {
+  GridStyle style;
+  style.letters = true;
+  const GridLayout layout = layOutGrid({60, 40}, {10, 3}, style);
+  NotedSurface surface;
+  drawGridText(surface, layout, style, std::vector<std::string>(28), 3);
+  EXPECT_EQ(surface.lines[0], "(a)");
+  EXPECT_EQ(surface.lines[2 * 25], "(z)");
+  EXPECT_EQ(surface.lines[2 * 27], "(ab)");
+  // Over its picture, under the caption of the one above.
+  EXPECT_LT(surface.places[2 * 3].second, layout.upper(1));
+  EXPECT_GT(surface.places[2 * 3].second, layout.upper(0) + 40 + layout.captionHeight);
 }
 
 TEST(CaptionText, SaysTheChosenParts) {

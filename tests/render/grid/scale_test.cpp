@@ -26,7 +26,8 @@ TEST(RoundLength, IsTheLongestOneTwoOrFive) {
 
 TEST(ScaleDrawer, DrawsABarOfTheExactLength) {
   Frame frame = makeFrame({400, 60}, kWhite);
-  ScaleDrawer(16, kBlack).drawScaleBar(frame, "", 123, 200, 30);
+  FrameSurface surface(frame);
+  ScaleDrawer(16, kBlack).drawScaleBar(surface, "", 123, 200, 30);
   int dark = 0;
   for (int x = 0; x < 400; ++x) dark += frame.at(x, 30) == kBlack;
   EXPECT_EQ(dark, 123);
@@ -34,9 +35,10 @@ TEST(ScaleDrawer, DrawsABarOfTheExactLength) {
 
 TEST(ScaleDrawer, DrawsAllColoursOfAScaleInOrder) {
   Frame frame = makeFrame({600, 40}, kWhite);
+  FrameSurface surface(frame);
   ColourScale scale;
   scale.title = "gap, m";
-  ScaleDrawer(14, kBlack).drawColourBar(frame, scale, 300, 20, 600);
+  ScaleDrawer(14, kBlack).drawColourBar(surface, scale, 300, 20, 600);
   int x = 0;
   while (frame.at(x, 20) != mapColour(scale.map, 0)) ASSERT_LT(++x, 599);
   int length = 0;
@@ -47,9 +49,10 @@ TEST(ScaleDrawer, DrawsAllColoursOfAScaleInOrder) {
 
 TEST(ScaleDrawer, KeepsWithinANarrowPicture) {
   Frame frame = makeFrame({200, 40}, kWhite);
+  FrameSurface surface(frame);
   ColourScale scale;
   scale.title = "error, m";
-  ScaleDrawer(10, kBlack).drawColourBar(frame, scale, 100, 20, 200);
+  ScaleDrawer(10, kBlack).drawColourBar(surface, scale, 100, 20, 200);
   for (int y = 0; y < 40; ++y) {
     EXPECT_EQ(frame.at(0, y), kWhite);
     EXPECT_EQ(frame.at(199, y), kWhite);

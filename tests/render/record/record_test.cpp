@@ -158,6 +158,33 @@ TEST_F(RecordTest, DrawsEachSnapshotAsVectorsOnRequest) {
   EXPECT_TRUE(fs::exists(settings_.folder / "snapshot_02.svg"));
 }
 
+TEST_F(RecordTest, MakesAGridForPrint) {
+  settings_.video = false;
+  settings_.gridWidth = 90;
+  settings_.fontPoints = 7;
+  settings_.letters = settings_.scaleBar = true;
+  settings_.pages = {PageFormat::Svg, PageFormat::Pdf};
+  const RunSummary summary = record(tessellationScene(), settings_, proceed_);
+  EXPECT_THAT(summary.files, Contains("snapshots.svg"));
+  EXPECT_THAT(summary.files, Contains("snapshots.pdf"));
+  // 90 mm at 300 dots an inch, but for the rounding of cells and gaps.
+  EXPECT_NEAR(readPng(settings_.folder / "snapshots.png").size.width, 1063, 4);
+  std::ifstream file(settings_.folder / "snapshots.svg");
+  const std::string svg(std::istreambuf_iterator<char>(file), {});
+  EXPECT_THAT(svg, HasSubstr("width=\"90mm\""));
+  EXPECT_THAT(svg, HasSubstr(">(b)</text>"));
+  EXPECT_THAT(svg, HasSubstr("<g id=\"picture_02_bricks\""));
+  // A repeated run replaces them.
+  EXPECT_NO_THROW(record(tessellationScene(), settings_, proceed_));
+  settings_.gridWidth.reset();
+  EXPECT_EQ(messageOfRecording(),
+            "error: --font-size works with --width alone, such as --width 180mm; give that too, or "
+            "leave --font-size away");
+  settings_.gridWidth = 5000;
+  settings_.dotsPerInch = 1200;
+  EXPECT_THAT(messageOfRecording(), HasSubstr("give a smaller --dpi"));
+}
+
 TEST_F(RecordTest, RefusesAScaleBarInPerspective) {
   settings_.scaleBar = true;
   EXPECT_EQ(record(tessellationScene(), settings_, proceed_).outcome, Outcome::OutOfTime);

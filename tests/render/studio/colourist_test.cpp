@@ -99,6 +99,16 @@ TEST(Colourist, ShowsRotationsInDegrees) {
   for (const BrickColours& colours : colourist.colours(poses)) EXPECT_EQ(colours.top, expected);
 }
 
+TEST(Colourist, SpansTheScaleOverTheRun) {
+  Motif motif = tessellationMotif();
+  Poses turned = motif.start;
+  for (Pose& pose : turned) pose.rotation = rotationFromVector(Vector3(0, 0, M_PI / 6));
+  motif.states = {motif.start, turned};
+  EXPECT_NEAR(Colourist(coloured(Colouring::Rotation), motif).scale()->most, 30, 1e-12);
+  motif.states = {motif.start};  // nothing turns
+  EXPECT_EQ(Colourist(coloured(Colouring::Rotation), motif).scale()->most, 90);
+}
+
 TEST(Colourist, TellsStartWayAndTargetApart) {
   const Motif motif = tessellationMotif();
   const Colourist colourist(coloured(Colouring::State), motif);

@@ -1,0 +1,65 @@
+/// Pages of vector graphics.
+#pragma once
+
+#include <algorithm>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "render/grid/surface.h"
+#include "sim/base/geometry.h"
+
+namespace kirireel {
+
+/// How a page is made.
+struct PageSettings {
+  FrameSize size;  ///< in its own unit, the pixels of a picture of the same layout
+  double pixelsPerInch = 96;
+  Colour background = {255, 255, 255};
+  Colour outline;           ///< of bricks
+  double outlineWidth = 1;  ///< pixels
+  std::string fontFamily;   ///< of all text
+  std::string description;  ///< who made it from what, one line
+};
+
+/// Width of the lines in a polygon's own colour that close the gaps which antialiasing leaves
+/// between polygons side by side, pixels.
+inline double seamWidth(const PageSettings& settings) {
+  return std::max(0.3, 0.4 * settings.outlineWidth);
+}
+
+/// The same where one face was cut in two.
+inline double cutSeamWidth(const PageSettings& settings) {
+  return 3 * seamWidth(settings);
+}
+
+/// A page that is drawn on from back to front. Lengths are pixels of PageSettings::size.
+class Canvas : public Surface {
+ public:
+  using Points = std::vector<Eigen::Vector2d>;
+
+  /// What follows belongs to a named part of the page, up to the matching end(); parts may hold
+  /// others. opacity: of the part as a whole, 0 to 1.
+  virtual void begin(const std::string& name, double opacity = 1) = 0;
+  /// The same, cut off at a rectangle.
+  virtual void beginWithin(const std::string& name, double left, double upper, double width,
+                           double height) = 0;
+  virtual void end() = 0;
+
+  /// A filled polygon, its sides closed against those of its neighbours.
+  virtual void polygon(const Points& corners, Colour colour) = 0;
+
+  /// Lines in a polygon's own colour where it was cut from another.
+  virtual void seams(const std::vector<Points>& lines, Colour colour) = 0;
+
+  /// Lines in the settings' outline, each through two points or more.
+  virtual void outlines(const std::vector<Points>& lines) = 0;
+
+  /// The whole file; call it once, when everything is drawn. Throws OutputError.
+  virtual std::string finish() = 0;
+};
+
+/// What pages are written as.
+enum class PageFormat { Svg, Pdf };
+
+}  // namespace kirireel

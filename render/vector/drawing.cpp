@@ -1,0 +1,90 @@
+// Faces are painted over each other in the order of farthestFirst(). Each is filled whole, closed
+// against what it was cut from, and then its own sides are drawn as lines of one width; sides that
+// came from cutting a face are none of its own. Lines end square where a face was cut, so that
+// nothing sticks out of the face that cuts.
+#include "render/vector/drawing.h"
+
+#include "render/vector/depth_order.h"
+
+namespace kirireel {
+namespace {
+
+/// Brings points of space into the picture.
+class Projector {
+ public:
+  Projector(const Camera& camera, FrameSize size, const Eigen::Vector2d& corner)
+      : clipFromWorld_(clipFromWorld(camera, size.aspect())), size_(size), corner_(corner) {}
+
+  Canvas::Points operator()(const std::vector<Vector3>& points) const {
+    Canvas::Points projected;
+    for (const Vector3& point : points) projected.push_back((*this)(point));
+    return projected;
+  }
+
+ private:
+  Eigen::Vector2d operator()(const Vector3& point) const {
+    const Eigen::Vector4d clip = clipFromWorld_ * point.homogeneous();
+    return corner_ + Eigen::Vector2d(0.5 * (1 + clip.x() / clip.w()) * size_.width,
+                                     0.5 * (1 - clip.y() / clip.w()) * size_.height);
+  }
+
+  Eigen::Matrix4d clipFromWorld_;
+  FrameSize size_;
+  Eigen::Vector2d corner_;
+};
+
+/// The sides that came from cutting, or those that did not; sides in a row are one line. A closed
+/// line ends where it began.
+std::vector<Canvas::Points> sidesOf(const CutPolygon& polygon, const Canvas::Points& corners,
+                                    bool wantsCut) {
+  const std::size_t count = corners.size();
+  const auto isWanted = [&](std::size_t side) { return (polygon.isCut[side] != 0) == wantsCut; };
+  std::size_t first = 0;  // a corner after a side that is not wanted, where a line begins
+  while (first < count && isWanted((first + count - 1) % count)) ++first;
+  if (first == count) first = 0;
+  std::vector<Canvas::Points> lines;
+  bool goesOn = false;
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t side = (first + k) % count;
+    if (!isWanted(side)) {
+      goesOn = false;
+      continue;
+    }
+    if (!goesOn) lines.push_back({corners[side]});
+    lines.back().push_back(corners[(side + 1) % count]);
+    goesOn = true;
+  }
+  return lines;
+}
+
+void drawPieces(const std::vector<Piece>& pieces, const Projector& project, Canvas& canvas) {
+  for (const Piece& piece : pieces) {
+    const Canvas::Points corners = project(piece.outer.corners);
+    canvas.polygon(corners, piece.colour);
+    canvas.seams(sidesOf(piece.outer, corners, true), piece.colour);
+    if (piece.outlined) canvas.outlines(sidesOf(piece.outer, corners, false));
+  }
+}
+
+}  // namespace
+
+void drawSketch(const Sketch& sketch, const Camera& camera, FrameSize size,
+                const Eigen::Vector2d& corner, const std::string& name, Canvas& canvas) {
+  const Projector project(camera, size, corner);
+  const auto layer = [&](const char* part, std::vector<Piece> pieces, double opacity = 1) {
+    if (pieces.empty()) return;
+    canvas.begin(name.empty() ? part : name + '_' + part, opacity);
+    drawPieces(pieces, project, canvas);
+    canvas.end();
+  };
+  layer("ground", makePieces(sketch, sketch.ground, camera));
+  // Shadows that overlap are as dark as one: transparent together, not each by itself.
+  std::vector<Piece> shadow = makePieces(sketch, sketch.shadow, camera);
+  const double opacity = shadow.empty() ? 1 : shadow.front().colour.alpha / 255.0;
+  for (Piece& piece : shadow) piece.colour.alpha = 255;
+  layer("shadow", std::move(shadow), opacity);
+  layer("bricks", farthestFirst(makePieces(sketch, sketch.solid, camera)));
+  layer("overlay", makePieces(sketch, sketch.overlay, camera));
+}
+
+}  // namespace kirireel
