@@ -14,6 +14,10 @@ namespace {
 constexpr double kUsualYaw = 50 * kDegree;
 constexpr double kUsualPitch = -35 * kDegree;
 
+std::string saidColour(const std::optional<Colour>& colour) {
+  return colour ? colourText(*colour) : "";
+}
+
 void addColourOptions(OptionGroup& group, Look& look) {
   group.choice<Colouring>("--colour", look.colouring,
                           {{"plain", Colouring::Plain},
@@ -28,16 +32,29 @@ void addColourOptions(OptionGroup& group, Look& look) {
                           {{"viridis", ColourMap::Viridis}, {"cividis", ColourMap::Cividis}},
                           "scale of colours for a measure");
   group
-      .value("--colour-most", "VALUE", "the largest to be expected",
+      .value("--colour-most", "VALUE", "the largest of the run",
              "value at the bright end of the scale, metres or degrees",
              [&look](const OptionValue& typed) {
                look.colourMost = parseNumber(typed, {1e-15, 1e12});
              })
       .saidAs([&look] { return look.colourMost ? numberText(*look.colourMost) : ""; });
   group
-      .value("--brick-colour", "RRGGBB", "80AEDC", "of all bricks, with --colour plain",
+      .value("--brick-colour", "COLOUR", "80AEDC",
+             "of all bricks, with --colour plain; a name such as teal, or RRGGBB",
              [&look](const OptionValue& typed) { look.brickColour = parseColour(typed); })
-      .saidAs([&look] { return look.brickColour ? colourText(*look.brickColour) : ""; });
+      .saidAs([&look] { return saidColour(look.brickColour); });
+  group
+      .value("--back-colour", "COLOUR", "F4BE74", "of their other side, with --colour plain",
+             [&look](const OptionValue& typed) { look.backColour = parseColour(typed); })
+      .saidAs([&look] { return saidColour(look.backColour); });
+  group
+      .value("--outline-colour", "COLOUR", "263242", "of the lines on the edges of tiles",
+             [&look](const OptionValue& typed) { look.outlineColour = parseColour(typed); })
+      .saidAs([&look] { return saidColour(look.outlineColour); });
+  group
+      .value("--background", "COLOUR", "that of --theme", "of the page",
+             [&look](const OptionValue& typed) { look.background = parseColour(typed); })
+      .saidAs([&look] { return saidColour(look.background); });
 }
 
 void addDrawingOptions(CLI::App& command, Look& look) {
@@ -58,14 +75,31 @@ void addDrawingOptions(CLI::App& command, Look& look) {
   group.flag("--target-lines", look.targetLines, "the target's tiles as lines over everything");
 }
 
+/// One of the words, or "45,30".
+std::optional<ViewAngles> parseView(const OptionValue& value,
+                                    const Choices<std::optional<ViewAngles>>& views) {
+  const std::size_t comma = value.text.find(',');
+  if (comma == std::string::npos) return parseChoice(value, views);
+  const auto degrees = [&value](const std::string& text, double most) {
+    return parseNumber({value.name, text}, {-most, most}) * kDegree;
+  };
+  return ViewAngles{degrees(value.text.substr(0, comma), 3600),
+                    degrees(value.text.substr(comma + 1), 90)};
+}
+
 void addViewOptions(OptionGroup& group, CameraChoice& camera) {
-  const Choices<std::optional<ViewAngles>> views = {{"auto", std::nullopt},
-                                                    {"top", kTopView},
-                                                    {"front", kFrontView},
-                                                    {"iso", kIsometricView},
-                                                    {"oblique", kObliqueView}};
-  group.choice("--view", camera.view, views,
-               "where the camera stands, auto is top for a flat model, else iso");
+  const Choices<std::optional<ViewAngles>> views = {
+      {"auto", std::nullopt}, {"top", kTopView},       {"bottom", kBottomView},
+      {"front", kFrontView},  {"back", kBackView},     {"side", kRightView},
+      {"left", kLeftView},    {"iso", kIsometricView}, {"oblique", kObliqueView}};
+  group
+      .value("--view", "WORD|AZ,EL", "auto",
+             fmt::format("where the camera stands: {}, auto is top for a flat model, else iso; or "
+                         "azimuth and elevation in degrees, -90,0 is from the front, -90,90 from "
+                         "above",
+                         listWords(choiceNames(views))),
+             [&camera, views](const OptionValue& typed) { camera.view = parseView(typed, views); })
+      .saidAs([&camera, views] { return quotedText(nameOfChoice(views, camera.view)); });
   // A view with a name is said by that.
   const auto angles = [&camera, views]() -> std::optional<TypedView> {
     return nameOfChoice(views, camera.view).empty() ? std::optional(typedView(*camera.view))
@@ -101,7 +135,7 @@ void addCameraOptions(CLI::App& command, Look& look) {
   group.choice<std::optional<bool>>(
       "--projection", camera.orthographic,
       {{"auto", std::nullopt}, {"parallel", true}, {"perspective", false}},
-      "auto is parallel from the top and the front, else perspective");
+      "auto is parallel along an axis, else perspective");
   group.number("--zoom", camera.zoom, {1e-3, 1e3}, "FACTOR", "enlarges the middle");
   group.number("--margin", camera.margin, {0, 0.45}, "SHARE",
                "of the picture left free on each side");

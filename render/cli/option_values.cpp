@@ -70,13 +70,36 @@ bool isBetween(int number, int least, int most) {
 
 }  // namespace
 
+/// Names of colours as CSS has them.
+const Choices<Colour>& namedColours() {
+  static const Choices<Colour> names = {
+      {"black", {0, 0, 0}},          {"white", {255, 255, 255}},  {"grey", {128, 128, 128}},
+      {"gray", {128, 128, 128}},     {"silver", {192, 192, 192}}, {"lightgrey", {211, 211, 211}},
+      {"darkgrey", {169, 169, 169}}, {"red", {255, 0, 0}},        {"darkred", {139, 0, 0}},
+      {"crimson", {220, 20, 60}},    {"salmon", {250, 128, 114}}, {"coral", {255, 127, 80}},
+      {"orange", {255, 165, 0}},     {"gold", {255, 215, 0}},     {"yellow", {255, 255, 0}},
+      {"khaki", {240, 230, 140}},    {"beige", {245, 245, 220}},  {"tan", {210, 180, 140}},
+      {"brown", {165, 42, 42}},      {"olive", {128, 128, 0}},    {"green", {0, 128, 0}},
+      {"lime", {0, 255, 0}},         {"seagreen", {46, 139, 87}}, {"teal", {0, 128, 128}},
+      {"turquoise", {64, 224, 208}}, {"cyan", {0, 255, 255}},     {"skyblue", {135, 206, 235}},
+      {"steelblue", {70, 130, 180}}, {"blue", {0, 0, 255}},       {"navy", {0, 0, 128}},
+      {"indigo", {75, 0, 130}},      {"purple", {128, 0, 128}},   {"violet", {238, 130, 238}},
+      {"magenta", {255, 0, 255}},    {"pink", {255, 192, 203}}};
+  return names;
+}
+
 Colour parseColour(const OptionValue& value) {
+  for (const auto& [name, colour] : namedColours()) {
+    if (value.text == name) return colour;
+  }
   std::string_view digits = value.text;
   if (digits.starts_with('#')) digits.remove_prefix(1);
   unsigned bits = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), bits, 16);
   if (digits.size() != 6 || error != std::errc() || end != digits.data() + digits.size()) {
-    throw valueError(value, "red, green and blue in hexadecimal, for example 80AEDC");
+    throw valueError(value,
+                     "red, green and blue in hexadecimal, for example 80AEDC, or a name of CSS "
+                     "such as teal, navy or grey");
   }
   const auto channel = [bits](int shift) { return static_cast<std::uint8_t>(bits >> shift); };
   return {channel(16), channel(8), channel(0)};

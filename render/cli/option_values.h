@@ -54,7 +54,7 @@ std::vector<FrameChoice> parseFrameChoices(const OptionValue& value);
 /// "-9.81" (along z, as PyKirigami has it) or "0,0,-9.81".
 Vector3 parseGravity(const OptionValue& value);
 
-/// "80AEDC" or "#80AEDC": red, green and blue in hexadecimal.
+/// "80AEDC" or "#80AEDC": red, green and blue in hexadecimal; or a usual name of CSS, "teal".
 Colour parseColour(const OptionValue& value);
 
 /// "0:50:-35:1,2.5:90:-20:1.5": keys of a camera as TIME:YAW:PITCH:ZOOM, seconds and degrees.

@@ -9,6 +9,7 @@
 #include "render/cli/picture_options.h"
 #include "render/cli/report.h"
 #include "render/cli/video_options.h"
+#include "render/folder/output_folder.h"
 
 namespace kirireel {
 
@@ -16,7 +17,7 @@ CLI::App* addRenderCommand(CLI::App& program, RenderOrder& order) {
   CLI::App* command = program.add_subcommand(
       "render", "make pictures and video of a recorded run again, without simulating");
   addPlace(*command, "TRAJECTORY", order.trajectory,
-           "trajectory.h5 as record and simulate leave it");
+           "a trajectory.h5 as record and simulate leave it, or the folder it is in");
   OptionGroup output(*command, "Output");
   output.value("--out", "FOLDER", "that of TRAJECTORY", "where the files go",
                [&order](const OptionValue& typed) { order.settings.folder = typed.text; });
@@ -27,13 +28,14 @@ CLI::App* addRenderCommand(CLI::App& program, RenderOrder& order) {
   command->footer(
       "States between two samples are interpolated, with their joints closed.\n\n"
       "Examples:\n"
-      "  kirireel render out/tessellation_4x4/trajectory.h5 --view iso --out out/again\n"
-      "  kirireel render out/tessellation_4x4/trajectory.h5 --format gif --fps 25 --speed 0.5");
+      "  kirireel render out/tessellation_4x4 --view iso --out out/again\n"
+      "  kirireel render out/tessellation_4x4 --format gif --fps 25 --speed 0.5");
   return command;
 }
 
 void completeOrder(const CLI::App& command, RenderOrder& order) {
   requireGiven(order.trajectory, "TRAJECTORY", command);
+  if (std::filesystem::is_directory(order.trajectory)) order.trajectory /= output::kTrajectory;
   requireConsistentPace(command);
 }
 

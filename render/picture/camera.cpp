@@ -123,6 +123,14 @@ Camera fitPerspective(const Extents& extents, const PictureAxes& axes, const Cam
 
 }  // namespace
 
+bool isAlongAxis(ViewAngles view) {
+  for (const ViewAngles axis :
+       {kTopView, kFrontView, kBackView, kLeftView, kRightView, kBottomView}) {
+    if (view == axis) return true;
+  }
+  return false;
+}
+
 ViewAngles defaultView(std::span<const Vector3> points) {
   Range x, y, z;
   for (const Vector3& point : points) {

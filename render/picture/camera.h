@@ -35,10 +35,19 @@ struct ViewAngles {
 inline constexpr ViewAngles kTopView{-1.5707963267948966, 1.5707963267948966};
 /// From the front (-y), +x to the right and +z upwards.
 inline constexpr ViewAngles kFrontView{-1.5707963267948966, 0};
+/// From behind, from the left (-x), from the right, +z upwards; and from straight below, +x to the
+/// right.
+inline constexpr ViewAngles kBackView{1.5707963267948966, 0};
+inline constexpr ViewAngles kLeftView{3.141592653589793, 0};
+inline constexpr ViewAngles kRightView{0, 0};
+inline constexpr ViewAngles kBottomView{-1.5707963267948966, -1.5707963267948966};
 /// All three axes equally foreshortened, x towards the lower right: for models in space.
 inline constexpr ViewAngles kIsometricView{-0.7853981633974483, 0.6154797086703873};
 /// Nearly from above, tilted so that the thickness of flat sheets shows.
 inline constexpr ViewAngles kObliqueView{-1.5707963267948966, 1.0821041362364843};
+
+/// Whether one looks along an axis, so that lengths across it can be compared.
+bool isAlongAxis(ViewAngles view);
 
 /// kTopView for points that lie nearly in one horizontal layer, else kIsometricView.
 ViewAngles defaultView(std::span<const Vector3> points);

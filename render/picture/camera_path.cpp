@@ -55,9 +55,7 @@ CameraPath::CameraPath(const CameraChoice& choice, std::span<const Vector3> poin
     : choice_(choice) {
   requireRisingTimes(choice.keys);
   fit_.view = choice.view.value_or(defaultView(points));
-  // Straight from above or in front, equal lengths should look equal.
-  const bool straight = fit_.view == kTopView || fit_.view == kFrontView;
-  fit_.orthographic = choice.orthographic.value_or(isStill() && straight);
+  fit_.orthographic = choice.orthographic.value_or(isStill() && isAlongAxis(fit_.view));
   fit_.aspect = aspect;
   fit_.margin = choice.margin;
   fit_.zoom = choice.zoom;

@@ -21,7 +21,7 @@ struct CameraKey {
 /// What is asked of the camera.
 struct CameraChoice {
   std::optional<ViewAngles> view;    ///< absent: from above for flat models, else from a corner
-  std::optional<bool> orthographic;  ///< absent: only straight from above and from the front
+  std::optional<bool> orthographic;  ///< absent: only along an axis
   double margin = 0.06;              ///< part of the picture left free on each side, 0 to 0.45
   double zoom = 1;                   ///< enlarges the middle of the picture, positive
   std::optional<double> distance;    ///< of the eye from the centre, metres; absent: as it fits

@@ -46,10 +46,13 @@ struct Look {
   ColourMap map = ColourMap::Viridis;  ///< of colours by a measure
   /// Value at the bright end of the scale, metres or degrees; absent: the largest to be expected.
   std::optional<double> colourMost;
-  std::optional<Colour> brickColour;  ///< of all bricks, where the colouring is plain
-  bool outlines = true;               ///< dark lines on the edges of tiles
-  bool jointMarks = false;            ///< a dot on each joint
-  bool targetLines = false;           ///< the target's tiles as lines over everything
+  std::optional<Colour> brickColour;    ///< of all bricks, where the colouring is plain
+  std::optional<Colour> backColour;     ///< of the tile's own side, likewise
+  std::optional<Colour> outlineColour;  ///< absent: the theme's, as is the next
+  std::optional<Colour> background;
+  bool outlines = true;      ///< dark lines on the edges of tiles
+  bool jointMarks = false;   ///< a dot on each joint
+  bool targetLines = false;  ///< the target's tiles as lines over everything
   GroundLook ground = GroundLook::Auto;
   CameraChoice camera;
   FitScope fit = FitScope::Auto;

@@ -44,6 +44,7 @@ std::optional<GroundPlate> plateFor(const Look& look, const Motif& motif) {
 /// The colours of a page.
 Style pageStyle(const Look& look) {
   Style style = look.theme == Theme::Dark ? darkStyle() : Style();
+  if (look.background) style.background = *look.background;
   if (look.transparent) {
     style.background.alpha = 0;
     style.shadow = {0, 0, 0, 56};
@@ -54,6 +55,8 @@ Style pageStyle(const Look& look) {
 Style styleFor(const Look& look, const Motif& motif, FrameSize size) {
   Style style = pageStyle(look);
   if (look.brickColour) style.brick = shadesOf(*look.brickColour);
+  if (look.backColour) style.brick.bottom = *look.backColour;
+  if (look.outlineColour) style.edge = *look.outlineColour;
   // Thinner lines would break up into dashes.
   style.edgeWidth = look.outlines ? std::max(style.edgeWidth, kThinnestEdge / size.height) : 0;
   style.overlayWidth = std::max(style.overlayWidth, kThinnestOverlay / size.height);

@@ -104,14 +104,16 @@ TEST(OptionChoice, NamesTheChoices) {
             "error: --contacts: 'some' is not allowed; give all, unjoined or none");
 }
 
-TEST(OptionColour, IsHexadecimal) {
+TEST(OptionColour, IsHexadecimalOrAName) {
   EXPECT_EQ(parseColour({"--brick-colour", "80aeDC"}), (Colour{128, 174, 220}));
+  EXPECT_EQ(parseColour({"--brick-colour", "teal"}), (Colour{0, 128, 128}));
   for (const char* text : {"", "80AED", "80AEDCFF", "sky", "80AEDG", "0x80AE", "-80AED"}) {
     EXPECT_EQ(messageOf([&] {
                 parseColour({"--brick-colour", text});
               }),
               fmt::format("error: --brick-colour: '{}' is not allowed; give red, green and blue in "
-                          "hexadecimal, for example 80AEDC",
+                          "hexadecimal, for example 80AEDC, or a name of CSS such as teal, navy or "
+                          "grey",
                           text));
   }
 }
