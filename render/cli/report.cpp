@@ -108,11 +108,11 @@ std::string describeNeed(const char* name, const Need& need) {
 /// Of the bricks that are in each other's way at the target, so many pairs are named.
 constexpr std::size_t kPairsNamed = 3;
 
-std::string describeBlocking(const std::vector<BlockingPair>& blocking) {
+std::string describeBlocking(const std::vector<BlockingPair>& blocking, int countsFrom) {
   if (blocking.empty()) return "";
   std::vector<std::string> pairs;
   for (const BlockingPair& pair : blocking) {
-    if (pairs.size() < kPairsNamed) pairs.push_back(describe(pair));
+    if (pairs.size() < kPairsNamed) pairs.push_back(describe(pair, countsFrom));
   }
   return fmt::format("{} pairs of bricks would overlap at the target: {}{}\n", blocking.size(),
                      fmt::join(pairs, "; "), blocking.size() > pairs.size() ? "; ..." : "");
@@ -192,7 +192,7 @@ std::string describeRun(const Scene& scene, const RecordSettings& settings,
   for (const std::string& warning : summary.warnings) text += fmt::format("warning: {}\n", warning);
   if (scene.model.target) {
     text += describeTarget(scene, summary);
-    text += describeBlocking(summary.blocking);
+    text += describeBlocking(summary.blocking, scene.model.fileOrder.countsFrom);
   }
   text += describePath(summary, scene.model.target.has_value());
   text += describeJoints(scene, summary) + describePenetration(scene, summary);

@@ -61,7 +61,10 @@ void addSceneRequestOptions(CLI::App& command, SceneRequest& request, StartAlign
         return quotedList(names);
       });
   group
-      .values("--pin", "TILES", "tiles fixed to the world from the start, as in 3,0,7",
+      .values("--pin", "TILES",
+              "tiles fixed to the world from the start, as in 3,0,7; tiles and vertices are "
+              "numbered as in "
+              "the model's file, planar ones from 1",
               [&parts](const OptionValue& typed) {
                 const auto tiles = parseIndices(typed, 0, "tile numbers, as in 3,0,7");
                 parts.pinned.insert(parts.pinned.end(), tiles.begin(), tiles.end());

@@ -154,7 +154,7 @@ std::vector<BlockingPair> blockingPairs(const Scene& scene, const Poses& atTarge
   return pairs;
 }
 
-std::string describe(const BlockingPair& pair) {
+std::string describe(const BlockingPair& pair, int countsFrom) {
   std::vector<std::string> ways;
   if (pair.freeingFace) {
     ways.push_back(
@@ -163,7 +163,8 @@ std::string describe(const BlockingPair& pair) {
   if (pair.freeingThickness > 0) {
     ways.push_back(fmt::format("a thickness of {:.2g}", pair.freeingThickness));
   }
-  return fmt::format("tiles {} and {} by {:.2g} ({})", pair.tileA, pair.tileB, pair.overlap,
+  return fmt::format("tiles {} and {} by {:.2g} ({})", countsFrom + pair.tileA,
+                     countsFrom + pair.tileB, pair.overlap,
                      !pair.isExplained && ways.empty() ? "what frees them was not looked for"
                      : ways.empty()                    ? "the tiles themselves overlap"
                                     : fmt::format("free with {}", fmt::join(ways, " or ")));

@@ -30,7 +30,8 @@ struct BlockingPair {
 std::vector<BlockingPair> blockingPairs(const Scene& scene, const Poses& atTarget,
                                         SearchBudget& budget);
 
-/// "tiles 3 and 4 by 0.012 (free with joints on the top)"; lengths in metres.
-std::string describe(const BlockingPair& pair);
+/// "tiles 3 and 4 by 0.012 (free with joints on the top)"; lengths in metres. `countsFrom`: the
+/// first tile's number.
+std::string describe(const BlockingPair& pair, int countsFrom);
 
 }  // namespace kirireel

@@ -63,6 +63,10 @@ void requireSense(const Scene& scene, double sampleInterval) {
   requireShare(scene.environment.linearDamping, "the linear damping");
   requireShare(scene.environment.angularDamping, "the angular damping");
   requireInTime(scene.timeline, scene.stop.duration);
+  if (scene.actuation.drive == Drive::Boundary && !scene.model.hullFault.empty()) {
+    throw InputError(scene.model.hullFault +
+                     "; or remove it, and the convex outline is pulled instead");
+  }
   if (scene.model.tiles.empty())
     throw InputError("the model has no tiles; add one to vertices.txt");
 }

@@ -59,6 +59,7 @@ void requireSpace(const Scene& scene, const Needs& needs) {
 DirectDynamics::DirectDynamics(const Scene& scene, const Needs& needs,
                                const std::vector<Brick>& bricks, const Poses& start)
     : brickCount_(bricks.size()),
+      countsFrom_(scene.model.fileOrder.countsFrom),
       tileSize_(tileSize(scene.model)),
       environment_(scene.environment),
       obstacles_(obstacleParts(scene.environment.obstacles)),
@@ -118,10 +119,11 @@ StepReport DirectDynamics::advance(Motion& motion, double step, const LoadSource
 }
 
 std::string DirectDynamics::nameOf(const ContactLoad& load) const {
-  if (load.brickB == kFixed) return fmt::format("tile {} and the ground", load.brickA);
+  const int tile = countsFrom_ + load.brickA;
+  if (load.brickB == kFixed) return fmt::format("tile {} and the ground", tile);
   const std::size_t other = static_cast<std::size_t>(load.brickB);
-  return other < brickCount_ ? fmt::format("tiles {} and {}", load.brickA, other)
-                             : fmt::format("tile {} and obstacle {}", load.brickA,
+  return other < brickCount_ ? fmt::format("tiles {} and {}", tile, countsFrom_ + load.brickB)
+                             : fmt::format("tile {} and obstacle {}", tile,
                                            obstacles_[other - brickCount_].obstacle);
 }
 

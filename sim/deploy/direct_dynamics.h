@@ -25,6 +25,7 @@ class DirectDynamics : public Dynamics {
   std::string nameOf(const ContactLoad& load) const;
 
   std::size_t brickCount_;
+  int countsFrom_;   // the first tile, in messages
   double tileSize_;  // metres
   Environment environment_;
   std::vector<ObstaclePart> obstacles_;

@@ -66,7 +66,7 @@ Run::Run(const Scene& scene, const AssembledState& nearest, const RunObservers& 
       target_(scene.model.target ? &*scene.model.target : nullptr),
       needs_(sceneNeeds(scene)),
       dynamics_(makeDynamics(scene, needs_, bricks_, motion_.poses)),
-      timeline_(scene.timeline, bricks_),
+      timeline_(scene.timeline, bricks_, scene.model.fileOrder.countsFrom),
       stiffness_(false),
       step_(scene.solver.timestep),
       size_(modelSize(scene.model)),

@@ -27,16 +27,22 @@ Vector3 pointOnPath(const std::vector<Vector3>& path, double share) {
   return path.back();
 }
 
-std::string tilesText(const std::vector<int>& tiles) {
+std::string tilesText(std::vector<int> tiles, int countsFrom) {
+  for (int& tile : tiles) tile += countsFrom;
   return tiles.empty() ? "all tiles" : fmt::format("tiles {}", fmt::join(tiles, ", "));
 }
 
 /// What an action acts on, for the record.
 struct Describe {
-  std::string operator()(const timeline::Pin& pin) const { return tilesText(pin.tiles); }
-  std::string operator()(const timeline::Unpin& unpin) const { return tilesText(unpin.tiles); }
+  int countsFrom;  // of tiles
+  std::string operator()(const timeline::Pin& pin) const {
+    return tilesText(pin.tiles, countsFrom);
+  }
+  std::string operator()(const timeline::Unpin& unpin) const {
+    return tilesText(unpin.tiles, countsFrom);
+  }
   std::string operator()(const timeline::Drag& drag) const {
-    return fmt::format("tile {} for {:g} s", drag.tile, drag.seconds);
+    return fmt::format("tile {} for {:g} s", countsFrom + drag.tile, drag.seconds);
   }
   std::string operator()(const timeline::Forces& forces) const { return forces.on ? "on" : "off"; }
   std::string operator()(const timeline::Pause& pause) const {
@@ -52,8 +58,8 @@ struct Describe {
 };
 
 /// "pin tiles 3, 4".
-std::string describe(const timeline::Action& action) {
-  const std::string what = std::visit(Describe{}, action);
+std::string describe(const timeline::Action& action, int countsFrom) {
+  const std::string what = std::visit(Describe{countsFrom}, action);
   return what.empty() ? actionName(action) : fmt::format("{} {}", actionName(action), what);
 }
 
@@ -77,8 +83,12 @@ std::string momentText(const Occasion& moment) {
 
 }  // namespace
 
-TimelineRunner::TimelineRunner(const Timeline& timeline, const std::vector<Brick>& bricks)
-    : timeline_(timeline), bricks_(bricks), pinned_(bricks.size(), false) {}
+TimelineRunner::TimelineRunner(const Timeline& timeline, const std::vector<Brick>& bricks,
+                               int countsFrom)
+    : timeline_(timeline),
+      bricks_(bricks),
+      countsFrom_(countsFrom),
+      pinned_(bricks.size(), false) {}
 
 bool TimelineRunner::carryOut(const TimelineView& view, TimelineStage& stage,
                               std::vector<Event>& events) {
@@ -92,7 +102,7 @@ bool TimelineRunner::carryOut(const TimelineView& view, TimelineStage& stage,
     const bool ofTime = waitsForTime();
     if (next_ > before && !ofTime) break;
     carryOut(entry.action, view, stage);
-    events.push_back({view.time, describe(entry.action)});
+    events.push_back({view.time, describe(entry.action, countsFrom_)});
     lastTime_ = view.time;
     ++next_;
   }

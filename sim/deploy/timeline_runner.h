@@ -37,8 +37,8 @@ class TimelineStage {
 /// Watches a run and does what is due. Drags are loads, asked for in each step.
 class TimelineRunner {
  public:
-  /// The timeline must outlive the runner.
-  TimelineRunner(const Timeline& timeline, const std::vector<Brick>& bricks);
+  /// The timeline must outlive the runner. `countsFrom`: the first tile's number in events.
+  TimelineRunner(const Timeline& timeline, const std::vector<Brick>& bricks, int countsFrom = 0);
 
   /// Does everything that is due now and appends it to the events. Returns whether anything was.
   bool carryOut(const TimelineView& view, TimelineStage& stage, std::vector<Event>& events);
@@ -86,6 +86,7 @@ class TimelineRunner {
 
   const Timeline& timeline_;
   const std::vector<Brick>& bricks_;
+  int countsFrom_;  // the first tile, in events
   std::size_t next_ = 0;
   double lastTime_ = 0;  // of the entry before
   double pausedUntil_ = 0;

@@ -19,7 +19,8 @@ std::vector<Pivot> sharedPivots(const Scene& scene, const std::vector<Brick>& br
     throw InputError(fmt::format(
         "error: tiles {} and {} are linked at a distance, which --solver bullet cannot hold; "
         "use --solver direct",
-        pivot.brickA, pivot.brickB));
+        scene.model.fileOrder.countsFrom + pivot.brickA,
+        scene.model.fileOrder.countsFrom + pivot.brickB));
   }
   return pivots;
 }

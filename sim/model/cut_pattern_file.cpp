@@ -456,6 +456,51 @@ class PatternReader {
   std::vector<std::vector<int>> cycles_;
 };
 
+bool isWithin(const Tile& tile, const Vector3& point) {
+  bool isInside = false;
+  for (std::size_t k = 0; k < tile.vertices.size(); ++k) {
+    const Vector3& a = tile.vertices[k];
+    const Vector3& b = tile.vertices[(k + 1) % tile.vertices.size()];
+    if ((a.y() > point.y()) == (b.y() > point.y())) continue;
+    const double x = a.x() + (point.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
+    isInside = isInside != (point.x() < x);
+  }
+  return isInside;
+}
+
+/// In a flat sheet, lines that close within a tile are the outline of a hole.
+void refuseHoles(const std::vector<Tile>& tiles, double tolerance, const fs::path& file) {
+  struct Place {
+    int tile = 0;
+    Eigen::AlignedBox2d box;
+  };
+  std::vector<Place> places;  // from the left
+  for (int i = 0; i < std::ssize(tiles); ++i) {
+    Place& place = places.emplace_back();
+    place.tile = i;
+    for (const Vector3& vertex : tiles[i].vertices) place.box.extend(vertex.head<2>());
+  }
+  std::ranges::stable_sort(places, {}, [](const Place& place) { return place.box.min().x(); });
+  const Vector2 margin = Vector2::Constant(tolerance);
+  for (auto inner = places.begin(); inner != places.end(); ++inner) {
+    const Eigen::AlignedBox2d wide(inner->box.min() - margin, inner->box.max() + margin);
+    const std::vector<Vector3>& outline = tiles[inner->tile].vertices;
+    for (auto outer = places.begin(); outer != inner; ++outer) {
+      const Tile& around = tiles[outer->tile];
+      const bool isHole =
+          outer->box.contains(wide) && std::ranges::all_of(outline, [&](const Vector3& vertex) {
+            return isWithin(around, vertex);
+          });
+      if (!isHole) continue;
+      throw inputErrorAt({file},
+                         fmt::format("the lines round ({:.6g}, {:.6g}) m cut a hole into a tile; "
+                                     "tiles have none: leave the hole out, or divide the tile into "
+                                     "tiles without holes, hinged to each other",
+                                     outline[0].x(), outline[0].y()));
+    }
+  }
+}
+
 TileTable patternTable(const fs::path& file, const std::vector<Tile>& tiles) {
   TileTable table;
   table.file = file;
@@ -478,6 +523,7 @@ Model readCutPattern(const fs::path& file, std::vector<std::string>& warnings) {
   if (model.tiles.empty()) throw patternFault(file, "there are no tiles in it");
   const TileTable table = patternTable(file, model.tiles);
   checkTiles(table);
+  refuseHoles(model.tiles, kSamePoint * modelSize(model), file);
   model.joints = reader.joints();
   turnClockwiseTiles(table, model, warnings);
   return model;

@@ -76,7 +76,7 @@ TileTable readTiles(const fs::path& file) {
         const TextField& field = line.fields[k + axis];
         return parseCoordinate(field, text.at(line, field));
       };
-      tile.vertices.emplace_back(coordinate(0), coordinate(1), coordinate(2));
+      tile.vertices.push_back(Vector3{coordinate(0), coordinate(1), coordinate(2)});
       source.columns.push_back(line.fields[k].column);
     }
   }

@@ -127,6 +127,7 @@ void mendBase(JointTable& table, const TileTable& tiles, Model& model,
     for (std::size_t entry = 0; entry < 4; ++entry) row.values[entry] += shift;
   }
   const int usual = std::exchange(table.countsFrom, other);
+  model.fileOrder.countsFrom = other;
   Mend mend;
   mend.place = table.file.string();
   mend.found = fmt::format("tiles and vertices of all {} joints count from {}, not from {}",

@@ -27,6 +27,10 @@ Corner FileOrder::across(const Corner& corner, const std::vector<Tile>& tiles) c
   return {corner.tile, static_cast<int>(tiles[corner.tile].vertices.size()) - 1 - corner.vertex};
 }
 
+Corner FileOrder::toModel(const Corner& numbered, const std::vector<Tile>& tiles) const {
+  return across({numbered.tile - countsFrom, numbered.vertex - countsFrom}, tiles);
+}
+
 std::vector<Tile> inFileOrder(std::vector<Tile> tiles, const FileOrder& order) {
   for (std::size_t i = 0; i < order.isReversed.size(); ++i) {
     if (order.isReversed[i]) std::reverse(tiles[i].vertices.begin(), tiles[i].vertices.end());

@@ -61,6 +61,8 @@ struct FileOrder {
   /// A corner of the model as the file numbers it but from 0, and back: `tile` has that many
   /// vertices.
   Corner across(const Corner& corner, const std::vector<Tile>& tiles) const;
+  /// The corner of the model that the file numbers so.
+  Corner toModel(const Corner& numbered, const std::vector<Tile>& tiles) const;
 };
 
 /// A kirigami sheet: its tiles in the compact state, its joints, and where it should go.
@@ -71,6 +73,7 @@ struct Model {
   std::optional<std::vector<Tile>> target;      ///< wanted positions, vertex by vertex as in tiles
   std::optional<std::vector<int>> pulledTiles;  ///< tiles that feel target forces; all if absent
   std::optional<std::vector<Corner>> hull;      ///< the corners round the outside, in order
+  std::string hullFault;                        ///< why a hull that is there was left out, if one was
   FileOrder fileOrder;                          ///< how its file counts and orders
   double rounding = 0;      ///< the last digit that coordinates were rounded to, metres; 0 for none
   std::vector<Mend> mends;  ///< what its reader put right

@@ -45,7 +45,7 @@ TileTable readPlanarTiles(const fs::path& file) {
       const auto coordinate = [&](std::size_t field) {
         return parseCoordinate(line.fields[field], text.at(line, line.fields[field]));
       };
-      tile.vertices.emplace_back(coordinate(k), coordinate(k + 1), 0);
+      tile.vertices.push_back(Vector3{coordinate(k), coordinate(k + 1), 0});
       source.columns.push_back(line.fields[k].column);
     }
   }
@@ -115,8 +115,9 @@ std::vector<Corner> readPlanarHull(const fs::path& file, const std::vector<Tile>
   return hull;
 }
 
-/// A hull that lies beside the model was not asked for: what is wrong with it refuses nothing.
-std::optional<std::vector<Corner>> hullBeside(const PlanarPlace& place, const Model& model,
+/// A hull that lies beside the model was not asked for: what is wrong with it refuses nothing but
+/// the runs that need it.
+std::optional<std::vector<Corner>> hullBeside(const PlanarPlace& place, Model& model,
                                               std::vector<std::string>& warnings) {
   if (!place.hull) {
     if (!place.otherHulls.empty()) {
@@ -130,6 +131,7 @@ std::optional<std::vector<Corner>> hullBeside(const PlanarPlace& place, const Mo
   try {
     return readPlanarHull(*place.hull, model.tiles);
   } catch (const InputError& error) {
+    model.hullFault = error.what();
     warnings.push_back(fmt::format("{}; this hull is left out", error.what()));
     return std::nullopt;
   }

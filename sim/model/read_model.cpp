@@ -98,7 +98,10 @@ Model readModel(const fs::path& path, const std::optional<fs::path>& target,
                 : isPlanarFolder(path) ? readPlanarFiles(path / "vertices.txt", settings, warnings)
                                        : readModelFolder(path, settings, warnings);
   model.rounding = roundingOf(model.tiles);
-  if (settings.strict) refuseMends(model);
+  if (settings.strict) {
+    refuseMends(model);
+    if (!model.hullFault.empty()) throw InputError(model.hullFault);
+  }
   if (target) model.target = startOf(*target, model);
   return model;
 }

@@ -119,18 +119,21 @@ class Splitter {
 }  // namespace
 
 Model splitTiles(const Model& model, const std::vector<int>& tiles) {
-  const int count = static_cast<int>(model.tiles.size());
+  const int first = model.fileOrder.countsFrom;
+  const int end = first + static_cast<int>(model.tiles.size());
   std::vector<int> wanted = tiles;
   if (wanted.empty()) {
     wanted.resize(model.tiles.size());
-    std::iota(wanted.begin(), wanted.end(), 0);
+    std::iota(wanted.begin(), wanted.end(), first);
   }
   Splitter splitter(model);
-  for (const int tile : wanted) {
-    if (tile < 0 || tile >= count) {
-      throw InputError(fmt::format(
-          "error: there are tiles 0-{} to split, not {}; correct the number", count - 1, tile));
+  for (int& tile : wanted) {
+    if (tile < first || tile >= end) {
+      throw InputError(
+          fmt::format("error: there are tiles {}-{} to split, not {}; correct the number", first,
+                      end - 1, tile));
     }
+    tile -= first;
     if (model.tiles[tile].vertices.size() > 3) splitter.split(tile);
   }
   Model result = splitter.take();

@@ -7,7 +7,7 @@
 
 namespace kirireel {
 
-/// The model with the given tiles (all, when empty) split into triangles by the diagonals from the
+/// The model with the given tiles, in the numbers of its file, (all, when empty) split into triangles by the diagonals from the
 /// corner whose diagonals are shortest, concave ones into ears; triangles stay whole. Parts are
 /// joined at both ends of a common diagonal on the bottom face, a hinge. The first part keeps the
 /// tile's number, the others follow after the last tile; joints hold the first part that has their

@@ -15,6 +15,7 @@ namespace kirireel {
 namespace {
 
 constexpr std::string_view kBlanks = " \t\r\v\f";
+constexpr std::string_view kCommas = ",;";
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 std::string quoted(std::string_view text) {
@@ -27,35 +28,62 @@ std::string_view withoutPlus(std::string_view text) {
   return plus ? text.substr(1) : text;
 }
 
+bool isUtf16(std::string_view text) {
+  return text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF");
+}
+
+/// Where a comment begins within a line; npos where none does.
+std::size_t commentBegin(std::string_view text) {
+  return std::min({text.find('#'), text.find('%'), text.find("//")});
+}
+
+std::string_view withoutCommas(std::string_view field) {
+  if (!field.empty() && kCommas.find(field.back()) != kCommas.npos) field.remove_suffix(1);
+  if (!field.empty() && kCommas.find(field.front()) != kCommas.npos) field.remove_prefix(1);
+  return field;
+}
+
 }  // namespace
 
 TextTable::TextTable(std::filesystem::path file, const std::string& purpose, Comments comments)
     : file_(std::move(file)), comments_(comments) {
   text_ = readTextFile(file_, purpose);
   if (text_.starts_with(kByteOrderMark)) text_.erase(0, kByteOrderMark.size());
+  if (isUtf16(text_)) {
+    throw inputErrorAt({file_}, "this is UTF-16 text; save it as UTF-8 or plain text");
+  }
+  if (text_.find('\n') == text_.npos) std::ranges::replace(text_, '\r', '\n');
 }
 
 bool TextTable::next(TextLine& line) {
   line.fields.clear();
   while (position_ < text_.size() && line.fields.empty()) {
     const size_t end = std::min(text_.find('\n', position_), text_.size());
-    const std::string_view text(text_.data() + position_, end - position_);
+    std::string_view text(text_.data() + position_, end - position_);
     position_ = end + 1;
     line.number = ++number_;
-    const size_t begin = text.find_first_not_of(kBlanks);
-    if (begin == text.npos) continue;
-    const bool isComment = text[begin] == '#';
-    hasComment_ = hasComment_ || isComment;
-    if (!isComment || comments_ == Comments::Keep) splitFields(text, line);
+    const size_t comment = commentBegin(text);
+    hasComment_ = hasComment_ || comment != text.npos;
+    if (comments_ == Comments::Skip) text = text.substr(0, comment);
+    splitFields(text, line);
   }
   return !line.fields.empty();
 }
 
 void TextTable::splitFields(std::string_view text, TextLine& line) const {
+  // Commas part numbers where blanks do not, as in "0,1"; in "0,5 1" one would be a decimal's.
   size_t begin = text.find_first_not_of(kBlanks);
+  const size_t last = text.find_last_not_of(kBlanks);
+  const bool hasBlanks = begin != text.npos && text.find_first_of(kBlanks, begin) < last;
+  const std::string parting = std::string(kBlanks) + std::string(hasBlanks ? "" : kCommas);
+  const bool isNumbers = comments_ == Comments::Skip;
+  const std::string_view parts = isNumbers ? std::string_view(parting) : kBlanks;
   while (begin != text.npos) {
-    const size_t end = std::min(text.find_first_of(kBlanks, begin), text.size());
-    line.fields.push_back({text.substr(begin, end - begin), static_cast<int>(begin) + 1});
+    const size_t end = std::min(text.find_first_of(parts, begin), text.size());
+    const std::string_view word = text.substr(begin, end - begin);
+    const std::string_view field = isNumbers ? withoutCommas(word) : word;
+    const auto column = static_cast<int>(field.data() - text.data()) + 1;
+    if (!field.empty()) line.fields.push_back({field, column});
     if (line.fields.size() > kMaxFields) {
       throw inputErrorAt(
           at(line, line.fields.back()),
@@ -64,7 +92,7 @@ void TextTable::splitFields(std::string_view text, TextLine& line) const {
               "the line where it holds several rows, or split the tile",
               kMaxFields, kMaxFields / 3));
     }
-    begin = text.find_first_not_of(kBlanks, end);
+    begin = text.find_first_not_of(parts, end);
   }
 }
 
@@ -73,9 +101,11 @@ double parseCoordinate(const TextField& field, const FileLocation& location) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error == std::errc::invalid_argument || end != text.data() + text.size()) {
-    throw inputErrorAt(location, fmt::format("{} is not a number; write coordinates in metres, "
-                                             "separated by blanks",
-                                             quoted(field.text)));
+    const bool hasComma = std::ranges::count(text, ',') == 1;
+    throw inputErrorAt(location,
+                       fmt::format("{} is not a number; write coordinates in metres, "
+                                   "{}separated by blanks",
+                                   quoted(field.text), hasComma ? "with a decimal point, " : ""));
   }
   const bool beyond = error == std::errc::result_out_of_range || std::isinf(value);
   if (beyond || std::isnan(value) || std::abs(value) > kMaxCoordinate) {
@@ -91,14 +121,18 @@ double parseCoordinate(const TextField& field, const FileLocation& location) {
 int parseWholeNumber(const TextField& field, const FileLocation& location,
                      const std::string& meaning) {
   const std::string_view text = withoutPlus(field.text);
-  int value = 0;
+  // Programs that know one kind of number write 3 as 3.0000000e+00.
+  double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) {
+  const bool isWhole = error == std::errc() && end == text.data() + text.size() &&
+                       value >= std::numeric_limits<int>::min() &&
+                       value <= std::numeric_limits<int>::max() && value == std::trunc(value);
+  if (!isWhole) {
     throw inputErrorAt(
         location, fmt::format("{} is not {}; write a whole number, at most {}", quoted(field.text),
                               meaning, std::numeric_limits<int>::max()));
   }
-  return value;
+  return static_cast<int>(value);
 }
 
 }  // namespace kirireel

@@ -22,17 +22,18 @@ struct TextLine {
   std::vector<TextField> fields;  ///< at least 1
 };
 
-/// A text file in memory, read line by line. Blank lines and, unless asked for, lines starting
-/// with '#' are passed over; Windows line ends and a byte-order mark are accepted.
+/// A text file in memory, read line by line. Blank lines and, unless asked for, what follows '#',
+/// '%' or "//" are passed over; line ends of any system, a byte-order mark and commas between
+/// numbers are accepted.
 class TextTable {
  public:
   /// Most fields on a line: a tile of 300 vertices.
   static constexpr size_t kMaxFields = 900;
 
-  /// What becomes of lines that start with '#'.
+  /// What becomes of comments, and of commas.
   enum class Comments {
-    Skip,
-    Keep,  ///< given as lines with the field "#" first
+    Skip,  ///< comments are left out, commas part numbers
+    Keep,  ///< they are fields, or parts of them, as anything else
   };
 
   /// Reads the whole file. `purpose` ends the message about a missing file: what it should hold.
@@ -73,8 +74,8 @@ inline constexpr double kMaxCoordinate = 1e6;
 /// letters, NaN, infinities and numbers out of range.
 double parseCoordinate(const TextField& field, const FileLocation& location);
 
-/// The whole number in a field. Throws InputError when it is none; `meaning` names what it should
-/// be, e.g. "a tile number".
+/// The whole number in a field, also as 3.0 or 3e0. Throws InputError when it is none; `meaning`
+/// names what it should be, e.g. "a tile number".
 int parseWholeNumber(const TextField& field, const FileLocation& location,
                      const std::string& meaning);
 

@@ -46,12 +46,34 @@ void checkVertexCount(const TileTable& table, int tile) {
                                  table.countsFrom + tile, count, kMostTileVertices));
 }
 
+/// Whether a tile's outline goes to a hole and back along one line at two vertices in one place.
+bool leadsToHole(const std::vector<Vector3>& vertices, std::size_t a, std::size_t b,
+                 double tolerance) {
+  const std::size_t count = vertices.size();
+  const auto isSame = [&](std::size_t first, std::size_t second) {
+    const bool areTwo =
+        first != second && (first != a || second != b) && (first != b || second != a);
+    return areTwo && (vertices[first] - vertices[second]).norm() <= tolerance;
+  };
+  return isSame((a + count - 1) % count, (b + 1) % count) ||
+         isSame((a + 1) % count, (b + count - 1) % count);
+}
+
 void checkDistinctVertices(const TileTable& table, int tile, double extent) {
   const std::vector<Vector3>& vertices = table.tiles[tile].vertices;
   const double tolerance = kSameVertex * extent;
   for (size_t b = 0; b < vertices.size(); ++b) {
     for (size_t a = 0; a < b; ++a) {
       if ((vertices[a] - vertices[b]).norm() > tolerance) continue;
+      if (leadsToHole(vertices, a, b, tolerance)) {
+        throw inputErrorAt(
+            table.at(tile, static_cast<int>(b)),
+            fmt::format(
+                "tile {} has a hole, to which its outline leads and back at its vertices {} "
+                "and {}; tiles have none: divide it into tiles without holes, joined to "
+                "each other",
+                table.countsFrom + tile, table.countsFrom + a, table.countsFrom + b));
+      }
       throw inputErrorAt(
           table.at(tile, static_cast<int>(b)),
           fmt::format("vertex {} of tile {} is where its vertex {} is; a tile's "

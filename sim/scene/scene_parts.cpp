@@ -27,11 +27,13 @@ void addTargets(const std::vector<std::filesystem::path>& files, Scene& scene,
   scene.timeline.insert(scene.timeline.begin(), chain.begin(), chain.end());
 }
 
+/// Options number tiles and vertices as the model's file does.
 void requireTile(const Model& model, int tile, const char* option) {
-  const int count = static_cast<int>(model.tiles.size());
-  if (tile >= 0 && tile < count) return;
-  throw InputError(fmt::format("{}: error: the model has tiles 0-{}, not {}; correct this number",
-                               option, count - 1, tile));
+  const int first = model.fileOrder.countsFrom;
+  const int end = first + static_cast<int>(model.tiles.size());
+  if (tile >= first && tile < end) return;
+  throw InputError(fmt::format("{}: error: the model has tiles {}-{}, not {}; correct this number",
+                               option, first, end - 1, tile));
 }
 
 void requireTwoTiles(const Model& model, int tileA, int tileB, const char* option) {
@@ -43,16 +45,18 @@ void requireTwoTiles(const Model& model, int tileA, int tileB, const char* optio
 }
 
 void requireVertex(const Model& model, const Corner& corner, const char* option) {
-  const int count = static_cast<int>(model.tiles[corner.tile].vertices.size());
-  if (corner.vertex >= 0 && corner.vertex < count) return;
-  throw InputError(fmt::format("{}: error: tile {} has vertices 0-{}, not {}; correct this number",
-                               option, corner.tile, count - 1, corner.vertex));
+  const int first = model.fileOrder.countsFrom;
+  const int end = first + static_cast<int>(model.tiles[corner.tile - first].vertices.size());
+  if (corner.vertex >= first && corner.vertex < end) return;
+  throw InputError(fmt::format("{}: error: tile {} has vertices {}-{}, not {}; correct this number",
+                               option, corner.tile, first, end - 1, corner.vertex));
 }
 
 void addFixed(const std::vector<std::array<int, 2>>& pairs, Model& model) {
   for (const auto& [tileA, tileB] : pairs) {
     requireTwoTiles(model, tileA, tileB, "--fix");
-    model.joints.push_back(makeFixedJoint(model.tiles, tileA, tileB));
+    const int first = model.fileOrder.countsFrom;
+    model.joints.push_back(makeFixedJoint(model.tiles, tileA - first, tileB - first));
   }
 }
 
@@ -61,8 +65,8 @@ void addLinks(const std::vector<std::array<int, 4>>& links, Model& model) {
     requireTwoTiles(model, tileA, tileB, "--link");
     requireVertex(model, {tileA, vertexA}, "--link");
     requireVertex(model, {tileB, vertexB}, "--link");
-    const Joint link = makeLink(model.tiles, model.fileOrder.across({tileA, vertexA}, model.tiles),
-                                model.fileOrder.across({tileB, vertexB}, model.tiles));
+    const Joint link = makeLink(model.tiles, model.fileOrder.toModel({tileA, vertexA}, model.tiles),
+                                model.fileOrder.toModel({tileB, vertexB}, model.tiles));
     if (link.apart.norm() <= 1e-6 * modelSize(model)) {
       throw InputError(fmt::format(
           "--link: error: vertex {} of tile {} and vertex {} of tile {} are at one place; join "
@@ -129,6 +133,7 @@ void completeScene(const SceneParts& parts, Scene& scene, std::vector<std::strin
     entries.insert(entries.begin(), {Occasion{}, timeline::Pin{parts.pinned}, {"--pin"}});
   }
   checkTimeline(entries, scene.model);
+  numberAsModel(entries, scene.model);
   scene.timeline = std::move(entries);
   if (scene.alignment.wanted) align(scene, heldTiles(scene.timeline));
   addFixed(parts.fixed, scene.model);

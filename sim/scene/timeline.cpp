@@ -8,10 +8,11 @@ namespace kirireel {
 namespace {
 
 void requireTile(int tile, const Model& model, const FileLocation& where) {
-  const int count = static_cast<int>(model.tiles.size());
-  if (tile >= 0 && tile < count) return;
-  throw inputErrorAt(
-      where, fmt::format("the model has tiles 0-{}, not {}; correct this number", count - 1, tile));
+  const int first = model.fileOrder.countsFrom;
+  const int end = first + static_cast<int>(model.tiles.size());
+  if (tile >= first && tile < end) return;
+  throw inputErrorAt(where, fmt::format("the model has tiles {}-{}, not {}; correct this number",
+                                        first, end - 1, tile));
 }
 
 void requireTiles(const std::vector<int>& tiles, const Model& model, const FileLocation& where) {
@@ -20,10 +21,11 @@ void requireTiles(const std::vector<int>& tiles, const Model& model, const FileL
 
 void requireVertex(const timeline::Drag& drag, const Model& model, const FileLocation& where) {
   if (!drag.vertex) return;
-  const int count = static_cast<int>(model.tiles[drag.tile].vertices.size());
-  if (*drag.vertex >= 0 && *drag.vertex < count) return;
-  throw inputErrorAt(where, fmt::format("tile {} has vertices 0-{}, not {}; correct this number",
-                                        drag.tile, count - 1, *drag.vertex));
+  const int first = model.fileOrder.countsFrom;
+  const int end = first + static_cast<int>(model.tiles[drag.tile - first].vertices.size());
+  if (*drag.vertex >= first && *drag.vertex < end) return;
+  throw inputErrorAt(where, fmt::format("tile {} has vertices {}-{}, not {}; correct this number",
+                                        drag.tile, first, end - 1, *drag.vertex));
 }
 
 void check(const TimelineEntry& entry, const Model& model) {
@@ -62,6 +64,22 @@ void checkTimeline(const Timeline& timeline, const Model& model) {
                          "or name one with --target");
     }
     hasTarget = hasTarget || std::holds_alternative<timeline::GoTo>(entry.action);
+  }
+}
+
+void numberAsModel(Timeline& timeline, const Model& model) {
+  const int first = model.fileOrder.countsFrom;
+  for (TimelineEntry& entry : timeline) {
+    if (auto* pin = std::get_if<timeline::Pin>(&entry.action)) {
+      for (int& tile : pin->tiles) tile -= first;
+    } else if (auto* unpin = std::get_if<timeline::Unpin>(&entry.action)) {
+      for (int& tile : unpin->tiles) tile -= first;
+    } else if (auto* drag = std::get_if<timeline::Drag>(&entry.action)) {
+      const Corner corner =
+          model.fileOrder.toModel({drag->tile, drag->vertex.value_or(first)}, model.tiles);
+      drag->tile = corner.tile;
+      if (drag->vertex) drag->vertex = corner.vertex;
+    }
   }
 }
 

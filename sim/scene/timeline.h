@@ -99,8 +99,12 @@ using Timeline = std::vector<TimelineEntry>;
 /// "pin", "unpin", "drag", "forces", "pause", "target", "snapshot", "export", "reset", "quit".
 std::string actionName(const timeline::Action& action);
 
-/// Throws InputError where the timeline does not fit the model: tiles or vertices that do not
-/// exist, a target without one.
+/// Throws InputError where the timeline, in the numbers of the model's file, does not fit the
+/// model: tiles or vertices that do not exist, a target without one.
 void checkTimeline(const Timeline& timeline, const Model& model);
+
+/// Turns numbers of tiles and vertices, as the model's file has them, into the model's own, which
+/// everything else goes by.
+void numberAsModel(Timeline& timeline, const Model& model);
 
 }  // namespace kirireel

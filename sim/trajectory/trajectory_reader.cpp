@@ -154,6 +154,9 @@ class SubjectReader {
 
   FileOrder readFileOrder() const {
     FileOrder order;
+    if (file_.hasAttribute("model", "counts_from")) {
+      order.countsFrom = file_.numberAttribute("model", "counts_from") == 1 ? 1 : 0;
+    }
     if (!file_.has("model/reversed_tiles")) return order;
     order.isReversed.resize(sizes_.size());
     for (const int tile : readTileNumbers("model/reversed_tiles")) order.isReversed[tile] = true;

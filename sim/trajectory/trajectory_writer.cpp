@@ -90,6 +90,9 @@ void writeModel(ArrayWriter& file, const Model& model) {
   writePoints(file, "model/vertices", flatten(model.tiles));
   if (model.target) writePoints(file, "model/target", flatten(*model.target));
   writeJoints(file, model.joints);
+  if (model.fileOrder.countsFrom != 0) {
+    file.setAttribute("model", "counts_from", model.fileOrder.countsFrom);
+  }
   if (const std::vector<int> reversed = reversedTiles(model.fileOrder); !reversed.empty()) {
     file.write("model/reversed_tiles", std::span<const int>(reversed), {reversed.size()});
   }

@@ -64,6 +64,13 @@ class Files : public testing::Test {
     return end;
   }
 
+  static std::vector<std::string> linesOf(const std::string& text) {
+    std::vector<std::string> lines;
+    std::istringstream stream(text);
+    for (std::string line; std::getline(stream, line);) lines.push_back(line);
+    return lines;
+  }
+
   double jointGap() const { return summary_["accuracy"]["joint_gap_max"].get<double>(); }
 
   ScratchFolder scratch_;
@@ -110,6 +117,80 @@ TEST_F(Files, HullsFeedTheBoundary) {
   EXPECT_EQ(simulate("sheet_vertices.txt", {"--actuation", "boundary", "--duration", "1"}).exitCode,
             0);
   EXPECT_NE(readText(scratch_ / "out/final_vertices.txt"), byOutline);
+}
+
+TEST_F(Files, HullsThatAreWrongAreRefusedWhereTheyAreNeeded) {
+  write(openSquares(), {});
+  writeText(scratch_ / "sheet_hull.txt", "0 0\n99 1\n2 2\n");
+  const ProgramEnd unused = simulate("sheet_vertices.txt");
+  EXPECT_EQ(unused.exitCode, 0);
+  EXPECT_THAT(unused.err, HasSubstr("this hull is left out"));
+  const ProgramEnd needed = simulate("sheet_vertices.txt", {"--actuation", "boundary"});
+  EXPECT_EQ(needed.exitCode, 2);
+  EXPECT_THAT(needed.err, HasSubstr("sheet_hull.txt: error: its 3 rows name corners that are not "
+                                    "there, or too few; write one corner of the sheet's outside a "
+                                    "line, \"tile vertex\", from 0, at least 3; or remove it, and "
+                                    "the convex outline is pulled instead"));
+  EXPECT_EQ(simulate("sheet_vertices.txt", {"--strict"}).exitCode, 2);
+}
+
+TEST_F(Files, TilesAreNamedAsTheFileCountsThem) {
+  write(openSquares(), {});
+  const std::vector<std::string> brief = {"--duration", "0.1", "--pin"};
+  const auto pinned = [&](const std::string& tiles) {
+    std::vector<std::string> options = brief;
+    options.push_back(tiles);
+    return simulate("sheet_vertices.txt", options);
+  };
+  EXPECT_THAT(pinned("0").err, HasSubstr("the model has tiles 1-9, not 0"));
+  EXPECT_THAT(pinned("10").err, HasSubstr("the model has tiles 1-9, not 10"));
+  EXPECT_EQ(pinned("9").exitCode, 0);
+  EXPECT_EQ(summary_["events"][0]["what"].get<std::string>(), "pin tiles 9");
+  const std::vector<std::string> start = linesOf(readText(scratch_ / "sheet_vertices.txt"));
+  const std::vector<std::string> end = linesOf(readText(scratch_ / "out/final_vertices.txt"));
+  EXPECT_NEAR(std::stod(start[8]), std::stod(end[8]), 1e-9);
+  EXPECT_GT(std::abs(std::stod(start[0]) - std::stod(end[0])), 1e-6);
+  EXPECT_THAT(simulate("sheet_vertices.txt", {"--split-tiles", "0"}).err,
+              HasSubstr("there are tiles 1-9 to split, not 0"));
+  EXPECT_THAT(simulate("sheet_vertices.txt", {"--link", "1,1,2,5"}).err,
+              HasSubstr("tile 2 has vertices 1-4, not 5"));
+}
+
+// Four quads that no closed way leads to their target: joints open by 1.7e-2 m at least.
+TEST_F(Files, DesignsWithoutFreedomArriveAndSayByHowMuchJointsOpen) {
+  writeModelFolder(family("nonrigid"), scratch_ / "nonrigid");
+  const ProgramEnd end = simulate("nonrigid");
+  EXPECT_EQ(end.exitCode, 0);
+  EXPECT_THAT(end.out, HasSubstr("with compliant joints, which open by up to"));
+  EXPECT_THAT(end.out, HasSubstr("tiles)"));
+}
+
+// Springs chattered about the full extension of long chains and of thin sheets.
+TEST_F(Files, LongChainsRestAtFullExtension) {
+  write(family("stampfli-chain"), {});
+  EXPECT_EQ(simulate("sheet_vertices.txt").exitCode, 0);
+  EXPECT_EQ(summary_["outcome"], "settled");
+  write(family("tessellation", {{"columns", 2}, {"rows", 60}, {"start-angle", 10}}), {});
+  EXPECT_EQ(simulate("sheet_vertices.txt").exitCode, 0);
+  EXPECT_EQ(summary_["outcome"], "settled");
+}
+
+// Flush quads that bend into a cap, with four decimals as published: exact joints wedge.
+TEST_F(Files, WedgedQuadsInSpaceArrive) {
+  Model cap = family("cap", {{"half-size", 3}});
+  for (std::vector<Tile>* tiles : {&cap.tiles, &*cap.target}) {
+    for (Tile& tile : *tiles) {
+      for (Vector3& v : tile.vertices) {
+        for (double& x : v) x = std::stod(fmt::format("{:.4f}", x));
+      }
+    }
+  }
+  writeModelFolder(cap, scratch_ / "cap");
+  EXPECT_EQ(simulate("cap").exitCode, 0);
+  EXPECT_TRUE(summary_["at_target"].get<bool>());
+  // Measured: 1.9e-4 and 1e-5 m.
+  EXPECT_LE(jointGap(), 1e-3);
+  EXPECT_LE(summary_["accuracy"]["penetration_grown_max"].get<double>(), 1e-4);
 }
 
 TEST_F(Files, RepeatedJointsCountOnceAndStrictRefuses) {

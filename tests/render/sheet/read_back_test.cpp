@@ -159,5 +159,21 @@ TEST(Patterns, OfOthersAreRefused) {
             "/a.dxf: error: a LINE lacks an end; give a cut pattern that `kirireel export` left");
 }
 
+TEST(Patterns, WithHolesInTilesAreRefused) {
+  const auto square = [](double from, double to) {
+    return fmt::format(
+        "<path d=\"M {0} -{0} L {1} -{0}\"/><path d=\"M {1} -{0} L {1} -{1}\"/>"
+        "<path d=\"M {1} -{1} L {0} -{1}\"/><path d=\"M {0} -{1} L {0} -{0}\"/>",
+        from, to);
+  };
+  EXPECT_EQ(
+      refusalOf("a.svg", "<g id=\"cuts\">" + square(0, 1000) + square(300, 600) + "</g>"),
+      "/a.svg: error: the lines round (0.3, 0.3) m cut a hole into a tile; tiles have none: "
+      "leave the hole out, or divide the tile into tiles without holes, hinged to each other");
+  // Beside each other they are two tiles.
+  EXPECT_EQ(refusalOf("a.svg", "<g id=\"cuts\">" + square(0, 1000) + square(1300, 1600) + "</g>"),
+            "");
+}
+
 }  // namespace
 }  // namespace kirireel

@@ -58,6 +58,36 @@ TEST(FolderErrors, GoodFolderHasNone) {
   EXPECT_EQ(messageFor({}), "");
 }
 
+// The same two squares and joint, however programs and people write numbers.
+TEST(FolderErrors, NumbersAreWrittenInManyWays) {
+  const auto replaced = [](std::string text, const std::string& from, const std::string& to) {
+    for (size_t at = text.find(from); at != text.npos; at = text.find(from, at + to.size())) {
+      text.replace(at, from.size(), to);
+    }
+    return text;
+  };
+  for (const char* between : {",", ", ", "\t", ";", " ; ", " ,"}) {
+    EXPECT_EQ(messageFor({{"vertices.txt", replaced(kSquares, " ", between)},
+                          {"constraints.txt", replaced(kJoint, " ", between)}}),
+              "")
+        << between;
+  }
+  for (const char* comment : {" # a tile\n", " % a tile\n", " // a tile\n", "\r\n", "\r"}) {
+    EXPECT_EQ(messageFor({{"vertices.txt", replaced(kSquares, "\n", comment)}}), "") << comment;
+  }
+  EXPECT_EQ(messageFor({{"vertices.txt", "\xEF\xBB\xBF" + kSquares}}), "");
+  EXPECT_EQ(messageFor({{"vertices.txt", replaced(kSquares, "1 ", "1.0E+00 ")}}), "");
+  EXPECT_EQ(messageFor({{"constraints.txt", "0.0000000e+00 1.0 1 0.0 3e0\n"}}), "");
+}
+
+TEST(FolderErrors, NumbersThatAreAmbiguousAreNot) {
+  EXPECT_EQ(messageFor({{"vertices.txt", "0,5 0 0 1,5 0 0 1 1 0\n"}}),
+            "@/vertices.txt:1:1: error: '0,5' is not a number; write coordinates in metres, with a "
+            "decimal point, separated by blanks");
+  EXPECT_EQ(messageFor({{"vertices.txt", "\xFF\xFE 0 0"}}),
+            "@/vertices.txt: error: this is UTF-16 text; save it as UTF-8 or plain text");
+}
+
 TEST(FolderErrors, MissingFolder) {
   std::vector<std::string> warnings;
   try {

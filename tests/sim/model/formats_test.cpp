@@ -377,6 +377,17 @@ std::string messageForFold(const std::string& faces, const std::string& more = "
                     "a.fold");
 }
 
+TEST(FormatErrors, FacesWithHoles) {
+  // A square with a square hole, to which its outline leads and back.
+  const std::string places = "[[0,0],[4,0],[4,4],[0,4],[1,1],[1,3],[3,3],[3,1]]";
+  EXPECT_EQ(messageFor({{"a.fold", R"({"vertices_coords": )" + places +
+                                       R"(, "faces_vertices": [[0,1,2,3,0,4,5,6,7,4]]})"}},
+                       "a.fold"),
+            "@/a.fold: error: tile 0 has a hole, to which its outline leads and back at its "
+            "vertices 0 and 4; tiles have none: divide it into tiles without holes, joined to each "
+            "other");
+}
+
 TEST(FormatErrors, FoldEdgesAndFramesThatAreBroken) {
   const std::string one = "[[0,1,2]]";
   for (const char* ends : {"[0,99]", "[-1,0]", "[0]", "[0,1,2]"}) {
