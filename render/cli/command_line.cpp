@@ -8,7 +8,9 @@
 
 #include <CLI/CLI.hpp>
 
+#include "render/cli/command_tree.h"
 #include "render/cli/exit_codes.h"
+#include "render/cli/model_place.h"
 #include "render/cli/option_group.h"
 #include "render/cli/peer_spellings.h"
 #include "render/record/versions.h"
@@ -16,6 +18,9 @@
 
 namespace kirireel {
 namespace {
+
+constexpr const char* kName = "kirireel";
+constexpr const char* kPurpose = "Records kirigami deployments off screen.";
 
 std::vector<std::string> optionNames(const CLI::App& command) {
   std::vector<std::string> names;
@@ -73,12 +78,9 @@ std::vector<std::string> withPeerDefaults(const std::vector<std::string>& typed,
                                           std::vector<std::string> words) {
   const bool runs = !words.empty() && (words.front() == "record" || words.front() == "simulate");
   if (!runs || !usesPeerSpellings(typed)) return words;
-  const std::pair<std::string, std::string> defaults[] = {{"--torque-damping", "2"},
-                                                          {"--path", "dynamic"},
-                                                          {"--contacts", "none"},
-                                                          {"--thickness", "0.02"},
-                                                          {"--search", "60"},
-                                                          {"--actuation", "target"}};
+  const std::pair<std::string, std::string> defaults[] = {
+      {"--torque-damping", "2"}, {"--path", "dynamic"}, {"--contacts", "none"},
+      {"--thickness", "0.02"},   {"--search", "60"},    {"--actuation", "target"}};
   for (const auto& [name, value] : defaults) {
     const bool isGiven = std::ranges::any_of(words, [&](const std::string& word) {
       return word == name || word.starts_with(name + "=");
@@ -91,7 +93,8 @@ std::vector<std::string> withPeerDefaults(const std::vector<std::string>& typed,
 /// Parses into what the program's options point at, or gives the page that was asked for instead.
 std::optional<PrintOrder> parseInto(CLI::App& program, const std::vector<std::string>& arguments) {
   // CLI11 takes the arguments from the back.
-  std::vector<std::string> reversed = withPeerDefaults(arguments, translatePeerSpellings(arguments));
+  std::vector<std::string> reversed =
+      withPeerDefaults(arguments, translatePeerSpellings(arguments));
   std::reverse(reversed.begin(), reversed.end());
   try {
     program.parse(reversed);
@@ -125,7 +128,11 @@ Command addCommand(CLI::App& program, CLI::App* (*add)(CLI::App&, Wanted&)) {
           }};
 }
 
+/// What holds for the program as a whole, and its commands.
 std::vector<Command> addCommands(CLI::App& program) {
+  program.allow_extras();
+  program.set_version_flag("--version", versionText());
+  program.footer(fmt::format("kirireel COMMAND --help explains a command.\n\n{}", kExitCodesHelp));
   return {addCommand(program, addRecordCommand),   addCommand(program, addSimulateCommand),
           addCommand(program, addRenderCommand),   addCommand(program, addExportCommand),
           addCommand(program, addGenerateCommand), addCommand(program, addInspectCommand),
@@ -141,12 +148,8 @@ int carryOut(const PrintOrder& order) {
 }
 
 Order parseCommandLine(const std::vector<std::string>& arguments) {
-  CLI::App program("Records kirigami deployments off screen.", "kirireel");
-  program.allow_extras();
-  program.set_version_flag("--version", versionText());
+  CLI::App program(kPurpose, kName);
   const std::vector<Command> commands = addCommands(program);
-  program.footer(fmt::format("kirireel COMMAND --help explains a command.\n\n{}", kExitCodesHelp));
-
   if (const std::optional<PrintOrder> page = parseInto(program, arguments)) return *page;
   requireNothingLeft(program);
   for (const Command& command : commands) {
@@ -154,6 +157,43 @@ Order parseCommandLine(const std::vector<std::string>& arguments) {
   }
   throw InputError(fmt::format("error: no command given; choose {}, see kirireel --help",
                                listWords(commandNames(program))));
+}
+
+LoadedModel loadModel(const std::filesystem::path& place, const std::vector<std::string>& options) {
+  LoadedModel loaded{{}, place, options, {}, {}};
+  ReadSettings settings;
+  CLI::App program(kPurpose, kName);
+  program.allow_extras();
+  OptionGroup group(program, "Model");
+  addReadOptions(group, settings);
+  if (parseInto(program, options)) throw InputError("error: a model is read without --help");
+  requireNothingLeft(program);
+  const InputRecord record(loaded.inputs);
+  loaded.model = readModelAt(place, {}, settings, loaded.warnings);
+  return loaded;
+}
+
+RecordOrder parseRunOptions(const LoadedModel& loaded, const std::vector<std::string>& options) {
+  CLI::App program(kPurpose, kName);
+  program.allow_extras();
+  RecordOrder order;
+  order.madeModel = loaded.model;
+  CLI::App* command = addRecordCommand(program, order);
+  std::vector<std::string> words = {command->get_name()};
+  if (!loaded.place.empty()) words.push_back(loaded.place.string());
+  words.insert(words.end(), loaded.options.begin(), loaded.options.end());
+  words.insert(words.end(), options.begin(), options.end());
+  if (parseInto(program, words)) throw InputError("error: a model is deployed without --help");
+  requireNothingLeft(program);
+  completeOrder(*command, order);
+  order.inputs.insert(order.inputs.end(), loaded.inputs.begin(), loaded.inputs.end());
+  return order;
+}
+
+CommandDescription describeProgram() {
+  CLI::App program(kPurpose, kName);
+  const std::vector<Command> commands = addCommands(program);
+  return describeCommand(program);
 }
 
 }  // namespace kirireel

@@ -29,6 +29,23 @@ int carryOut(const PrintOrder& order);
 using Order = std::variant<RecordOrder, RenderOrder, ExportOrder, GenerateOrder, InspectOrder,
                            ConvertOrder, StudyOrder, SweepOrder, VerifyOrder, PrintOrder>;
 
+/// A model in memory, with what a run of it must know beside.
+struct LoadedModel {
+  Model model;
+  std::filesystem::path place;        ///< that it was read from, as it was named; may be empty
+  std::vector<std::string> options;   ///< of `record` that it was read with
+  std::vector<InputFile> inputs;      ///< files that it was read from
+  std::vector<std::string> warnings;  ///< about these, one line each
+};
+
+/// Reads a model as `kirireel record MODEL OPTIONS` does; of its options --joints-file and --strict
+/// alone. Throws as readModel() and parseCommandLine().
+LoadedModel loadModel(const std::filesystem::path& place, const std::vector<std::string>& options);
+
+/// The complete order of `kirireel record` with these options for a model in memory. Throws as
+/// parseCommandLine().
+RecordOrder parseRunOptions(const LoadedModel& loaded, const std::vector<std::string>& options);
+
 /// Reads the arguments that follow the program's name. Throws InputError for an unknown option
 /// (suggesting the nearest), a value out of range, a missing or surplus argument.
 Order parseCommandLine(const std::vector<std::string>& arguments);

@@ -27,9 +27,11 @@ void warnOfOverlaps(const Model& model, std::vector<std::string>& warnings) {
 }  // namespace
 
 std::filesystem::path findModel(const std::filesystem::path& named) {
-  const std::filesystem::path inData = "data" / named;
-  const bool onlyInData = !std::filesystem::exists(named) && std::filesystem::exists(inData);
-  return onlyInData ? inData : named;
+  if (std::filesystem::exists(named) || named.is_absolute()) return named;
+  for (const std::filesystem::path folder : {"data", KIRIREEL_MODELS}) {
+    if (std::filesystem::exists(folder / named)) return folder / named;
+  }
+  return named;
 }
 
 void addTargetOption(OptionGroup& group, std::filesystem::path& target) {

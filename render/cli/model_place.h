@@ -21,7 +21,8 @@ void addTargetOption(OptionGroup& group, std::filesystem::path& target);
 /// Adds --joints-file and --strict.
 void addReadOptions(OptionGroup& group, ReadSettings& settings);
 
-/// Where a model stands: as named, or in data/ when it stands only there.
+/// Where a model stands: as named, or in data/ when it stands only there, or among the models that
+/// were installed with the program.
 std::filesystem::path findModel(const std::filesystem::path& named);
 
 /// Reads the model, in data/ too when it stands only there, as PyKirigami's users name theirs.

@@ -1,9 +1,15 @@
 #include "render/cli/option_group.h"
 
+#include <sstream>
+
 #include <CLI/CLI.hpp>
+#include <fmt/ranges.h>
 
 namespace kirireel {
 namespace {
+
+/// CLI11's name for where the words stand that an option accepts.
+constexpr const char* kWords = "words";
 
 /// As typed; all values of an option that takes several.
 std::string typedText(const CLI::Option& option) {
@@ -23,6 +29,14 @@ OptionGroup::Term& OptionGroup::Term::saidAs(const Writer& write) {
 
 OptionGroup::Term& OptionGroup::Term::decidesNothing() {
   return saidAs([] { return std::string(); });
+}
+
+OptionGroup::Term& OptionGroup::Term::accepts(const std::vector<std::string>& words) {
+  // A check that checks nothing: values are read, and refused, in one place for all options.
+  CLI::Validator note([](std::string&) { return std::string(); },
+                      fmt::format("{}", fmt::join(words, "\n")), kWords);
+  option_->check(note.active(false));
+  return *this;
 }
 
 OptionGroup::Term OptionGroup::value(const std::string& name, const std::string& unit,
@@ -73,6 +87,19 @@ OptionGroup::Term OptionGroup::flag(const std::string& name, const std::string& 
 
 std::string saidBy(CLI::Option& option) {
   return option.capture_default_str()->get_default_str();
+}
+
+std::vector<std::string> allowedWords(CLI::Option& option) {
+  std::vector<std::string> words;
+  try {
+    // CLI11 tells the text of a check only while it is active.
+    CLI::Validator note = *option.get_validator(kWords);
+    std::istringstream lines(note.active().get_description());
+    for (std::string word; std::getline(lines, word);) words.push_back(word);
+  } catch (const CLI::OptionNotFound&) {
+    // Any value is read.
+  }
+  return words;
 }
 
 void addPlace(CLI::App& command, const std::string& name, std::filesystem::path& target,

@@ -39,6 +39,9 @@ class OptionGroup {
     /// The option does not decide the result, or says it in another option's words.
     Term& decidesNothing();
 
+    /// Notes the only values that the option accepts, see allowedWords().
+    Term& accepts(const std::vector<std::string>& words);
+
    private:
     CLI::Option* option_;
   };
@@ -74,6 +77,7 @@ class OptionGroup {
                  [&target, choices](const OptionValue& typed) {
                    target = parseChoice(typed, choices);
                  })
+        .accepts(words)
         .saidAs([&target, choices] { return quotedText(nameOfChoice(choices, target)); });
   }
 
@@ -90,6 +94,9 @@ class OptionGroup {
 
 /// What an option is set to now, see OptionGroup::Term; "" where it says nothing about a run.
 std::string saidBy(CLI::Option& option);
+
+/// The only values that an option accepts; empty where they are no list.
+std::vector<std::string> allowedWords(CLI::Option& option);
 
 /// Adds the argument that stands without an option's name.
 void addPlace(CLI::App& command, const std::string& name, std::filesystem::path& target,

@@ -133,24 +133,11 @@ std::vector<std::filesystem::path> foldersOf(const RecordOrder& order) {
   return folders;
 }
 
-/// The scene and the settings with their folder; nothing has run yet.
-RecordResult prepareOrder(const RecordOrder& order) {
+/// The same with the warnings printed.
+RecordResult prepareLoudly(const RecordOrder& order) {
   std::vector<std::string> warnings;
-  OrderInputs inputs{{}, order.inputs};
-  RecordResult result;
-  {
-    const InputRecord record(inputs.files);
-    result.scene = readScene(order, warnings);
-  }
+  RecordResult result = prepareOrder(order, warnings);
   printWarnings(warnings);
-  inputs.modelName = result.scene.model.name;
-  result.settings = order.settings;
-  result.settings.sceneText = order.text.scene;
-  result.settings.inputs = inputs.files;
-  result.settings.order = fingerprintOf(order, inputs);
-  if (result.settings.folder.empty()) {
-    result.settings.folder = std::filesystem::path("out") / result.scene.model.name;
-  }
   return result;
 }
 
@@ -202,7 +189,10 @@ void completeOrder(CLI::App& command, RecordOrder& order) {
   SceneFile file;
   {
     const InputRecord record(order.inputs);
-    file = readSceneFileOf(command, findModel(order.model), order.request, order.scene);
+    // A model that was never read has no folder where a scene file may stand.
+    if (!order.model.empty() || !order.request.file.empty()) {
+      file = readSceneFileOf(command, findModel(order.model), order.request, order.scene);
+    }
   }
   // What the scene file says is in the order's text, whichever way it says it.
   std::erase_if(order.inputs, [&](const InputFile& input) { return input.path == file.path; });
@@ -232,8 +222,26 @@ std::string fingerprintOf(const RecordOrder& order, const OrderInputs& inputs) {
   return orderFingerprint(order.text.terms, inputs, foldersOf(order));
 }
 
+RecordResult prepareOrder(const RecordOrder& order, std::vector<std::string>& warnings) {
+  OrderInputs inputs{{}, order.inputs};
+  RecordResult result;
+  {
+    const InputRecord record(inputs.files);
+    result.scene = readScene(order, warnings);
+  }
+  inputs.modelName = result.scene.model.name;
+  result.settings = order.settings;
+  result.settings.sceneText = order.text.scene;
+  result.settings.inputs = inputs.files;
+  result.settings.order = fingerprintOf(order, inputs);
+  if (result.settings.folder.empty()) {
+    result.settings.folder = std::filesystem::path("out") / result.scene.model.name;
+  }
+  return result;
+}
+
 RecordResult runOrder(const RecordOrder& order, const ProgressObserver& observer) {
-  RecordResult result = prepareOrder(order);
+  RecordResult result = prepareLoudly(order);
   result.settings.order.clear();
   result.summary = record(result.scene, result.settings, observer);
   return result;
@@ -241,7 +249,7 @@ RecordResult runOrder(const RecordOrder& order, const ProgressObserver& observer
 
 int carryOut(const RecordOrder& order) {
   noteSignals();
-  RecordResult result = prepareOrder(order);
+  RecordResult result = prepareLoudly(order);
   if (order.settings.resume) {
     const auto finished = findFinished(result.settings);
     if (finished) {

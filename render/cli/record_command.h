@@ -50,12 +50,16 @@ OrderInputs readInputs(const RecordOrder& order);
 /// What tells a complete order from all others, see orderFingerprint().
 std::string fingerprintOf(const RecordOrder& order, const OrderInputs& inputs);
 
-/// A run that was made.
+/// A run, before or after it was made.
 struct RecordResult {
   Scene scene;
   RecordSettings settings;  ///< with their folder
   RunSummary summary;
 };
+
+/// Reads the model of a complete order and all that it is deployed with; nothing runs yet. Throws
+/// as readModel(); what a run can live with is appended to the warnings.
+RecordResult prepareOrder(const RecordOrder& order, std::vector<std::string>& warnings);
 
 /// Reads the model, runs it, leaves its files but no checkpoints. The order must be complete.
 /// Throws as readModel() and record().
