@@ -1,0 +1,16 @@
+/// Scripts by which shells complete the command line, from the descriptions of the commands.
+#pragma once
+
+#include <string>
+
+#include "render/cli/command_tree.h"
+
+namespace kirireel {
+
+/// For bash (with or without the package bash-completion), zsh and fish. Commands, options, the
+/// values of options that have a list of them, and names of files elsewhere are completed.
+std::string bashCompletion(const CommandDescription& program);
+std::string zshCompletion(const CommandDescription& program);
+std::string fishCompletion(const CommandDescription& program);
+
+}  // namespace kirireel

@@ -1,0 +1,27 @@
+/// What the Python module says of itself: docstrings and type stubs, from the descriptions of the
+/// commands whose options it takes.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "render/cli/command_tree.h"
+
+namespace kirireel {
+
+/// Options of `record` that a run in Python has not: where files go and how it reports, which its
+/// functions say, and how the model is read.
+const std::vector<std::string>& optionsNotForRuns();
+
+/// Options of `render` that a single picture has not.
+const std::vector<std::string>& optionsNotForPictures();
+
+/// Docstrings, with each option's unit and default.
+std::string deployDoc(const CommandDescription& program);
+std::string generateDoc(const CommandDescription& program);
+std::string renderDoc(const CommandDescription& program);
+
+/// The text of __init__.pyi.
+std::string pythonStub(const CommandDescription& program);
+
+}  // namespace kirireel

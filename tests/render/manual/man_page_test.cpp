@@ -1,0 +1,82 @@
+#include "render/manual/man_page.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/base/pending_file.h"
+#include "tests/support/files.h"
+#include "tests/support/program.h"
+
+namespace kirireel {
+namespace {
+
+using test::hasProgram;
+using test::outputOf;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+const std::vector<NamedText>& pages() {
+  static const std::vector<NamedText> all = manPages(describeProgram(), "1.2.3");
+  return all;
+}
+
+/// A page as a reader sees it, in lines of 200 letters, without spaces that only fill lines.
+std::string shown(const std::string& name) {
+  const test::TemporaryFolder folder;
+  for (const auto& [file, text] : pages()) {
+    if (file == name) writeTextFile(folder / file, text);
+  }
+  return outputOf(fmt::format("(groff -man -Tascii -P-c -P-b -P-u -rLL=200n -rHY=0 {} | tr -s ' ')",
+                              (folder / name).string()));
+}
+
+TEST(ManPages, ThereIsOneForEachCommand) {
+  std::vector<std::string> names;
+  for (const auto& page : pages()) names.push_back(page.first);
+  std::vector<std::string> expected = {"kirireel.1"};
+  for (const CommandDescription& command : describeProgram().commands) {
+    expected.push_back("kirireel-" + command.name + ".1");
+  }
+  EXPECT_EQ(names, expected);
+}
+
+TEST(ManPages, TroffHasNothingToSayAgainstThem) {
+  if (!hasProgram("groff")) GTEST_SKIP() << "install groff to judge man pages";
+  const test::TemporaryFolder folder;
+  for (const auto& [name, text] : pages()) {
+    writeTextFile(folder / name, text);
+    const std::string file = (folder / name).string();
+    EXPECT_THAT(outputOf(fmt::format("groff -ww -man -z -Tutf8 {} 2>&1", file)), IsEmpty()) << name;
+  }
+}
+
+TEST(ManPages, ShowEveryOptionWithItsHelp) {
+  if (!hasProgram("groff")) GTEST_SKIP() << "install groff to show man pages";
+  const CommandDescription program = describeProgram();
+  const std::string page = shown("kirireel-record.1");
+  for (const OptionDescription& option : commandNamed(program, "record").options) {
+    EXPECT_THAT(page, HasSubstr(option.names.back())) << option.key;
+    EXPECT_THAT(page, HasSubstr(option.help.substr(0, 40))) << option.key;
+  }
+  EXPECT_THAT(page, HasSubstr("--thickness METRES"));
+  EXPECT_THAT(page, HasSubstr("kirireel 1.2.3"));
+}
+
+TEST(ManPages, ShowFamiliesAndExamples) {
+  if (!hasProgram("groff")) GTEST_SKIP() << "install groff to show man pages";
+  EXPECT_THAT(shown("kirireel-generate.1"), HasSubstr("SQUARE-TO-DISK"));
+  EXPECT_THAT(shown("kirireel-record.1"),
+              HasSubstr("EXAMPLES\n kirireel record data/tessellation_4x4\n"));
+}
+
+TEST(ManPages, KeepLettersThatMeanSomethingToTroff) {
+  CommandDescription program{"name", "a \\ b", "  .so file\n  'quoted'", {}, {}, {}};
+  program.options.push_back({{"-x", "--x-y"}, "x_y", "", "Options", "", ".begins so", {}, true});
+  const std::string text = manPages(program, "1").front().second;
+  EXPECT_THAT(text, HasSubstr("name \\- a \\e b"));
+  EXPECT_THAT(text, HasSubstr("\\fB\\-x\\fR, \\fB\\-\\-x\\-y\\fR"));
+  EXPECT_THAT(text, HasSubstr("\n\\&.begins so"));
+}
+
+}  // namespace
+}  // namespace kirireel
