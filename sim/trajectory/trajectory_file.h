@@ -62,12 +62,17 @@ class TrajectoryWriter {
   std::unique_ptr<Internals> internals_;
 };
 
-/// Reads a trajectory, any sample at any time. Throws InputError that names the file and what in it
-/// is missing, damaged or contradictory.
+class SampleTable;
+
+/// Reads a trajectory, any sample at any time: from a file, or from memory where it is there
+/// already. Throws InputError that names the file and what in it is missing, damaged or
+/// contradictory.
 class TrajectoryReader {
  public:
   /// Reads and checks everything but the poses.
   explicit TrajectoryReader(const std::filesystem::path& path);
+  /// A run in memory, with at least one sample.
+  TrajectoryReader(Subject subject, TrajectoryEnd end, std::shared_ptr<const SampleTable> samples);
   ~TrajectoryReader();
   TrajectoryReader(const TrajectoryReader&) = delete;
   TrajectoryReader& operator=(const TrajectoryReader&) = delete;
@@ -77,11 +82,14 @@ class TrajectoryReader {
   const std::vector<StepRecord>& steps() const;  ///< of the whole run; none in version 1
   const TrajectoryEnd& end() const;              ///< events alone in version 1
 
-  /// One sample, its index from 0 to times().size() - 1, with its steps.
+  /// One sample, its index from 0 to times().size() - 1, with its steps. Files do not say which
+  /// tiles were pinned.
   Sample sample(std::size_t index) const;
 
  private:
   struct Internals;
+  struct FileRun;
+  struct MemoryRun;
   std::unique_ptr<Internals> internals_;
 };
 

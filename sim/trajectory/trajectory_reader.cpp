@@ -9,6 +9,7 @@
 
 #include "sim/model/text_table.h"
 #include "sim/trajectory/array_file.h"
+#include "sim/trajectory/sample_table.h"
 #include "sim/trajectory/trajectory_file.h"
 #include "sim/trajectory/trajectory_layout.h"
 
@@ -240,9 +241,20 @@ class SubjectReader {
 
 }  // namespace
 
+/// What every run has, wherever its samples are.
 struct TrajectoryReader::Internals {
-  explicit Internals(const std::filesystem::path& path)
-      : file(path), subject(SubjectReader(file).read()) {
+  virtual ~Internals() = default;
+  virtual Sample sample(std::size_t index) const = 0;
+
+  Subject subject;
+  std::vector<double> times;
+  std::vector<StepRecord> steps;
+  TrajectoryEnd end;
+};
+
+struct TrajectoryReader::FileRun final : Internals {
+  explicit FileRun(const std::filesystem::path& path) : file(path) {
+    subject = SubjectReader(file).read();
     readTimes();
     readMeasures();
     readEvents();
@@ -348,16 +360,45 @@ struct TrajectoryReader::Internals {
     return pose;
   }
 
+  Sample sample(std::size_t index) const override {
+    Sample sample;
+    sample.time = times.at(index);
+    for (std::size_t k = 0; k < kMeasures.size(); ++k) {
+      sample.*kMeasures[k].field = measures[k][index];
+    }
+    sample.poses = poses("", index);
+    sample.steps = stepsOf(index);
+    return sample;
+  }
+
   ArrayReader file;
-  Subject subject;
-  std::vector<double> times;
   std::array<std::vector<double>, kMeasures.size()> measures;
-  std::vector<StepRecord> steps;
-  TrajectoryEnd end;
+};
+
+struct TrajectoryReader::MemoryRun final : Internals {
+  MemoryRun(Subject shown, TrajectoryEnd known, std::shared_ptr<const SampleTable> table)
+      : samples(std::move(table)) {
+    subject = std::move(shown);
+    end = std::move(known);
+    times = samples->times();
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      const std::vector<StepRecord> taken = samples->sample(i).steps;
+      steps.insert(steps.end(), taken.begin(), taken.end());
+    }
+  }
+
+  Sample sample(std::size_t index) const override { return samples->sample(index); }
+
+  std::shared_ptr<const SampleTable> samples;
 };
 
 TrajectoryReader::TrajectoryReader(const std::filesystem::path& path)
-    : internals_(std::make_unique<Internals>(path)) {}
+    : internals_(std::make_unique<FileRun>(path)) {}
+
+TrajectoryReader::TrajectoryReader(Subject subject, TrajectoryEnd end,
+                                   std::shared_ptr<const SampleTable> samples)
+    : internals_(
+          std::make_unique<MemoryRun>(std::move(subject), std::move(end), std::move(samples))) {}
 
 TrajectoryReader::~TrajectoryReader() = default;
 
@@ -378,15 +419,7 @@ const TrajectoryEnd& TrajectoryReader::end() const {
 }
 
 Sample TrajectoryReader::sample(std::size_t index) const {
-  const Internals& in = *internals_;
-  Sample sample;
-  sample.time = in.times.at(index);
-  for (std::size_t k = 0; k < kMeasures.size(); ++k) {
-    sample.*kMeasures[k].field = in.measures[k][index];
-  }
-  sample.poses = in.poses("", index);
-  sample.steps = in.stepsOf(index);
-  return sample;
+  return internals_->sample(index);
 }
 
 Trajectory readTrajectory(const std::filesystem::path& path) {
