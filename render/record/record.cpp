@@ -92,31 +92,37 @@ void nameInterruption(const std::string& by, DeploymentResult& result) {
       fmt::format("{}: {}", toString(result.outcome), result.reason);
 }
 
+void noteResult(const DeploymentResult& result, double endTime, RunSummary& summary) {
+  summary.outcome = result.outcome;
+  summary.reason = result.reason;
+  summary.atTarget = result.atTarget;
+  summary.endTime = endTime;
+  summary.needs = result.needs;
+  summary.accuracy = result.accuracy;
+  summary.path = result.path;
+  summary.pathReason = result.pathReason;
+  summary.assembledError = result.assembledError;
+  summary.blocking = result.blocking;
+  summary.warnings = result.warnings;
+  summary.deployCost = result.cost;
+  summary.events = result.trajectory.events;
+}
+
 void summarize(const RunEnd& end, RunSummary& summary) {
-  summary.outcome = end.result.outcome;
-  summary.reason = end.result.reason;
-  summary.atTarget = end.result.atTarget;
-  summary.endTime = end.last->time;
+  noteResult(end.result, end.last->time, summary);
   summary.leftOutFrom = end.leftOutFrom;
-  summary.needs = end.result.needs;
-  summary.accuracy = end.result.accuracy;
-  summary.path = end.result.path;
-  summary.pathReason = end.result.pathReason;
-  summary.assembledError = end.result.assembledError;
-  summary.blocking = end.result.blocking;
-  summary.warnings = end.result.warnings;
-  summary.deployCost = end.result.cost;
-  summary.events = end.result.trajectory.events;
 }
 
 /// One run into trajectory.h5.
 class LiveRun {
  public:
   /// The folder must be locked.
-  LiveRun(const Scene& scene, const RecordSettings& settings, const ProgressObserver& observer)
+  LiveRun(const Scene& scene, const RecordSettings& settings, const ProgressObserver& observer,
+          const Deployer& deployer)
       : scene_(scene),
         settings_(settings),
         observer_(observer),
+        deployer_(deployer),
         subject_(subjectOf(scene)),
         start_(motifOf(subject_)),
         checkpoints_(settings.folder / output::kCheckpoint, settings.order) {
@@ -142,8 +148,8 @@ class LiveRun {
       if (!news.warning.empty()) tellWarning(news.warning);
       return tell("looking for a path", news.share);
     };
-    end_.result = deployUnkept(scene_, settings_.sampleInterval(), watch, searching,
-                               settings_.order.empty() ? nullptr : &checkpoints_);
+    end_.result = deployer_(scene_, settings_.sampleInterval(), watch, searching,
+                            settings_.order.empty() ? nullptr : &checkpoints_);
     if (interruption_) nameInterruption(*interruption_, end_.result);
     if (!scribe) return;
     RunSummary summary;
@@ -177,6 +183,7 @@ class LiveRun {
   const Scene& scene_;
   const RecordSettings& settings_;
   const ProgressObserver& observer_;
+  const Deployer& deployer_;
   Subject subject_;
   Motif start_;
   Checkpoints checkpoints_;
@@ -293,8 +300,14 @@ bool isOutput(const std::string& name, const RecordSettings& settings) {
 
 }  // namespace
 
-RunSummary record(const Scene& scene, const RecordSettings& asked,
-                  const ProgressObserver& observer) {
+RunSummary summaryOf(const DeploymentResult& result, double endTime) {
+  RunSummary summary;
+  noteResult(result, endTime, summary);
+  return summary;
+}
+
+RunSummary record(const Scene& scene, const RecordSettings& asked, const ProgressObserver& observer,
+                  const Deployer& deployer) {
   const Stopwatch stopwatch;
   requireValidSettings(asked);
   requirePaintable(motifOf(subjectOf(scene)), asked);
@@ -306,7 +319,7 @@ RunSummary record(const Scene& scene, const RecordSettings& asked,
   settings.madeBy = madeBy(scene.model.name, settings.order);
 
   RunSummary summary;
-  LiveRun run(scene, settings, observer);
+  LiveRun run(scene, settings, observer, deployer);
   prepareGraphics(settings);
   run.deploy();
   summarize(run.end(), summary);

@@ -163,6 +163,14 @@ using Interruption = std::optional<std::string>;
 /// counts as interrupted, and what exists so far is still written out.
 using ProgressObserver = std::function<Interruption(const Progress&)>;
 
+/// Deploys a scene, as deployUnkept() does it, or as it was done before.
+using Deployer = std::function<DeploymentResult(
+    const Scene& scene, double sampleInterval, const SampleObserver& observer,
+    const TrialObserver& searching, Checkpoints* checkpoints)>;
+
+/// What a deployment says of itself in a summary; nothing is painted or written yet.
+RunSummary summaryOf(const DeploymentResult& result, double endTime);
+
 /// Deploys the scene into trajectory.h5, then makes everything else from that file as the settings
 /// ask for, and at last summary.json. Memory does not grow with the length of the run, and the
 /// video of a run that is interrupted is whole as far as it goes. A run that diverges or is
@@ -171,7 +179,7 @@ using ProgressObserver = std::function<Interruption(const Progress&)>;
 /// when a file cannot be written; the folder and the settings are checked before the deployment
 /// starts.
 RunSummary record(const Scene& scene, const RecordSettings& settings,
-                  const ProgressObserver& observer);
+                  const ProgressObserver& observer, const Deployer& deployer = deployUnkept);
 
 /// Makes the pictures of a recorded run again, from its trajectory.h5, without simulating. Throws
 /// InputError when the file is no whole trajectory, and as record().
