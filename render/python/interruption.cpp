@@ -1,0 +1,57 @@
+#include "render/python/interruption.h"
+
+#include <atomic>
+#include <csignal>
+#include <mutex>
+
+#include <pybind11/pybind11.h>
+
+namespace kirireel::python {
+namespace {
+
+std::atomic<int> interruptions = 0;
+static_assert(std::atomic<int>::is_always_lock_free, "a signal handler may not wait for a lock");
+
+std::mutex handlerMutex;
+int watches = 0;                     // that live
+struct sigaction pythonAction = {};  // before the first of them
+
+extern "C" void noteAndPassOn(int signal) {
+  ++interruptions;
+  pythonAction.sa_handler(signal);
+}
+
+bool isHandled(const struct sigaction& action) {
+  return action.sa_handler != SIG_DFL && action.sa_handler != SIG_IGN &&
+         (action.sa_flags & SA_SIGINFO) == 0;
+}
+
+}  // namespace
+
+InterruptionWatch::InterruptionWatch() : before_(interruptions) {
+  const std::lock_guard lock(handlerMutex);
+  if (watches++ > 0) return;
+  ::sigaction(SIGINT, nullptr, &pythonAction);
+  if (!isHandled(pythonAction)) return;
+  struct sigaction ours = pythonAction;
+  ours.sa_handler = noteAndPassOn;
+  ::sigaction(SIGINT, &ours, nullptr);
+}
+
+InterruptionWatch::~InterruptionWatch() {
+  const std::lock_guard lock(handlerMutex);
+  if (--watches == 0 && isHandled(pythonAction)) ::sigaction(SIGINT, &pythonAction, nullptr);
+}
+
+bool InterruptionWatch::isInterrupted() const {
+  return interruptions != before_;
+}
+
+void InterruptionWatch::raise() const {
+  if (!isInterrupted()) return;
+  // On the main thread this runs Python's handler, which raises; other threads end in the same way.
+  if (PyErr_CheckSignals() == 0) PyErr_SetNone(PyExc_KeyboardInterrupt);
+  throw pybind11::error_already_set();
+}
+
+}  // namespace kirireel::python

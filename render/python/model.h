@@ -1,0 +1,11 @@
+/// Models in Python: read, made, written.
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+namespace kirireel::python {
+
+/// Adds Model, read() and generate().
+void addModels(pybind11::module_& module);
+
+}  // namespace kirireel::python

@@ -1,0 +1,35 @@
+/// The Python module kirireel._kirireel.
+#include <pybind11/pybind11.h>
+
+#include "render/python/model.h"
+#include "render/python/run.h"
+#include "render/record/versions.h"
+#include "sim/base/error.h"
+
+namespace py = pybind11;
+
+namespace {
+
+using namespace kirireel;
+
+/// Errors are those of the program, and also what Python calls such errors.
+void addErrors(py::module_& module) {
+  py::register_exception<Error>(module, "Error");
+  const py::object base = module.attr("Error");
+  py::register_exception<InputError>(module, "InputError",
+                                     py::make_tuple(base, py::handle(PyExc_ValueError)));
+  py::register_exception<OutputError>(module, "OutputError",
+                                      py::make_tuple(base, py::handle(PyExc_OSError)));
+  py::register_exception<RunError>(module, "RunError",
+                                   py::make_tuple(base, py::handle(PyExc_RuntimeError)));
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_kirireel, module) {
+  module.doc() = "Kirireel's C++, for the package kirireel.";
+  module.attr("__version__") = programVersion();
+  addErrors(module);
+  python::addModels(module);
+  python::addRuns(module);
+}

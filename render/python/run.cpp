@@ -1,0 +1,352 @@
+// A run keeps its samples in arrays, which NumPy sees as they stand in memory: the arrays keep the
+// run alive, and nobody may write to them. Deploying, painting and saving leave the interpreter to
+// other threads.
+#include "render/python/run.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+
+#include <fmt/format.h>
+#include <pybind11/functional.h>
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include "render/cli/command_line.h"
+#include "render/folder/output_folder.h"
+#include "render/manual/python_text.h"
+#include "render/python/interruption.h"
+#include "render/python/options.h"
+#include "render/record/album.h"
+#include "render/record/summary.h"
+#include "render/studio/studio.h"
+#include "sim/base/error.h"
+#include "sim/trajectory/sample_table.h"
+
+namespace py = pybind11;
+using namespace py::literals;
+
+namespace kirireel::python {
+namespace {
+
+using Column = const std::vector<double>& (SampleTable::*)() const;
+
+/// A run in memory, deployed here or read from a file.
+struct MemoryRun {
+  MemoryRun(const Subject& subject, const TrajectoryEnd& end,
+            std::shared_ptr<const SampleTable> table)
+      : samples(std::move(table)), reader(subject, end, samples) {}
+  virtual ~MemoryRun() = default;
+
+  std::shared_ptr<const SampleTable> samples;
+  TrajectoryReader reader;
+  std::vector<double> velocities;  ///< see SampleTable; empty until they are asked for
+};
+
+/// A run that was deployed here.
+struct DeployedRun : MemoryRun {
+  DeployedRun(RecordResult prepared, DeploymentResult ended,
+              std::shared_ptr<const SampleTable> table)
+      : MemoryRun(subjectOf(prepared.scene), ended.trajectory, std::move(table)),
+        order(std::move(prepared)),
+        result(std::move(ended)) {
+    order.summary = summaryOf(result, samples->times().back());
+  }
+
+  RecordResult order;
+  DeploymentResult result;
+};
+
+// ---- arrays
+
+/// Numbers as they stand in memory that `owner` keeps.
+template <typename T>
+py::array view(const T* data, const std::vector<py::ssize_t>& shape,
+               const std::vector<py::ssize_t>& strides, const py::object& owner) {
+  py::array array(py::dtype::of<T>(), shape, strides, data, owner);
+  array.attr("setflags")("write"_a = false);
+  return array;
+}
+
+/// samples x bricks x `shown` of the `stored` numbers of each brick, from `first` on.
+py::array brickView(const std::vector<double>& data, const SampleTable& samples, int stored,
+                    int shown, int first, const py::object& owner) {
+  const auto count = static_cast<py::ssize_t>(samples.size());
+  const auto bricks = static_cast<py::ssize_t>(samples.brickCount());
+  constexpr py::ssize_t kBytes = sizeof(double);
+  return view(data.data() + first, {count, bricks, shown},
+              {bricks * stored * kBytes, stored * kBytes, kBytes}, owner);
+}
+
+py::array column(const py::object& self, Column entries) {
+  const std::vector<double>& data = (*self.cast<const MemoryRun&>().samples.*entries)();
+  return view(data.data(), {static_cast<py::ssize_t>(data.size())}, {sizeof(double)}, self);
+}
+
+py::array position(const py::object& self) {
+  const SampleTable& samples = *self.cast<const MemoryRun&>().samples;
+  return brickView(samples.positions(), samples, 3, 3, 0, self);
+}
+
+py::array rotation(const py::object& self) {
+  const SampleTable& samples = *self.cast<const MemoryRun&>().samples;
+  return brickView(samples.rotations(), samples, 4, 4, 0, self);
+}
+
+py::array velocity(const py::object& self, int first) {
+  auto& run = self.cast<MemoryRun&>();
+  if (run.velocities.empty()) run.velocities = run.samples->velocities();
+  return brickView(run.velocities, *run.samples, 6, 3, first, self);
+}
+
+/// bricks x `width`, of one sample.
+template <typename Write>
+py::array_t<double> poseArray(const Sample& sample, std::size_t width, Write write) {
+  py::array_t<double> array({sample.poses.size(), width});
+  double* at = array.mutable_data();
+  for (const Pose& pose : sample.poses) at = write(pose, at);
+  return array;
+}
+
+py::array_t<double> samplePositions(const Sample& sample) {
+  return poseArray(sample, 3, [](const Pose& pose, double* at) {
+    return std::copy_n(pose.position.data(), 3, at);
+  });
+}
+
+py::array_t<double> sampleRotations(const Sample& sample) {
+  return poseArray(sample, 4, [](const Pose& pose, double* at) {
+    const Quaternion& turn = pose.rotation;
+    return std::ranges::copy(std::array{turn.w(), turn.x(), turn.y(), turn.z()}, at).out;
+  });
+}
+
+// ---- deploying
+
+/// Tells Python each sample, and remembers what it threw.
+class SampleTeller {
+ public:
+  explicit SampleTeller(py::object tell) : tell_(std::move(tell)) {}
+
+  /// False ends the run. To be called without the interpreter.
+  bool operator()(const Sample& sample) {
+    if (tell_.is_none()) return true;
+    const py::gil_scoped_acquire acquire;
+    if (thrown_) return false;
+    try {
+      return !tell_(sample).is(py::bool_(false));
+    } catch (...) {
+      thrown_ = std::current_exception();
+      return false;
+    }
+  }
+
+  void rethrow() const {
+    if (thrown_) std::rethrow_exception(thrown_);
+  }
+
+ private:
+  py::object tell_;
+  std::exception_ptr thrown_;
+};
+
+std::shared_ptr<DeployedRun> deployModel(const LoadedModel& loaded, const py::object& onSample,
+                                         const py::kwargs& options) {
+  const RecordOrder order = parseRunOptions(loaded, optionWords(options, optionsNotForRuns()));
+  std::vector<std::string> warnings;
+  std::shared_ptr<DeployedRun> run;
+  SampleTeller tell(onSample);
+  const InterruptionWatch watch;
+  {
+    const py::gil_scoped_release release;
+    RecordResult prepared = prepareOrder(order, warnings);
+    const auto samples = std::make_shared<SampleTable>();
+    const SampleObserver keep = [&](const Sample& sample) {
+      samples->append(sample);
+      return !watch.isInterrupted() && tell(sample);
+    };
+    const TrialObserver search = [&](const SearchNews& news) {
+      if (!news.warning.empty()) {
+        warnings.push_back(fmt::format("{}: warning: {}", loaded.model.name, news.warning));
+      }
+      return !watch.isInterrupted();
+    };
+    DeploymentResult result =
+        deployUnkept(prepared.scene, prepared.settings.frameInterval(), keep, search);
+    run = std::make_shared<DeployedRun>(std::move(prepared), std::move(result), samples);
+  }
+  tell.rethrow();
+  watch.raise();
+  warn(warnings);
+  return run;
+}
+
+// ---- what a run does
+
+/// The index of the sample nearest to a time, the last where none is given.
+std::size_t nearestSample(const std::vector<double>& times, std::optional<double> time) {
+  if (!time) return times.size() - 1;
+  const auto nearest = std::ranges::min_element(
+      times, {}, [&](double sampled) { return std::abs(sampled - *time); });
+  return static_cast<std::size_t>(nearest - times.begin());
+}
+
+py::array render(const MemoryRun& run, std::optional<double> time, const py::kwargs& options) {
+  std::vector<std::string> words = {"render", output::kTrajectory};
+  for (const std::string& word : optionWords(options, optionsNotForPictures())) {
+    words.push_back(word);
+  }
+  const PictureSettings settings = std::get<RenderOrder>(parseCommandLine(words)).settings;
+  auto frame = std::make_unique<Frame>();
+  {
+    const py::gil_scoped_release release;
+    if (settings.graphics) setGraphicsLibrary(*settings.graphics);
+    const Sample sample = run.reader.sample(nearestSample(run.reader.times(), time));
+    Studio studio(settings.size, settings.look, motifOf(run.reader, settings));
+    *frame = studio.take({sample.time, sample.poses, sample.pinned}, Studio::Scales::Drawn);
+  }
+  const py::ssize_t width = frame->size.width;
+  const py::ssize_t height = frame->size.height;
+  const std::uint8_t* pixels = frame->pixels.data();
+  const py::capsule owner(frame.release(), [](void* kept) { delete static_cast<Frame*>(kept); });
+  return py::array(py::dtype::of<std::uint8_t>(), {height, width, py::ssize_t{4}},
+                   {4 * width, py::ssize_t{4}, py::ssize_t{1}}, pixels, owner);
+}
+
+/// Writes what `kirireel record` would, from the samples that are there. An interruption leaves the
+/// folder as it was.
+std::vector<std::string> save(const DeployedRun& run, const std::filesystem::path& folder) {
+  const InterruptionWatch watch;
+  try {
+    const py::gil_scoped_release release;
+    RecordSettings settings = run.order.settings;
+    settings.folder = folder;
+    const Deployer again = [&run](const Scene&, double, const SampleObserver& observer,
+                                  const TrialObserver&, Checkpoints*) {
+      for (std::size_t i = 0; i < run.samples->size(); ++i) observer(run.samples->sample(i));
+      return run.result;
+    };
+    const ProgressObserver progress = [&watch](const Progress&) -> Interruption {
+      if (watch.isInterrupted()) throw RunError("error: interrupted while saving");
+      return std::nullopt;
+    };
+    return record(run.order.scene, settings, progress, again).files;
+  } catch (const RunError&) {
+    watch.raise();
+    throw;
+  }
+}
+
+py::object summary(const DeployedRun& run) {
+  const RecordResult& order = run.order;
+  return py::module_::import("json").attr("loads")(
+      summaryJson(order.scene, order.settings, order.summary));
+}
+
+std::shared_ptr<MemoryRun> openTrajectory(const std::filesystem::path& path) {
+  const py::gil_scoped_release release;
+  const bool isFolder = std::filesystem::is_directory(path);
+  const TrajectoryReader file(isFolder ? path / output::kTrajectory : path);
+  return std::make_shared<MemoryRun>(file.subject(), file.end(),
+                                     std::make_shared<SampleTable>(readSamples(file)));
+}
+
+std::vector<std::pair<double, std::string>> events(const MemoryRun& run) {
+  std::vector<std::pair<double, std::string>> list;
+  for (const Event& event : run.reader.end().events) list.emplace_back(event.time, event.text);
+  return list;
+}
+
+std::string describe(const MemoryRun& run) {
+  return fmt::format("<kirireel trajectory of {}: {} samples, {} tiles, {:g} s>",
+                     run.reader.subject().model.name, run.samples->size(),
+                     run.samples->brickCount(), run.samples->times().back());
+}
+
+// ---- the module
+
+void addSample(py::module_& module) {
+  py::class_<Sample>(module, "Sample", "The state at one time, with its measures.")
+      .def_readonly("time", &Sample::time, "simulated seconds")
+      .def_readonly("joint_gap", &Sample::jointGap, "largest gap of any joint, metres")
+      .def_readonly("target_error", &Sample::targetError,
+                    "largest distance of a corner from its target, metres; 0 without a target")
+      .def_readonly("penetration", &Sample::penetration, "deepest, metres")
+      .def_property_readonly("position", &samplePositions,
+                             "tiles x 3, metres, of the centres of mass (a copy)")
+      .def_property_readonly("rotation", &sampleRotations,
+                             "tiles x 4, unit quaternions w x y z, brick axes to world (a copy)");
+}
+
+void addCurves(py::class_<MemoryRun, std::shared_ptr<MemoryRun>>& trajectory) {
+  const auto add = [&trajectory](const char* name, Column entries, const char* doc) {
+    trajectory.def_property_readonly(
+        name, [entries](const py::object& self) { return column(self, entries); }, doc);
+  };
+  add("time", &SampleTable::times, "samples; simulated seconds");
+  add("joint_gap", &SampleTable::jointGaps, "samples; largest gap of any joint, metres");
+  add("target_error", &SampleTable::targetErrors,
+      "samples; largest distance of a corner from its target, metres; 0 without a target");
+  add("penetration", &SampleTable::penetrations, "samples; deepest overlap of two bricks, metres");
+}
+
+void addTrajectory(py::module_& module) {
+  py::class_<MemoryRun, std::shared_ptr<MemoryRun>> trajectory(
+      module, "Trajectory",
+      "The states of a run by time. Arrays are views of its memory: nothing is copied, and nobody "
+      "may write to them.");
+  addCurves(trajectory);
+  trajectory
+      .def_property_readonly("position", &position,
+                             "samples x tiles x 3, metres, of the centres of mass")
+      .def_property_readonly("rotation", &rotation,
+                             "samples x tiles x 4, unit quaternions w x y z, brick axes to world")
+      .def_property_readonly(
+          "velocity", [](const py::object& self) { return velocity(self, 0); },
+          "samples x tiles x 3, m/s, of the centres of mass: central differences of the samples")
+      .def_property_readonly(
+          "angular_velocity", [](const py::object& self) { return velocity(self, 3); },
+          "samples x tiles x 3, rad/s, world axes: central differences of the samples")
+      .def_property_readonly("events", &events, "What happened: simulated seconds and one line.")
+      .def_property_readonly(
+          "model",
+          [](const MemoryRun& run) {
+            return LoadedModel{run.reader.subject().model, {}, {}, {}, {}};
+          },
+          "The model as it was deployed, moved onto its target.")
+      .def("render", &render, "time"_a = py::none(), renderDoc(describeProgram()).c_str())
+      .def("__repr__", &describe);
+}
+
+void addRun(py::module_& module) {
+  py::class_<DeployedRun, MemoryRun, std::shared_ptr<DeployedRun>>(
+      module, "Run", "A deployment that deploy() made.")
+      .def_property_readonly(
+          "outcome", [](const DeployedRun& run) { return toString(run.result.outcome); },
+          "settled, locked, out_of_time, diverged or interrupted")
+      .def_property_readonly(
+          "reason", [](const DeployedRun& run) { return run.result.reason; }, "one line: why")
+      .def_property_readonly(
+          "at_target", [](const DeployedRun& run) { return run.result.atTarget; },
+          "whether it ended at its target; None where nothing pulls to one")
+      .def_property_readonly("summary", &summary,
+                             "The summary as summary.json has it, no files written yet.")
+      .def("save", &save, "folder"_a,
+           "Writes the files that `kirireel record` leaves, the same bytes (but for cost and hash "
+           "in summary.json). Returns their names.");
+}
+
+}  // namespace
+
+void addRuns(py::module_& module) {
+  addSample(module);
+  addTrajectory(module);
+  addRun(module);
+  module.def("deploy", &deployModel, "model"_a, "on_sample"_a = py::none(),
+             deployDoc(describeProgram()).c_str());
+  module.def("open", &openTrajectory, "path"_a,
+             "Reads a trajectory.h5, or the one in a folder. Returns a Trajectory.");
+}
+
+}  // namespace kirireel::python
