@@ -1,0 +1,9 @@
+/// What other programs include to record runs: <kirireel/render.h> of the target kirireel::render.
+/// The promise of <kirireel/sim.h> holds for these headers too.
+#pragma once
+
+#include "render/picture/frame.h"
+#include "render/png/png.h"
+#include "render/record/record.h"
+#include "render/studio/studio.h"
+#include "sim/sim.h"
