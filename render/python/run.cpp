@@ -173,7 +173,7 @@ std::shared_ptr<DeployedRun> deployModel(const LoadedModel& loaded, const py::ob
       return !watch.isInterrupted();
     };
     DeploymentResult result =
-        deployUnkept(prepared.scene, prepared.settings.frameInterval(), keep, search);
+        deployUnkept(prepared.scene, prepared.settings.sampleInterval(), keep, search);
     run = std::make_shared<DeployedRun>(std::move(prepared), std::move(result), samples);
   }
   tell.rethrow();
