@@ -1,5 +1,5 @@
 /// The Python module kirireel._kirireel.
-#include <pybind11/pybind11.h>
+#include <pybind11/numpy.h>
 
 #include "render/python/model.h"
 #include "render/python/run.h"
@@ -28,6 +28,9 @@ void addErrors(py::module_& module) {
 
 PYBIND11_MODULE(_kirireel, module) {
   module.doc() = "Kirireel's C++, for the package kirireel.";
+  // pybind11 looks for NumPy when it makes its first array, and two threads that both do wait for each
+  // other: it is looked for now.
+  py::dtype::of<double>();
   module.attr("__version__") = programVersion();
   addErrors(module);
   python::addModels(module);

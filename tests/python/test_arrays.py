@@ -2,6 +2,8 @@
 
 import gc
 import pathlib
+import subprocess
+import sys
 import tempfile
 import unittest
 
@@ -104,6 +106,20 @@ class Pictures(unittest.TestCase):
                 theirs = np.rint(255 * matplotlib.image.imread(file)).astype(np.uint8)
                 self.assertEqual(ours.shape, (120, 160, 4))
                 np.testing.assert_array_equal(ours[..., :3], theirs[..., :3])
+
+
+    def test_are_painted_by_several_threads(self):
+        # A process of its own: what several threads do first is what they may wait for each other in.
+        script = """
+import sys, concurrent.futures, kirireel
+run = kirireel.deploy(kirireel.read(sys.argv[1]))
+with concurrent.futures.ThreadPoolExecutor(4) as pool:
+    pictures = {picture.tobytes() for picture in pool.map(lambda k: run.render(size="80x60"), range(8))}
+print(len(pictures))
+"""
+        said = subprocess.check_output([sys.executable, "-c", script, model_folder("cap")],
+                                       text=True, timeout=120)
+        self.assertEqual(said, "1\n")
 
 
 class Families(unittest.TestCase):
