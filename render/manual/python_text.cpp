@@ -153,11 +153,13 @@ const std::vector<std::string>& optionsNotForRuns() {
   return names;
 }
 
-const std::vector<std::string>& optionsNotForPictures() {
-  static const std::vector<std::string> names = {
-      "help",      "out",    "fps",       "grid",         "captions", "scale_bar", "dpi",
-      "snapshots", "frames", "frames_at", "no_snapshots", "svg",      "video",     "format",
-      "no_video",  "speed",  "hold",      "title",        "crf",      "preset",    "encoder"};
+std::vector<std::string> optionsNotForPictures(const CommandDescription& program) {
+  static const std::vector<std::string> groups = {"Style", "Look", "Camera"};
+  static const std::vector<std::string> keys = {"size", "gl"};
+  std::vector<std::string> names;
+  for (const OptionDescription& option : commandNamed(program, "render").options) {
+    if (!has(groups, option.group) && !has(keys, option.key)) names.push_back(option.key);
+  }
   return names;
 }
 
@@ -187,7 +189,8 @@ std::string generateDoc(const CommandDescription& program) {
 std::string renderDoc(const CommandDescription& program) {
   return "Paints the sample nearest to a time (simulated seconds; None: the last one). Returns an\n"
          "array height x width x 4 of bytes, RGBA, rows from the top.\n" +
-         optionsDoc(optionsWithout(commandNamed(program, "render"), optionsNotForPictures()));
+         optionsDoc(
+             optionsWithout(commandNamed(program, "render"), optionsNotForPictures(program)));
 }
 
 std::string pythonStub(const CommandDescription& program) {
@@ -195,7 +198,7 @@ std::string pythonStub(const CommandDescription& program) {
   text += fmt::format(
       "    def render(\n    self,\n    time: Optional[float] = ...,\n    *,\n{}    ) -> "
       "NDArray[np.uint8]: ...\n{}",
-      parameters(optionsWithout(commandNamed(program, "render"), optionsNotForPictures())),
+      parameters(optionsWithout(commandNamed(program, "render"), optionsNotForPictures(program))),
       kStubRun);
   for (const CommandDescription& family : commandNamed(program, "generate").commands) {
     text += familyStub(family);

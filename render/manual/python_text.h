@@ -13,8 +13,9 @@ namespace kirireel {
 /// functions say, and how the model is read.
 const std::vector<std::string>& optionsNotForRuns();
 
-/// Options of `render` that a single picture has not.
-const std::vector<std::string>& optionsNotForPictures();
+/// Options of `render` that a single picture has not: all but its size and library, its style and
+/// its camera.
+std::vector<std::string> optionsNotForPictures(const CommandDescription& program);
 
 /// Docstrings, with each option's unit and default.
 std::string deployDoc(const CommandDescription& program);

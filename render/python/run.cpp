@@ -194,7 +194,7 @@ std::size_t nearestSample(const std::vector<double>& times, std::optional<double
 
 py::array render(const MemoryRun& run, std::optional<double> time, const py::kwargs& options) {
   std::vector<std::string> words = {"render", output::kTrajectory};
-  for (const std::string& word : optionWords(options, optionsNotForPictures())) {
+  for (const std::string& word : optionWords(options, optionsNotForPictures(describeProgram()))) {
     words.push_back(word);
   }
   const PictureSettings settings = std::get<RenderOrder>(parseCommandLine(words)).settings;
@@ -203,8 +203,9 @@ py::array render(const MemoryRun& run, std::optional<double> time, const py::kwa
     const py::gil_scoped_release release;
     if (settings.graphics) setGraphicsLibrary(*settings.graphics);
     const Sample sample = run.reader.sample(nearestSample(run.reader.times(), time));
-    Studio studio(settings.size, settings.look, motifOf(run.reader, settings));
-    *frame = studio.take({sample.time, sample.poses, sample.pinned}, Studio::Scales::Drawn);
+    // As frames are: where colours stand for values, a bar under the picture says which.
+    Studio studio(settings.size, settings.look, motifOf(run.reader, settings), {.colours = true});
+    *frame = studio.take({sample.time, sample.poses, sample.pinned});
   }
   const py::ssize_t width = frame->size.width;
   const py::ssize_t height = frame->size.height;
