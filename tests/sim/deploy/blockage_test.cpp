@@ -45,8 +45,9 @@ TEST(Blockage, AFoldTowardsTheTopsIsFreedByJointsThere) {
   EXPECT_EQ(pairs[0].freeingFace, JointFace::Top);
   EXPECT_GT(pairs[0].overlap, 1e-3);
   EXPECT_LT(pairs[0].overlap, 0.02);  // not more than the bricks are thick
-  EXPECT_THAT(describe(pairs[0]), HasSubstr("tiles 0 and 1 by "));
-  EXPECT_THAT(describe(pairs[0]), HasSubstr("joints on the top"));
+  EXPECT_THAT(describe(pairs[0], 0), HasSubstr("tiles 0 and 1 by "));
+  EXPECT_THAT(describe(pairs[0], 1), HasSubstr("tiles 1 and 2 by "));
+  EXPECT_THAT(describe(pairs[0], 0), HasSubstr("joints on the top"));
 }
 
 TEST(Blockage, ThinnerBricksFreeTilesThatLieOnEachOther) {
@@ -73,7 +74,7 @@ TEST(Blockage, TilesThatCrossAreFreedByNoThickness) {
   const std::vector<BlockingPair> pairs = blockingOf(scene);
   ASSERT_EQ(pairs.size(), 1u);
   EXPECT_EQ(pairs[0].freeingThickness, 0);
-  EXPECT_THAT(describe(pairs[0]), HasSubstr("the tiles themselves overlap"));
+  EXPECT_THAT(describe(pairs[0], 0), HasSubstr("the tiles themselves overlap"));
 }
 
 TEST(Blockage, NothingBlocksWithoutContacts) {
