@@ -54,7 +54,7 @@ Scene slowScene(int frames) {
   scene.model = makeTessellation({.columns = kSide, .rows = kSide});
   scene.brick.thickness = 0.1;
   scene.springs.forceDamping = 1e4;
-  scene.path.kind = PathKind::Straight;  // a search comes before the first frame, not beside it
+  scene.path.kind = PathKind::Straight;
   scene.stop.settleTime = 1e6;
   scene.stop.duration = (frames - 1.0) / kRate;
   return scene;
@@ -66,6 +66,8 @@ void printRecording(int frames, const fs::path& folder) {
   settings.folder = folder;
   settings.size = kSize;
   settings.snapshots = settings.meshes = false;
+  settings.length = static_cast<double>(frames) / kRate;
+  settings.hold = 0;
   settings.look.camera.view = kIsometricView;
   double best = 1e9;
   std::string line;
