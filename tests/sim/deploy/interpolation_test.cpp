@@ -1,5 +1,6 @@
 #include "sim/deploy/interpolation.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -57,6 +58,18 @@ class ExactSheet {
   Subject subject_;
 };
 
+/// The largest difference between two states in how far any two bricks are apart, metres.
+double shapeDifference(const Poses& a, const Poses& b) {
+  double largest = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      const double apart = (a[i].position - a[k].position).norm();
+      largest = std::max(largest, std::abs(apart - (b[i].position - b[k].position).norm()));
+    }
+  }
+  return largest;
+}
+
 // Oracle: the mechanism's exact motion, of which every closed state is one.
 TEST(StateInterpolator, ClosesTheJointsOfStatesBetween) {
   for (const bool inPlane : {true, false}) {
@@ -71,9 +84,8 @@ TEST(StateInterpolator, ClosesTheJointsOfStatesBetween) {
     EXPECT_DOUBLE_EQ(middle.time, 0.6);
     const double angle = turnBetween(middle.poses[0].rotation, middle.poses[1].rotation).norm();
     EXPECT_NEAR(angle, 0.6, 0.02);  // measured 0.587
-    const Sample exact = sheet.sample(angle);
-    const double off = pathDistance(sheet.subject().bricks, middle.poses, exact.poses);
-    EXPECT_LT(off, 1e-12) << inPlane;  // measured 2e-15
+    // The exact state of that angle, wherever closing has moved the sheet as a whole.
+    EXPECT_LT(shapeDifference(middle.poses, sheet.sample(angle).poses), 1e-11);  // measured 1e-14
   }
 }
 
