@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 #include <openssl/evp.h>
 
+#include "sim/base/interruption.h"
+
 namespace kirireel {
 
 struct Sha256::State {
@@ -20,6 +22,7 @@ Sha256::~Sha256() {
 }
 
 void Sha256::add(std::span<const char> bytes) {
+  checkInterruption();
   EVP_DigestUpdate(state_->context, bytes.data(), bytes.size());
 }
 

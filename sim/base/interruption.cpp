@@ -1,0 +1,63 @@
+#include "sim/base/interruption.h"
+
+#include <ctime>
+#include <utility>
+
+namespace kirireel {
+namespace {
+
+constexpr long kBetweenChecks = 10;  // milliseconds
+
+thread_local const InterruptionScope* innermostScope = nullptr;
+thread_local long nextCheck = 0;  // milliseconds
+thread_local int catchers = 0;
+
+/// Milliseconds since some time. Exact to 4 ms, and five times as quick to ask for as the exact
+/// time: innermost loops do.
+long coarseTime() {
+  timespec now{};
+  ::clock_gettime(CLOCK_MONOTONIC_COARSE, &now);
+  return 1000 * now.tv_sec + now.tv_nsec / 1'000'000;
+}
+
+}  // namespace
+
+InterruptionScope::InterruptionScope(InterruptionCheck check)
+    : check_(std::move(check)), outer_(std::exchange(innermostScope, this)) {}
+
+InterruptionScope::~InterruptionScope() {
+  innermostScope = outer_;
+}
+
+void InterruptionScope::callAll() const {
+  if (outer_) outer_->callAll();
+  check_();
+}
+
+InterruptionCatcher::InterruptionCatcher() {
+  ++catchers;
+}
+
+InterruptionCatcher::~InterruptionCatcher() {
+  --catchers;
+}
+
+bool InterruptionCatcher::isThere() {
+  return catchers > 0;
+}
+
+void checkInterruption() {
+  if (!innermostScope) return;
+  const long now = coarseTime();
+  if (now < nextCheck) return;
+  nextCheck = now + kBetweenChecks;
+  innermostScope->callAll();
+}
+
+InterruptionCheck presentChecks() {
+  return [scope = innermostScope] {
+    if (scope) scope->callAll();
+  };
+}
+
+}  // namespace kirireel

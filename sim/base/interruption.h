@@ -1,0 +1,58 @@
+/// Ending what takes long from within, wherever it is: a step of ten thousand bricks, a search, a
+/// picture.
+#pragma once
+
+#include <exception>
+#include <functional>
+
+namespace kirireel {
+
+/// Thrown where the caller wants no more of what runs. No Error: nothing went wrong.
+class Interrupted : public std::exception {
+ public:
+  const char* what() const noexcept override { return "interrupted"; }
+};
+
+/// Ends what runs by throwing, where it is to end: Interrupted, or something of its own. Called
+/// from every thread that its scope is carried to, perhaps from several at once.
+using InterruptionCheck = std::function<void()>;
+
+/// While it lives, checkInterruption() on this thread calls `check`, after those of the scopes
+/// around it. Scopes end in the reverse order of their beginning.
+class InterruptionScope {
+ public:
+  explicit InterruptionScope(InterruptionCheck check);
+  ~InterruptionScope();
+  InterruptionScope(const InterruptionScope&) = delete;
+  InterruptionScope& operator=(const InterruptionScope&) = delete;
+
+  /// Calls the checks of all scopes of this thread, the outermost first.
+  void callAll() const;
+
+ private:
+  InterruptionCheck check_;
+  const InterruptionScope* outer_;  // of the same thread; null for the first
+};
+
+/// While it lives, Interrupted is caught around it on this thread, and what was done so far is
+/// kept. A check that throws Interrupted does so only then.
+class InterruptionCatcher {
+ public:
+  InterruptionCatcher();
+  ~InterruptionCatcher();
+  InterruptionCatcher(const InterruptionCatcher&) = delete;
+  InterruptionCatcher& operator=(const InterruptionCatcher&) = delete;
+
+  /// Whether one lives on this thread.
+  static bool isThere();
+};
+
+/// To be called all along whatever may take long: calls the checks of this thread's scopes, every
+/// 10 ms at most. What calls it must leave its results as they were, or unused, where this throws.
+void checkInterruption();
+
+/// What checkInterruption() calls on this thread now, to be a scope of a thread that works for it.
+/// This thread's scopes must outlive that.
+InterruptionCheck presentChecks();
+
+}  // namespace kirireel
