@@ -7,6 +7,7 @@
 
 #include "sim/base/cpu_time.h"
 #include "sim/base/error.h"
+#include "sim/base/interruption.h"
 #include "sim/deploy/assembled_state.h"
 #include "sim/deploy/geometric_path.h"
 #include "sim/deploy/run.h"
@@ -82,8 +83,7 @@ struct Search {
 };
 
 /// Looks at the target, and for a path of the mechanism where the scene is one for it.
-Search search(const Scene& scene, SearchBudget& budget, const TrialObserver& watch) {
-  Search found;
+void search(const Scene& scene, SearchBudget& budget, const TrialObserver& watch, Search& found) {
   watch({kAssembling, 0});
   found.warnings = targetWarnings(scene);
   for (const std::string& warning : found.warnings) watch({kAssembling, 0, warning});
@@ -98,7 +98,7 @@ Search search(const Scene& scene, SearchBudget& budget, const TrialObserver& wat
   }
   found.blocking = blockingPairs(scene, found.nearest.restPoses, budget);
   const PathKind kind = scene.path.kind;
-  if (kind != PathKind::Auto && kind != PathKind::Continuation) return found;
+  if (kind != PathKind::Auto && kind != PathKind::Continuation) return;
   if (std::string reason; !isQuasiStatic(scene, reason)) {
     if (kind == PathKind::Continuation) {
       throw InputError(fmt::format(
@@ -113,7 +113,6 @@ Search search(const Scene& scene, SearchBudget& budget, const TrialObserver& wat
   } else {
     found.geometric = findExtension(scene, budget, watch);
   }
-  return found;
 }
 
 /// Whether ways to the target are tried one by one, so that contacts can be decided by them.
@@ -203,6 +202,15 @@ void chooseWay(Scene& scene, Search& found, SearchBudget& budget, const TrialObs
   if (!geometric.trouble.empty()) found.choice.reason += "; dynamics: " + geometric.trouble;
 }
 
+/// Of a search that was ended from within no path is known: the start alone is shown.
+void abandonSearch(Scene& scene, Search& found) {
+  found.walked = nullptr;
+  found.choice = {scene.path, "the search for a path was interrupted"};
+  found.choice.path.kind = PathKind::Straight;
+  ContactFilter& contacts = scene.environment.contacts;
+  if (contacts == ContactFilter::Auto) contacts = ContactFilter::None;
+}
+
 }  // namespace
 
 std::string toString(Outcome outcome) {
@@ -245,8 +253,15 @@ DeploymentResult deployUnkept(const Scene& given, double sampleInterval,
     return goOn;
   };
   std::vector<TrialEnd> trials;
-  Search found = search(scene, budget, watchSearch);
-  chooseWay(scene, found, budget, watchSearch, checkpoints ? checkpoints->trials() : trials);
+  Search found;
+  try {
+    const InterruptionCatcher catcher;
+    search(scene, budget, watchSearch, found);
+    chooseWay(scene, found, budget, watchSearch, checkpoints ? checkpoints->trials() : trials);
+  } catch (const Interrupted&) {
+    goOn = false;
+    abandonSearch(scene, found);
+  }
   searchSeconds = threadCpuSeconds() - startSeconds;
   // A search that was ended early ends the run with its start, on a path that may be another's.
   if (!goOn) checkpoints = nullptr;

@@ -6,6 +6,7 @@
 
 #include "sim/actuation/environment_load.h"
 #include "sim/base/error.h"
+#include "sim/base/interruption.h"
 
 namespace kirireel {
 
@@ -99,6 +100,7 @@ void DirectDynamics::setPinned(const std::vector<bool>& pinned) {
 StepReport DirectDynamics::advance(Motion& motion, double step, const LoadSource& actuation) {
   Poses brickPoses;
   const LoadSource all = [&](const Poses& poses, std::vector<Load>& loads) {
+    checkInterruption();  // a step may be halved many times
     brickPoses.assign(poses.begin(), poses.begin() + static_cast<std::ptrdiff_t>(brickCount_));
     loads.resize(brickCount_);
     actuation(brickPoses, loads);

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/cpu_time.h"
+#include "sim/base/interruption.h"
 #include "sim/deploy/rounded_joints.h"
 #include "sim/deploy/run_figures.h"
 #include "sim/measure/measures.h"
@@ -267,7 +268,12 @@ class Walk {
     static_cast<Subject&>(result_.trajectory) = subjectOf(scene_);
     figures_.begin(path_.states.front(), hasCompliantJoints_);
     takeSample(0, path_.states.front());
-    for (std::size_t k = 1; k < path_.states.size() && !isAskedToEnd_; ++k) step(k);
+    try {
+      const InterruptionCatcher catcher;
+      for (std::size_t k = 1; k < path_.states.size() && !isAskedToEnd_; ++k) step(k);
+    } catch (const Interrupted&) {
+      isAskedToEnd_ = true;  // within a state that lies between two others
+    }
     if (lastTime_ < time_ && !isAskedToEnd_) takeSample(time_, *poses_);
     figures_.leave(result_);
     return std::move(result_);

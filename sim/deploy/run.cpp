@@ -9,6 +9,7 @@
 
 #include "sim/actuation/expansion.h"
 #include "sim/base/cpu_time.h"
+#include "sim/base/interruption.h"
 #include "sim/deploy/path_choice.h"
 #include "sim/deploy/rest_probe.h"
 #include "sim/deploy/rounded_joints.h"
@@ -513,26 +514,42 @@ std::string Run::jointTrouble() const {
       pushedAtStart_, kMisfitStiffness);
 }
 
-/// Goes on by one step. One that loses a brick is not counted: the run ends where it began.
+/// Goes on by one step and measures it. One that loses a brick is not counted: the run ends where
+/// it began. Nor is one that is ended from within.
+void Run::takeStep() {
+  before_ = motion_;
+  const long stepsBefore = stepCount_;
+  const auto takeBack = [&] {
+    motion_ = before_;
+    stepCount_ = stepsBefore;
+  };
+  try {
+    const StepReport report = advanceStep();
+    if (isLost()) {
+      const double lostAt = time();
+      takeBack();
+      return end(Outcome::Diverged,
+                 fmt::format("a brick left all bounds at {:.4g} s; try a shorter --timestep or "
+                             "more damping",
+                             lostAt));
+    }
+    figures_.observe(time(), motion_.poses, report, jointsGiveNow());
+  } catch (const Interrupted&) {
+    takeBack();
+    throw;
+  }
+}
+
 void Run::advance() {
   followTimeline(false);
   if (ended_) return;
-  before_ = motion_;
   if (timeline_.isPaused(time())) {
+    before_ = motion_;
     ++stepCount_;
     return takeSamples();
   }
-  const StepReport report = advanceStep();
-  if (isLost()) {
-    const double lostAt = time();
-    --stepCount_;
-    motion_ = before_;
-    return end(Outcome::Diverged,
-               fmt::format("a brick left all bounds at {:.4g} s; try a shorter --timestep or more "
-                           "damping",
-                           lostAt));
-  }
-  figures_.observe(time(), motion_.poses, report, jointsGiveNow());
+  takeStep();
+  if (ended_) return;
   showStep();
   if (pullsToTarget() && !isOnPath() && timeline_.forcesAreOn()) {
     stiffness_.observe(currentTargetError(), step_);
@@ -558,6 +575,18 @@ void Run::restOrGoOn() {
   }
 }
 
+/// Where a step is ended from within, the solver is in no state to go on from: the checkpoint
+/// before stays.
+void Run::advanceToEnd() {
+  try {
+    const InterruptionCatcher catcher;
+    while (goesOn()) advance();
+  } catch (const Interrupted&) {
+    if (isTrial_) throw;
+    interrupt();
+  }
+}
+
 DeploymentResult Run::finish() {
   startSeconds_ = threadCpuSeconds();
   start();
@@ -566,7 +595,7 @@ DeploymentResult Run::finish() {
   } else {
     takeSample(0, motion_.poses);
   }
-  while (goesOn()) advance();
+  advanceToEnd();
   if (pullsToTarget()) {
     const double error = currentTargetError();
     result_.atTarget = error <= reachableError() && !isFar(error);

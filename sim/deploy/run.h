@@ -44,7 +44,8 @@ class Run : private TimelineStage {
   void beTrial() { isTrial_ = true; }
 
   /// Runs to the end, from the checkpoint that was found if there is one. The trajectory holds no
-  /// samples: they go to the observer.
+  /// samples: they go to the observer. Interrupted (see sim/base/interruption.h) ends the run after
+  /// its last whole step, yet is thrown by a trial.
   DeploymentResult finish();
 
   /// What it has cost so far.
@@ -66,7 +67,9 @@ class Run : private TimelineStage {
   void quit() override;
   bool followTimeline(bool atRest);
   void restOrGoOn();
+  void advanceToEnd();
   void advance();
+  void takeStep();
   StepReport advanceStep();
   void followPath();
   bool closeJoints();

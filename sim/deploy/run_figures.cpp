@@ -38,6 +38,11 @@ void RunFigures::begin(const Poses& start, bool jointsGive) {
 
 void RunFigures::observe(double time, const Poses& poses, const StepReport& report,
                          bool jointsGive) {
+  // What may be ended from within comes first, while nothing has changed.
+  const PenetrationDepths overlaps =
+      overlaps_->atLeast({accuracy_.penetrationMax, accuracy_.penetrationOutsidePivotsMax,
+                          accuracy_.penetrationGrownMax},
+                         poses);
   time_ = time;
   poses_ = &poses;
   cost_.steps += report.steps;
@@ -51,7 +56,7 @@ void RunFigures::observe(double time, const Poses& poses, const StepReport& repo
   gapSum_ += gap.mean;
   raise(accuracy_.jointGapMax, "joint_gap_max", gap.max);
   if (jointsGive) raise(accuracy_.jointOpeningMax, "joint_opening_max", gap.max);
-  observeOverlaps();
+  noteOverlaps(overlaps);
   observeTarget(gap);
   ++count_;
   steps_.push_back({time, gap.max, gap.mean, accuracy_.targetErrorEnd,
@@ -74,11 +79,7 @@ void RunFigures::raise(double& figure, const char* name, double value) {
   keepState(name);
 }
 
-void RunFigures::observeOverlaps() {
-  const PenetrationDepths depths =
-      overlaps_->atLeast({accuracy_.penetrationMax, accuracy_.penetrationOutsidePivotsMax,
-                          accuracy_.penetrationGrownMax},
-                         *poses_);
+void RunFigures::noteOverlaps(const PenetrationDepths& depths) {
   raise(accuracy_.penetrationMax, "penetration_max", depths.whole);
   raise(accuracy_.penetrationOutsidePivotsMax, "penetration_outside_pivots_max",
         depths.outsidePivots);

@@ -24,7 +24,8 @@ class RunFigures {
 
   /// Measures the start, its joints closed unless they are compliant (`jointsGive`).
   void begin(const Poses& start, bool jointsGive);
-  /// Measures the state that a step led to at a time, seconds.
+  /// Measures the state that a step led to at a time, seconds. Where it is ended from within (see
+  /// sim/base/interruption.h) nothing has changed.
   void observe(double time, const Poses& poses, const StepReport& report, bool jointsGive);
   /// Counts work beside the steps, in multiplications.
   void addWork(double work) { cost_.work += work; }
@@ -59,7 +60,7 @@ class RunFigures {
  private:
   void raise(double& figure, const char* name, double value);
   void keepState(const char* name);
-  void observeOverlaps();
+  void noteOverlaps(const PenetrationDepths& depths);
   void observeTarget(const JointGap& gap);
 
   const Model& model_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "sim/base/interruption.h"
 #include "sim/joints/dense_kernels.h"
 
 namespace kirireel {
@@ -130,6 +131,7 @@ typename BlockCholesky<D>::MatrixMap BlockCholesky<D>::update(int supernode) {
 template <int D>
 bool BlockCholesky<D>::factor() {
   for (int s = 0; s < static_cast<int>(plan_.supernodes.size()); ++s) {
+    checkInterruption();
     assemble(s);
     addChildren(s);
     if (!eliminate(s)) return false;
@@ -188,6 +190,7 @@ bool BlockCholesky<D>::eliminate(int supernode) {
 
 template <int D>
 void BlockCholesky<D>::solveInPlace(Eigen::VectorXd& right) const {
+  checkInterruption();
   const int count = static_cast<int>(plan_.place.size());
   Eigen::VectorXd x(right.size());
   for (int node = 0; node < count; ++node) {

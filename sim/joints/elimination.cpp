@@ -6,6 +6,8 @@
 #include <Eigen/OrderingMethods>
 #include <Eigen/SparseCore>
 
+#include "sim/base/interruption.h"
+
 namespace kirireel {
 namespace {
 
@@ -56,6 +58,7 @@ Graph fillRows(const Graph& later, std::vector<int>& parent) {
   Graph rows = later;
   parent.assign(count, -1);
   for (int j = 0; j < count; ++j) {
+    checkInterruption();
     if (rows[j].empty()) continue;
     parent[j] = rows[j].front();
     std::vector<int> merged;
@@ -119,6 +122,7 @@ bool worthMerging(const Front& merged) {
 std::vector<Front> growFronts(const Graph& rows, const std::vector<int>& parent) {
   std::vector<Front> fronts;
   for (int j = 0; j < static_cast<int>(rows.size()); ++j) {
+    checkInterruption();
     Front front{j, 1, rows[j], 0};
     while (!fronts.empty()) {
       const Front& last = fronts.back();

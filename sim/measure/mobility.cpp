@@ -7,6 +7,8 @@
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 
+#include "sim/base/interruption.h"
+
 namespace kirireel {
 namespace {
 
@@ -135,6 +137,7 @@ class SignCounter {
   }
 
   int below(double value) {
+    checkInterruption();
     factors_.factorize(Sparse(square_ - value * value * identity_));
     return static_cast<int>((factors_.vectorD().array() < 0).count());
   }

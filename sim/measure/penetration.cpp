@@ -27,6 +27,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "sim/base/interruption.h"
 #include "sim/brick/shared_corners.h"
 #include "sim/measure/measures.h"
 
@@ -66,6 +67,7 @@ std::vector<Prism> prismsOf(const std::vector<Brick>& bricks) {
   std::vector<Prism> prisms;
   prisms.reserve(bricks.size());
   for (const BrickPiece& piece : convexPieces(bricks)) {
+    checkInterruption();
     prisms.push_back(prismOf(piece.shape, piece.brick));
   }
   return prisms;
@@ -266,6 +268,7 @@ class PlacedPrisms {
   bool visitNearPairs(const Least& least, const Visit& visit) const {
     long left = mostPairs(order_.size());
     for (std::size_t i = 0; i < order_.size(); ++i) {
+      checkInterruption();
       const PlacedPrism& first = (*this)[order_[i]];
       for (std::size_t j = i + 1; j < order_.size(); ++j) {
         const PlacedPrism& second = (*this)[order_[j]];
@@ -315,6 +318,7 @@ std::vector<JoinedPair> joinedPairs(const std::vector<Brick>& bricks, std::span<
                                     double zone) {
   std::vector<JoinedPair> pairs;
   for (const auto& [numbers, corners] : sharedCorners(pivots)) {
+    checkInterruption();
     const auto [a, b] = numbers;
     const double length = cutLength(bricks[a], bricks[b], zone);
     JoinedPair& pair =
@@ -499,7 +503,10 @@ PenetrationDepths PenetrationMeter::atLeast(const PenetrationDepths& known, cons
   Internals& in = *internals_;
   PenetrationDepths depths = known;
   in.placed.place(in.prisms, poses);
-  for (JoinedPair& pair : in.joined) in.measureJoined(pair, poses, depths);
+  for (JoinedPair& pair : in.joined) {
+    checkInterruption();
+    in.measureJoined(pair, poses, depths);
+  }
   in.measureUnjoined(depths);
   return depths;
 }

@@ -15,6 +15,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "sim/base/interruption.h"
 #include "sim/measure/measures.h"
 #include "sim/model/alignment.h"
 
@@ -68,6 +69,7 @@ double boundOf(const Tile& tile, const Tile& target, double known, long& fits) {
   double bound = known;
   double nearest = std::numeric_limits<double>::infinity();
   for (int i = 0; i < kMostIterations && fits < kMostFits; ++i) {
+    checkInterruption();
     const Fit fit = fitWith(weights, tile, target);
     ++fits;
     bound = std::max(bound, fit.bound);
@@ -88,6 +90,7 @@ double boundOf(const Tile& tile, const Tile& target, double known, long& fits) {
 double rigidBound(const std::vector<Tile>& tiles, const std::vector<Tile>& target) {
   std::vector<Fit> fits;
   for (std::size_t i = 0; i < tiles.size(); ++i) {
+    checkInterruption();
     fits.push_back(fitWith(evenWeights(tiles[i]), tiles[i], target[i]));
   }
   // Tiles that fit worst come first: the others mostly need no iteration.

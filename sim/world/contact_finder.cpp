@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/error.h"
+#include "sim/base/interruption.h"
 #include "sim/brick/shared_corners.h"
 #include "sim/world/brick_pair.h"
 #include "sim/world/near_pairs.h"
@@ -141,6 +142,7 @@ void ContactFinder::Internals::listNearPairs() {
   nearPairs.clear();
   nearSpheres.clear();
   for (const auto& [a, b] : near.pairs()) {
+    checkInterruption();
     if (!mayTouch(pieces[a].brick, pieces[b].brick)) continue;
     const ObstaclePart* part = partOf(pieces[b].brick);
     if (part && part->radius) {
@@ -238,6 +240,7 @@ double ContactFinder::appendViolated(const Poses& end, std::vector<Contact>& con
   double overlap = 0;
   const std::size_t first = contacts.size();
   for (BrickPair* pair : in.nearPairs) {
+    checkInterruption();
     const PairMove move{seenFrom(in.start[pair->a()], in.start[pair->b()]),
                         seenFrom(end[pair->a()], end[pair->b()])};
     overlap = std::max(overlap, pair->appendViolated(move, in.step, contacts));

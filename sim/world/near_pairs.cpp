@@ -4,6 +4,7 @@
 
 #include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
 
+#include "sim/base/interruption.h"
 #include "sim/world/bullet_values.h"
 
 namespace kirireel {
@@ -71,6 +72,7 @@ bool NearPairs::Internals::anyLeft(const Poses& poses) const {
 void NearPairs::Internals::setBoxes() {
   boxes.assign(bricks.size(), {});
   for (std::size_t i = 0; i < bricks.size(); ++i) {
+    checkInterruption();
     Eigen::AlignedBox3d& box = boxes[i];
     extend(box, bricks[i], boxedFrom[i]);
     extend(box, bricks[i], boxedTo[i]);

@@ -1,0 +1,89 @@
+// Deployments that are ended within a step, against undisturbed ones.
+#include "sim/base/interruption.h"
+
+#include <gtest/gtest.h>
+
+#include "sim/deploy/deployment.h"
+#include "sim/model/tessellation.h"
+
+namespace kirireel {
+namespace {
+
+constexpr double kStep = 1.0 / 240;
+
+/// Ends what is prepared for it, at a look of this number.
+class EndAtLook {
+ public:
+  explicit EndAtLook(int look) : look_(look) {}
+
+  void operator()() {
+    if (InterruptionCatcher::isThere() && ++looks_ == look_) throw Interrupted();
+  }
+
+ private:
+  int look_;
+  int looks_ = 0;
+};
+
+/// A sheet of 400 bricks among which contacts are looked for, 2 s of work without an end.
+Scene sheetThatFalls() {
+  Scene scene;
+  scene.model = makeTessellation({.columns = 20, .rows = 20});
+  scene.solver.planar = false;
+  scene.solver.timestep = kStep;
+  scene.actuation.drive = Drive::None;
+  scene.environment.gravity = Vector3(1, 0.5, 0.1);
+  scene.environment.contacts = ContactFilter::All;
+  scene.path.kind = PathKind::Straight;
+  scene.stop.duration = 40 * kStep;
+  return scene;
+}
+
+void expectSameState(const Sample& a, const Sample& b) {
+  EXPECT_EQ(a.time, b.time);
+  for (std::size_t i = 0; i < a.poses.size(); ++i) {
+    EXPECT_EQ(a.poses[i].position, b.poses[i].position);
+    EXPECT_EQ(a.poses[i].rotation.coeffs(), b.poses[i].rotation.coeffs());
+  }
+}
+
+TEST(InterruptedStep, CountsAsNotBegun) {
+  const Scene scene = sheetThatFalls();
+  const DeploymentResult whole = deploy(scene, kStep, nullptr);
+  ASSERT_NE(whole.outcome, Outcome::Interrupted);
+  for (const int look : {1, 3, 7}) {
+    const InterruptionScope scope(EndAtLook{look});
+    const DeploymentResult part = deploy(scene, kStep, nullptr);
+    ASSERT_EQ(part.outcome, Outcome::Interrupted) << look;
+    const std::vector<Sample>& samples = part.trajectory.samples;
+    ASSERT_LT(samples.size(), whole.trajectory.samples.size());
+    for (std::size_t k = 0; k < samples.size(); ++k) {
+      expectSameState(samples[k], whole.trajectory.samples[k]);
+      EXPECT_EQ(samples[k].steps.size(), whole.trajectory.samples[k].steps.size());
+    }
+    EXPECT_EQ(part.cost.steps, static_cast<long>(samples.size()) - 1);
+  }
+}
+
+TEST(InterruptedSearch, ShowsTheStart) {
+  Scene scene;
+  scene.model = makeTessellation({.columns = 30, .rows = 30});
+  scene.path.kind = PathKind::Auto;
+  const InterruptionScope scope(EndAtLook{3});
+  const DeploymentResult result = deploy(scene, 0.1, nullptr);
+  EXPECT_EQ(result.outcome, Outcome::Interrupted);
+  ASSERT_EQ(result.trajectory.samples.size(), 1U);
+  EXPECT_EQ(result.trajectory.samples.front().time, 0);
+  EXPECT_EQ(result.pathReason, "the search for a path was interrupted");
+}
+
+struct EndedByTheCaller {};
+
+TEST(Interruption, OfTheCallersOwnKindPassesThrough) {
+  const Scene scene = sheetThatFalls();
+  const InterruptionScope scope([] { throw EndedByTheCaller(); });
+  EXPECT_THROW(deploy(scene, kStep, nullptr), EndedByTheCaller);
+}
+
+}  // namespace
+}  // namespace kirireel
