@@ -1,5 +1,7 @@
 #include "render/record/crew.h"
 
+#include "sim/base/interruption.h"
+
 namespace kirireel {
 
 Crew::~Crew() {
@@ -9,7 +11,10 @@ Crew::~Crew() {
 }
 
 void Crew::start(std::function<void()> stage) {
-  threads_.emplace_back([this, stage = std::move(stage)] { run(stage); });
+  threads_.emplace_back([this, stage = std::move(stage), checks = presentChecks()] {
+    const InterruptionScope scope(checks);
+    run(stage);
+  });
 }
 
 void Crew::run(const std::function<void()>& stage) {

@@ -20,7 +20,7 @@ class Crew {
   Crew(const Crew&) = delete;
   Crew& operator=(const Crew&) = delete;
 
-  /// Runs a stage on a thread of its own.
+  /// Runs a stage on a thread of its own; what may end this thread from within may end that one.
   void start(std::function<void()> stage);
 
   /// Runs a stage on this thread.

@@ -5,6 +5,7 @@
 #include "render/folder/output_folder.h"
 #include "render/png/png.h"
 #include "render/record/stopwatch.h"
+#include "sim/base/interruption.h"
 #include "sim/base/pending_file.h"
 
 namespace kirireel {
@@ -38,7 +39,10 @@ FrameSink::FrameSink(const PictureSettings& settings, PictureReport& report)
 }
 
 void FrameSink::encode(const Frame& frame, int times) {
-  for (int k = 0; k < times; ++k) video_->write(frame);
+  for (int k = 0; k < times; ++k) {
+    checkInterruption();
+    video_->write(frame);
+  }
   videoFrames_ += times;
 }
 

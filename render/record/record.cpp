@@ -1,6 +1,7 @@
 #include "render/record/record.h"
 
 #include <algorithm>
+#include <chrono>
 #include <exception>
 #include <optional>
 #include <set>
@@ -22,12 +23,15 @@
 #include "render/record/title_card.h"
 #include "render/record/versions.h"
 #include "sim/base/error.h"
+#include "sim/base/interruption.h"
 #include "sim/base/pending_file.h"
 #include "sim/model/folder.h"
 
 namespace kirireel {
 namespace {
 
+/// A step that takes no longer is not ended from within, so that its checkpoint loses nothing.
+constexpr std::chrono::milliseconds kPatience{100};
 /// Of a video at an even pace between what is held, seconds.
 constexpr double kLeastMotion = 0.1;
 
@@ -115,6 +119,8 @@ void summarize(const RunEnd& end, RunSummary& summary) {
 
 /// One run into trajectory.h5.
 class LiveRun {
+  using Clock = std::chrono::steady_clock;
+
  public:
   /// The folder must be locked.
   LiveRun(const Scene& scene, const RecordSettings& settings, const ProgressObserver& observer,
@@ -148,6 +154,7 @@ class LiveRun {
       if (!news.warning.empty()) tellWarning(news.warning);
       return tell("looking for a path", news.share);
     };
+    const InterruptionScope scope([this] { endStepThatTakesLong(); });
     end_.result = deployer_(scene_, settings_.sampleInterval(), watch, searching,
                             settings_.order.empty() ? nullptr : &checkpoints_);
     if (interruption_) nameInterruption(*interruption_, end_.result);
@@ -168,10 +175,21 @@ class LiveRun {
         {"looking for a path", 0, fmt::format("{}: warning: {}", scene_.model.name, warning)});
   }
 
+  /// Returns whether the deployment goes on. Who has ended it is not asked again: what comes next
+  /// may be ended by itself.
   bool tell(const char* stage, double share) {
-    const Interruption now = observer_({stage, share, std::exchange(remark_, {})});
-    if (now) interruption_ = now;
-    return !now;
+    stage_ = stage;
+    share_ = share;
+    if (interruption_) return false;
+    interruption_ = observer_({stage, share, std::exchange(remark_, {})});
+    toldAt_ = Clock::now();
+    return !interruption_;
+  }
+
+  /// Samples and news of the search may be far apart.
+  void endStepThatTakesLong() {
+    if (!InterruptionCatcher::isThere() || Clock::now() - toldAt_ < kPatience) return;
+    if (!tell(stage_, share_)) throw Interrupted();
   }
 
   void keep(const Sample& sample) {
@@ -188,7 +206,10 @@ class LiveRun {
   Motif start_;
   Checkpoints checkpoints_;
   std::string remark_;  // not told yet
+  const char* stage_ = "looking for a path";
+  double share_ = 0;
   Interruption interruption_;
+  Clock::time_point toldAt_;
   RunEnd end_;
 };
 

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/base/interruption.h"
 #include "sim/model/text_table.h"
 #include "sim/trajectory/array_file.h"
 #include "sim/trajectory/sample_table.h"
@@ -419,6 +420,7 @@ const TrajectoryEnd& TrajectoryReader::end() const {
 }
 
 Sample TrajectoryReader::sample(std::size_t index) const {
+  checkInterruption();  // whoever looks at all samples takes long
   return internals_->sample(index);
 }
 

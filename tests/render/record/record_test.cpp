@@ -14,6 +14,7 @@
 #include "render/record/album.h"
 #include "render/record/summary.h"
 #include "sim/base/error.h"
+#include "sim/base/interruption.h"
 #include "sim/model/tessellation.h"
 #include "sim/trajectory/trajectory_file.h"
 
@@ -117,6 +118,33 @@ TEST_F(RecordTest, InterruptedWhileDeployingKeepsWhatWasDone) {
             "interrupted: interrupted by the test");
   EXPECT_EQ(summary.videoFrames, 4);
   EXPECT_TRUE(fs::exists(settings_.folder / "deployment.mp4"));
+}
+
+TEST_F(RecordTest, InterruptedWithinAStepKeepsWhatWasDone) {
+  // No sample and no news, until something ends it.
+  const Deployer stuck = [](const Scene& scene, double interval, const SampleObserver& observer,
+                            const TrialObserver& searching, Checkpoints* checkpoints) {
+    const InterruptionCatcher catcher;
+    EXPECT_THROW(
+        {
+          for (;;) checkInterruption();
+        },
+        Interrupted);
+    return deployUnkept(scene, interval, observer, searching, checkpoints);
+  };
+  int asked = 0;
+  const RunSummary summary = record(
+      tessellationScene(), settings_,
+      [&asked](const Progress& progress) {
+        if (std::string(progress.stage) == "painting") return Interruption();
+        ++asked;
+        return Interruption("the test");
+      },
+      stuck);
+  EXPECT_EQ(asked, 1);  // another signal would be for what comes next
+  EXPECT_EQ(summary.outcome, Outcome::Interrupted);
+  EXPECT_EQ(summary.reason, "interrupted by the test");
+  EXPECT_EQ(summary.videoFrames, 1);
 }
 
 TEST_F(RecordTest, InterruptedWhilePaintingEndsTheVideoThere) {
