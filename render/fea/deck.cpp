@@ -4,6 +4,7 @@
 #include <iterator>
 
 #include "render/fea/boundary_sets.h"
+#include "sim/base/interruption.h"
 #include "sim/model/neck_stiffness.h"
 
 namespace kirireel {
@@ -114,6 +115,7 @@ std::vector<std::pair<std::string, const TileElements*>> partsOf(const ElementMe
 
 void appendPart(std::string& text, const ElementMesh& mesh, const std::string& name,
                 const TileElements& tile) {
+  checkInterruption();
   append(text, "*ELEMENT, TYPE={}, ELSET={}\n", elementType(tile, mesh.rule), name);
   for (int k = 0; k < tile.elementCount; ++k) appendElement(text, mesh, tile.firstElement + k);
 }

@@ -32,6 +32,7 @@ namespace kirireel {
   FUNCTION(PFNGLDRAWARRAYSPROC, glDrawArrays)                           \
   FUNCTION(PFNGLENABLEPROC, glEnable)                                   \
   FUNCTION(PFNGLENABLEVERTEXATTRIBARRAYPROC, glEnableVertexAttribArray) \
+  FUNCTION(PFNGLFINISHPROC, glFinish)                                   \
   FUNCTION(PFNGLFRAMEBUFFERRENDERBUFFERPROC, glFramebufferRenderbuffer) \
   FUNCTION(PFNGLFRAMEBUFFERTEXTURE2DPROC, glFramebufferTexture2D)       \
   FUNCTION(PFNGLGENBUFFERSPROC, glGenBuffers)                           \

@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/error.h"
+#include "sim/base/interruption.h"
 #include "sim/base/pending_file.h"
 
 namespace kirireel {
@@ -198,6 +199,7 @@ std::string objText(const std::vector<Brick>& bricks, const std::vector<Vector3>
   const std::string numbers = exported(*sceneOf(std::move(meshes)), "objnomtl", path);
   std::string text;
   for (std::string_view rest = numbers; !rest.empty();) {
+    checkInterruption();
     const std::string_view line = takeLine(rest);
     if (line.starts_with("v ")) {
       const std::size_t digits = line.find_first_not_of(' ', 1);

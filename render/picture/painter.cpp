@@ -10,6 +10,7 @@
 #include "render/gl/opengl.h"
 #include "render/gl/program.h"
 #include "render/picture/average.h"
+#include "sim/base/interruption.h"
 
 namespace kirireel {
 namespace {
@@ -20,6 +21,9 @@ constexpr int kMaxPartSide = 2048;
 /// Rows of pixels whose samples are read back at once: few enough to stay in the processor's cache
 /// until they are averaged.
 constexpr int kStripRows = 8;
+
+// Drawn at once: some thousands of bricks, 50 ms of a core.
+constexpr int kVerticesDrawn = 3 * 65536;
 
 constexpr const char* kFaceVertexShader = R"(#version 330 core
 layout(location = 0) in vec4 clip;
@@ -76,7 +80,10 @@ class Tessellator {
       : sketch_(sketch), clipFromWorld_(clipFromWorldAxes), vertices_(vertices) {}
 
   void append(const std::vector<Facet>& facets) {
-    for (const Facet& facet : facets) append(facet);
+    for (const Facet& facet : facets) {
+      checkInterruption();
+      append(facet);
+    }
   }
 
  private:
@@ -139,7 +146,14 @@ class VertexBuffer {
                  vertices.data(), GL_STREAM_DRAW);
   }
 
-  static void draw(int first, int end) { glDrawArrays(GL_TRIANGLES, first, end - first); }
+  /// In pieces, since nothing can end what is being drawn.
+  static void draw(int first, int end) {
+    for (; first < end; first += kVerticesDrawn) {
+      checkInterruption();
+      glDrawArrays(GL_TRIANGLES, first, std::min(kVerticesDrawn, end - first));
+      if (first + kVerticesDrawn < end) glFinish();
+    }
+  }
 
  private:
   static void attribute(GLuint location, GLint channels, GLenum type, GLboolean normalised,
@@ -291,6 +305,7 @@ void Painter::Parts::readMeans(const PixelBox& part, const PixelBox& touched, Fr
   const int rowSamples = touched.sizes().x() * kSamplesAcross;
   strip.resize(std::size_t{4} * rowSamples * kStripRows * kSamplesDown);
   for (int upper = touched.min().y(); upper < touched.max().y(); upper += kStripRows) {
+    checkInterruption();
     const int rows = std::min(kStripRows, touched.max().y() - upper);
     // OpenGL's rows start at the lower border.
     const int lowest = (part.max().y() - upper - rows) * kSamplesDown;

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 
+#include "sim/base/interruption.h"
 #include "sim/model/convex_parts.h"
 
 namespace kirireel {
@@ -191,6 +192,7 @@ void Sketcher::drawShadow(const Poses& poses, Sketch& sketch) const {
   const Vector3& light = style_.key.direction;
   std::vector<Vector3> corners;
   for (std::size_t brick = 0; brick < faces_.size(); ++brick) {
+    checkInterruption();
     const Pose& pose = poses[brick];
     for (const Face& face : faces_[brick]) {
       // The lit faces of a closed brick cast all of its shadow.
@@ -231,6 +233,7 @@ void Sketcher::draw(const Shot& shot, const Camera& camera, Sketch& sketch) cons
   std::vector<char> isPinned(faces_.size(), 0);
   for (const int brick : shot.pinned) isPinned.at(brick) = 1;
   for (int brick = 0; brick < static_cast<int>(faces_.size()); ++brick) {
+    checkInterruption();
     const BrickColours& own = shot.colours.empty() ? style_.brick : shot.colours[brick];
     // Each of two flush faces draws half of the line between them.
     drawBrick(brick, shot.poses[brick], isPinned[brick] ? style_.pinned : own, camera,

@@ -12,6 +12,7 @@
 #include <png.h>
 
 #include "sim/base/error.h"
+#include "sim/base/interruption.h"
 #include "sim/base/pending_file.h"
 
 namespace kirireel {
@@ -93,6 +94,7 @@ bool encode(png_structp png, png_infop info, std::FILE* file, const Frame& frame
   png_init_io(png, file);
   writeHeader(png, info, frame, opaque, settings);
   for (int y = 0; y < frame.size.height; ++y) {
+    checkInterruption();
     png_write_row(png, frame.pixels.data() + frame.rowStart(y));
   }
   png_write_end(png, info);

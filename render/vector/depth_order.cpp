@@ -4,6 +4,8 @@
 #include <cstdlib>
 #include <limits>
 
+#include "sim/base/interruption.h"
+
 namespace kirireel {
 namespace {
 
@@ -110,6 +112,7 @@ class Sorter {
     std::size_t best = 0;
     int least = std::numeric_limits<int>::max();
     for (std::size_t candidate = 0; candidate < pieces.size(); candidate += stride) {
+      checkInterruption();
       const int cost = costOf(planeOf(pieces[candidate]), pieces);
       if (cost >= least) continue;
       least = cost;

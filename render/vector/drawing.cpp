@@ -5,6 +5,7 @@
 #include "render/vector/drawing.h"
 
 #include "render/vector/depth_order.h"
+#include "sim/base/interruption.h"
 
 namespace kirireel {
 namespace {
@@ -59,6 +60,7 @@ std::vector<Canvas::Points> sidesOf(const CutPolygon& polygon, const Canvas::Poi
 
 void drawPieces(const std::vector<Piece>& pieces, const Projector& project, Canvas& canvas) {
   for (const Piece& piece : pieces) {
+    checkInterruption();
     const Canvas::Points corners = project(piece.outer.corners);
     canvas.polygon(corners, piece.colour);
     canvas.seams(sidesOf(piece.outer, corners, true), piece.colour);

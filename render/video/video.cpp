@@ -16,6 +16,7 @@ extern "C" {
 }
 
 #include "sim/base/error.h"
+#include "sim/base/interruption.h"
 #include "sim/base/pending_file.h"
 
 namespace kirireel {
@@ -300,6 +301,7 @@ void VideoWriter::Internals::encode(const AVFrame* input) {
   check(avcodec_send_frame(encoder.get(), input));
   while (true) {
     const int code = avcodec_receive_packet(encoder.get(), packet.get());
+    checkInterruption();
     // It wants more frames, or has given all.
     if (code == AVERROR(EAGAIN) || code == AVERROR_EOF) return;
     check(code);
