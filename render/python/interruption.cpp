@@ -4,8 +4,6 @@
 #include <csignal>
 #include <mutex>
 
-#include <pybind11/pybind11.h>
-
 namespace kirireel::python {
 namespace {
 
@@ -43,12 +41,11 @@ InterruptionWatch::~InterruptionWatch() {
   if (--watches == 0 && isHandled(pythonAction)) ::sigaction(SIGINT, &pythonAction, nullptr);
 }
 
-bool InterruptionWatch::isInterrupted() const {
-  return interruptions != before_;
+void InterruptionWatch::check() const {
+  if (interruptions != before_) throw CtrlC();
 }
 
-void InterruptionWatch::raise() const {
-  if (!isInterrupted()) return;
+void InterruptionWatch::raise() {
   // On the main thread this runs Python's handler, which raises; other threads end in the same way.
   if (PyErr_CheckSignals() == 0) PyErr_SetNone(PyExc_KeyboardInterrupt);
   throw pybind11::error_already_set();

@@ -1,6 +1,13 @@
 /// Ctrl-C while no Python code runs.
 #pragma once
 
+#include <exception>
+#include <type_traits>
+
+#include <pybind11/pybind11.h>
+
+#include "sim/base/interruption.h"
+
 namespace kirireel::python {
 
 /// While it lives, Ctrl-C is noticed on every thread at once, besides by Python, which would only
@@ -13,14 +20,33 @@ class InterruptionWatch {
   InterruptionWatch(const InterruptionWatch&) = delete;
   InterruptionWatch& operator=(const InterruptionWatch&) = delete;
 
-  /// Whether Ctrl-C came since this was made. May be asked from any thread.
-  bool isInterrupted() const;
+  /// Throws CtrlC where it came since this was made. May be asked from any thread.
+  void check() const;
 
-  /// Throws what Python makes of it (KeyboardInterrupt) where Ctrl-C came. Needs the interpreter.
-  void raise() const;
+  /// Throws what Python makes of it: KeyboardInterrupt. Needs the interpreter.
+  [[noreturn]] static void raise();
 
  private:
   int before_;
 };
+
+/// Nothing of a run that Python ends is kept: unlike Interrupted, nobody catches this on its way.
+class CtrlC : public std::exception {
+ public:
+  const char* what() const noexcept override { return "Ctrl-C"; }
+};
+
+/// Calls `work` while other threads have the interpreter; Ctrl-C ends it from within.
+template <typename Work>
+std::invoke_result_t<Work> withoutInterpreter(const Work& work) {
+  const InterruptionWatch watch;
+  const InterruptionScope scope([&watch] { watch.check(); });
+  try {
+    const pybind11::gil_scoped_release release;
+    return work();
+  } catch (const CtrlC&) {
+    InterruptionWatch::raise();
+  }
+}
 
 }  // namespace kirireel::python

@@ -10,6 +10,7 @@
 
 #include "render/cli/command_line.h"
 #include "render/manual/python_text.h"
+#include "render/python/interruption.h"
 #include "render/python/options.h"
 #include "sim/model/read_model.h"
 
@@ -50,7 +51,7 @@ py::array_t<int> jointArray(const Model& model) {
 
 LoadedModel read(const std::filesystem::path& path, const py::kwargs& options) {
   const std::vector<std::string> words = optionWords(options, {});
-  LoadedModel loaded = loadModel(path, words);
+  LoadedModel loaded = withoutInterpreter([&] { return loadModel(path, words); });
   warn(loaded.warnings);
   return loaded;
 }
@@ -61,8 +62,7 @@ LoadedModel generate(std::string family, const py::kwargs& parameters) {
   for (const std::string& word : optionWords(parameters, {"help"})) words.push_back(word);
   LoadedModel loaded;
   const auto order = std::get<GenerateOrder>(parseCommandLine(words));
-  const py::gil_scoped_release release;
-  loaded.model = makeModel(order);
+  loaded.model = withoutInterpreter([&] { return makeModel(order); });
   return loaded;
 }
 
@@ -93,7 +93,7 @@ void addModels(py::module_& module) {
       .def(
           "write",
           [](const LoadedModel& loaded, const std::filesystem::path& path) {
-            writeModel(loaded.model, path);
+            withoutInterpreter([&] { writeModel(loaded.model, path); });
           },
           "path"_a, "Writes the model, in the format of the path's ending: none for a folder.")
       .def("__repr__", &describe);

@@ -28,8 +28,8 @@ void addErrors(py::module_& module) {
 
 PYBIND11_MODULE(_kirireel, module) {
   module.doc() = "Kirireel's C++, for the package kirireel.";
-  // pybind11 looks for NumPy when it makes its first array, and two threads that both do wait for each
-  // other: it is looked for now.
+  // pybind11 looks for NumPy when it makes its first array, and two threads that both do wait for
+  // each other: it is looked for now.
   py::dtype::of<double>();
   module.attr("__version__") = programVersion();
   addErrors(module);

@@ -19,6 +19,7 @@
 #include "render/python/interruption.h"
 #include "render/python/options.h"
 #include "render/record/album.h"
+#include "render/record/pace.h"
 #include "render/record/summary.h"
 #include "render/studio/studio.h"
 #include "sim/base/error.h"
@@ -157,27 +158,24 @@ std::shared_ptr<DeployedRun> deployModel(const LoadedModel& loaded, const py::ob
   std::vector<std::string> warnings;
   std::shared_ptr<DeployedRun> run;
   SampleTeller tell(onSample);
-  const InterruptionWatch watch;
-  {
-    const py::gil_scoped_release release;
+  withoutInterpreter([&] {
     RecordResult prepared = prepareOrder(order, warnings);
     const auto samples = std::make_shared<SampleTable>();
     const SampleObserver keep = [&](const Sample& sample) {
       samples->append(sample);
-      return !watch.isInterrupted() && tell(sample);
+      return tell(sample);
     };
     const TrialObserver search = [&](const SearchNews& news) {
       if (!news.warning.empty()) {
         warnings.push_back(fmt::format("{}: warning: {}", loaded.model.name, news.warning));
       }
-      return !watch.isInterrupted();
+      return true;
     };
     DeploymentResult result =
         deployUnkept(prepared.scene, prepared.settings.sampleInterval(), keep, search);
     run = std::make_shared<DeployedRun>(std::move(prepared), std::move(result), samples);
-  }
+  });
   tell.rethrow();
-  watch.raise();
   warn(warnings);
   return run;
 }
@@ -192,6 +190,13 @@ std::size_t nearestSample(const std::vector<double>& times, std::optional<double
   return static_cast<std::size_t>(nearest - times.begin());
 }
 
+/// How much of the camera's orbit is behind at a time, as in a video at an even pace, 0 to 1. The
+/// whole run is looked at only where there is an orbit.
+double orbitBehind(const MemoryRun& run, const PictureSettings& settings, double time) {
+  if (settings.look.camera.orbit == 0) return 0;
+  return momentAt(motionOf(run.reader), Pace::Even, time).turn;
+}
+
 py::array render(const MemoryRun& run, std::optional<double> time, const py::kwargs& options) {
   std::vector<std::string> words = {"render", output::kTrajectory};
   for (const std::string& word : optionWords(options, optionsNotForPictures(describeProgram()))) {
@@ -199,14 +204,14 @@ py::array render(const MemoryRun& run, std::optional<double> time, const py::kwa
   }
   const PictureSettings settings = std::get<RenderOrder>(parseCommandLine(words)).settings;
   auto frame = std::make_unique<Frame>();
-  {
-    const py::gil_scoped_release release;
+  withoutInterpreter([&] {
     if (settings.graphics) setGraphicsLibrary(*settings.graphics);
     const Sample sample = run.reader.sample(nearestSample(run.reader.times(), time));
     // As frames are: where colours stand for values, a bar under the picture says which.
     Studio studio(settings.size, settings.look, motifOf(run.reader, settings), {.colours = true});
-    *frame = studio.take({sample.time, sample.poses, sample.pinned});
-  }
+    *frame = studio.take(
+        {sample.time, sample.poses, sample.pinned, orbitBehind(run, settings, sample.time)});
+  });
   const py::ssize_t width = frame->size.width;
   const py::ssize_t height = frame->size.height;
   const std::uint8_t* pixels = frame->pixels.data();
@@ -218,9 +223,7 @@ py::array render(const MemoryRun& run, std::optional<double> time, const py::kwa
 /// Writes what `kirireel record` would, from the samples that are there. An interruption leaves the
 /// folder as it was.
 std::vector<std::string> save(const DeployedRun& run, const std::filesystem::path& folder) {
-  const InterruptionWatch watch;
-  try {
-    const py::gil_scoped_release release;
+  return withoutInterpreter([&] {
     RecordSettings settings = run.order.settings;
     settings.folder = folder;
     const Deployer again = [&run](const Scene&, double, const SampleObserver& observer,
@@ -228,15 +231,9 @@ std::vector<std::string> save(const DeployedRun& run, const std::filesystem::pat
       for (std::size_t i = 0; i < run.samples->size(); ++i) observer(run.samples->sample(i));
       return run.result;
     };
-    const ProgressObserver progress = [&watch](const Progress&) -> Interruption {
-      if (watch.isInterrupted()) throw RunError("error: interrupted while saving");
-      return std::nullopt;
-    };
+    const ProgressObserver progress = [](const Progress&) -> Interruption { return std::nullopt; };
     return record(run.order.scene, settings, progress, again).files;
-  } catch (const RunError&) {
-    watch.raise();
-    throw;
-  }
+  });
 }
 
 py::object summary(const DeployedRun& run) {
@@ -246,11 +243,12 @@ py::object summary(const DeployedRun& run) {
 }
 
 std::shared_ptr<MemoryRun> openTrajectory(const std::filesystem::path& path) {
-  const py::gil_scoped_release release;
-  const bool isFolder = std::filesystem::is_directory(path);
-  const TrajectoryReader file(isFolder ? path / output::kTrajectory : path);
-  return std::make_shared<MemoryRun>(file.subject(), file.end(),
-                                     std::make_shared<SampleTable>(readSamples(file)));
+  return withoutInterpreter([&] {
+    const bool isFolder = std::filesystem::is_directory(path);
+    const TrajectoryReader file(isFolder ? path / output::kTrajectory : path);
+    return std::make_shared<MemoryRun>(file.subject(), file.end(),
+                                       std::make_shared<SampleTable>(readSamples(file)));
+  });
 }
 
 std::vector<std::pair<double, std::string>> events(const MemoryRun& run) {

@@ -108,6 +108,18 @@ class Pictures(unittest.TestCase):
                 np.testing.assert_array_equal(ours[..., :3], theirs[..., :3])
 
 
+    def test_turn_with_the_orbit(self):
+        run = kirireel.deploy(kirireel.read(model_folder("cap")))
+        pictures = {}
+        for time, behind in ((0, 0), (None, 90)):
+            # Nothing of the orbit is behind at the start, all of it at the end; full turns are none.
+            orbit = run.render(time, view="40,30", orbit=90, size="80x60")
+            there = run.render(time, view=f"{40 + behind},30", orbit=360, size="80x60")
+            self.assertLess(np.abs(orbit.astype(int) - there).max(), 2)
+            pictures[behind] = orbit.astype(int)
+        far = run.render(view="40,30", orbit=360, size="80x60")
+        self.assertGreater(np.abs(pictures[90] - far).mean(), 1)
+
     def test_are_painted_by_several_threads(self):
         # A process of its own: what several threads do first is what they may wait for each other in.
         script = """
