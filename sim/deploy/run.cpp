@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <random>
 
 #include <fmt/format.h>
 
 #include "sim/actuation/expansion.h"
 #include "sim/base/cpu_time.h"
 #include "sim/base/interruption.h"
+#include "sim/deploy/nudge.h"
 #include "sim/deploy/path_choice.h"
 #include "sim/deploy/rest_probe.h"
 #include "sim/deploy/rounded_joints.h"
@@ -31,28 +31,8 @@ constexpr double kStuckShare = 1e-3;
 constexpr std::size_t kPairsNamed = 3;
 // Closing joints may make bricks overlap by this part of a tile.
 constexpr double kPushedShare = 1e-4;
-// Initial speeds, in model sizes a second, that let a run leave an unstable equilibrium.
-constexpr double kNudge = 1e-6;
 // Times closer than this part of a step are the same.
 constexpr double kSameTime = 1e-6;
-
-/// Uniform in [-1, 1) with the same bits from every standard library.
-double uniform(std::mt19937& generator) {
-  return static_cast<double>(generator()) / 2147483648.0 - 1.0;
-}
-
-std::vector<Velocity> nudge(std::size_t count, double speed, unsigned seed) {
-  std::mt19937 generator(seed);
-  const auto vector = [&] {
-    const double x = uniform(generator);
-    const double y = uniform(generator);
-    const double z = uniform(generator);
-    return Vector3(speed * Vector3(x, y, z));
-  };
-  std::vector<Velocity> velocities(count);
-  for (Velocity& velocity : velocities) velocity.linear = vector();
-  return velocities;
-}
 
 }  // namespace
 
@@ -151,7 +131,7 @@ void Run::tieSprings() {
 
 void Run::reset() {
   follower_.reset();
-  motion_ = {startPoses_, nudge(bricks_.size(), kNudge * size_, scene_.solver.seed)};
+  motion_ = {startPoses_, nudge(bricks_.size(), size_, scene_.solver.seed)};
   // A solver carries contacts and multipliers from step to step, which do not belong here.
   dynamics_ = makeDynamics(scene_, needs_, bricks_, startPoses(scene_.model.tiles, bricks_));
   holdJoints();
@@ -183,7 +163,7 @@ void Run::start() {
   if (needs_.contacts.on) pushedAtStart_ = figures_.overlapsOf(motion_.poses).grown;
   holdJoints();
   goTo(nullptr);
-  motion_.velocities = nudge(bricks_.size(), kNudge * size_, scene_.solver.seed);
+  motion_.velocities = nudge(bricks_.size(), size_, scene_.solver.seed);
   result_.needs = needs_;
   result_.path = scene_.path;
   static_cast<Subject&>(result_.trajectory) = subjectOf(scene_);
