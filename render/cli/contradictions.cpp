@@ -28,6 +28,9 @@ bool isDirect(const Scene& scene) {
 bool isBullet(const Scene& scene) {
   return scene.solver.kind == SolverKind::Bullet;
 }
+bool hasFixedSteps(const Scene& scene) {
+  return scene.solver.tolerance == 0;
+}
 bool pullsToTarget(const Scene& scene) {
   return scene.actuation.drive == Drive::Target || scene.actuation.drive == Drive::Auto;
 }
@@ -45,6 +48,8 @@ const std::vector<Rule>& rules() {
       {"--pin", isDirect, "--solver direct"},
       {"--link", isDirect, "--solver direct"},
       {"--iterations", isBullet, "--solver bullet"},
+      {"--tolerance", isDirect, "--solver direct"},
+      {"--substeps", hasFixedSteps, "--tolerance 0"},
       {"--open-time", isLed, "--path led"},
       {"--led-time", isLed, "--path led"},
       {"--led-stiffness", isLed, "--path led"},
@@ -97,6 +102,12 @@ void requireConsistent(const CLI::App& command, const Scene& scene) {
   }
   if (isLed(scene) && !isDirect(scene)) refuse("--path led", "--solver direct");
   if (isLed(scene) && !pullsToTarget(scene)) refuse("--path led", "--actuation target");
+  if (isLed(scene) && !hasFixedSteps(scene)) {
+    throw InputError(
+        "error: --path led moves tiles in fixed steps, which keep no --tolerance; leave one of "
+        "them "
+        "away");
+  }
   if (isGiven(command, "--faces") && isGiven(command, "--auto-detect-connections")) {
     throw InputError(
         "error: --auto-detect-connections is --faces pykirigami; leave one of them away");

@@ -79,6 +79,29 @@ std::string describeJoints(const Scene& scene, const RunSummary& summary) {
   return text + "\n";
 }
 
+/// How exact a run is in time that kept a tolerance there; empty for others.
+std::string describeTime(const Scene& scene, const RunSummary& summary) {
+  const Accuracy& accuracy = summary.accuracy;
+  const DeployCost& cost = summary.deployCost;
+  const double uncertified = accuracy.touchingTime + accuracy.singularTime;
+  if (accuracy.timeError == 0 && uncertified == 0) {
+    const bool isLost = scene.solver.tolerance > 0 && summary.path.kind == PathKind::Led;
+    return isLost ? "time: tiles are led in fixed steps, which keep no tolerance\n" : "";
+  }
+  std::string text = fmt::format(
+      "time: steps to {:.2g} tiles, together within {:.2g} tiles for {:.2g} s of CPU time; {} "
+      "steps "
+      "rejected",
+      scene.solver.tolerance, accuracy.timeError, cost.cpuSeconds, cost.rejectedSteps);
+  if (accuracy.touchingTime > 0) {
+    text += fmt::format("; not in {:.3g} s, where bricks touched", accuracy.touchingTime);
+  }
+  if (accuracy.singularTime > 0) {
+    text += fmt::format("; not in {:.3g} s, where the joints were singular", accuracy.singularTime);
+  }
+  return text + "\n";
+}
+
 /// The depth as a whole, and what of it contacts would have to prevent.
 std::string describePenetration(const Scene& scene, const RunSummary& summary) {
   const Accuracy& accuracy = summary.accuracy;
@@ -195,7 +218,8 @@ std::string describeRun(const Scene& scene, const RecordSettings& settings,
     text += describeBlocking(summary.blocking, scene.model.fileOrder.countsFrom);
   }
   text += describePath(summary, scene.model.target.has_value());
-  text += describeJoints(scene, summary) + describePenetration(scene, summary);
+  text += describeJoints(scene, summary) + describeTime(scene, summary);
+  text += describePenetration(scene, summary);
   if (summary.leftOutFrom) {
     text += fmt::format(
         "pictures leave out bricks that go farther than {:g} model sizes, the first at {:.4g} s; "

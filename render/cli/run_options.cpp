@@ -129,7 +129,11 @@ void addSolverOptions(CLI::App& command, SolverSettings& solver) {
   group.choice<SolverKind>("--solver", solver.kind,
                            {{"direct", SolverKind::Direct}, {"bullet", SolverKind::Bullet}},
                            "how joints are held, exactly or by Bullet's impulses");
-  group.number("--timestep", solver.timestep, {1e-7, 1}, "SECONDS", "longest step");
+  group.number("--tolerance", solver.tolerance, {0, 1}, "TILES",
+               "error in time that a step may make, with steps as long as that lets them be; 0: "
+               "fixed steps of first order");
+  group.number("--timestep", solver.timestep, {1e-7, 1}, "SECONDS",
+               "length of fixed steps, and of those where bricks touch or joints are singular");
   group
       .value("--substeps", "COUNT", "1 direct, 20 bullet", "solver steps in each step",
              [&solver](const OptionValue& typed) {

@@ -52,7 +52,10 @@ Json accuracyJson(const RunSummary& summary, bool hasTarget) {
           {"assembled_error", onlyIf(summary.assembledError >= 0, summary.assembledError)},
           {"penetration_max", accuracy.penetrationMax},
           {"penetration_outside_pivots_max", accuracy.penetrationOutsidePivotsMax},
-          {"penetration_grown_max", accuracy.penetrationGrownMax}};
+          {"penetration_grown_max", accuracy.penetrationGrownMax},
+          {"time_error", accuracy.timeError},
+          {"touching_time", accuracy.touchingTime},
+          {"singular_time", accuracy.singularTime}};
 }
 
 Json pathJson(const RunSummary& summary) {
@@ -97,6 +100,7 @@ Json costJson(const RunSummary& summary) {
           {"halved_steps", summary.deployCost.halvedSteps},
           {"unconverged_steps", summary.deployCost.unconvergedSteps},
           {"factorizations", summary.deployCost.factorizations},
+          {"rejected_steps", summary.deployCost.rejectedSteps},
           {"cpu_seconds_search", summary.deployCost.cpuSecondsSearch},
           {"cpu_seconds_deploy", summary.deployCost.cpuSeconds},
           {"cpu_seconds_render", summary.recordCost.cpuSecondsRender},
@@ -203,6 +207,7 @@ Json springsJson(const Scene& scene) {
 Json solverJson(const SolverSettings& solver) {
   return {{"solver", solver.kind == SolverKind::Direct ? "direct" : "bullet"},
           {"timestep", solver.timestep},
+          {"tolerance", solver.tolerance},
           {"substeps", solver.substeps ? Json(*solver.substeps) : Json(nullptr)},
           {"iterations", solver.iterations},
           {"planar", flagJson(solver.planar)},

@@ -184,6 +184,10 @@ class Verifier {
       sum.halvedSteps += step.halvedSteps;
       sum.unconvergedSteps += step.unconvergedSteps;
       sum.factorizations += step.factorizations;
+      sum.rejectedSteps += step.rejectedSteps;
+      sum.timeError += step.timeError;
+      sum.touchingTime += step.touchingTime;
+      sum.singularTime += step.singularTime;
       largestGap = std::max(largestGap, step.jointGap);
       leastError = std::min(leastError, step.targetError);
     }
@@ -198,6 +202,10 @@ class Verifier {
     compare(kSummary, "halved_steps", cost.at("halved_steps"), sum.halvedSteps);
     compare(kSummary, "unconverged_steps", cost.at("unconverged_steps"), sum.unconvergedSteps);
     compare(kSummary, "factorizations", cost.at("factorizations"), sum.factorizations);
+    compare(kSummary, "rejected_steps", cost.value("rejected_steps", 0.0), sum.rejectedSteps);
+    compare(kSummary, "time_error", accuracy.value("time_error", 0.0), sum.timeError);
+    compare(kSummary, "touching_time", accuracy.value("touching_time", 0.0), sum.touchingTime);
+    compare(kSummary, "singular_time", accuracy.value("singular_time", 0.0), sum.singularTime);
   }
 
   /// The figures that one state decides: the start, the end, or the one stored for it.

@@ -86,4 +86,37 @@ inline Poses interpolate(const Poses& from, const Poses& to, double share) {
   return poses;
 }
 
+/// The rate at which the rotation vector of a turn changes while what was turned has an angular
+/// velocity: the inverse of the left Jacobian of SO(3) (Barfoot, State Estimation for Robotics,
+/// 2017, eq. 7.77).
+inline Vector3 turnRate(const Vector3& turn, const Vector3& angular) {
+  const double angle = turn.norm();
+  const double half = 0.5 * angle;
+  // (1 - half cot(half)) / angle^2, by its limit where the quotient would lose digits.
+  const double part =
+      angle < 1e-3 ? 1.0 / 12 : (1 - half * std::cos(half) / std::sin(half)) / (angle * angle);
+  return angular - 0.5 * turn.cross(angular) + part * turn.cross(turn.cross(angular));
+}
+
+/// Poses on the way between two motions that are `seconds` apart, at a share from 0 to 1: cubics
+/// that have the places, turns and velocities of both ends.
+inline Poses interpolate(const Motion& from, const Motion& to, double seconds, double share) {
+  const double rest = 1 - share;
+  const double begin = seconds * share * rest * rest;
+  const double end = -seconds * share * share * rest;
+  const double way = share * share * (3 - 2 * share);
+  Poses poses(from.poses.size());
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const Pose& first = from.poses[i];
+    const Pose& last = to.poses[i];
+    poses[i].position = first.position + way * (last.position - first.position) +
+                        begin * from.velocities[i].linear + end * to.velocities[i].linear;
+    const Vector3 turn = turnBetween(first.rotation, last.rotation);
+    const Vector3 turned = way * turn + begin * from.velocities[i].angular +
+                           end * turnRate(turn, to.velocities[i].angular);
+    poses[i].rotation = (rotationFromVector(turned) * first.rotation).normalized();
+  }
+  return poses;
+}
+
 }  // namespace kirireel

@@ -1,6 +1,7 @@
 #include "sim/deploy/direct_dynamics.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -17,6 +18,8 @@ constexpr double kTilePart = 1e-5;
 constexpr double kThicknessPart = 2e-3;
 // Joints are closed below this part of a tile.
 constexpr double kClosed = 1e-10;
+// Times closer than this part of each other are the same.
+constexpr double kSameTime = 1e-9;
 
 /// Where the bricks of a planar scene rub on the ground: at every vertex, with an even share of the
 /// weight.
@@ -67,7 +70,9 @@ DirectDynamics::DirectDynamics(const Scene& scene, const Needs& needs,
       bodies_(bodiesOf(bricks, obstacles_)),
       solver_(makeJointSolver(bodies_, makePivots(scene.model.joints, bricks),
                               {needs.planar.on, tileSize_, groundSupports(scene, needs, bricks)})),
-      substeps_(scene.solver.substeps.value_or(1)) {
+      substeps_(scene.solver.substeps.value_or(1)),
+      isRubbing_(!groundSupports(scene, needs, bricks).empty()),
+      isTouching_(isRubbing_) {
   requireSpace(scene, needs);
   if (hasObstacles()) setPinned(std::vector<bool>(brickCount_, false));
   if (!needs.contacts.on && !needs.ground.on && !needs.obstacles.on) return;
@@ -82,6 +87,11 @@ void DirectDynamics::appendObstacles(Poses& poses) const {
   for (const ObstaclePart& part : obstacles_) poses.push_back(part.pose);
 }
 
+void DirectDynamics::leaveObstacles(Motion& motion) const {
+  motion.poses.resize(brickCount_);
+  motion.velocities.resize(brickCount_);
+}
+
 bool DirectDynamics::assemble(Poses& poses) {
   Poses closed = poses;
   appendObstacles(closed);
@@ -94,29 +104,109 @@ bool DirectDynamics::assemble(Poses& poses) {
 void DirectDynamics::setPinned(const std::vector<bool>& pinned) {
   std::vector<bool> held = pinned;
   held.resize(bodies_.size(), true);
+  isPinned_ = std::ranges::find(held, true) != held.end();
+  if (extrapolation_) extrapolation_->setPinned(isPinned_);
   solver_->setPinned(held);
 }
 
-StepReport DirectDynamics::advance(Motion& motion, double step, const LoadSource& actuation) {
-  Poses brickPoses;
-  const LoadSource all = [&](const Poses& poses, std::vector<Load>& loads) {
+/// The actuation with what surrounds the bricks, for all bodies.
+TimedLoads DirectDynamics::allLoads(const TimedLoads& actuation) const {
+  return [this, &actuation, brickPoses = Poses()](double seconds, const Poses& poses,
+                                                  std::vector<Load>& loads) mutable {
     checkInterruption();  // a step may be halved many times
     brickPoses.assign(poses.begin(), poses.begin() + static_cast<std::ptrdiff_t>(brickCount_));
     loads.resize(brickCount_);
-    actuation(brickPoses, loads);
+    actuation(seconds, brickPoses, loads);
     for (std::size_t i = 0; i < brickCount_; ++i) {
       addEnvironmentLoad(environment_, bodies_[i], poses[i], loads[i]);
     }
     loads.resize(bodies_.size());
   };
+}
+
+StepReport DirectDynamics::advance(Motion& motion, double step, const LoadSource& actuation) {
+  const TimedLoads timeless = [&](double, const Poses& poses, std::vector<Load>& loads) {
+    actuation(poses, loads);
+  };
+  const TimedLoads all = allLoads(timeless);
+  const LoadSource now = [&](const Poses& poses, std::vector<Load>& loads) {
+    all(0, poses, loads);
+  };
   appendObstacles(motion.poses);
   motion.velocities.resize(bodies_.size());
   StepReport report;
   for (int substep = 0; substep < substeps_; ++substep) {
-    report += solver_->advance(motion, step / substeps_, all, contacts_.get());
+    report += solver_->advance(motion, step / substeps_, now, contacts_.get());
   }
-  motion.poses.resize(brickCount_);
-  motion.velocities.resize(brickCount_);
+  leaveObstacles(motion);
+  return report;
+}
+
+/// Whether bricks would touch at the end of a step, or have passed through each other in it.
+bool DirectDynamics::meetOnTheWay(const Motion& from, const Motion& to) {
+  if (!contacts_) return false;
+  met_.clear();
+  contacts_->startStep(from.poses);
+  contacts_->appendViolated(to.poses, met_);
+  return !met_.empty();
+}
+
+/// Goes on from one moment of the call to another in equal steps of first order, among contacts.
+StepReport DirectDynamics::goOnByFirstOrder(Motion& motion, double begin, double end,
+                                            const TimedLoads& loads) {
+  const double parts = std::ceil((end - begin) / firstOrderStep_ - kSameTime);
+  const int count = std::max(1, static_cast<int>(parts));
+  StepReport report;
+  for (int k = 0; k < count; ++k) {
+    const double now = begin + k * (end - begin) / count;
+    if (now > 0) passed_.push_back({now, motion});
+    const LoadSource loadsNow = [&](const Poses& poses, std::vector<Load>& out) {
+      loads(now, poses, out);
+    };
+    report += solver_->advance(motion, (end - begin) / count, loadsNow, contacts_.get());
+  }
+  isTouching_ = isRubbing_ || !solver_->contactLoads().empty();
+  return report;
+}
+
+void DirectDynamics::setTolerance(const TimeTolerance& tolerance) {
+  firstOrderStep_ = tolerance.firstOrderStep;
+  extrapolation_ = std::make_unique<Extrapolation>(
+      bodies_, *solver_,
+      ExtrapolationSettings{tolerance.tolerance, tolerance.longestStep, tileSize_});
+  extrapolation_->setPinned(isPinned_);
+}
+
+StepReport DirectDynamics::advanceToTolerance(Motion& motion, double seconds,
+                                              const TimedLoads& actuation) {
+  const TimedLoads all = allLoads(actuation);
+  const StepFilter isFree = [this](const Motion& from, const Motion& to) {
+    return !meetOnTheWay(from, to);
+  };
+  double done = 0;
+  const TimedLoads fromHere = [&](double after, const Poses& poses, std::vector<Load>& loads) {
+    all(done + after, poses, loads);
+  };
+  passed_.clear();
+  met_.clear();
+  appendObstacles(motion.poses);
+  motion.velocities.resize(bodies_.size());
+  StepReport report;
+  while (!isTouching_ && done < (1 - kSameTime) * seconds) {
+    const std::optional<double> taken =
+        extrapolation_->step(motion, seconds - done, fromHere, isFree, report);
+    if (!taken) break;
+    done += *taken;
+    if (done < (1 - kSameTime) * seconds) passed_.push_back({done, motion});
+  }
+  if (done < (1 - kSameTime) * seconds) {
+    const bool touch = isTouching_ || !met_.empty();
+    (touch ? report.touchingTime : report.singularTime) += seconds - done;
+    if (!passed_.empty()) passed_.pop_back();  // the first of the steps that follow
+    report += goOnByFirstOrder(motion, done, seconds, all);
+  }
+  leaveObstacles(motion);
+  for (PassedState& state : passed_) leaveObstacles(state.motion);
   return report;
 }
 
@@ -140,7 +230,8 @@ std::vector<std::string> DirectDynamics::loadedContacts() const {
 }
 
 void DirectDynamics::transfer(StateTape& tape) {
-  tape.transfer(*solver_);
+  tape.transfer(*solver_, isTouching_);
+  if (extrapolation_) tape.transfer(*extrapolation_);
   if (contacts_) tape.transfer(*contacts_);
 }
 

@@ -17,12 +17,20 @@ class DirectDynamics : public Dynamics {
   void setJointStiffness(double stiffness) override { solver_->setJointStiffness(stiffness); }
   std::vector<std::string> loadedContacts() const override;
   StepReport advance(Motion& motion, double step, const LoadSource& actuation) override;
+  void setTolerance(const TimeTolerance& tolerance) override;
+  StepReport advanceToTolerance(Motion& motion, double seconds,
+                                const TimedLoads& actuation) override;
+  std::span<const PassedState> passed() const override { return passed_; }
   void transfer(StateTape& tape) override;
 
  private:
   bool hasObstacles() const { return !obstacles_.empty(); }
   void appendObstacles(Poses& poses) const;
+  void leaveObstacles(Motion& motion) const;
   std::string nameOf(const ContactLoad& load) const;
+  TimedLoads allLoads(const TimedLoads& actuation) const;
+  bool meetOnTheWay(const Motion& from, const Motion& to);
+  StepReport goOnByFirstOrder(Motion& motion, double begin, double end, const TimedLoads& loads);
 
   std::size_t brickCount_;
   int countsFrom_;   // the first tile, in messages
@@ -33,6 +41,13 @@ class DirectDynamics : public Dynamics {
   std::unique_ptr<JointSolver> solver_;
   std::unique_ptr<ContactFinder> contacts_;  // null where nothing can be touched
   int substeps_;
+  bool isRubbing_;                                // planar bricks on a ground with friction
+  bool isPinned_ = false;                         // some brick
+  bool isTouching_ = false;                       // bricks pushed each other in the last step
+  std::unique_ptr<Extrapolation> extrapolation_;  // null where no tolerance is asked for
+  double firstOrderStep_ = 0;                     // seconds, with it
+  std::vector<Contact> met_;                      // where the last step that was tried met bricks
+  std::vector<PassedState> passed_;
 };
 
 }  // namespace kirireel

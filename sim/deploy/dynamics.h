@@ -3,9 +3,11 @@
 
 #include <limits>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "sim/joints/extrapolation.h"
 #include "sim/joints/joint_solver.h"
 #include "sim/scene/scene.h"
 
@@ -17,6 +19,13 @@ constexpr double kMisfitStiffness = 1e7;
 
 /// Of joints that are held exactly, N/m.
 constexpr double kExactJoints = std::numeric_limits<double>::infinity();
+
+/// How exact the motion is to be in time.
+struct TimeTolerance {
+  double tolerance = 1e-4;            ///< error of a step, tiles, above 0
+  double firstOrderStep = 1.0 / 240;  ///< where bricks touch or joints are singular, seconds
+  double longestStep = 1.0 / 60;      ///< seconds
+};
 
 /// Advances all bricks by one step.
 class Dynamics {
@@ -39,6 +48,16 @@ class Dynamics {
 
   /// Advances the motion by `step` seconds; `actuation` gives the loads beyond gravity and damping.
   virtual StepReport advance(Motion& motion, double step, const LoadSource& actuation) = 0;
+
+  /// To be called before advanceToTolerance() and transfer(), where the former is used.
+  virtual void setTolerance(const TimeTolerance& tolerance) = 0;
+  /// The same with loads that change on the way, in steps that keep the tolerance where that can be
+  /// done, else in fixed steps of first order: see TimeTolerance. Joints must be exact.
+  virtual StepReport advanceToTolerance(Motion& motion, double seconds,
+                                        const TimedLoads& actuation) = 0;
+
+  /// The states between the ends of the last call of advanceToTolerance(), in order.
+  virtual std::span<const PassedState> passed() const = 0;
 
   /// What the next step takes from those before, beside the motion, as far as the solver tells: an
   /// engine does not.

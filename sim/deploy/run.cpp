@@ -31,8 +31,17 @@ constexpr double kStuckShare = 1e-3;
 constexpr std::size_t kPairsNamed = 3;
 // Closing joints may make bricks overlap by this part of a tile.
 constexpr double kPushedShare = 1e-4;
+// A run that keeps a tolerance in time is looked at after so many timesteps.
+constexpr int kStepsAtOnce = 4;
 // Times closer than this part of a step are the same.
 constexpr double kSameTime = 1e-6;
+
+/// Tiles that are led go by a guide that moves with the steps, on joints that often are compliant:
+/// steps are fixed there.
+bool keepsTolerance(const Scene& scene) {
+  return scene.solver.tolerance > 0 && scene.solver.kind == SolverKind::Direct &&
+         !scene.solver.substeps && scene.path.kind != PathKind::Led && !scene.path.jointsGive();
+}
 
 }  // namespace
 
@@ -46,10 +55,10 @@ Run::Run(const Scene& scene, const AssembledState& nearest, const RunObservers& 
       motion_{startPoses(scene.model.tiles, bricks_), {}},
       target_(scene.model.target ? &*scene.model.target : nullptr),
       needs_(sceneNeeds(scene)),
-      dynamics_(makeDynamics(scene, needs_, bricks_, motion_.poses)),
       timeline_(scene.timeline, bricks_, scene.model.fileOrder.countsFrom),
       stiffness_(false),
-      step_(scene.solver.timestep),
+      hasTolerance_(keepsTolerance(scene)),
+      step_(scene.solver.timestep * (hasTolerance_ ? kStepsAtOnce : 1)),
       size_(modelSize(scene.model)),
       tileSize_(tileSize(scene.model)),
       springSettings_(springsOf(scene)),
@@ -59,11 +68,21 @@ Run::Run(const Scene& scene, const AssembledState& nearest, const RunObservers& 
   if (scene.actuation.drive == Drive::Boundary) {
     boundary_.emplace(scene.model, bricks_, springSettings_, scene.actuation.boundary);
   }
-  actuation_ = [this](const Poses& poses, std::vector<Load>& loads) {
+  dynamics_ = makeSolver();
+  actuation_ = [this](double seconds, const Poses& poses, std::vector<Load>& loads) {
     std::fill(loads.begin(), loads.end(), Load{});
     if (timeline_.forcesAreOn()) pull(poses, loads);
-    timeline_.addDrags(time(), poses, loads);
+    timeline_.addDrags(time() + seconds, poses, loads);
   };
+}
+
+std::unique_ptr<Dynamics> Run::makeSolver() const {
+  std::unique_ptr<Dynamics> solver =
+      makeDynamics(scene_, needs_, bricks_, startPoses(scene_.model.tiles, bricks_));
+  if (hasTolerance_) {
+    solver->setTolerance({scene_.solver.tolerance, scene_.solver.timestep, step_});
+  }
+  return solver;
 }
 
 /// Joints that give while the tiles are led close again; on a straight path they stay as they are.
@@ -133,7 +152,7 @@ void Run::reset() {
   follower_.reset();
   motion_ = {startPoses_, nudge(bricks_.size(), size_, scene_.solver.seed)};
   // A solver carries contacts and multipliers from step to step, which do not belong here.
-  dynamics_ = makeDynamics(scene_, needs_, bricks_, startPoses(scene_.model.tiles, bricks_));
+  dynamics_ = makeSolver();
   holdJoints();
   goTo(nullptr);
 }
@@ -205,11 +224,25 @@ void Run::takeSample(double time, Poses poses) {
   if (observers_.sample && !observers_.sample(sample)) isAskedToEnd_ = true;
 }
 
-/// The poses at a time within the last step: positions go straight and rotations by the shortest
-/// turn; then the joints are closed, where those of the step's two ends are.
+/// The poses at a time within the last step, joints as they come: by the velocities on both sides
+/// where a tolerance was kept, else places go straight and rotations by the shortest turn.
+Poses Run::openPosesAt(double time) const {
+  const double seconds = time - (this->time() - step_);
+  if (!wasSmooth_) return interpolate(before_.poses, motion_.poses, seconds / step_);
+  const std::span<const PassedState> passed = dynamics_->passed();
+  const auto next = std::ranges::find_if(
+      passed, [&](const PassedState& state) { return state.seconds > seconds; });
+  const bool isFirst = next == passed.begin();
+  const double from = isFirst ? 0 : std::prev(next)->seconds;
+  const double to = next == passed.end() ? step_ : next->seconds;
+  return interpolate(isFirst ? before_ : std::prev(next)->motion,
+                     next == passed.end() ? motion_ : next->motion, to - from,
+                     (seconds - from) / (to - from));
+}
+
+/// The same with the joints closed, where those of the step's two ends are.
 Poses Run::posesAt(double time) {
-  const double share = 1 - (this->time() - time) / step_;
-  Poses poses = interpolate(before_.poses, motion_.poses, share);
+  Poses poses = openPosesAt(time);
   if (!figures_.wereClosed() || scene_.solver.kind != SolverKind::Direct) return poses;
   if (!projection_) {
     Scene alone = scene_;
@@ -338,9 +371,23 @@ void Run::followPath() {
   follower_.reset();
 }
 
+/// The loads at the present time.
+LoadSource Run::loadsNow() const {
+  return [this](const Poses& poses, std::vector<Load>& loads) { actuation_(0, poses, loads); };
+}
+
+StepReport Run::advanceByFixedSteps() {
+  const int count = hasTolerance_ ? kStepsAtOnce : 1;
+  StepReport report;
+  for (int k = 0; k < count; ++k) report += dynamics_->advance(motion_, step_ / count, loadsNow());
+  return report;
+}
+
 StepReport Run::advanceStep() {
   followPath();
-  const StepReport report = dynamics_->advance(motion_, step_, actuation_);
+  const bool isExact = hasTolerance_ && !misfit_;
+  const StepReport report =
+      isExact ? dynamics_->advanceToTolerance(motion_, step_, actuation_) : advanceByFixedSteps();
   ++stepCount_;
   watchJam(report);
   return report;
@@ -385,12 +432,11 @@ bool Run::isOnItsWay() {
   if (!springsPull || scene_.solver.kind == SolverKind::Bullet) return false;
   if (currentTargetError() <= arrived) return false;
   // A solver of its own, in the state of the run's.
-  const auto dynamics =
-      makeDynamics(scene_, needs_, bricks_, startPoses(scene_.model.tiles, bricks_));
+  const std::unique_ptr<Dynamics> dynamics = makeSolver();
   StateTape recorded;
   recorded.transfer(*dynamics_);
   StateTape(recorded.numbers()).transfer(*dynamics);
-  const RestProbe probe = probeRest(*dynamics, motion_, step_, actuation_, tileSize_);
+  const RestProbe probe = probeRest(*dynamics, motion_, step_, loadsNow(), tileSize_);
   figures_.addWork(probe.work);
   return probe.movesOn;
 }
@@ -523,6 +569,7 @@ void Run::takeStep() {
 void Run::advance() {
   followTimeline(false);
   if (ended_) return;
+  wasSmooth_ = false;
   if (timeline_.isPaused(time())) {
     before_ = motion_;
     ++stepCount_;

@@ -59,6 +59,7 @@ class Run : private TimelineStage {
 
  private:
   void start();
+  std::unique_ptr<Dynamics> makeSolver() const;
   void pull(const Poses& poses, std::vector<Load>& loads) const;
   void setPinned(const std::vector<bool>& pinned) override { dynamics_->setPinned(pinned); }
   void goTo(const std::vector<Tile>* target) override;
@@ -70,6 +71,8 @@ class Run : private TimelineStage {
   void advanceToEnd();
   void advance();
   void takeStep();
+  LoadSource loadsNow() const;
+  StepReport advanceByFixedSteps();
   StepReport advanceStep();
   void followPath();
   bool closeJoints();
@@ -89,6 +92,7 @@ class Run : private TimelineStage {
   void takeSamples();
   void takeLastSample();
   void takeSample(double time, Poses poses);
+  Poses openPosesAt(double time) const;
   Poses posesAt(double time);
   void note(Sample& sample);
   void transfer(StateTape& tape);
@@ -135,8 +139,9 @@ class Run : private TimelineStage {
   std::optional<BoundarySprings> boundary_;
   TimelineRunner timeline_;
   AdaptiveStiffness stiffness_;
-  LoadSource actuation_;
-  double step_;  // seconds
+  TimedLoads actuation_;
+  bool hasTolerance_;  // in time, where steps are not fixed
+  double step_;        // seconds from one look at the run to the next
   double size_;
   double tileSize_;
   TargetSpringSettings springSettings_;
@@ -146,6 +151,7 @@ class Run : private TimelineStage {
   long sampleCount_ = 0;                  // samples taken
   double lastSampleTime_ = 0;             // seconds
   Motion before_;                         // at the start of the step
+  bool wasSmooth_ = false;                // the last step kept its tolerance throughout
   std::unique_ptr<Dynamics> projection_;  // closes joints of states between steps
   double restTime_ = 0;
   double restNeeded_;  // seconds of rest that count; longer after each that was no rest

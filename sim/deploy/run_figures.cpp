@@ -49,6 +49,10 @@ void RunFigures::observe(double time, const Poses& poses, const StepReport& repo
   cost_.halvedSteps += report.halved;
   cost_.unconvergedSteps += report.unconverged;
   cost_.factorizations += report.factorizations;
+  cost_.rejectedSteps += report.rejected;
+  accuracy_.timeError += report.timeError;
+  accuracy_.touchingTime += report.touchingTime;
+  accuracy_.singularTime += report.singularTime;
   cost_.work += report.work;
   const JointGap gap = jointGap(pivots_, poses);
   gapBefore_ = gapNow_;
@@ -59,10 +63,11 @@ void RunFigures::observe(double time, const Poses& poses, const StepReport& repo
   noteOverlaps(overlaps);
   observeTarget(gap);
   ++count_;
-  steps_.push_back({time, gap.max, gap.mean, accuracy_.targetErrorEnd,
-                    static_cast<double>(report.steps), static_cast<double>(report.halved),
-                    static_cast<double>(report.unconverged),
-                    static_cast<double>(report.factorizations)});
+  steps_.push_back(
+      {time, gap.max, gap.mean, accuracy_.targetErrorEnd, static_cast<double>(report.steps),
+       static_cast<double>(report.halved), static_cast<double>(report.unconverged),
+       static_cast<double>(report.factorizations), static_cast<double>(report.rejected),
+       report.timeError, report.touchingTime, report.singularTime});
 }
 
 /// The state that is measured is the one that the figure stands for.

@@ -59,6 +59,12 @@ StepReport WorldDynamics::advance(Motion& motion, double step, const LoadSource&
   return report;
 }
 
+StepReport WorldDynamics::advanceToTolerance(Motion& motion, double seconds,
+                                             const TimedLoads& actuation) {
+  return advance(motion, seconds,
+                 [&](const Poses& poses, std::vector<Load>& loads) { actuation(0, poses, loads); });
+}
+
 std::unique_ptr<Dynamics> makeBulletDynamics(const Scene& scene, const std::vector<Brick>& bricks,
                                              const Poses& start) {
   requireNoObstacles(scene.environment);

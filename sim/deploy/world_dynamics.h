@@ -19,6 +19,10 @@ class WorldDynamics : public Dynamics {
   void setJointStiffness(double /*stiffness*/) override {}  // they give as it is
   std::vector<std::string> loadedContacts() const override { return {}; }
   StepReport advance(Motion& motion, double step, const LoadSource& actuation) override;
+  void setTolerance(const TimeTolerance& /*tolerance*/) override {}  // engines step by fixed steps
+  StepReport advanceToTolerance(Motion& motion, double seconds,
+                                const TimedLoads& actuation) override;
+  std::span<const PassedState> passed() const override { return {}; }
   void transfer(StateTape& /*tape*/) override {}
 
  private:

@@ -56,6 +56,9 @@ class Stepper : public JointSolver {
 
   StepReport advance(Motion& motion, double step, const LoadSource& loads,
                      ContactSource* contacts) override;
+  StepReport eulerStep(Motion& motion, double step, const LoadSource& loads,
+                       Momentum& given) override;
+  double project(Motion& motion) override;
   void setPinned(const std::vector<bool>& pinned) override;
   void setJointStiffness(double stiffness) override;
   std::vector<ContactLoad> contactLoads() const override;
@@ -68,6 +71,8 @@ class Stepper : public JointSolver {
   using Row = ContactRow<D>;
 
   void advanceHalving(Motion& motion, double step, int level, bool warm);
+  void beginStep(const Motion& start, double step);
+  void addImpulses(const Poses& poses, double step, Momentum& given) const;
   StepOutcome tryStep(const Motion& start, double step, bool warm);
   StepOutcome solveContactRounds(const Poses& start, double step);
   bool appendRows(const std::vector<Contact>& found, const Poses& start, double step);
@@ -114,6 +119,7 @@ class Stepper : public JointSolver {
   StepProgram<D> program_;     // for its velocities; joint multipliers are warm from step to step
   std::vector<Row> kept_;      // planes of contacts that carried load at the end of the last step
   std::vector<Row> supports_;  // likewise
+  double multiplierStep_ = 1;  // seconds that the joints' multipliers refer to
   double keptStep_ = 1;        // seconds that these rows' impulses refer to
   Standstill standstill_;
 };
@@ -172,9 +178,9 @@ void Stepper<D>::advanceHalving(Motion& motion, double step, int level, bool war
   finishStep(motion);
 }
 
+/// Sets the system and the program to a step under the loads at hand.
 template <int D>
-StepOutcome Stepper<D>::tryStep(const Motion& start, double step, bool warm) {
-  (*loadSource_)(start.poses, loads_);
+void Stepper<D>::beginStep(const Motion& start, double step) {
   system_.setStep(start, loads_, step, jointStiffness_);
   if (!program_.exactJoints) {
     // The spring at the step's end, k (gap + h J u), is that of a multiplier that does not move.
@@ -185,6 +191,12 @@ StepOutcome Stepper<D>::tryStep(const Motion& start, double step, bool warm) {
     const Velocity& velocity = start.velocities[i];
     program_.x.template segment<D>(D * i) = Space::pack(pinned_[i] ? Velocity{} : velocity);
   }
+}
+
+template <int D>
+StepOutcome Stepper<D>::tryStep(const Motion& start, double step, bool warm) {
+  (*loadSource_)(start.poses, loads_);
+  beginStep(start, step);
   startRows(start.poses, step, warm);
   startSpeed_ = program_.x;
   return solveContactRounds(start.poses, step);
@@ -491,7 +503,7 @@ double Stepper<D>::norm(const Vector& move) const {
 /// elsewhere in the next step.
 template <int D>
 void Stepper<D>::keepMultipliers(double step) {
-  keptStep_ = step;
+  keptStep_ = multiplierStep_ = step;
   kept_.clear();
   supports_.clear();
   const std::vector<Row>& rows = program_.contacts;
@@ -546,6 +558,62 @@ std::vector<ContactLoad> Stepper<D>::contactLoads() const {
   return loads;
 }
 
+/// Adds the momentum that the loads give in a step with the program's velocities.
+template <int D>
+void Stepper<D>::addImpulses(const Poses& poses, double step, Momentum& given) const {
+  for (std::size_t i = 0; i < bricks_.size(); ++i) {
+    const typename Space::Vector velocity = program_.x.template segment<D>(D * i);
+    const typename Space::Block resistance =
+        Space::restrict(loads_[i].damping) + step * Space::restrict(loads_[i].stiffness);
+    const Velocity impulse =
+        Space::unpack(step * (Space::restrict(loads_[i].force) - resistance * velocity));
+    given.linear += impulse.linear;
+    given.angular += poses[i].position.cross(impulse.linear) + impulse.angular;
+  }
+}
+
+template <int D>
+StepReport Stepper<D>::eulerStep(Motion& motion, double step, const LoadSource& loads,
+                                 Momentum& given) {
+  const int before = system_.factorizations();
+  const double workBefore = system_.work();
+  loads(motion.poses, loads_);
+  // Multipliers are impulses: they go with the length of the step.
+  program_.multipliers *= step / multiplierStep_;
+  multiplierStep_ = step;
+  beginStep(motion, step);
+  program_.contacts.clear();
+  StepReport report{.steps = 1};
+  if (!solveVelocities(motion.poses)) report.unconverged = 1;
+  addImpulses(motion.poses, step, given);
+  poses_ = motion.poses;
+  displace(step * program_.x);
+  finishStep(motion);
+  report.factorizations = system_.factorizations() - before;
+  report.work = system_.work() - workBefore;
+  return report;
+}
+
+template <int D>
+double Stepper<D>::project(Motion& motion) {
+  const double gap = assemble(motion.poses);
+  if (!system_.hasJoints()) return gap;
+  const Vector warm = program_.multipliers;
+  system_.setMasses(motion.poses);
+  for (std::size_t i = 0; i < bricks_.size(); ++i) {
+    program_.x.template segment<D>(D * i) = Space::pack(motion.velocities[i]);
+  }
+  program_.force = system_.timesA(program_.x);
+  program_.multipliers.setZero();
+  program_.contacts.clear();
+  const bool found = solveVelocities(motion.poses);
+  program_.multipliers = warm;
+  for (std::size_t i = 0; i < bricks_.size(); ++i) {
+    motion.velocities[i] = Space::unpack(program_.x.template segment<D>(D * i));
+  }
+  return found ? gap : std::numeric_limits<double>::infinity();
+}
+
 template <int D>
 double Stepper<D>::assemble(Poses& poses) {
   const double scale = settings_.lengthScale;
@@ -569,8 +637,8 @@ double Stepper<D>::assemble(Poses& poses) {
 
 template <int D>
 void Stepper<D>::transfer(StateTape& tape) {
-  tape.transfer(jointStiffness_, pinned_, program_.multipliers, kept_, supports_, keptStep_,
-                standstill_, system_);
+  tape.transfer(jointStiffness_, pinned_, program_.multipliers, multiplierStep_, kept_, supports_,
+                keptStep_, standstill_, system_);
   program_.exactJoints = !std::isfinite(jointStiffness_);
   system_.setPinned(pinned_);
 }
@@ -582,6 +650,10 @@ StepReport& StepReport::operator+=(const StepReport& other) {
   halved += other.halved;
   unconverged += other.unconverged;
   factorizations += other.factorizations;
+  rejected += other.rejected;
+  timeError += other.timeError;
+  touchingTime += other.touchingTime;
+  singularTime += other.singularTime;
   work += other.work;
   return *this;
 }

@@ -41,11 +41,23 @@ struct StepReport {
   /// them, else they were taken.
   int unconverged = 0;
   int factorizations = 0;  ///< of the system matrix
+  int rejected = 0;        ///< steps to a tolerance that were tried and not taken
+  /// Estimate of the error in time that steps to a tolerance made, in tiles: see Extrapolation.
+  double timeError = 0;
+  /// Seconds in which no tolerance was kept, though one was asked for: bricks touched ...
+  double touchingTime = 0;
+  double singularTime = 0;  ///< ... or the joints were singular
   /// What the call cost, in multiplications with an addition: counted from the plan of elimination
   /// and the pairs examined, so that it is the same on every machine.
   double work = 0;
 
   StepReport& operator+=(const StepReport& other);
+};
+
+/// Linear and angular momentum of all bricks together, the latter about the origin, N s and N m s.
+struct Momentum {
+  Vector3 linear = Vector3::Zero();
+  Vector3 angular = Vector3::Zero();
 };
 
 /// What two touching bricks push each other with.
@@ -72,6 +84,19 @@ class JointSolver {
   /// the speed. Loads are taken at the start of each (half) step and implicit in it.
   virtual StepReport advance(Motion& motion, double step, const LoadSource& loads,
                              ContactSource* contacts) = 0;
+
+  /// One step of implicit Euler, linearised at its start, without contacts: velocities satisfy the
+  /// joints as they stand at the start, bricks move by them, and joints are not closed again. Its
+  /// error is a power series in the step, so that steps of several lengths can be extrapolated
+  /// (see Extrapolation). A step whose velocities were not found counts as unconverged. Adds to
+  /// `given` the momentum that the loads gave.
+  virtual StepReport eulerStep(Motion& motion, double step, const LoadSource& loads,
+                               Momentum& given) = 0;
+
+  /// Closes joints as assemble() does, and takes from the velocities, in the metric of the masses,
+  /// what would open them. Returns the largest gap left, metres; infinity where no such velocities
+  /// were found.
+  virtual double project(Motion& motion) = 0;
 
   /// Holds these bricks where they are, exactly, until told otherwise; one entry a brick. Their
   /// velocities are zero at the end of each step. Two pinned bricks must not have an open joint.

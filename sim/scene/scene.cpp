@@ -155,7 +155,8 @@ bool isQuasiStatic(const Scene& scene, std::string& reason) {
   const bool usualDamping = around.linearDamping == Environment{}.linearDamping &&
                             around.angularDamping == Environment{}.angularDamping;
   const bool fliesApart = !scene.model.target && !isOnePiece(scene.model);
-  const bool isPlainSolver = scene.solver.kind == SolverKind::Direct && !scene.solver.substeps;
+  const bool isPlainSolver = scene.solver.kind == SolverKind::Direct && !scene.solver.substeps &&
+                             scene.solver.tolerance == 0;
   reason = scene.actuation.drive != defaultDrive(scene.model) ? "the actuation was given"
            : !scene.timeline.empty()                          ? "the timeline leads"
            : !around.gravity.isZero(0)                        ? "there is gravity"

@@ -123,7 +123,10 @@ enum class SolverKind {
 /// How a step is computed.
 struct SolverSettings {
   SolverKind kind = SolverKind::Direct;
-  double timestep = 1.0 / 240;  ///< longest step, seconds; shortened to divide a sample interval
+  /// Of fixed steps, and of steps to a tolerance where bricks touch or joints are singular, seconds.
+  double timestep = 1.0 / 240;
+  /// Error in time that one step may make, tiles (see Extrapolation); 0: fixed steps, of first order.
+  double tolerance = 0;
   std::optional<int> substeps;  ///< solver steps in each; absent: 1 direct, 20 Bullet
   int iterations = 50;          ///< of Bullet's solver in a substep
   std::optional<bool> planar;   ///< force 3 (true) or 6 (false) degrees of freedom a tile

@@ -61,6 +61,7 @@ Method bulletBaseline() {
 }
 
 std::string toString(const Method& method) {
+  if (method.tolerance > 0) return fmt::format("direct to {:.0e} tiles", method.tolerance);
   if (method.engine == Engine::Direct) return fmt::format("direct 1/{} s", method.rate);
   std::string text =
       fmt::format("{} {} x {}", toString(method.engine), method.substeps, method.iterations);
@@ -74,7 +75,11 @@ DynamicsMaker dynamicsMaker(const Method& method) {
   return [method](const Scene& scene, const std::vector<Brick>& bricks,
                   const Poses& start) -> std::unique_ptr<Dynamics> {
     if (method.engine == Engine::Direct) {
-      return std::make_unique<DirectDynamics>(scene, sceneNeeds(scene), bricks, start);
+      auto direct = std::make_unique<DirectDynamics>(scene, sceneNeeds(scene), bricks, start);
+      if (method.tolerance > 0) {
+        direct->setTolerance({method.tolerance, SolverSettings{}.timestep, 1.0 / method.rate});
+      }
+      return direct;
     }
     return std::make_unique<WorldDynamics>(makeWorld(method, scene, bricks, start), method.substeps,
                                            bricks.size());

@@ -33,6 +33,8 @@ struct Method {
   int substeps = 1;              ///< of the engine in each step
   int iterations = 0;            ///< in each substep, of the engines that iterate
   double jointCorrection = 0.2;  ///< Bullet's; see BulletSettings
+  /// Of ours in time, tiles, where steps are not fixed: then `rate` is that of the longest.
+  double tolerance = 0;
 };
 
 /// The baseline as PyKirigami runs it: sequential impulses, 20 substeps of 50 iterations.

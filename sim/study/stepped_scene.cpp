@@ -13,6 +13,7 @@ constexpr double kLost = 1e3;    // model sizes
 
 Scene withRate(Scene scene, const Method& method) {
   scene.solver.timestep = 1.0 / method.rate;
+  scene.solver.tolerance = method.tolerance;
   return scene;
 }
 
@@ -43,6 +44,7 @@ SteppedScene::SteppedScene(const Scene& scene, std::vector<Brick> bricks,
       out[i] = springs_ ? springs_->load(static_cast<int>(i), poses[i], 1) : Load{};
     }
   };
+  timedLoads_ = [this](double, const Poses& poses, std::vector<Load>& out) { loads_(poses, out); };
   const double before = threadCpuSeconds();
   dynamics_ = makeSolver(scene_, bricks_, motion_.poses);
   if (!dynamics_->assemble(motion_.poses)) dynamics_->setJointStiffness(kMisfitStiffness);
@@ -52,7 +54,9 @@ SteppedScene::SteppedScene(const Scene& scene, std::vector<Brick> bricks,
 
 void SteppedScene::advance() {
   const double before = threadCpuSeconds();
-  report_ += dynamics_->advance(motion_, scene_.solver.timestep, loads_);
+  const double step = scene_.solver.timestep;
+  report_ += scene_.solver.tolerance > 0 ? dynamics_->advanceToTolerance(motion_, step, timedLoads_)
+                                         : dynamics_->advance(motion_, step, loads_);
   seconds_ += threadCpuSeconds() - before;
 }
 

@@ -17,7 +17,7 @@ class SteppedScene {
  public:
   /// With the solver that the scene asks for.
   explicit SteppedScene(const Scene& scene);
-  /// With another solver; its rate sets the timestep.
+  /// With another solver; its rate sets the timestep, or the longest of steps to its tolerance.
   SteppedScene(const Scene& scene, const Method& method);
   /// With another solver and bricks that are not as the scene's rule makes them.
   SteppedScene(const Scene& scene, std::vector<Brick> bricks, const DynamicsMaker& makeSolver);
@@ -57,6 +57,7 @@ class SteppedScene {
   std::optional<TargetSprings> springs_;
   std::unique_ptr<Dynamics> dynamics_;
   LoadSource loads_;
+  TimedLoads timedLoads_;
   StepReport report_;
   double size_;
   double seconds_ = 0;

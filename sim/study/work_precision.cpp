@@ -120,7 +120,7 @@ std::vector<Row> measure(const Job& job) {
   return {{toString(method.engine), job.planar ? "plane" : "space",
            cell(job.face == JointFace::Both && method.engine != Engine::Chipmunk ? 2 : 1),
            cell(method.rate), cell(method.substeps), cell(method.iterations),
-           cell(method.jointCorrection), cell(measured.simulated),
+           cell(method.jointCorrection), cell(method.tolerance), cell(measured.simulated),
            cell(1e3 * measured.cpuSeconds / measured.simulated), cell(measured.gap),
            cell(measured.shapeError), cell(error)}};
 }
@@ -149,6 +149,9 @@ std::vector<Method> allMethods(bool planar, Extent extent) {
     methods.insert(methods.end(), more.begin(), more.end());
   };
   for (const int rate : {15, 30, 60, 120, 240, 480, 960}) methods.push_back({Engine::Direct, rate});
+  for (const double tolerance : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6}) {
+    methods.push_back({.engine = Engine::Direct, .rate = 60, .tolerance = tolerance});
+  }
   add(sweepMethods(Engine::SequentialImpulse, extent));
   methods.push_back({Engine::SequentialImpulse, 240, 20, 200, 0.8});
   if (extent == Extent::Full) methods.push_back({Engine::SequentialImpulse, 240, 20, 1000, 0.8});
@@ -287,6 +290,7 @@ Study workPrecisionStudy() {
            {"substeps", "in each step"},
            {"iterations", "in each substep"},
            {"correction", "part of a gap that Bullet takes back in a substep"},
+           {"tolerance", "of our steps in time, tiles; 0 where steps are fixed"},
            {"simulated_s", "seconds; less than planned where the run was cut off"},
            {"cpu_ms_per_s", "CPU milliseconds a simulated second"},
            {"gap_m", "largest joint gap of all steps, metres; none where the sheet flew apart"},

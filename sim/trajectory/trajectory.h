@@ -23,10 +23,15 @@ struct StepRecord {
   double halvedSteps = 0;
   double unconvergedSteps = 0;
   double factorizations = 0;
+  double rejectedSteps = 0;
+  double timeError = 0;  ///< in tiles; see Accuracy, this and the following
+  double touchingTime = 0;
+  double singularTime = 0;
 
   void transfer(StateTape& tape) {
     tape.transfer(time, jointGap, jointGapMean, targetError, solverSteps, halvedSteps,
-                  unconvergedSteps, factorizations);
+                  unconvergedSteps, factorizations, rejectedSteps, timeError, touchingTime,
+                  singularTime);
   }
 };
 

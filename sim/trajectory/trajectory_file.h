@@ -24,6 +24,8 @@
 ///     steps/NAME              steps            the start and the end of each step: time (s),
 ///                                              joint_gap, joint_gap_mean, target_error (m), and
 ///                                              what the step took: solver_steps, halved_steps, ...
+///                                              (files before 0.3 have none of rejected_steps to
+///                                              singular_time)
 ///     events/time, text       events           s
 ///     figures/name, time      figures          s; figures of summary.json that one state decides
 ///     figures/position        figures x bricks x 3   m, that state, as above

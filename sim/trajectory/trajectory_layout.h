@@ -27,6 +27,7 @@ struct StepColumn {
   const char* name;  ///< of its array
   double StepRecord::*field;
   const char* unit;
+  bool isLater = false;  ///< files of earlier releases do not have it
 };
 inline constexpr std::array kStepColumns = {
     StepColumn{"steps/time", &StepRecord::time, "s"},
@@ -36,6 +37,10 @@ inline constexpr std::array kStepColumns = {
     StepColumn{"steps/solver_steps", &StepRecord::solverSteps, "1"},
     StepColumn{"steps/halved_steps", &StepRecord::halvedSteps, "1"},
     StepColumn{"steps/unconverged_steps", &StepRecord::unconvergedSteps, "1"},
-    StepColumn{"steps/factorizations", &StepRecord::factorizations, "1"}};
+    StepColumn{"steps/factorizations", &StepRecord::factorizations, "1"},
+    StepColumn{"steps/rejected_steps", &StepRecord::rejectedSteps, "1", true},
+    StepColumn{"steps/time_error", &StepRecord::timeError, "tile", true},
+    StepColumn{"steps/touching_time", &StepRecord::touchingTime, "s", true},
+    StepColumn{"steps/singular_time", &StepRecord::singularTime, "s", true}};
 
 }  // namespace kirireel::layout

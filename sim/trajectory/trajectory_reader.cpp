@@ -301,6 +301,7 @@ struct TrajectoryReader::FileRun final : Internals {
   void readSteps() {
     steps.resize(file.doubles(kStepColumns.front().name).size());
     for (const layout::StepColumn& column : kStepColumns) {
+      if (column.isLater && !file.has(column.name)) continue;
       const std::vector<double> entries = file.doubles(column.name);
       if (entries.size() != steps.size()) {
         file.refuse(fmt::format("the array {} does not have an entry for each step", column.name));

@@ -63,6 +63,7 @@ const std::vector<Sample>& samples() {
       {"--no-align", {}},
       {"--solver", {"bullet"}},
       {"--timestep", {"0.01", "0.001"}},
+      {"--tolerance", {"0.01", "1e-6"}},
       {"--substeps", {"1", "3"}},
       {"--iterations", {"1", "3"}, {"--solver", "bullet"}},
       {"--planar", {"on", "off"}},

@@ -1,0 +1,282 @@
+// Extrapolation of the linearly implicit Euler method. Row j of the table crosses the step H in
+// n_j = j Euler steps; their error is a power series in H / n_j, so that by Aitken and Neville
+//   T_k = sum_j c_j row_j,   c_j = prod_{i != j} n_j / (n_j - n_i),
+// over the rows 1 to k is of order k, and over the rows 2 to k of order k - 1. The difference of
+// the two estimates the error of the latter; the former is taken. Positions, rotation vectors from
+// the step's start and velocities are combined; then joints are closed, and velocities made to fit,
+// in the metric of the masses. The whole keeps its momentum to rounding, but for what the loads
+// give. After each row the step is taken, given up or goes on by the rules of SEULEX, and the next
+// one has the length and order that cost least a second.
+// Hairer and Wanner, Solving Ordinary Differential Equations II, 1996, IV.9; constraints: Lubich,
+// Extrapolation integrators for constrained multibody systems, 1991.
+#include "sim/joints/extrapolation.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kirireel {
+namespace {
+
+constexpr int kFewestRows = 2;
+constexpr int kMostRows = 8;  // beyond, rounding shows in the sums
+// A step is this much shorter than its estimate allows, and what it grows or shrinks by.
+constexpr double kSafety = 0.94;
+constexpr double kAim = 0.65;
+constexpr double kLeastFactor = 0.02;
+constexpr double kMostFactor = 20;
+// An order is changed for so much less work a second.
+constexpr double kFewer = 0.8;
+constexpr double kMore = 0.9;
+// The first step, as a part of the longest. Steps below the shortest are not worth it.
+constexpr double kFirst = 1.0 / 64;
+constexpr double kShortest = 1.0 / 1024;
+constexpr int kRejections = 8;
+constexpr double kSameTime = 1e-9;
+
+/// What a step of so many rows costs, in Euler steps: closing costs about one.
+double costOf(int rows) {
+  return 1 + 0.5 * rows * (rows + 1);
+}
+
+/// The weights of the rows first to last of the table, that number counted from 1.
+std::vector<double> weights(int first, int last) {
+  std::vector<double> result;
+  for (int j = first; j <= last; ++j) {
+    double weight = 1;
+    for (int i = first; i <= last; ++i) {
+      if (i != j) weight *= static_cast<double>(j) / (j - i);
+    }
+    result.push_back(weight);
+  }
+  return result;
+}
+
+Momentum momentumOf(const std::vector<Brick>& bricks, const Motion& motion) {
+  Momentum sum;
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    const auto& [position, rotation] = motion.poses[i];
+    const auto& [linear, angular] = motion.velocities[i];
+    sum.linear += bricks[i].mass * linear;
+    sum.angular += bricks[i].mass * position.cross(linear) +
+                   rotation * (bricks[i].inertia * (rotation.conjugate() * angular));
+  }
+  return sum;
+}
+
+}  // namespace
+
+/// A step that was tried: its rows, and what its orders tell.
+struct Extrapolation::Trial {
+  const Motion& start;
+  double length;                // seconds
+  std::vector<Motion> rows;     // where they end
+  std::vector<Momentum> given;  // by the loads in each row
+  // Of the orders tried so far, the first two unused.
+  std::vector<double> errors = {0, 0};   // estimates, in tolerances
+  std::vector<double> lengths = {0, 0};  // that the next step could have, seconds
+  std::vector<double> costs = {0, 0};    // Euler steps a second, with these lengths
+
+  int order() const { return static_cast<int>(rows.size()); }
+  /// Of the step with all rows, in tolerances: the estimates are of one row less, and fall from row
+  /// to row by a steady ratio.
+  double remainingError() const {
+    const double last = errors.back();
+    const double before = errors.size() > 3 ? errors[errors.size() - 2] : 0;
+    return before > last ? last * last / before : last;
+  }
+};
+
+Extrapolation::Extrapolation(const std::vector<Brick>& bricks, JointSolver& solver,
+                             const ExtrapolationSettings& settings)
+    : bricks_(bricks),
+      solver_(solver),
+      settings_(settings),
+      length_(kFirst * settings.longestStep),
+      order_(std::clamp(static_cast<int>(std::lround(1.5 - 0.6 * std::log10(settings.tolerance))),
+                        kFewestRows, kMostRows - 1)) {}
+
+/// Crosses the step once more, with one Euler step more than before.
+bool Extrapolation::addRow(Trial& trial, const TimedLoads& loads, StepReport& report) {
+  const int count = trial.order() + 1;
+  const double step = trial.length / count;
+  Motion motion = trial.start;
+  Momentum given;
+  for (int k = 0; k < count; ++k) {
+    const LoadSource now = [&](const Poses& poses, std::vector<Load>& out) {
+      loads((k + 1) * step, poses, out);
+    };
+    const StepReport taken = solver_.eulerStep(motion, step, now, given);
+    report += taken;
+    if (taken.unconverged > 0) return false;
+  }
+  trial.given.push_back(given);
+  trial.rows.push_back(std::move(motion));
+  return true;
+}
+
+/// The sum of the rows first to last, that is the extrapolated end of the step.
+Motion Extrapolation::combine(const Trial& trial, int first, int last) const {
+  const std::vector<double> shares = weights(first, last);
+  Motion sum = trial.start;
+  for (std::size_t i = 0; i < bricks_.size(); ++i) {
+    const Pose& start = trial.start.poses[i];
+    Vector3 move = Vector3::Zero(), turn = Vector3::Zero();
+    Velocity velocity;
+    for (int j = first; j <= last; ++j) {
+      const double share = shares[static_cast<std::size_t>(j - first)];
+      const Motion& row = trial.rows[static_cast<std::size_t>(j - 1)];
+      move += share * (row.poses[i].position - start.position);
+      turn += share * turnBetween(start.rotation, row.poses[i].rotation);
+      velocity.linear += share * row.velocities[i].linear;
+      velocity.angular += share * row.velocities[i].angular;
+    }
+    sum.poses[i].position += move;
+    sum.poses[i].rotation = (rotationFromVector(turn) * start.rotation).normalized();
+    sum.velocities[i] = velocity;
+  }
+  return sum;
+}
+
+/// The farthest that a brick is off at the step's end, and by its speed one step later.
+double Extrapolation::difference(const Motion& a, const Motion& b, double seconds) const {
+  const double scale = settings_.lengthScale;
+  double largest = 0;
+  for (std::size_t i = 0; i < bricks_.size(); ++i) {
+    const double place = (a.poses[i].position - b.poses[i].position).norm() +
+                         scale * turnBetween(a.poses[i].rotation, b.poses[i].rotation).norm();
+    const double speed = (a.velocities[i].linear - b.velocities[i].linear).norm() +
+                         scale * (a.velocities[i].angular - b.velocities[i].angular).norm();
+    const double off = place + seconds * speed;
+    if (!(off <= largest)) largest = off;  // also when not a number
+  }
+  return largest;
+}
+
+/// Notes what the latest row tells of the step's error.
+void Extrapolation::estimate(Trial& trial) const {
+  const int order = trial.order();
+  const double error =
+      difference(combine(trial, 1, order), combine(trial, 2, order), trial.length) /
+      (settings_.tolerance * settings_.lengthScale);
+  const double factor = kSafety * std::pow(kAim / std::max(error, 1e-12), 1.0 / order);
+  const double bounded =
+      std::isfinite(error) ? std::clamp(factor, kLeastFactor, kMostFactor) : kLeastFactor;
+  trial.errors.push_back(error);
+  trial.lengths.push_back(bounded * trial.length);
+  trial.costs.push_back(costOf(order) / std::min(trial.lengths.back(), settings_.longestStep));
+}
+
+/// Adds rows until the step keeps the tolerance. Returns false as soon as it is not likely to.
+bool Extrapolation::tryOrders(Trial& trial, const TimedLoads& loads, StepReport& report) {
+  for (int order = 1; order <= order_ + 1; ++order) {
+    if (!addRow(trial, loads, report)) return false;
+    if (order < kFewestRows) continue;
+    estimate(trial);
+    const double error = trial.errors.back();
+    if (!std::isfinite(error)) return false;
+    if (order < order_ - 1) continue;
+    if (error <= 1) return true;
+    // What the rows that may follow gain at most.
+    const double gain = order < order_ ? order_ * (order_ + 1.0) : order_ + 1.0;
+    if (error > gain) return false;
+  }
+  return false;
+}
+
+/// Closes the joints at the step's end, and gives the whole the angular momentum of the rows.
+/// Returns whether the step may be taken.
+bool Extrapolation::finish(Trial& trial, const StepFilter& mayTake) {
+  Motion end = combine(trial, 1, trial.order());
+  if (!(solver_.project(end) <= 1e-10 * settings_.lengthScale)) return false;
+  if (!isPinned_) keepMomentum(trial, end);
+  if (mayTake && !mayTake(trial.start, end)) return false;
+  trial.rows.back() = std::move(end);
+  return true;
+}
+
+/// Moves and turns the whole as one, which joints do not hinder, so that its momentum is that of
+/// the start and what the loads gave: rows whose joints are open keep it but to their order.
+void Extrapolation::keepMomentum(const Trial& trial, Motion& motion) const {
+  const std::vector<double> shares = weights(1, trial.order());
+  Momentum wanted = momentumOf(bricks_, trial.start);
+  for (std::size_t j = 0; j < shares.size(); ++j) {
+    wanted.linear += shares[j] * trial.given[j].linear;
+    wanted.angular += shares[j] * trial.given[j].angular;
+  }
+  double mass = 0;
+  Vector3 centre = Vector3::Zero();
+  for (std::size_t i = 0; i < bricks_.size(); ++i) {
+    mass += bricks_[i].mass;
+    centre += bricks_[i].mass * motion.poses[i].position;
+  }
+  centre /= mass;
+  Matrix3 inertia = Matrix3::Zero();
+  for (std::size_t i = 0; i < bricks_.size(); ++i) {
+    const Matrix3 turn = motion.poses[i].rotation.toRotationMatrix();
+    const Matrix3 arm = crossMatrix(motion.poses[i].position - centre);
+    inertia += turn * bricks_[i].inertia * turn.transpose() - bricks_[i].mass * arm * arm;
+  }
+  const Momentum have = momentumOf(bricks_, motion);
+  const Vector3 push = wanted.linear - have.linear;
+  const Vector3 shift = push / mass;
+  const Vector3 spin = inertia.llt().solve(wanted.angular - have.angular - centre.cross(push));
+  for (std::size_t i = 0; i < bricks_.size(); ++i) {
+    motion.velocities[i].linear += shift + spin.cross(motion.poses[i].position - centre);
+    motion.velocities[i].angular += spin;
+  }
+}
+
+/// Sets order and length of the step after one that was taken.
+void Extrapolation::chooseNext(const Trial& trial, bool wasRejected) {
+  const auto cost = [&](int order) { return trial.costs[static_cast<std::size_t>(order)]; };
+  const int taken = trial.order();
+  int best = taken;
+  if (taken > kFewestRows && cost(taken - 1) < kFewer * cost(taken)) {
+    best = taken - 1;
+  } else if (taken <= order_ && (taken == kFewestRows || cost(taken) < kMore * cost(taken - 1))) {
+    best = taken + 1;
+  }
+  if (wasRejected) best = std::min(best, taken);
+  best = std::clamp(best, kFewestRows, kMostRows - 1);
+  double length = best <= taken ? trial.lengths[static_cast<std::size_t>(best)]
+                                : trial.lengths.back() * costOf(best) / costOf(taken);
+  if (wasRejected) length = std::min(length, trial.length);
+  length_ = std::min(length, settings_.longestStep);
+  order_ = best;
+}
+
+/// Sets order and length after a step that was not taken.
+void Extrapolation::chooseAgain(const Trial& trial) {
+  if (trial.errors.size() <= 2) {
+    length_ = kLeastFactor * trial.length;
+    return;
+  }
+  int best = std::min(trial.order(), order_);
+  const auto cost = [&](int order) { return trial.costs[static_cast<std::size_t>(order)]; };
+  if (best > kFewestRows && cost(best - 1) < kMore * cost(best)) --best;
+  length_ = std::min(trial.lengths[static_cast<std::size_t>(best)], 0.9 * trial.length);
+  order_ = std::max(best, kFewestRows);
+}
+
+std::optional<double> Extrapolation::step(Motion& motion, double seconds, const TimedLoads& loads,
+                                          const StepFilter& mayTake, StepReport& report) {
+  for (int tries = 0; tries < kRejections; ++tries) {
+    const double parts = std::ceil(seconds / std::min(length_, settings_.longestStep) - kSameTime);
+    Trial trial{motion, seconds / std::max(1.0, parts), {}, {}};
+    const bool isGood = tryOrders(trial, loads, report);
+    if (isGood && !finish(trial, mayTake)) break;
+    if (isGood) {
+      chooseNext(trial, tries > 0);
+      report.timeError += settings_.tolerance * trial.remainingError();
+      motion = std::move(trial.rows.back());
+      return trial.length;
+    }
+    ++report.rejected;
+    chooseAgain(trial);
+    if (length_ < kShortest * settings_.longestStep) break;
+  }
+  length_ = kFirst * settings_.longestStep;
+  return std::nullopt;
+}
+
+}  // namespace kirireel

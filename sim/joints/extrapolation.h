@@ -1,0 +1,74 @@
+/// Steps of joined bricks to a tolerance in time, by extrapolation of Euler steps.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "sim/joints/joint_solver.h"
+
+namespace kirireel {
+
+/// Writes the load on every brick, so many seconds after the call's start, at the given poses.
+using TimedLoads = std::function<void(double seconds, const Poses&, std::vector<Load>& loads)>;
+
+/// A state on the way, so many seconds after the call's start.
+struct PassedState {
+  double seconds = 0;
+  Motion motion;
+};
+
+/// Whether a step may lead from one motion to another: not where bricks would meet on the way.
+using StepFilter = std::function<bool(const Motion& from, const Motion& to)>;
+
+struct ExtrapolationSettings {
+  double tolerance = 1e-4;        ///< error in time that one step may make, length scales, above 0
+  double longestStep = 1.0 / 60;  ///< seconds, above 0
+  double lengthScale = 1;         ///< a typical tile edge, metres
+};
+
+/// Advances bricks without contacts by steps whose length and order follow from the tolerance. The
+/// error of a step is estimated as the farthest that a brick may be off at its end and, by its
+/// speed, one step later.
+class Extrapolation {
+ public:
+  /// Bricks and solver must outlive this.
+  Extrapolation(const std::vector<Brick>& bricks, JointSolver& solver,
+                const ExtrapolationSettings& settings);
+
+  /// Takes one step of at most `seconds`, chosen so that steps of this length fill them evenly.
+  /// Joints must be exact, and closed at the start: they are closed to rounding at its end. Returns
+  /// the seconds taken; nothing, with the motion as it was, where `mayTake` (may be empty) refuses
+  /// the step, or no step keeps the tolerance that is long enough to be worth it: at states where
+  /// the joints are singular.
+  std::optional<double> step(Motion& motion, double seconds, const TimedLoads& loads,
+                             const StepFilter& mayTake, StepReport& report);
+
+  /// Whether some bricks are pinned: the whole is then not free to turn.
+  void setPinned(bool pinned) { isPinned_ = pinned; }
+
+  /// The length and order of the next step.
+  void transfer(StateTape& tape) { tape.transfer(length_, order_); }
+
+ private:
+  struct Trial;
+
+  bool addRow(Trial& trial, const TimedLoads& loads, StepReport& report);
+  Motion combine(const Trial& trial, int first, int last) const;
+  void estimate(Trial& trial) const;
+  double difference(const Motion& a, const Motion& b, double seconds) const;
+  bool tryOrders(Trial& trial, const TimedLoads& loads, StepReport& report);
+  bool finish(Trial& trial, const StepFilter& mayTake);
+  void keepMomentum(const Trial& trial, Motion& motion) const;
+  void chooseNext(const Trial& trial, bool wasRejected);
+  void chooseAgain(const Trial& trial);
+
+  const std::vector<Brick>& bricks_;
+  JointSolver& solver_;
+  ExtrapolationSettings settings_;
+  bool isPinned_ = false;
+  double length_;  // of the next step, seconds
+  int order_;      // of the next step: so many rows are expected to do
+};
+
+}  // namespace kirireel

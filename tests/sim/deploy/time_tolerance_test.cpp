@@ -1,0 +1,111 @@
+// Runs to a tolerance in time.
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "sim/deploy/deployment.h"
+#include "sim/generate/families.h"
+#include "sim/measure/measures.h"
+#include "sim/model/tessellation.h"
+
+namespace kirireel {
+namespace {
+
+/// A sheet of squares that opens under its springs.
+Scene openingSheet(double tolerance) {
+  Scene scene;
+  TessellationShape shape;
+  shape.columns = shape.rows = 4;
+  shape.startAngle = 5 * kDegree;
+  scene.model = makeTessellation(shape);
+  scene.environment.contacts = ContactFilter::None;
+  scene.path.kind = PathKind::Straight;
+  scene.solver.tolerance = tolerance;
+  scene.stop.duration = 0.5;
+  return scene;
+}
+
+DeploymentResult deployed(const Scene& scene, double rate) {
+  return deploy(scene, 1 / rate, nullptr);
+}
+
+/// The farthest that a vertex of one run is from its place in another at a common time.
+double largestDifference(const DeploymentResult& a, const DeploymentResult& b) {
+  double largest = 0;
+  const std::vector<Brick>& bricks = a.trajectory.bricks;
+  for (const Sample& sample : a.trajectory.samples) {
+    const auto same = std::ranges::find_if(b.trajectory.samples, [&](const Sample& other) {
+      return std::abs(other.time - sample.time) < 1e-9;
+    });
+    if (same == b.trajectory.samples.end()) continue;
+    largest =
+        std::max(largest, targetError(bottomTiles(bricks, same->poses), bricks, sample.poses));
+  }
+  return largest;
+}
+
+TEST(TimeTolerance, IsKeptByAllSamples) {
+  // Also by those between steps, 97 a second.
+  const DeploymentResult exact = deployed(openingSheet(1e-7), 97);
+  for (const double tolerance : {1e-3, 1e-5}) {
+    const DeploymentResult run = deployed(openingSheet(tolerance), 97);
+    EXPECT_LT(largestDifference(run, exact), 10 * tolerance)
+        << tolerance;  // measured 0.3 and 0.9 times
+    EXPECT_LT(largestDifference(run, exact),
+              run.accuracy.timeError);  // measured 0.01 and 0.08 times
+    EXPECT_GT(run.accuracy.timeError, 0);
+    EXPECT_EQ(run.accuracy.touchingTime, 0);
+    EXPECT_EQ(run.accuracy.singularTime, 0);
+    for (const Sample& sample : run.trajectory.samples) EXPECT_LT(sample.jointGap, 1e-9);
+  }
+}
+
+TEST(TimeTolerance, FixedStepsAreFarFromIt) {
+  const DeploymentResult exact = deployed(openingSheet(1e-6), 60);
+  EXPECT_GT(largestDifference(deployed(openingSheet(0), 60), exact), 1e-3);  // measured 0.04
+}
+
+TEST(TimeTolerance, SamplesDependOnNoOtherSample) {
+  const DeploymentResult sparse = deployed(openingSheet(1e-4), 30);
+  const DeploymentResult dense = deployed(openingSheet(1e-4), 120);
+  EXPECT_EQ(largestDifference(sparse, dense), 0);
+  EXPECT_EQ(sparse.cost.steps, dense.cost.steps);
+  EXPECT_EQ(sparse.accuracy.timeError, dense.accuracy.timeError);
+}
+
+TEST(TimeTolerance, SaysForHowLongBricksTouched) {
+  // A brick falls by 0.2 m on the ground and rests there.
+  Scene scene;
+  scene.model.tiles = {{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}};
+  scene.brick.thickness = 0.1;
+  scene.environment.gravity = {0, 0, -10};
+  scene.environment.ground = Ground{-0.2, 0.5};
+  scene.environment.linearDamping = scene.environment.angularDamping = 0;
+  scene.actuation.drive = Drive::None;
+  scene.solver.tolerance = 1e-4;
+  scene.stop.duration = 1;
+  const DeploymentResult run = deployed(scene, 60);
+  EXPECT_EQ(run.outcome, Outcome::Settled) << run.reason;
+  const Sample& last = run.trajectory.samples.back();
+  const Sample& fifth = run.trajectory.samples.at(5);
+  EXPECT_NEAR(run.trajectory.samples.front().poses[0].position.z() - fifth.poses[0].position.z(),
+              5 * fifth.time * fifth.time, 1e-6);  // g t^2 / 2; measured 5e-8
+  EXPECT_NEAR(last.poses[0].position.z(), -0.15, 1e-4);
+  EXPECT_GT(run.accuracy.touchingTime, 0.2);
+  EXPECT_LT(run.accuracy.touchingTime, last.time - 0.18);  // it fell for 0.2 s
+}
+
+TEST(TimeTolerance, GoesOnThroughSingularStarts) {
+  Scene scene = openingSheet(1e-4);
+  TessellationShape shape;
+  shape.columns = shape.rows = 4;
+  scene.model = makeTessellation(shape);  // closed
+  scene.stop.duration = 5;
+  const DeploymentResult run = deployed(scene, 60);
+  EXPECT_EQ(run.outcome, Outcome::Settled) << run.reason;
+  EXPECT_LT(run.accuracy.targetErrorEnd, 1e-5);
+  EXPECT_LT(run.accuracy.jointGapMax, 1e-10);
+}
+
+}  // namespace
+}  // namespace kirireel
