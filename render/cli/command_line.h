@@ -9,6 +9,7 @@
 #include "render/cli/export_command.h"
 #include "render/cli/generate_command.h"
 #include "render/cli/inspect_command.h"
+#include "render/cli/page_command.h"
 #include "render/cli/record_command.h"
 #include "render/cli/render_command.h"
 #include "render/cli/study_command.h"
@@ -26,8 +27,9 @@ struct PrintOrder {
 int carryOut(const PrintOrder& order);
 
 /// One of the things that kirireel does.
-using Order = std::variant<RecordOrder, RenderOrder, ExportOrder, GenerateOrder, InspectOrder,
-                           ConvertOrder, StudyOrder, SweepOrder, VerifyOrder, PrintOrder>;
+using Order =
+    std::variant<RecordOrder, RenderOrder, ExportOrder, GenerateOrder, InspectOrder, ConvertOrder,
+                 StudyOrder, SweepOrder, VerifyOrder, PageOrder, PrintOrder>;
 
 /// A model in memory, with what a run of it must know beside.
 struct LoadedModel {

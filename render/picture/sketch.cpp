@@ -13,16 +13,8 @@
 namespace kirireel {
 namespace {
 
-/// An outline takes no more than this part of what would leave nothing of the face's shortest side,
-/// so that small and thin faces keep their colour.
-constexpr double kMaxOutlineShare = 0.35;
-
 /// Sides of the polygon that stands for a dot.
 constexpr int kDotSides = 16;
-
-/// A dot is drawn this many of its radii nearer to the eye, so that the bricks it lies on do not
-/// cut into it.
-constexpr double kDotLift = 3;
 
 /// Twice the vector area (Newell), normalised: the outward normal of an anticlockwise polygon.
 Vector3 polygonNormal(const std::vector<Vector3>& corners) {

@@ -12,6 +12,14 @@
 
 namespace kirireel {
 
+/// An outline takes no more than this part of what would leave nothing of the face's shortest side,
+/// so that small and thin faces keep their colour.
+inline constexpr double kMaxOutlineShare = 0.35;
+
+/// A dot is drawn this many of its radii nearer to the eye, so that the bricks it lies on do not
+/// cut into it.
+inline constexpr double kDotLift = 3;
+
 /// What the camera is pointed at for one picture. Everything but the poses may be empty.
 struct Shot {
   Poses poses;                        ///< one a brick

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <csetjmp>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <memory>
 #include <string>
@@ -105,6 +106,18 @@ struct FileCloser {
   void operator()(std::FILE* file) const { std::fclose(file); }
 };
 
+/// `path` is for messages.
+void encodeInto(std::FILE* file, const Frame& frame, const PngSettings& settings,
+                const std::filesystem::path& path) {
+  Failure failure;
+  const Encoder encoder(failure);
+  if (!encoder.ready()) throw writeError(path, "out of memory");
+  errno = 0;
+  if (!encode(encoder.png(), encoder.info(), file, frame, isOpaque(frame), settings)) {
+    throw writeError(path, failure.message);
+  }
+}
+
 }  // namespace
 
 void writePng(const Frame& frame, const std::filesystem::path& path, const PngSettings& settings) {
@@ -112,16 +125,29 @@ void writePng(const Frame& frame, const std::filesystem::path& path, const PngSe
   std::unique_ptr<std::FILE, FileCloser> file(std::fopen(pending.path().c_str(), "wb"));
   if (file == nullptr) throw writeError(path, std::strerror(errno));
 
-  Failure failure;
-  const Encoder encoder(failure);
-  if (!encoder.ready()) throw writeError(path, "out of memory");
-  errno = 0;
-  if (!encode(encoder.png(), encoder.info(), file.get(), frame, isOpaque(frame), settings)) {
-    throw writeError(path, failure.message);
-  }
+  encodeInto(file.get(), frame, settings, path);
   // The last bytes reach the disk here, so this can fail where all the writing went well.
   if (std::fclose(file.release()) != 0) throw writeError(path, std::strerror(errno));
   pending.commit();
+}
+
+std::string pngBytes(const Frame& frame, const PngSettings& settings) {
+  char* bytes = nullptr;
+  std::size_t size = 0;
+  std::unique_ptr<std::FILE, FileCloser> file(open_memstream(&bytes, &size));
+  if (file == nullptr) throw writeError("a picture in memory", std::strerror(errno));
+  // The buffer is final once the stream is closed, and then the caller's.
+  try {
+    encodeInto(file.get(), frame, settings, "a picture in memory");
+  } catch (...) {
+    file.reset();
+    std::free(bytes);  // NOLINT(cppcoreguidelines-no-malloc)
+    throw;
+  }
+  file.reset();
+  const std::string text(bytes, size);
+  std::free(bytes);  // NOLINT(cppcoreguidelines-no-malloc)
+  return text;
 }
 
 Frame readPng(const std::filesystem::path& path) {

@@ -23,6 +23,9 @@ struct PngSettings {
 void writePng(const Frame& frame, const std::filesystem::path& path,
               const PngSettings& settings = {});
 
+/// The same as bytes in memory. Throws OutputError when memory is short.
+std::string pngBytes(const Frame& frame, const PngSettings& settings = {});
+
 /// Reads any PNG as 8-bit RGBA. Throws InputError when it is missing or not a PNG.
 Frame readPng(const std::filesystem::path& path);
 

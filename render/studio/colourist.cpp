@@ -85,13 +85,6 @@ const char* titleOf(Colouring colouring) {
   }
 }
 
-/// One colour on both faces, so that it means the same from both sides.
-BrickColours evenShades(Colour colour) {
-  BrickColours shades = shadesOf(colour);
-  shades.bottom = colour;
-  return shades;
-}
-
 double largest(const std::vector<double>& values) {
   return values.empty() ? 0 : *std::max_element(values.begin(), values.end());
 }
@@ -108,6 +101,12 @@ double diagonal(const std::vector<Vector3>& points) {
 bool isMeasure(Colouring colouring) {
   return colouring != Colouring::Plain && colouring != Colouring::Shape &&
          colouring != Colouring::State;
+}
+
+BrickColours evenShades(Colour colour) {
+  BrickColours shades = shadesOf(colour);
+  shades.bottom = colour;
+  return shades;
 }
 
 std::vector<int> shapeKinds(const std::vector<Brick>& bricks) {

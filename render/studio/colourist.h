@@ -31,6 +31,9 @@ struct Motif {
 /// Whether the colours stand for values.
 bool isMeasure(Colouring colouring);
 
+/// One colour on both faces, so that it means the same from both sides.
+BrickColours evenShades(Colour colour);
+
 /// Numbers the shapes of tiles: congruent tiles (mirror images too) have one number, from 0 in
 /// order of appearance. More than seven shapes are numbered by their count of corners instead.
 std::vector<int> shapeKinds(const std::vector<Brick>& bricks);

@@ -16,10 +16,6 @@ namespace {
 constexpr double kMeasureAmbient = 0.84;
 constexpr double kMeasureShade = 0.38;
 
-/// Widths of lines in small pictures, pixels: between two flush tiles, and of lines laid over.
-constexpr double kThinnestEdge = 2;
-constexpr double kThinnestOverlay = 1.2;
-
 void append(std::vector<Vector3>& points, const std::vector<Vector3>& more) {
   points.insert(points.end(), more.begin(), more.end());
 }

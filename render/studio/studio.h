@@ -15,6 +15,10 @@
 
 namespace kirireel {
 
+/// Widths of lines in small pictures, pixels: between two flush tiles, and of lines laid over.
+inline constexpr double kThinnestEdge = 2;
+inline constexpr double kThinnestOverlay = 1.2;
+
 /// One moment of a run.
 struct Moment {
   double time = 0;          ///< simulated seconds

@@ -1,0 +1,149 @@
+#include "render/page/page.h"
+
+#include <memory>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "render/folder/file_set.h"
+#include "render/page/embedded_files.h"
+#include "render/page/page_words.h"
+#include "render/record/versions.h"
+#include "sim/base/compression.h"
+#include "sim/base/error.h"
+#include "sim/base/pending_file.h"
+
+namespace kirireel {
+namespace {
+
+/// In the order in which they need each other.
+constexpr const char* kScripts[] = {"three.min.js", "OrbitControls.js", "packed.js",    "bricks.js",
+                                    "drawing.js",   "stage.js",         "colouring.js", "curves.js",
+                                    "player.js",    "page.js"};
+
+using Words = std::vector<std::pair<std::string, std::string>>;
+
+/// A template with each "<!--name-->" replaced.
+std::string filled(std::string_view form, const Words& words) {
+  std::string text;
+  while (true) {
+    const std::size_t begin = form.find("<!--");
+    text += form.substr(0, begin);
+    if (begin == std::string_view::npos) return text;
+    const std::size_t end = form.find("-->", begin);
+    const std::string_view name = form.substr(begin + 4, end - begin - 4);
+    for (const auto& [known, word] : words) {
+      if (known == name) text += word;
+    }
+    form.remove_prefix(end + 3);
+  }
+}
+
+std::string scripts() {
+  std::string text;
+  for (const char* name : kScripts) {
+    text += fmt::format("<script>\n{}\n</script>\n", embeddedFile(name));
+  }
+  return text;
+}
+
+/// JSON that no HTML parser takes for the end of its element.
+std::string safeJson(const Json& json) {
+  std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  for (std::size_t at = 0; (at = text.find('<', at)) != std::string::npos;) {
+    text.replace(at, 1, "\\u003c");
+  }
+  return text;
+}
+
+std::string factsHtml(const Facts& facts) {
+  std::string html;
+  for (const auto& [what, value] : facts) {
+    html += fmt::format("<div><dt>{}</dt><dd>{}</dd></div>\n", htmlText(what), htmlText(value));
+  }
+  return html;
+}
+
+std::string warningsHtml(const std::vector<std::string>& warnings) {
+  std::string html;
+  for (const std::string& warning : warnings) {
+    html += fmt::format("<p class=\"warning\">{}</p>\n", htmlText(warning));
+  }
+  return html;
+}
+
+std::string stageHtml(const TrajectoryReader& run, const Look& look) {
+  const std::string still = stillPicture(run, look);
+  const std::string picture = base64(std::as_bytes(std::span(still)));
+  return filled(embeddedFile("stage.html"),
+                {{"name", htmlText(run.subject().model.name)}, {"picture", picture}});
+}
+
+std::string wordsHtml(const TrajectoryReader& run) {
+  return filled(embeddedFile("words.html"), {{"name", htmlText(run.subject().model.name)},
+                                             {"facts", factsHtml(factsOf(run))},
+                                             {"warnings", warningsHtml(warningsOf(run))}});
+}
+
+void requireSize(const std::string& page, const WebPageSettings& settings) {
+  const double megabytes = static_cast<double>(page.size()) / 1e6;
+  if (megabytes <= settings.mostMegabytes) return;
+  throw InputError(fmt::format(
+      "error: the page would have {:.1f} MB and may have {:g}; give fewer --samples{}, or a larger "
+      "--most-size",
+      megabytes, settings.mostMegabytes, settings.states.exact ? ", leave --exact away" : ""));
+}
+
+void requireMakeable() {
+  if (canMakePages()) return;
+  throw OutputError(
+      "error: this program was built without three.js, which pages need; install Debian's "
+      "libjs-three, then configure and build again");
+}
+
+}  // namespace
+
+bool canMakePages() {
+  return !embeddedFile("three.min.js").empty();
+}
+
+std::string pageText(const std::vector<std::filesystem::path>& trajectories,
+                     const WebPageSettings& settings) {
+  requireMakeable();
+  Json data = {{"light", styleJson(Theme::Light, settings.look)},
+               {"dark", styleJson(Theme::Dark, settings.look)},
+               {"map", mapJson(settings.look.map)},
+               {"theme", settings.look.theme == Theme::Dark ? Json("dark") : Json(nullptr)},
+               {"runs", Json::array()}};
+  std::string title, stages, words;
+  for (const std::filesystem::path& file : trajectories) {
+    const TrajectoryReader run(file);
+    data["runs"].push_back(runJson(run, settings.look, settings.states));
+    title += (title.empty() ? "" : " and ") + run.subject().model.name;
+    stages += stageHtml(run, settings.look);
+    words += wordsHtml(run);
+  }
+  const std::string page =
+      filled(embeddedFile("page.html"), {{"title", htmlText(title)},
+                                         {"program", "Kirireel " + programVersion()},
+                                         {"count", std::to_string(trajectories.size())},
+                                         {"style", std::string(embeddedFile("page.css"))},
+                                         {"stages", stages},
+                                         {"words", words},
+                                         {"data", safeJson(data)},
+                                         {"scripts", scripts()}});
+  requireSize(page, settings);
+  return page;
+}
+
+void writePage(const std::vector<std::filesystem::path>& trajectories,
+               const WebPageSettings& settings) {
+  requireMakeable();
+  FileSet files(settings.folder, output::kContents);
+  files.requireFree(
+      [](const std::string& name) { return name == output::kContents || name == kPageFile; });
+  writeTextFile(files.stage() / kPageFile, pageText(trajectories, settings));
+  files.commit(std::vector<std::string>{kPageFile});
+}
+
+}  // namespace kirireel

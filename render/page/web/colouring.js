@@ -1,0 +1,112 @@
+"use strict";
+// Colours that say something of each brick: the measures of render/studio/colourist.cpp.
+
+/** {name, unit, valueOf(stage, brick), mostOf(run)} of each measure. */
+const MEASURES = {
+  displacement: {
+    name: "displacement", unit: "m",
+    valueOf: (stage, brick) => displacement(stage.start, stage.drawing.poses, brick),
+    mostOf: (run) => largestOfRun(run, displacement),
+  },
+  rotation: {
+    name: "rotation", unit: "degrees",
+    valueOf: (stage, brick) => rotation(stage.start, stage.drawing.poses, brick),
+    mostOf: (run) => largestOfRun(run, rotation),
+  },
+  error: {
+    name: "distance from the target", unit: "m",
+    valueOf: (stage, brick) => stage.measured(stage.run.errors, brick),
+    mostOf: (run) => run.errors.most,
+  },
+  gap: {
+    name: "joint gap", unit: "m",
+    valueOf: (stage, brick) => stage.measured(stage.run.gaps, brick),
+    mostOf: (run) => run.gaps.most,
+  },
+};
+
+/** How far a brick is from where it stood, metres. */
+function displacement(from, to, brick) {
+  const at = 8 * brick;
+  return Math.hypot(to[at] - from[at], to[at + 1] - from[at + 1], to[at + 2] - from[at + 2]);
+}
+
+/** The angle by which a brick is turned, degrees. */
+function rotation(from, to, brick) {
+  const at = 8 * brick + 4;
+  let cosine = 0;
+  for (let k = 0; k < 4; ++k) cosine += from[at + k] * to[at + k];
+  return (360 / Math.PI) * Math.acos(Math.min(1, Math.abs(cosine)));
+}
+
+function largestOfRun(run, measure) {
+  const start = new Float32Array(8 * run.bricks.count), poses = start.slice();
+  run.poses.write(0, 0, start);
+  let most = 0;
+  for (let sample = 0; sample < run.times.length; ++sample) {
+    run.poses.write(sample, 0, poses);
+    for (let brick = 0; brick < run.bricks.count; ++brick) {
+      most = Math.max(most, measure(start, poses, brick));
+    }
+  }
+  return most;
+}
+
+/** Paints the bricks of all stages by one measure, on one scale, or plainly. */
+class Colouring {
+  /** map: shades from the least value to the largest, see styleJson(). */
+  constructor(stages, map) {
+    this.stages = stages;
+    this.map = map;
+    this.measure = null;
+    this.boxes = stages.map((stage) => {
+      const box = document.createElement("div");
+      box.className = "scale";
+      box.hidden = true;
+      stage.canvas.after(box);
+      return box;
+    });
+  }
+
+  /** The words of a choice of colours: those measures that every run has. */
+  get names() {
+    const hasErrors = this.stages.every(({ run }) => run.errors);
+    return ["plain", ...Object.keys(MEASURES).filter((name) => name !== "error" || hasErrors)];
+  }
+
+  /** Takes a measure's name, or "plain". */
+  choose(name) {
+    this.measure = MEASURES[name] || null;
+    for (const box of this.boxes) box.hidden = !this.measure;
+    if (!this.measure) return;
+    this.most = Math.max(...this.stages.map(({ run }) => this.measure.mostOf(run))) || 1;
+    const stops = this.map.map(([, top]) => `rgb(${top.join(",")})`).join(",");
+    for (const box of this.boxes) {
+      box.innerHTML = `<span></span><span class="bar"></span><span class="ends"><span>0</span><span></span></span>`;
+      box.firstChild.textContent = `${this.measure.name}, ${this.measure.unit}`;
+      box.querySelector(".bar").style.background = `linear-gradient(to right, ${stops})`;
+      box.querySelector(".ends").lastChild.textContent = numberText(this.most);
+    }
+  }
+
+  /** Gives the bricks their colours in their stages' states. */
+  paint(style) {
+    for (const stage of this.stages) {
+      stage.setStyle(style, this.measure ? style.measure_lights : style.lights);
+      this.colour(stage, style);
+    }
+  }
+
+  /** The same where only the state of a stage has changed. */
+  colour(stage, style) {
+    if (!this.measure) {
+      stage.setColours(() => style.brick);
+      return;
+    }
+    const last = this.map.length - 1;
+    stage.setColours((brick) => {
+      const share = this.measure.valueOf(stage, brick) / this.most;
+      return this.map[Math.round(last * Math.max(0, Math.min(1, share)))];
+    });
+  }
+}

@@ -1,0 +1,275 @@
+"use strict";
+// One run on one canvas: where the eye stands, what is drawn, what is under the finger.
+
+const TILT = 1e-6; // radians: orbits cannot look straight down, so this much is missing
+const STILL_SCALE = 2; // samples of a pixel across and down, once nothing moves
+const MOST_PIXELS = 12e6; // of a still picture, samples counted
+const SLOW_FRAME = 120; // milliseconds: such pictures are not drawn again more finely
+
+/** The camera of a stage, led by hand through OrbitControls. */
+class Viewpoint {
+  constructor(canvas, onChange) {
+    this.cameras = {
+      parallel: new THREE.OrthographicCamera(-1, 1, 1, -1, 0, 1),
+      perspective: new THREE.PerspectiveCamera(20, 1, 0.1, 100),
+    };
+    for (const camera of Object.values(this.cameras)) camera.up.set(0, 0, 1);
+    this.camera = this.cameras.perspective;
+    this.controls = new THREE.OrbitControls(this.camera, canvas);
+    this.controls.enableKeys = false;
+    this.controls.screenSpacePanning = true;
+    this.controls.addEventListener("change", onChange);
+    this.aspect = 1;
+    this.ball = new THREE.Sphere(new THREE.Vector3(), 1);
+  }
+
+  /** Takes one of a view's fits, see cameras.h. */
+  show(fit) {
+    const centre = new THREE.Vector3(...fit.centre), eye = new THREE.Vector3(...fit.eye);
+    const away = eye.distanceTo(centre);
+    eye.addScaledVector(new THREE.Vector3(...fit.up), -TILT * away);
+    this.camera = fit.orthographic ? this.cameras.parallel : this.cameras.perspective;
+    this.viewHeight = fit.view_height;
+    this.cameras.perspective.fov = THREE.Math.radToDeg(fit.field_of_view);
+    this.camera.position.copy(eye);
+    this.camera.zoom = 1;
+    this.controls.object = this.camera;
+    this.controls.target.copy(centre);
+    this.controls.update();
+  }
+
+  /** Turns, in radians, and comes nearer by a factor. */
+  move(azimuth, elevation, nearer = 1) {
+    const { camera, controls } = this;
+    const offset = camera.position.clone().sub(controls.target);
+    const radius = offset.length();
+    const around = Math.atan2(offset.y, offset.x) + azimuth;
+    const above = Math.asin(offset.z / radius) + elevation;
+    const limit = Math.PI / 2 - TILT;
+    const bounded = Math.max(-limit, Math.min(limit, above));
+    const distance = camera.isOrthographicCamera ? radius : radius / nearer;
+    if (camera.isOrthographicCamera) camera.zoom *= nearer;
+    camera.position.set(
+      distance * Math.cos(bounded) * Math.cos(around),
+      distance * Math.cos(bounded) * Math.sin(around),
+      distance * Math.sin(bounded)).add(controls.target);
+    camera.updateProjectionMatrix();
+    controls.update();
+  }
+
+  follow(other) {
+    this.camera = other.camera.isOrthographicCamera
+      ? this.cameras.parallel : this.cameras.perspective;
+    this.viewHeight = other.viewHeight;
+    this.camera.fov = other.camera.fov;
+    this.camera.zoom = other.camera.zoom;
+    this.camera.position.copy(other.camera.position);
+    this.controls.object = this.camera;
+    this.controls.target.copy(other.controls.target);
+    this.controls.update();
+  }
+
+  /** Height of the picture at the centre, metres, as heightAtCentre() in camera.cpp has it. */
+  heightAtCentre() {
+    const { camera } = this;
+    if (camera.isOrthographicCamera) return this.viewHeight / camera.zoom;
+    const distance = camera.position.distanceTo(this.controls.target);
+    return 2 * Math.tan(0.5 * THREE.Math.degToRad(camera.fov)) * distance;
+  }
+
+  /** Sets up the projection, with all of the ball between its near and far planes. */
+  project() {
+    const { camera, ball } = this;
+    const distance = camera.position.distanceTo(ball.center);
+    camera.far = distance + ball.radius;
+    if (camera.isOrthographicCamera) {
+      camera.top = 0.5 * this.viewHeight;
+      camera.bottom = -camera.top;
+      camera.right = camera.top * this.aspect;
+      camera.left = -camera.right;
+      camera.near = distance - ball.radius;
+    } else {
+      camera.aspect = this.aspect;
+      camera.near = Math.max(0.002 * distance, distance - ball.radius);
+    }
+    camera.updateProjectionMatrix();
+    camera.updateMatrixWorld();
+  }
+
+  /** The ray through a point of the picture, each from -1 to 1. */
+  ray(x, y) {
+    const caster = new THREE.Raycaster();
+    caster.setFromCamera(new THREE.Vector2(x, y), this.camera);
+    return caster.ray;
+  }
+}
+
+/** Unpacks what stage and curves need of a run's data. */
+async function unpackRun(data, style) {
+  const bricks = await Bricks.unpack(data.bricks, style.most_outline_share);
+  const { states } = data;
+  return {
+    name: data.name,
+    views: data.views,
+    plate: data.plate,
+    bricks,
+    times: states.times,
+    progress: states.progress,
+    poses: await Poses.unpack(states.poses, bricks.count),
+    gaps: await Magnitudes.unpack(states.gaps),
+    errors: states.errors && (await Magnitudes.unpack(states.errors)),
+    target: data.target && (await Polygons.unpack(data.target)),
+    obstacles: await Polygons.unpack(data.obstacles),
+    joints: {
+      bricks: await unpackArray(data.joints.bricks),
+      points: await unpackArray(data.joints.points),
+    },
+  };
+}
+
+/** Shows a run on a canvas. Throws where the browser cannot draw in 3-D. */
+class Stage {
+  constructor(canvas, run) {
+    const context = canvas.getContext("webgl2", { antialias: true, alpha: false });
+    if (!context) throw new Error("no WebGL 2");
+    this.canvas = canvas;
+    this.run = run;
+    this.renderer = new THREE.WebGLRenderer({ canvas, context });
+    this.renderer.sortObjects = false;
+    this.drawing = new Drawing(run);
+    this.viewpoint = new Viewpoint(canvas, () => this.changed());
+    this.place = { sample: 0, share: 0 };
+    this.isStale = true;
+    this.isFine = false;
+    this.frameTime = 0; // milliseconds that the last picture took
+    this.onChange = () => {};
+    this.setState(0, 0);
+    this.start = this.drawing.poses.slice();
+    this.viewpoint.ball = this.ballOfRun();
+    canvas.addEventListener("webglcontextrestored", () => this.changed());
+  }
+
+  /** A ball around all that is shown in any sample. */
+  ballOfRun() {
+    const box = new THREE.Box3();
+    const out = new Float32Array(8 * this.run.bricks.count);
+    const count = this.run.times.length;
+    const stride = Math.max(1, Math.floor(count / 20));
+    for (let sample = 0; sample < count; sample += stride) {
+      this.run.poses.write(sample, 0, out);
+      for (let k = 0; k < out.length; k += 8) {
+        box.expandByPoint(new THREE.Vector3(out[k], out[k + 1], out[k + 2]));
+      }
+    }
+    box.expandByScalar(2 * Math.max(...this.run.bricks.radii.slice(0, 1000)));
+    for (let k = 0; k < this.run.obstacles.corners.length; k += 3) {
+      box.expandByPoint(new THREE.Vector3(...this.run.obstacles.corners.subarray(k, k + 3)));
+    }
+    const ball = box.getBoundingSphere(new THREE.Sphere());
+    if (this.run.plate) ball.radius += 1.5 * this.run.plate.half_size;
+    return ball;
+  }
+
+  changed() {
+    this.isStale = true;
+    this.isFine = false;
+    this.onChange();
+  }
+
+  setStyle(style, lights) {
+    this.renderer.setClearColor(new THREE.Color(...toColour(style.background).toArray()), 1);
+    this.drawing.setStyle(style, lights);
+    this.changed();
+  }
+
+  /** shadesOf(brick): its colours below, above and at its sides. */
+  setColours(shadesOf) {
+    for (let brick = 0; brick < this.run.bricks.count; ++brick) {
+      this.drawing.setColours(brick, shadesOf(brick));
+    }
+    this.drawing.colourTexture.needsUpdate = true;
+    this.changed();
+  }
+
+  /** Goes to a share of the way from a sample to the next. */
+  setState(sample, share) {
+    this.place = { sample, share };
+    this.run.poses.write(sample, share, this.drawing.poses);
+    this.drawing.poseTexture.needsUpdate = true;
+    this.changed();
+  }
+
+  choose(brick) {
+    if (this.drawing.uniforms.chosen.value === brick) return;
+    this.drawing.uniforms.chosen.value = brick;
+    this.changed();
+  }
+
+  get chosen() {
+    return this.drawing.uniforms.chosen.value;
+  }
+
+  showView(index) {
+    const { fits } = this.run.views[index];
+    const aspect = this.canvas.clientWidth / Math.max(1, this.canvas.clientHeight);
+    const held = fits.filter((fit) => fit.aspect <= aspect * 1.001);
+    this.viewpoint.show(held.length > 0 ? held[held.length - 1] : fits[0]);
+    this.changed();
+  }
+
+  resize() {
+    this.viewpoint.aspect = this.canvas.clientWidth / Math.max(1, this.canvas.clientHeight);
+    this.changed();
+  }
+
+  /** Draws where something has changed; finely when `fine`, which takes longer. */
+  draw(fine) {
+    const wantsFine = fine && !this.isFine && this.frameTime < SLOW_FRAME;
+    if (!this.isStale && !wantsFine) return false;
+    const begin = performance.now();
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    if (width === 0 || height === 0) return false;
+    const ratio = window.devicePixelRatio || 1;
+    const finest = Math.sqrt(MOST_PIXELS / (width * height));
+    this.renderer.setPixelRatio(Math.min(ratio * (wantsFine ? STILL_SCALE : 1), finest));
+    this.renderer.setSize(width, height, false);
+    this.viewpoint.project();
+    this.drawing.setCamera(this.viewpoint.camera, this.viewpoint, height);
+    this.renderer.render(this.drawing.scene, this.viewpoint.camera);
+    this.isStale = false;
+    this.isFine = wantsFine;
+    if (!wantsFine) this.frameTime = performance.now() - begin;
+    return true;
+  }
+
+  /** The brick at a point of the page, in its pixels; -1 for none. */
+  brickAt(pageX, pageY) {
+    const box = this.canvas.getBoundingClientRect();
+    const x = (2 * (pageX - box.left)) / box.width - 1;
+    const y = 1 - (2 * (pageY - box.top)) / box.height;
+    const { origin, direction } = this.viewpoint.ray(x, y);
+    return this.run.bricks.pick(origin.toArray(), direction.toArray(), this.drawing.poses);
+  }
+
+  /** What there is to say of a brick, in words. */
+  wordsOf(brick) {
+    const words = [`Tile ${brick}`];
+    const { errors, gaps } = this.run;
+    if (errors) words.push(`${lengthText(this.measured(errors, brick))} from its target`);
+    words.push(`joint gap ${lengthText(this.measured(gaps, brick))}`);
+    return words.join(", ");
+  }
+
+  /** What was measured of a brick in the nearest sample. */
+  measured(magnitudes, brick) {
+    const { sample, share } = this.place;
+    return magnitudes.at((share > 0.5 ? sample + 1 : sample) * this.run.bricks.count + brick);
+  }
+}
+
+/** A length with two digits, in metres. */
+function lengthText(metres) {
+  if (metres === 0) return "0 m";
+  const text = metres >= 1e-3 && metres < 1e4 ? Number(metres.toPrecision(2)) : metres.toExponential(1);
+  return `${text} m`.replace("-", "−");
+}

@@ -1,0 +1,64 @@
+// `kirireel page` as users call it. What browsers make of its pages is in tests/page.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/cli/run_program.h"
+
+namespace kirireel {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+constexpr int kInputWrong = 2;
+
+class PageCommand : public testing::Test {
+ protected:
+  void SetUp() override {
+    const ProgramEnd end = runKirireel(
+        {"simulate", shippedModel("tessellation_4x4").string(), "--out", run().string()});
+    ASSERT_EQ(end.exitCode, 0) << end.err;
+  }
+
+  std::filesystem::path run() const { return scratch_.path() / "run"; }
+
+  ScratchFolder scratch_;
+};
+
+TEST_F(PageCommand, WritesAPageThatVerifies) {
+  const ProgramEnd end = runKirireel({"page", run().string()});
+  ASSERT_EQ(end.exitCode, 0) << end.err;
+  EXPECT_THAT(end.out, StartsWith((run() / "page.html").string() + ": "));
+  EXPECT_THAT(readText(run() / "page.html"), StartsWith("<!DOCTYPE html>"));
+  EXPECT_EQ(runKirireel({"verify", run().string()}).exitCode, 0);
+}
+
+TEST_F(PageCommand, SaysWhatIsMissing) {
+  std::filesystem::remove(run() / "trajectory.h5");
+  const ProgramEnd end = runKirireel({"page", run().string()});
+  EXPECT_EQ(end.exitCode, kInputWrong);
+  EXPECT_EQ(end.err, "kirireel: " + run().string() +
+                         ": error: this folder has no trajectory.h5, which a page is made from; "
+                         "record its model again\n");
+  EXPECT_THAT(runKirireel({"page"}).err, HasSubstr("RUN is missing, as in kirireel page RUN"));
+}
+
+TEST_F(PageCommand, RefusesWhatItCannotShow) {
+  const std::string name = run().string();
+  EXPECT_THAT(runKirireel({"page", name, name, name}).err,
+              HasSubstr("3 runs are given, and a page shows 2 at most"));
+  EXPECT_THAT(runKirireel({"page", name, "--most-size", "0.5"}).err,
+              HasSubstr("MB and may have 0.5; give fewer --samples, or a larger --most-size"));
+  EXPECT_THAT(runKirireel({"page", name, "--samples", "1"}).err,
+              HasSubstr("--samples: '1' is not allowed; give a whole number from 2 to 1e+06"));
+  EXPECT_FALSE(std::filesystem::exists(run() / "page.html"));
+}
+
+TEST_F(PageCommand, LeavesFilesOfOthersAlone) {
+  writeText(run() / "page.html", "mine");
+  EXPECT_EQ(runKirireel({"page", run().string()}).exitCode, kInputWrong);
+  EXPECT_EQ(readText(run() / "page.html"), "mine");
+}
+
+}  // namespace
+}  // namespace kirireel

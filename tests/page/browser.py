@@ -1,0 +1,120 @@
+"""Chromium without a screen, drawing by software: what a page shows and asks for."""
+
+import io
+import json
+import shutil
+
+try:
+    import numpy
+    from PIL import Image
+    from selenium import webdriver
+    from selenium.webdriver.chrome.service import Service
+except ImportError:
+    webdriver = None
+
+WIDE = (1400, 1000)
+NARROW = (390, 844)
+
+
+def missing_tool():
+    """What is missing to look at pages; empty where nothing is."""
+    for program in ("chromium", "chromedriver"):
+        if shutil.which(program) is None:
+            return program
+    return "" if webdriver else "python3-selenium, python3-numpy and python3-pil"
+
+
+class Browser:
+    """A window with one page."""
+
+    def __init__(self, page, size=WIDE, without_webgl=False):
+        options = webdriver.ChromeOptions()
+        options.binary_location = shutil.which("chromium")
+        arguments = ["--headless=new", "--no-sandbox", "--hide-scrollbars",
+                     "--force-device-scale-factor=1", "--disable-background-networking"]
+        if without_webgl:
+            arguments += ["--disable-gpu", "--disable-3d-apis"]
+        else:
+            arguments += ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+        for argument in arguments + ["--window-size=%d,%d" % size]:
+            options.add_argument(argument)
+        options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+        self.driver = webdriver.Chrome(service=Service(shutil.which("chromedriver")),
+                                       options=options)
+        self.driver.set_script_timeout(120)
+        self.driver.get("file://%s" % page)
+
+    def __enter__(self):
+        self.wait_until("window.kirireel !== undefined")
+        return self
+
+    def __exit__(self, *_):
+        self.driver.quit()
+
+    def run(self, script, *arguments):
+        return self.driver.execute_script(script, *arguments)
+
+    def wait_until(self, condition):
+        """Until a JavaScript expression is true; fails after the script's time is up."""
+        self.driver.execute_async_script(
+            "const done = arguments[0];"
+            "const look = () => (%s) ? done() : setTimeout(look, 20); look();" % condition)
+
+    def wait_until_fine(self):
+        """Until the picture is as fine as a still one becomes."""
+        self.wait_until("kirireel.stages.every((stage) => stage.isFine && !stage.isStale)")
+
+    def messages(self):
+        """What the page complained of."""
+        return [entry["message"] for entry in self.driver.get_log("browser")]
+
+    def requests(self):
+        """Addresses that the page asked for, but for itself and what it has within."""
+        addresses = []
+        for entry in self.driver.get_log("performance"):
+            message = json.loads(entry["message"])["message"]
+            if message["method"] == "Network.requestWillBeSent":
+                addresses.append(message["params"]["request"]["url"])
+        return [a for a in addresses if not a.startswith(("file://", "data:", "blob:"))]
+
+    def set_canvas(self, width, height):
+        self.run("for (const {canvas} of kirireel.stages) {"
+                 "  canvas.style.width = arguments[0] + 'px';"
+                 "  canvas.style.height = arguments[1] + 'px';"
+                 "}"
+                 "kirireel.resized(); kirireel.showView(0);", width, height)
+
+    def move_slider(self, position):
+        self.run("const slider = document.getElementById('slider');"
+                 "slider.value = arguments[0];"
+                 "slider.dispatchEvent(new Event('input', {bubbles: true}));", position)
+
+    def canvas_picture(self):
+        """What the canvas shows: rows x columns x 3, 0 to 255."""
+        self.wait_until_fine()
+        canvas = self.driver.find_element("css selector", "canvas")
+        return picture_of(canvas.screenshot_as_png)
+
+
+def picture_of(png):
+    return numpy.asarray(Image.open(io.BytesIO(png)).convert("RGB"), dtype=float)
+
+
+def likeness(picture, other):
+    """The peak signal-to-noise ratio, decibels."""
+    error = numpy.mean((picture - other) ** 2)
+    return 10 * numpy.log10(255 ** 2 / max(error, 1e-12))
+
+
+def grown(mask, pixels):
+    """A mask with all that is within so many pixels, across and down."""
+    result = mask.copy()
+    for dy in range(-pixels, pixels + 1):
+        for dx in range(-pixels, pixels + 1):
+            result |= numpy.roll(mask, (dy, dx), (0, 1))
+    return result
+
+
+def lines_of(picture):
+    """Where outlines are: clearly darker than any face."""
+    return picture.sum(axis=2) < 230

@@ -1,0 +1,198 @@
+"""Pages as a browser shows them, against our own pictures and our own data."""
+
+import os
+import pathlib
+import random
+import subprocess
+import tempfile
+import time
+import unittest
+
+import browser
+from browser import Browser
+
+SOURCES = pathlib.Path(__file__).resolve().parents[2]
+PROGRAM = os.environ["KIRIREEL_PROGRAM"]
+MODELS = ("tessellation_4x4", "cylinder", "cube_to_sphere", "stampfli_108")
+SIZE = (800, 600)
+POSITIONS = (0, 0.5, 1)
+
+
+def run_program(*words):
+    end = subprocess.run([PROGRAM, *map(str, words)], capture_output=True, text=True)
+    assert end.returncode in (0, 3), end.stderr
+
+
+@unittest.skipIf(browser.missing_tool(), "install %s to look at pages" % browser.missing_tool())
+class Pages(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.scratch = tempfile.TemporaryDirectory()
+        cls.folder = pathlib.Path(cls.scratch.name)
+        for model in MODELS:
+            run_program("simulate", SOURCES / "data" / model, "--out", cls.folder / model)
+            run_program("page", cls.folder / model)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.scratch.cleanup()
+
+    def page(self, model):
+        return self.folder / model / "page.html"
+
+    def painted(self, model):
+        """Our own frames at the start, half way and at the end of the motion."""
+        run = self.folder / model
+        run_program("render", run, "--size", "%dx%d" % SIZE, "--frames", "--format", "apng",
+                    "--no-snapshots", "--fps", "10", "--length", "2.1", "--hold", "0",
+                    "--out", run / "pictures")
+        names = [run / "pictures" / "frames" / ("frame_%05d.png" % k) for k in (0, 10, 20)]
+        return [browser.picture_of(name.read_bytes()) for name in names]
+
+    def test_pictures_are_ours(self):
+        for model in MODELS:
+            painted = self.painted(model)
+            with Browser(self.page(model)) as window:
+                window.set_canvas(*SIZE)
+                for position, ours in zip(POSITIONS, painted):
+                    with self.subTest(model=model, position=position):
+                        window.move_slider(position)
+                        shown = window.canvas_picture()
+                        self.assertGreater(browser.likeness(shown, ours), 30)
+                        lines, our_lines = browser.lines_of(shown), browser.lines_of(ours)
+                        self.assertGreater(our_lines.sum(), 1000)
+                        self.assertFalse((lines & ~browser.grown(our_lines, 2)).any())
+                        self.assertFalse((our_lines & ~browser.grown(lines, 2)).any())
+                self.assertEqual(window.messages(), [])
+                self.assertEqual(window.requests(), [])
+
+    # Second method: every brick in a colour of its own, read off the picture.
+    def test_tiles_are_found_under_a_finger(self):
+        random.seed(7)
+        for model in MODELS:
+            with Browser(self.page(model)) as window, self.subTest(model=model):
+                window.set_canvas(*SIZE)
+                window.move_slider(0.6)
+                window.run(
+                    "const [stage] = kirireel.stages;"
+                    "stage.setStyle({...kirireel.data.light, edge_width: 0, thinnest_edge: 0},"
+                    "  {...kirireel.data.light.lights, ambient: 1,"
+                    "   key: {direction: [0, 0, 1], strength: 0},"
+                    "   fill: {direction: [0, 0, 1], strength: 0}});"
+                    "stage.setColours((brick) => Array(3).fill("
+                    "  [20 + (brick % 12) * 16, 20 + Math.floor(brick / 12) * 16, 77]));")
+                shown = window.canvas_picture()
+                checked = 0
+                while checked < 50:
+                    x, y = random.randrange(2, SIZE[0] - 2), random.randrange(2, SIZE[1] - 2)
+                    patch = shown[y - 1:y + 2, x - 1:x + 2]
+                    if (patch != patch[1, 1]).any():
+                        continue  # an edge runs through: two answers are right
+                    red, green, blue = patch[1, 1]
+                    tile = round((red - 20) / 16) + 12 * round((green - 20) / 16)
+                    expected = tile if blue == 77 else -1
+                    if expected < 0 and checked % 10:
+                        continue  # most of the points are to be on tiles
+                    found = window.run(
+                        "const [stage] = kirireel.stages;"
+                        "const box = stage.canvas.getBoundingClientRect();"
+                        "return stage.brickAt(box.left + arguments[0] + 0.5,"
+                        "                     box.top + arguments[1] + 0.5);", x, y)
+                    self.assertEqual(found, expected)
+                    checked += 1
+
+    def test_keys_do_all(self):
+        with Browser(self.page("cylinder")) as window:
+            body = window.driver.find_element("tag name", "body")
+            where = lambda: window.run("return kirireel.player.position")
+            body.send_keys("\ue010")  # End
+            self.assertEqual(where(), 1)
+            body.send_keys("\ue011\ue014")  # Home, right arrow
+            self.assertAlmostEqual(where(), 1 / 200)
+            eye = lambda: window.run(
+                "return kirireel.stages[0].viewpoint.camera.position.toArray()")
+            before = eye()
+            body.send_keys("d")
+            self.assertNotEqual(eye(), before)
+            body.send_keys("1")
+            for number, expected in zip(eye(), before):
+                self.assertAlmostEqual(number, expected, 5)
+            body.send_keys("n")
+            self.assertIn("Tile 0", window.run(
+                "return document.getElementById('said').textContent"))
+            theme = lambda: window.run("return document.documentElement.dataset.theme")
+            first = theme()
+            body.send_keys("t")
+            self.assertNotEqual(theme(), first)
+            body.send_keys(" ")
+            window.wait_until("kirireel.player.position > 0.05")
+            body.send_keys(" ")
+            self.assertFalse(window.run("return kirireel.player.isPlaying"))
+
+    def test_nothing_is_wider_than_a_narrow_screen(self):
+        with Browser(self.page("cylinder"), browser.NARROW) as window:
+            self.assertLessEqual(window.run("return document.documentElement.scrollWidth"),
+                                 window.run("return window.innerWidth"))
+
+    def test_without_webgl_there_is_a_picture(self):
+        with Browser(self.page("cylinder"), without_webgl=True) as window:
+            self.assertTrue(window.run("return document.querySelector('.still').offsetHeight > 50"))
+            self.assertIn("cannot draw in three dimensions", window.run(
+                "return document.querySelector('.without').textContent"))
+            self.assertIn("36 tiles", window.run("return document.body.textContent"))
+            window.move_slider(0.5)
+            self.assertIn("50.0%", window.run(
+                "return document.getElementById('where').textContent"))
+
+    def test_measures_have_their_scale(self):
+        with Browser(self.page("tessellation_4x4")) as window:
+            window.run("const list = document.getElementById('colouring');"
+                       "list.value = 'rotation'; list.dispatchEvent(new Event('change'));")
+            self.assertIn("45", window.run("return document.querySelector('.scale').textContent"))
+            self.assertEqual(window.messages(), [])
+
+
+@unittest.skipIf(browser.missing_tool(), "install %s to look at pages" % browser.missing_tool())
+class LargePages(unittest.TestCase):
+    """10,000 tiles in 200 states, drawn by software at 800 x 600."""
+
+    def test_are_small_and_quick(self):
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+            run_program("generate", "tessellation", folder / "model", "--columns", 100,
+                        "--rows", 100)
+            run_program("simulate", folder / "model", "--out", folder / "run", "--fps", 30)
+            run_program("page", folder / "run", "--samples", 200)
+            page = folder / "run" / "page.html"
+            self.assertLess(page.stat().st_size, 12e6)
+            begin = time.monotonic()
+            with Browser(page) as window:
+                window.set_canvas(*SIZE)
+                window.wait_until("!kirireel.stages[0].isStale")
+                first = window.run("return performance.now()") / 1000
+                frame = window.run(
+                    "const [stage] = kirireel.stages, times = [];"
+                    "const pixels = new Uint8Array(4);"
+                    "const {gl} = {gl: stage.renderer.getContext()};"
+                    "for (let k = 0; k < 20; ++k) {"
+                    "  const begin = performance.now();"
+                    "  kirireel.player.seek(0.3 + 0.0123 * k);"
+                    "  stage.draw(false);"
+                    "  gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixels);"
+                    "  times.push(performance.now() - begin);"
+                    "}"
+                    "return times.sort((a, b) => a - b)[10];")
+                print("10,000 tiles: %.2f MB, first picture after %.2f s (%.2f s with the browser's "
+                      "start), %.0f ms a frame" % (page.stat().st_size / 1e6, first,
+                                                  time.monotonic() - begin, frame))
+                self.assertLess(first, 3 * slowness())
+                self.assertLess(frame, 50 * slowness())
+
+
+def slowness():
+    """How many times slower than a reference core this machine may be, and how loaded."""
+    return float(os.environ.get("KIRIREEL_SLOWNESS", 1))
+
+
+if __name__ == "__main__":
+    unittest.main()

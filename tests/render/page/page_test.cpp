@@ -1,0 +1,147 @@
+#include "render/page/page.h"
+
+#include <regex>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "render/page/embedded_files.h"
+#include "render/page/page_words.h"
+#include "render/picture/style.h"
+#include "sim/base/error.h"
+#include "sim/model/tessellation.h"
+#include "tests/support/files.h"
+#include "tests/support/layouts.h"
+
+namespace kirireel {
+namespace {
+
+using test::TemporaryFolder;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+/// Four hinged squares that open within a second; the model's name is no HTML.
+Trajectory opening() {
+  Trajectory run;
+  run.model = makeTessellation(test::squares(2, 2, 0));
+  run.model.name = "a <b> & \"c\"";
+  run.bricks = makeBricks(run.model.tiles, run.brickRule);
+  for (int k = 0; k <= 10; ++k) {
+    const std::vector<Tile> tiles = tessellationTiles(test::squares(2, 2, 0), 0.1 * k);
+    Sample sample;
+    sample.time = 0.1 * k;
+    for (std::size_t t = 0; t < tiles.size(); ++t) {
+      Pose pose;
+      pose.position = tileCentroid(tiles[t]) + Vector3(0, 0, 0.01);
+      const double turn = (t == 0 || t == 3 ? -0.05 : 0.05) * k;  // tiles 0 and 3 are even
+      pose.rotation = rotationFromVector({0, 0, turn});
+      sample.poses.push_back(pose);
+    }
+    run.samples.push_back(sample);
+  }
+  run.events = {{1, "settled: all is open"}};
+  run.findings = R"({"warnings": ["the <target> is torn"], "path": {"reason": "a straight pull"}})";
+  return run;
+}
+
+class WebPage : public testing::Test {
+ protected:
+  WebPage() {
+    writeTrajectory(opening(), file_);
+    settings_.states.samples = 5;
+  }
+  void SetUp() override {
+    if (!canMakePages()) GTEST_SKIP() << "built without three.js";
+  }
+
+  std::string text() const { return pageText({file_}, settings_); }
+
+  /// The data within a page.
+  static Json dataOf(const std::string& page) {
+    const std::string begin = "id=\"data\">";
+    const std::size_t first = page.find(begin) + begin.size();
+    return Json::parse(page.substr(first, page.find("</script>", first) - first));
+  }
+
+  TemporaryFolder folder_;
+  std::filesystem::path file_ = folder_ / "trajectory.h5";
+  WebPageSettings settings_;
+};
+
+TEST_F(WebPage, AsksForNothingBesideItself) {
+  const std::string page = text();
+  EXPECT_THAT(page, HasSubstr("default-src 'none'"));
+  // Elements before the scripts: whatever they refer to is within.
+  const std::string elements = page.substr(0, page.find("<script>\n"));
+  const std::regex reference("\\b(src|href|action|poster)\\s*=\\s*\"(?!data:)");
+  EXPECT_FALSE(std::regex_search(elements, reference));
+  EXPECT_THAT(elements, Not(HasSubstr("@import")));
+}
+
+TEST_F(WebPage, IsSmallBesideItsData) {
+  const Json data = dataOf(text());
+  EXPECT_LT(text().size() - data.dump().size(), 1'500'000U);  // measured 0.93 MB
+}
+
+TEST_F(WebPage, HasTheColoursAndLightsOfOurPictures) {
+  const Json data = dataOf(text());
+  const Style style = darkStyle();
+  EXPECT_EQ(data["dark"]["edge"], Json({style.edge.red, style.edge.green, style.edge.blue}));
+  EXPECT_EQ(data["dark"]["lights"]["ambient"], style.ambient);
+  EXPECT_EQ(data["light"]["lights"]["key"]["strength"], Style().key.strength);
+  EXPECT_EQ(data["light"]["brick"][1], Json({128, 174, 220}));
+  EXPECT_EQ(data["light"]["edge_width"], Style().edgeWidth);
+}
+
+TEST_F(WebPage, ShowsStatesAtEqualStepsOfMotion) {
+  const Json states = dataOf(text())["runs"][0]["states"];
+  ASSERT_EQ(states["progress"].size(), 5U);
+  EXPECT_EQ(states["progress"][1], 0.25);
+  EXPECT_EQ(states["times"][0], 0.0);
+  EXPECT_EQ(states["times"][4], 1.0);
+  EXPECT_EQ(states["poses"]["entries"]["count"], 5 * 7 * 4);
+  settings_.states.samples = 0;
+  EXPECT_EQ(dataOf(text())["runs"][0]["states"]["times"].size(), 11U);
+}
+
+TEST_F(WebPage, TellsTheRunInWords) {
+  const std::string page = text();
+  EXPECT_THAT(page, HasSubstr("<title>a &lt;b&gt; &amp; &quot;c&quot;</title>"));
+  EXPECT_THAT(page, HasSubstr("<dd>4 tiles, 4 joints</dd>"));
+  EXPECT_THAT(page, HasSubstr("<dd>settled: all is open</dd>"));
+  EXPECT_THAT(page, HasSubstr("<dd>a straight pull</dd>"));
+  EXPECT_THAT(page, HasSubstr("<p class=\"warning\">the &lt;target&gt; is torn</p>"));
+  EXPECT_THAT(page, HasSubstr("src=\"data:image/png;base64,iVBORw0KGgo"));
+}
+
+TEST_F(WebPage, HasTheSameBytesEachTime) {
+  EXPECT_EQ(text(), text());
+}
+
+TEST_F(WebPage, HoldsTwoRuns) {
+  const std::string page = pageText({file_, file_}, settings_);
+  EXPECT_THAT(page, HasSubstr("data-count=\"2\""));
+  EXPECT_EQ(dataOf(page)["runs"].size(), 2U);
+}
+
+TEST_F(WebPage, IsRefusedAboveItsSize) {
+  settings_.mostMegabytes = 0.1;
+  settings_.states.exact = true;
+  try {
+    text();
+    FAIL() << "a page of any size";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr(" MB and may have 0.1; give fewer --samples, leave --exact "
+                                        "away, or a larger --most-size"));
+  }
+}
+
+TEST_F(WebPage, IsListedInItsFolder) {
+  settings_.folder = folder_ / "out";
+  writePage({file_}, settings_);
+  EXPECT_TRUE(std::filesystem::exists(settings_.folder / "page.html"));
+  EXPECT_TRUE(std::filesystem::exists(settings_.folder / "contents.json"));
+}
+
+}  // namespace
+}  // namespace kirireel

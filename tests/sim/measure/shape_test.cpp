@@ -1,0 +1,163 @@
+#include "sim/measure/shape.h"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/measure/run_curves.h"
+#include "sim/model/tessellation.h"
+#include "tests/support/files.h"
+#include "tests/support/layouts.h"
+
+namespace kirireel {
+namespace {
+
+constexpr int kColumns = 6, kRows = 4;
+constexpr double kTolerance = 1e-9;
+
+/// Rotating squares of side 1, of which each is turned by `turn` either way, against their closed
+/// forms (Grima and Evans, J. Mater. Sci. Lett. 19, 2000): each fills a box of side cos + sin.
+struct RotatingSquares {
+  explicit RotatingSquares(double halfOpening)
+      : turn(halfOpening),
+        tiles(tessellationTiles(test::squares(kColumns, kRows, 0), 2 * halfOpening)) {}
+
+  double cell() const { return std::cos(turn) + std::sin(turn); }
+  /// The box without a triangle at each corner, whose sides are sin and cos.
+  double hullArea() const {
+    return kColumns * kRows * cell() * cell() - 2 * std::sin(turn) * std::cos(turn);
+  }
+  double hullPerimeter() const { return 2 * (kColumns + kRows) * cell() - 4 * cell() + 4; }
+
+  double turn;
+  std::vector<Tile> tiles;
+};
+
+TEST(Shape, OfRotatingSquaresIsThatOfTheirClosedForms) {
+  const Vector3 start = boxSides(RotatingSquares(0).tiles);
+  for (const double turn : {0.0, 0.1, 0.3, 0.6, 0.785}) {
+    const RotatingSquares squares(turn);
+    const Vector3 sides = boxSides(squares.tiles);
+    const double width = std::max(sides.x(), sides.y()), height = std::min(sides.x(), sides.y());
+    EXPECT_NEAR(width, kColumns * squares.cell(), kTolerance);  // measured 2e-15
+    EXPECT_NEAR(height, kRows * squares.cell(), kTolerance);
+    const HullSize hull = hullSize(squares.tiles);
+    EXPECT_NEAR(hull.area, squares.hullArea(), kTolerance);  // measured 7e-15
+    EXPECT_NEAR(hull.perimeter, squares.hullPerimeter(), kTolerance);
+    EXPECT_NEAR(*coveredArea(squares.tiles), kColumns * kRows, kTolerance);
+    if (turn > 0) {
+      EXPECT_NEAR(*poissonsRatio(start, sides), -1, kTolerance);
+    }  // measured 4e-15
+  }
+  EXPECT_FALSE(poissonsRatio(start, start));
+}
+
+TEST(Shape, CoversNothingKnownInSpace) {
+  std::vector<Tile> tiles = RotatingSquares(0.1).tiles;
+  tiles[0].vertices[0].z() += 0.1;
+  EXPECT_FALSE(coveredArea(tiles));
+}
+
+/// The run of the squares from shut to an opening of `end`, radians, at an even pace in 1 s.
+Trajectory openingSquares(double end, int samples) {
+  Trajectory run;
+  run.model = makeTessellation(test::squares(kColumns, kRows, 0));
+  run.model.target.reset();
+  run.bricks = makeBricks(run.model.tiles, run.brickRule);
+  for (int k = 0; k < samples; ++k) {
+    Sample sample;
+    sample.time = static_cast<double>(k) / (samples - 1);
+    const double opening = end * sample.time;
+    const std::vector<Tile> tiles = tessellationTiles(test::squares(kColumns, kRows, 0), opening);
+    for (std::size_t t = 0; t < tiles.size(); ++t) {
+      const Vector3 side = tiles[t].vertices[1] - tiles[t].vertices[0];
+      const Vector3 shut = run.model.tiles[t].vertices[1] - run.model.tiles[t].vertices[0];
+      const double turn = std::atan2(shut.cross(side).z(), shut.dot(side));
+      const Vector3 middle(0, 0, 0.5 * run.brickRule.thickness);
+      sample.poses.push_back({tileCentroid(tiles[t]) + middle, rotationFromVector({0, 0, turn})});
+    }
+    run.samples.push_back(sample);
+  }
+  return run;
+}
+
+const Curve& curveNamed(const RunCurves& curves, const std::string& column) {
+  for (const CurveGroup& group : curves.groups) {
+    for (const Curve& curve : group.curves) {
+      if (curve.column == column) return curve;
+    }
+  }
+  throw std::out_of_range(column);
+}
+
+class RunCurvesOfSquares : public testing::Test {
+ protected:
+  static constexpr double kEnd = 1.4;
+  static constexpr int kSamples = 41;
+
+  RunCurvesOfSquares() {
+    writeTrajectory(openingSquares(kEnd, kSamples), folder_ / "trajectory.h5");
+    curves_ = curvesOf(TrajectoryReader(folder_ / "trajectory.h5"));
+  }
+
+  double at(const char* column, int sample) const {
+    return curveNamed(curves_, column).values.at(sample);
+  }
+
+  test::TemporaryFolder folder_;
+  RunCurves curves_;
+};
+
+TEST_F(RunCurvesOfSquares, AreThoseOfTheirClosedForms) {
+  for (int k = 0; k < kSamples; ++k) {
+    const double opening = kEnd * k / (kSamples - 1);
+    const RotatingSquares squares(0.5 * opening);
+    const double width = std::max(at("width_m", k), at("height_m", k));
+    EXPECT_NEAR(width, kColumns * squares.cell(), kTolerance);
+    EXPECT_NEAR(at("hull_area_m2", k), squares.hullArea(), kTolerance);
+    EXPECT_NEAR(at("hull_perimeter_m", k), squares.hullPerimeter(), kTolerance);
+    EXPECT_NEAR(at("covered_area_m2", k), kColumns * kRows, kTolerance);
+    EXPECT_NEAR(at("porosity", k), 1 - kColumns * kRows / squares.hullArea(), kTolerance);
+    for (const char* column : {"opening_least_deg", "opening_mean_deg", "opening_largest_deg"}) {
+      EXPECT_NEAR(at(column, k) * kDegree, opening, kTolerance);  // measured 3e-15
+    }
+    if (k > 0) {
+      EXPECT_NEAR(at("poissons_ratio", k), -1, kTolerance);
+    }
+    if (k == 0) {
+      EXPECT_TRUE(std::isnan(at("poissons_ratio", k)));
+    }
+  }
+}
+
+// Each square moves as its box grows, and turns by half of what the joints open.
+TEST_F(RunCurvesOfSquares, TellTheKineticEnergyToSecondOrder) {
+  const int k = kSamples / 2;
+  const double turn = 0.25 * kEnd, rate = 0.5 * kEnd;
+  const double mass =
+      BrickRule().mass == MassRule::Unit ? 1 : BrickRule().density * BrickRule().thickness;
+  double places = 0;  // squared, from the middle, in boxes
+  for (int column = 0; column < kColumns; ++column) {
+    for (int row = 0; row < kRows; ++row) {
+      places += std::pow(column - 0.5 * (kColumns - 1), 2) + std::pow(row - 0.5 * (kRows - 1), 2);
+    }
+  }
+  const double growth = (std::cos(turn) - std::sin(turn)) * rate;
+  const double energy =
+      0.5 * mass * (places * growth * growth + kColumns * kRows * rate * rate / 6);
+  EXPECT_NEAR(at("kinetic_energy_J", k) / energy, 1, 5e-3);
+}
+
+TEST_F(RunCurvesOfSquares, AreStraightBetweenSamples) {
+  const RunCurves between = curvesAt(curves_, {0, 0.0125, 0.025, 1});
+  const Curve& width = curveNamed(between, "width_m");
+  EXPECT_EQ(width.values[0], at("width_m", 0));
+  EXPECT_NEAR(width.values[1], 0.5 * (at("width_m", 0) + at("width_m", 1)), 1e-14);
+  EXPECT_EQ(width.values[3], at("width_m", kSamples - 1));
+  EXPECT_TRUE(std::isnan(curveNamed(between, "target_error_m").values[1]));
+  EXPECT_FALSE(between.groups[7].hasValues());
+}
+
+}  // namespace
+}  // namespace kirireel
