@@ -137,8 +137,8 @@ std::vector<Command> addCommands(CLI::App& program) {
           addCommand(program, addRenderCommand),   addCommand(program, addExportCommand),
           addCommand(program, addGenerateCommand), addCommand(program, addInspectCommand),
           addCommand(program, addConvertCommand),  addCommand(program, addStudyCommand),
-          addCommand(program, addPageCommand),     addCommand(program, addSweepCommand),
-          addCommand(program, addVerifyCommand)};
+          addCommand(program, addPageCommand),     addCommand(program, addCurvesCommand),
+          addCommand(program, addSweepCommand),    addCommand(program, addVerifyCommand)};
 }
 
 }  // namespace

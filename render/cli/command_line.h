@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "render/cli/convert_command.h"
+#include "render/cli/curves_command.h"
 #include "render/cli/export_command.h"
 #include "render/cli/generate_command.h"
 #include "render/cli/inspect_command.h"
@@ -29,7 +30,7 @@ int carryOut(const PrintOrder& order);
 /// One of the things that kirireel does.
 using Order =
     std::variant<RecordOrder, RenderOrder, ExportOrder, GenerateOrder, InspectOrder, ConvertOrder,
-                 StudyOrder, SweepOrder, VerifyOrder, PageOrder, PrintOrder>;
+                 StudyOrder, SweepOrder, VerifyOrder, CurvesOrder, PageOrder, PrintOrder>;
 
 /// A model in memory, with what a run of it must know beside.
 struct LoadedModel {

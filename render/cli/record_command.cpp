@@ -13,6 +13,7 @@
 #include "render/cli/run_options.h"
 #include "render/cli/video_options.h"
 #include "render/folder/file_set.h"
+#include "render/page/page.h"
 #include "render/record/summary.h"
 #include "render/verify/verify.h"
 #include "sim/base/error.h"
@@ -32,6 +33,10 @@ void addFolderOptions(CLI::App& command, RecordOrder& order) {
       .flag("--resume", order.settings.resume,
             "leave a finished run of the same order as it is; go on with an interrupted one, to "
             "the same bytes")
+      .decidesNothing();
+  group
+      .flag("--page", order.page,
+            "page.html too: the run in 3-D for any browser, see kirireel page")
       .decidesNothing();
   group.flag("--json", order.printJson, "print the summary as JSON").decidesNothing();
 }
@@ -247,12 +252,23 @@ RecordResult runOrder(const RecordOrder& order, const ProgressObserver& observer
   return result;
 }
 
+/// The page of a run whose files are in place.
+void addPage(const RecordOrder& order, const std::filesystem::path& folder) {
+  if (!order.page) return;
+  WebPageSettings settings;
+  settings.folder = folder;
+  settings.look = order.settings.look;
+  writePage({folder / output::kTrajectory}, settings);
+}
+
 int carryOut(const RecordOrder& order) {
   noteSignals();
+  if (order.page) requirePages();
   RecordResult result = prepareLoudly(order);
   if (order.settings.resume) {
     const auto finished = findFinished(result.settings);
     if (finished) {
+      addPage(order, result.settings.folder);
       fmt::print("{}", order.printJson
                            ? finished->summary
                            : fmt::format("{}: finished already, {}\n",
@@ -269,6 +285,7 @@ int carryOut(const RecordOrder& order) {
     });
   }
   const auto& [scene, settings, summary] = result;
+  addPage(order, settings.folder);
   fmt::print("{}", order.printJson ? summaryJson(scene, settings, summary)
                                    : describeRun(scene, settings, summary));
   return exitCode(toString(summary.outcome), summary.atTarget);

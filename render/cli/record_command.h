@@ -30,6 +30,7 @@ struct RecordOrder {
   RecordSettings settings;    ///< the folder is empty when --out was not given
   std::vector<InputFile> inputs;  ///< files that were read so far, but for the scene file
   OrderText text;                 ///< the settings, once the order is complete
+  bool page = false;  ///< page.html beside the other files, once they are in place
   bool printJson = false;         ///< the summary on standard output as JSON
 };
 

@@ -39,8 +39,13 @@ std::string filled(std::string_view form, const Words& words) {
   }
 }
 
+/// Its notice travels with every copy; the minified file has none.
+constexpr const char* kThreeNotice =
+    "<script>\n/*! three.js r111, copyright 2010-2020 three.js authors, MIT licence: "
+    "https://threejs.org/license */\n</script>\n";
+
 std::string scripts() {
-  std::string text;
+  std::string text = kThreeNotice;
   for (const char* name : kScripts) {
     text += fmt::format("<script>\n{}\n</script>\n", embeddedFile(name));
   }
@@ -85,20 +90,22 @@ std::string wordsHtml(const TrajectoryReader& run) {
                                              {"warnings", warningsHtml(warningsOf(run))}});
 }
 
-void requireSize(const std::string& page, const WebPageSettings& settings) {
-  const double megabytes = static_cast<double>(page.size()) / 1e6;
-  if (megabytes <= settings.mostMegabytes) return;
-  throw InputError(fmt::format(
-      "error: the page would have {:.1f} MB and may have {:g}; give fewer --samples{}, or a larger "
-      "--most-size",
-      megabytes, settings.mostMegabytes, settings.states.exact ? ", leave --exact away" : ""));
-}
-
-void requireMakeable() {
-  if (canMakePages()) return;
-  throw OutputError(
-      "error: this program was built without three.js, which pages need; install Debian's "
-      "libjs-three, then configure and build again");
+/// `dataBytes`: what of the page grows with its states, of which it has so many.
+void requireSize(const std::string& page, std::size_t dataBytes, std::size_t states,
+                 const WebPageSettings& settings) {
+  const double most = 1e6 * settings.mostMegabytes, size = static_cast<double>(page.size());
+  if (size <= most) return;
+  const double share = (most - size) / static_cast<double>(dataBytes) + 1;
+  const auto fewer = static_cast<int>(share * static_cast<double>(states));
+  const std::string thinner =
+      fewer < 2 ? "" : fmt::format("--samples {} or fewer in place of {}, ", fewer, states);
+  throw InputError(
+      fmt::format("error: the page would have {:.1f} MB and may have {:g}; give {}{}a larger "
+                  "--most-size",
+                  size / 1e6, settings.mostMegabytes, thinner,
+                  settings.states.exact ? "no --exact, or "
+                  : thinner.empty()     ? ""
+                                        : "or "));
 }
 
 }  // namespace
@@ -107,9 +114,16 @@ bool canMakePages() {
   return !embeddedFile("three.min.js").empty();
 }
 
+void requirePages() {
+  if (canMakePages()) return;
+  throw OutputError(
+      "error: this program was built without three.js, which pages need; install Debian's "
+      "libjs-three, then configure and build again");
+}
+
 std::string pageText(const std::vector<std::filesystem::path>& trajectories,
                      const WebPageSettings& settings) {
-  requireMakeable();
+  requirePages();
   Json data = {{"light", styleJson(Theme::Light, settings.look)},
                {"dark", styleJson(Theme::Dark, settings.look)},
                {"map", mapJson(settings.look.map)},
@@ -123,6 +137,7 @@ std::string pageText(const std::vector<std::filesystem::path>& trajectories,
     stages += stageHtml(run, settings.look);
     words += wordsHtml(run);
   }
+  const std::string text = safeJson(data);
   const std::string page =
       filled(embeddedFile("page.html"), {{"title", htmlText(title)},
                                          {"program", "Kirireel " + programVersion()},
@@ -130,15 +145,15 @@ std::string pageText(const std::vector<std::filesystem::path>& trajectories,
                                          {"style", std::string(embeddedFile("page.css"))},
                                          {"stages", stages},
                                          {"words", words},
-                                         {"data", safeJson(data)},
+                                         {"data", text},
                                          {"scripts", scripts()}});
-  requireSize(page, settings);
+  requireSize(page, text.size(), data["runs"][0]["states"]["times"].size(), settings);
   return page;
 }
 
 void writePage(const std::vector<std::filesystem::path>& trajectories,
                const WebPageSettings& settings) {
-  requireMakeable();
+  requirePages();
   FileSet files(settings.folder, output::kContents);
   files.requireFree(
       [](const std::string& name) { return name == output::kContents || name == kPageFile; });

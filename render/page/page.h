@@ -30,6 +30,8 @@ struct WebPageSettings {
 
 /// Whether this program can make pages: three.js was there when it was built.
 bool canMakePages();
+/// Throws OutputError where it cannot, with what to do about it.
+void requirePages();
 
 /// The text of a page of one run or two. Throws InputError where a run lacks what the look asks for
 /// and where the page would be too large, OutputError where the program cannot make pages.

@@ -19,7 +19,7 @@
 #include "render/record/stopwatch.h"
 #include "render/record/title_card.h"
 #include "render/vector/drawing.h"
-#include "render/vector/pdf.h"
+#include "render/vector/cairo_canvas.h"
 #include "render/vector/svg.h"
 #include "sim/base/error.h"
 #include "sim/base/pending_file.h"
@@ -75,11 +75,6 @@ PageSettings pageSettings(const Stage& stage, FrameSize size, const std::string&
           .outlineWidth = style.edgeWidth * stage.pictureSize().height,
           .fontFamily = fontFamily(),
           .description = description};
-}
-
-std::unique_ptr<Canvas> makeCanvas(PageFormat format, const PageSettings& settings) {
-  if (format == PageFormat::Svg) return std::make_unique<SvgCanvas>(settings);
-  return std::make_unique<PdfCanvas>(settings);
 }
 
 /// Whether a camera that cuts something off is the program's mistake, not the settings' wish.

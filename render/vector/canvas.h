@@ -55,11 +55,14 @@ class Canvas : public Surface {
   /// Lines in the settings' outline, each through two points or more.
   virtual void outlines(const std::vector<Points>& lines) = 0;
 
+  /// Lines of a width in pixels, each through two points or more.
+  virtual void lines(const std::vector<Points>& lines, double width, Colour colour) = 0;
+
   /// The whole file; call it once, when everything is drawn. Throws OutputError.
   virtual std::string finish() = 0;
 };
 
 /// What pages are written as.
-enum class PageFormat { Svg, Pdf };
+enum class PageFormat { Svg, Pdf, Png };
 
 }  // namespace kirireel

@@ -119,6 +119,15 @@ void SvgCanvas::outlines(const std::vector<Points>& lines) {
   if (!path.empty()) append("<path class=\"outline\" d=\"{}\"/>\n", path);
 }
 
+void SvgCanvas::lines(const std::vector<Points>& lines, double width, Colour colour) {
+  const std::string path = pathOf(lines);
+  if (path.empty()) return;
+  append(
+      "<path fill=\"none\" stroke=\"{}\" stroke-width=\"{:.3g}\" stroke-linejoin=\"round\" "
+      "d=\"{}\"/>\n",
+      hex(colour), width, path);
+}
+
 void SvgCanvas::box(double left, double upper, double width, double height, Colour colour) {
   append("<rect x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\" fill=\"{}\"{}/>\n",
          left, upper, width, height, hex(colour), opacityText(colour));

@@ -24,6 +24,7 @@ class SvgCanvas : public Canvas {
   void polygon(const Points& corners, Colour colour) override;
   void seams(const std::vector<Points>& lines, Colour colour) override;
   void outlines(const std::vector<Points>& lines) override;
+  void lines(const std::vector<Points>& lines, double width, Colour colour) override;
   void box(double left, double upper, double width, double height, Colour colour) override;
   void text(const std::string& line, double left, double baseline, int em, Colour colour) override;
 

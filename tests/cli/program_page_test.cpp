@@ -33,6 +33,15 @@ TEST_F(PageCommand, WritesAPageThatVerifies) {
   EXPECT_EQ(runKirireel({"verify", run().string()}).exitCode, 0);
 }
 
+TEST_F(PageCommand, IsWrittenByARunToo) {
+  const std::filesystem::path other = scratch_.path() / "other";
+  const ProgramEnd end = runKirireel(
+      {"simulate", shippedModel("tessellation_4x4").string(), "--out", other.string(), "--page"});
+  ASSERT_EQ(end.exitCode, 0) << end.err;
+  runKirireel({"page", run().string()});
+  EXPECT_EQ(readText(other / "page.html"), readText(run() / "page.html"));
+}
+
 TEST_F(PageCommand, SaysWhatIsMissing) {
   std::filesystem::remove(run() / "trajectory.h5");
   const ProgramEnd end = runKirireel({"page", run().string()});
@@ -48,10 +57,20 @@ TEST_F(PageCommand, RefusesWhatItCannotShow) {
   EXPECT_THAT(runKirireel({"page", name, name, name}).err,
               HasSubstr("3 runs are given, and a page shows 2 at most"));
   EXPECT_THAT(runKirireel({"page", name, "--most-size", "0.5"}).err,
-              HasSubstr("MB and may have 0.5; give fewer --samples, or a larger --most-size"));
+              HasSubstr("MB and may have 0.5; give a larger --most-size"));
   EXPECT_THAT(runKirireel({"page", name, "--samples", "1"}).err,
               HasSubstr("--samples: '1' is not allowed; give a whole number from 2 to 1e+06"));
   EXPECT_FALSE(std::filesystem::exists(run() / "page.html"));
+}
+
+TEST_F(PageCommand, TablesAndPlotsCurves) {
+  const ProgramEnd end =
+      runKirireel({"curves", run().string(), "--plot", "svg,png,pdf", "--against", "opening"});
+  ASSERT_EQ(end.exitCode, 0) << end.err;
+  EXPECT_THAT(end.out, HasSubstr((run() / "curves.pdf").string()));
+  EXPECT_THAT(readText(run() / "curves.csv"), StartsWith("time_s,progress,width_m,height_m,"));
+  EXPECT_THAT(readText(run() / "curves.svg"), HasSubstr(">mean opening, degrees<"));
+  EXPECT_EQ(runKirireel({"verify", run().string()}).exitCode, 0);
 }
 
 TEST_F(PageCommand, LeavesFilesOfOthersAlone) {

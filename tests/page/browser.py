@@ -14,6 +14,7 @@ except ImportError:
 
 WIDE = (1400, 1000)
 NARROW = (390, 844)
+OUTLINE = (38, 50, 66)
 
 
 def missing_tool():
@@ -115,6 +116,6 @@ def grown(mask, pixels):
     return result
 
 
-def lines_of(picture):
-    """Where outlines are: clearly darker than any face."""
-    return picture.sum(axis=2) < 230
+def lines_of(picture, tolerance):
+    """Where the colour of outlines is, to so many levels."""
+    return (abs(picture - OUTLINE) < tolerance).all(axis=2)

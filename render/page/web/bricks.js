@@ -39,16 +39,28 @@ class Face {
     this.kind = kind;
     this.normal = polygonNormal(corners);
     this.triangles = triangles || corners.slice(2).map((_, k) => [0, k + 1, k + 2]);
+    this.hasFewSides = !triangles && corners.length <= 4;
+    this.across = this.directionsAcross();
     this.inwards = this.directionsInwards();
     this.mostOutline = this.widestOutline(mostShare);
   }
 
+  /** Across each side, inwards in the face's plane; of unit length. */
+  directionsAcross() {
+    const { corners, normal } = this;
+    return corners.map((corner, k) =>
+      vec.unit(vec.cross(normal, vec.sub(corners[(k + 1) % corners.length], corner))));
+  }
+
+  /** The distances of a point of the face's plane from the lines of its sides. */
+  distances(point) {
+    return this.across.map((direction, k) => vec.dot(direction, vec.sub(point, this.corners[k])));
+  }
+
   /** How the corners move when all sides move in by 1 m. */
   directionsInwards() {
-    const { corners, normal } = this;
+    const { corners, across } = this;
     const count = corners.length;
-    const across = corners.map((corner, k) =>
-      vec.unit(vec.cross(normal, vec.sub(corners[(k + 1) % count], corner))));
     return corners.map((_, k) => {
       const before = across[(k + count - 1) % count], after = across[k];
       return vec.scale(vec.add(before, after), 1 / (1 + vec.dot(before, after)));
@@ -66,6 +78,102 @@ class Face {
       if (shrinking > 0) widest = Math.min(widest, (mostShare * vec.length(side)) / shrinking);
     });
     return widest < Infinity ? widest : 0;
+  }
+}
+
+const FAR = 1e9; // metres: no side is so far that it has an outline
+
+/**
+ * Faces as arrays for shaders. `sides` has the distances of a corner from up to four sides of its
+ * face: they are linear within the face, so that shaders know how far from each side they are.
+ * Faces with more sides, or notches, have a ring of corners as far inside as their outline may
+ * come, and the distance from the nearest side alone. `info`: brick, kind, widest outline.
+ */
+class FaceMesh {
+  constructor(facesOfBricks) {
+    let vertexCount = 0, indexCount = 0, faceCount = 0;
+    for (const face of facesOfBricks.flat()) {
+      const rings = face.hasFewSides ? 1 : 2;
+      vertexCount += rings * face.corners.length;
+      indexCount += 3 * face.triangles.length + (rings - 1) * 6 * face.corners.length;
+      ++faceCount;
+    }
+    this.positions = new Float32Array(3 * vertexCount);
+    this.normals = new Float32Array(3 * vertexCount);
+    this.sides = new Float32Array(4 * vertexCount).fill(FAR);
+    this.info = new Float32Array(3 * vertexCount);
+    this.indices = new Uint32Array(indexCount);
+    this.planes = new Float32Array(4 * faceCount); // normal, and its product with any corner
+    this.firstIndices = new Uint32Array(faceCount + 1); // of each face
+    this.firstFaces = new Uint32Array(facesOfBricks.length + 1); // of each brick
+    this.faceEnd = this.vertexEnd = this.indexEnd = 0;
+  }
+
+  append(face, brick) {
+    this.planes.set([...face.normal, vec.dot(face.normal, face.corners[0])], 4 * this.faceEnd);
+    const first = this.vertexEnd;
+    if (face.hasFewSides) {
+      face.corners.forEach((corner) => this.addVertex(corner, face, brick, face.distances(corner)));
+      this.addTriangles(face, first);
+    } else {
+      this.addRings(face, brick);
+      this.addTriangles(face, first + face.corners.length);
+    }
+    this.firstIndices[++this.faceEnd] = this.indexEnd;
+  }
+
+  addVertex(position, face, brick, distances) {
+    const at = this.vertexEnd++;
+    this.positions.set(position, 3 * at);
+    this.normals.set(face.normal, 3 * at);
+    this.sides.set(distances, 4 * at);
+    this.info.set([brick, face.kind, face.mostOutline], 3 * at);
+  }
+
+  addTriangles(face, first) {
+    for (const corners of face.triangles) {
+      for (const corner of corners) this.indices[this.indexEnd++] = first + corner;
+    }
+  }
+
+  addRings(face, brick) {
+    const count = face.corners.length;
+    const outer = this.vertexEnd, inner = outer + count;
+    for (const inset of [0, face.mostOutline]) {
+      face.corners.forEach((corner, k) =>
+        this.addVertex(vec.add(corner, face.inwards[k], inset), face, brick, [inset]));
+    }
+    for (let k = 0; k < count; ++k) {
+      const next = (k + 1) % count;
+      this.indices.set([outer + k, outer + next, inner + next, outer + k, inner + next, inner + k],
+        this.indexEnd);
+      this.indexEnd += 6;
+    }
+  }
+
+  /**
+   * Writes the indices of the faces that look at the eye into `out`, and returns their count.
+   * `from`: the eye, or the direction towards it where the projection is parallel.
+   */
+  writeVisible(poses, from, isParallel, out) {
+    const { planes, firstFaces, firstIndices, indices } = this;
+    let end = 0;
+    for (let brick = 0, at = 0; brick + 1 < firstFaces.length; ++brick, at += 8) {
+      const px = isParallel ? from.x : from.x - poses[at];
+      const py = isParallel ? from.y : from.y - poses[at + 1];
+      const pz = isParallel ? from.z : from.z - poses[at + 2];
+      // In brick axes: turned back by the quaternion.
+      const x = -poses[at + 4], y = -poses[at + 5], z = -poses[at + 6], w = poses[at + 7];
+      const tx = y * pz - z * py + w * px, ty = z * px - x * pz + w * py, tz = x * py - y * px + w * pz;
+      const ex = px + 2 * (y * tz - z * ty), ey = py + 2 * (z * tx - x * tz), ez = pz + 2 * (x * ty - y * tx);
+      for (let face = firstFaces[brick]; face < firstFaces[brick + 1]; ++face) {
+        const p = 4 * face;
+        const height = planes[p] * ex + planes[p + 1] * ey + planes[p + 2] * ez;
+        if (height <= (isParallel ? 0 : planes[p + 3])) continue;
+        for (let k = firstIndices[face]; k < firstIndices[face + 1]; ++k) out[end++] = indices[k];
+      }
+    }
+    return end;
   }
 }
 
@@ -104,51 +212,14 @@ class Bricks {
     return faces;
   }
 
-  /**
-   * The faces as triangles: within each face a ring of corners as far inside as its outline may
-   * come. `info` has the brick, the kind, how far inside a corner lies and how far it may, metres.
-   */
+  /** All faces as triangles, and their planes, by which those that look away are left out. */
   triangulate() {
-    let vertexCount = 0, indexCount = 0;
-    for (const faces of this.faces) {
-      for (const face of faces) {
-        vertexCount += 2 * face.corners.length;
-        indexCount += 3 * face.triangles.length + 6 * face.corners.length;
-      }
-    }
-    const mesh = {
-      positions: new Float32Array(3 * vertexCount),
-      normals: new Float32Array(3 * vertexCount),
-      info: new Float32Array(4 * vertexCount),
-      indices: new Uint32Array(indexCount),
-      vertexEnd: 0,
-      indexEnd: 0,
-    };
-    this.faces.forEach((faces, brick) => faces.forEach((face) => Bricks.append(mesh, face, brick)));
+    const mesh = new FaceMesh(this.faces);
+    this.faces.forEach((faces, brick) => {
+      mesh.firstFaces[brick + 1] = mesh.firstFaces[brick] + faces.length;
+      for (const face of faces) mesh.append(face, brick);
+    });
     return mesh;
-  }
-
-  static append(mesh, face, brick) {
-    const count = face.corners.length;
-    const outer = mesh.vertexEnd, inner = outer + count;
-    for (const inset of [0, face.mostOutline]) {
-      face.corners.forEach((corner, k) => {
-        const at = mesh.vertexEnd++;
-        mesh.positions.set(vec.add(corner, face.inwards[k], inset), 3 * at);
-        mesh.normals.set(face.normal, 3 * at);
-        mesh.info.set([brick, face.kind, inset, face.mostOutline], 4 * at);
-      });
-    }
-    const triangle = (a, b, c) => {
-      mesh.indices.set([a, b, c], mesh.indexEnd);
-      mesh.indexEnd += 3;
-    };
-    for (const [a, b, c] of face.triangles) triangle(inner + a, inner + b, inner + c);
-    for (let k = 0; k < count; ++k) {
-      const next = (k + 1) % count;
-      triangle(outer + k, outer + next, inner + next);
-      triangle(outer + k, inner + next, inner + k);
-    }
   }
 
   /** The brick that a ray (world axes, unit direction) meets first at these poses; -1 for none. */

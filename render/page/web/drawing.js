@@ -43,28 +43,34 @@ const SHADERS = {
       uniform float chosen;
       uniform vec3 accent;
       attribute vec3 faceNormal;
-      attribute vec4 info;
+      attribute vec3 info;
+      attribute vec4 sides;
       varying vec3 face;
-      varying vec2 inset;
+      varying vec4 distances;
+      varying float most;
       void main() {
         int index = int(info.x);
         ivec2 texel = ivec2(3 * (index % ${TEXELS}) + int(info.y), index / ${TEXELS});
         vec3 base = texelFetch(colours, texel, 0).rgb;
         if (info.x == chosen) base = mix(base, accent, 0.6);
         face = lit(base, turned(poseTexel(info.x, 1), faceNormal));
-        inset = info.zw;
+        distances = sides;
+        most = info.z;
         gl_Position = projectionMatrix * viewMatrix * vec4(placed(info.x, position), 1.0);
       }`,
     fragment: `
       uniform vec3 edge;
       uniform float outline;
       varying vec3 face;
-      varying vec2 inset;
+      varying vec4 distances;
+      varying float most;
       void main() {
-        float width = min(outline, inset.y);
-        float blur = max(fwidth(inset.x), 1e-12);
-        bool isWithin = outline <= 0.0 || inset.x >= 0.9999 * inset.y;
-        float share = isWithin ? 1.0 : clamp((inset.x - width) / blur + 0.5, 0.0, 1.0);
+        float width = min(outline, most);
+        vec4 blur = max(fwidth(distances), 1e-12);
+        vec4 shares = clamp((distances - width) / blur + 0.5, 0.0, 1.0);
+        float share = min(min(shares.x, shares.y), min(shares.z, shares.w));
+        // Within the ring of a face that has one there is nothing to smooth.
+        if (outline <= 0.0 || distances.x >= 0.9999 * most && distances.y > 1e8) share = 1.0;
         gl_FragColor = vec4(mix(edge, face, share), 1.0);
       }`,
   },
@@ -73,7 +79,7 @@ const SHADERS = {
       ${SHADER_PARTS.pose}
       uniform vec3 keyDirection;
       uniform float height;
-      attribute vec4 info;
+      attribute vec3 info;
       void main() {
         vec3 point = placed(info.x, position);
         point -= (point.z - height) / keyDirection.z * keyDirection;
@@ -259,17 +265,20 @@ class Drawing {
 
   addMeshes() {
     const { run } = this;
-    const mesh = run.bricks.triangulate();
-    const bricks = makeGeometry({
-      position: [mesh.positions, 3], faceNormal: [mesh.normals, 3], info: [mesh.info, 4],
-    }, mesh.indices);
+    const mesh = (this.faces = run.bricks.triangulate());
+    const corners = { position: [mesh.positions, 3], info: [mesh.info, 3] };
+    const bricks = makeGeometry(
+      { ...corners, faceNormal: [mesh.normals, 3], sides: [mesh.sides, 4] }, mesh.indices.slice());
+    bricks.index.setUsage(THREE.DynamicDrawUsage);
     const under = { depthTest: false, depthWrite: false };
     const both = { side: THREE.DoubleSide };
     // In the order of painting.
     if (run.plate && run.plate.visible) {
       this.plate = this.add("plate", plateGeometry(run.plate), under);
     }
-    if (run.plate && run.plate.shadow) this.shadow = this.add("shadow", bricks, { ...under, ...both });
+    if (run.plate && run.plate.shadow) {
+      this.shadow = this.add("shadow", makeGeometry(corners, mesh.indices), { ...under, ...both });
+    }
     this.bricks = this.add("bricks", bricks);
     if (run.obstacles.length > 0) {
       this.scenery = this.add("scenery", sceneryGeometry(run.obstacles), both);
@@ -341,6 +350,18 @@ class Drawing {
     camera.getWorldDirection(uniforms.backwards.value).negate();
     uniforms.upwards.value.set(0, 1, 0).applyQuaternion(camera.quaternion);
     if (this.shadow) this.shadow.visible = this.seesPlate(uniforms);
+    this.leaveOutHiddenFaces();
+  }
+
+  /** Faces that look away cost as much to transform as others, and half of all do. */
+  leaveOutHiddenFaces() {
+    const { eye, backwards, parallel } = this.uniforms;
+    const { geometry } = this.bricks;
+    const from = parallel.value ? backwards.value : eye.value;
+    const count = this.faces.writeVisible(this.poses, from, parallel.value, geometry.index.array);
+    geometry.setDrawRange(0, count);
+    geometry.index.updateRange = { offset: 0, count };
+    geometry.index.needsUpdate = true;
   }
 
   seesPlate({ eye, backwards, parallel, height }) {

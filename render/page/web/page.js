@@ -100,8 +100,9 @@ class Page {
     byId("transport").hidden = false;
     byId("play").addEventListener("click", () => this.player.toggle());
     byId("slider").addEventListener("input", (event) => {
+      const position = Number(event.target.value);  // before the player moves the slider itself
       this.player.pause();
-      this.player.seek(Number(event.target.value));
+      this.player.seek(position);
     });
     byId("pace").addEventListener("change", (event) =>
       this.player.setPace(event.target.value === "even"));

@@ -4,7 +4,7 @@
 const TILT = 1e-6; // radians: orbits cannot look straight down, so this much is missing
 const STILL_SCALE = 2; // samples of a pixel across and down, once nothing moves
 const MOST_PIXELS = 12e6; // of a still picture, samples counted
-const SLOW_FRAME = 120; // milliseconds: such pictures are not drawn again more finely
+const MOST_FINE = 4000; // bricks: software takes too long to smooth pictures of more
 
 /** The camera of a stage, led by hand through OrbitControls. */
 class Viewpoint {
@@ -130,7 +130,9 @@ async function unpackRun(data, style) {
 /** Shows a run on a canvas. Throws where the browser cannot draw in 3-D. */
 class Stage {
   constructor(canvas, run) {
-    const context = canvas.getContext("webgl2", { antialias: true, alpha: false });
+    const context = canvas.getContext("webgl2", {
+      antialias: run.bricks.count <= MOST_FINE, alpha: false,
+    });
     if (!context) throw new Error("no WebGL 2");
     this.canvas = canvas;
     this.run = run;
@@ -141,7 +143,6 @@ class Stage {
     this.place = { sample: 0, share: 0 };
     this.isStale = true;
     this.isFine = false;
-    this.frameTime = 0; // milliseconds that the last picture took
     this.onChange = () => {};
     this.setState(0, 0);
     this.start = this.drawing.poses.slice();
@@ -224,9 +225,8 @@ class Stage {
 
   /** Draws where something has changed; finely when `fine`, which takes longer. */
   draw(fine) {
-    const wantsFine = fine && !this.isFine && this.frameTime < SLOW_FRAME;
+    const wantsFine = fine && !this.isFine && this.run.bricks.count <= MOST_FINE;
     if (!this.isStale && !wantsFine) return false;
-    const begin = performance.now();
     const { clientWidth: width, clientHeight: height } = this.canvas;
     if (width === 0 || height === 0) return false;
     const ratio = window.devicePixelRatio || 1;
@@ -238,7 +238,6 @@ class Stage {
     this.renderer.render(this.drawing.scene, this.viewpoint.camera);
     this.isStale = false;
     this.isFine = wantsFine;
-    if (!wantsFine) this.frameTime = performance.now() - begin;
     return true;
   }
 

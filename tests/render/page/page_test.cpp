@@ -131,8 +131,23 @@ TEST_F(WebPage, IsRefusedAboveItsSize) {
     text();
     FAIL() << "a page of any size";
   } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr(" MB and may have 0.1; give fewer --samples, leave --exact "
-                                        "away, or a larger --most-size"));
+    EXPECT_THAT(error.what(),
+                HasSubstr(" MB and may have 0.1; give no --exact, or a larger --most-size"));
+  }
+  // As many states as it says are few enough.
+  settings_.states = {.samples = 400};
+  settings_.mostMegabytes = 25;
+  settings_.mostMegabytes = 1e-6 * static_cast<double>(text().size()) - 0.005;
+  try {
+    settings_.states.samples = 1000;
+    text();
+    FAIL() << "a page of any size";
+  } catch (const InputError& error) {
+    std::smatch number;
+    const std::string message = error.what();
+    ASSERT_TRUE(std::regex_search(message, number, std::regex("--samples (\\d+) or fewer")));
+    settings_.states.samples = std::stoi(number[1]);
+    EXPECT_NO_THROW(text()) << message;
   }
 }
 

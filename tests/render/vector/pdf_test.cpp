@@ -1,4 +1,4 @@
-#include "render/vector/pdf.h"
+#include "render/vector/cairo_canvas.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -1,0 +1,200 @@
+#include "render/curves/plot.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/curves/ticks.h"
+#include "render/grid/label.h"
+#include "render/vector/cairo_canvas.h"
+#include "sim/base/error.h"
+
+namespace kirireel {
+namespace {
+
+constexpr double kMillimetresPerInch = 25.4;
+constexpr double kPointsPerInch = 72;
+
+constexpr Colour kText = {30, 30, 30};
+constexpr Colour kFrame = {120, 126, 134};
+constexpr Colour kGrid = {226, 229, 233};
+/// Of a group's lines in turn: they stay apart in grey and for the colour-blind.
+constexpr Colour kLines[] = {{43, 100, 166}, {194, 87, 26}, {61, 139, 95}};
+
+constexpr int kColumns = 2;
+constexpr int kTicksAcross = 5;
+constexpr int kTicksUp = 4;
+/// Height of a diagram in parts of its width.
+constexpr double kAspect = 0.5;
+
+/// A rectangle of the figure, pixels.
+struct Box {
+  double left, upper, width, height;
+
+  double right() const { return left + width; }
+  double lower() const { return upper + height; }
+};
+
+/// Draws diagrams of one figure. Lengths are in em of its text.
+class Plotter {
+ public:
+  Plotter(Canvas& canvas, int em, const PlotAbscissa& abscissa)
+      : canvas_(canvas),
+        em_(em),
+        writer_(em),
+        abscissa_(abscissa),
+        across_(makeAxis(abscissa.values, kTicksAcross)) {
+    // Curves begin and end at the borders.
+    const auto [least, largest] = std::ranges::minmax_element(abscissa.values);
+    if (*least < *largest) {
+      across_.low = *least;
+      across_.high = *largest;
+    }
+  }
+
+  void draw(const CurveGroup& group, const Box& box) {
+    const Axis up = axisOf(group);
+    drawGrid(up, box);
+    for (std::size_t k = 0; k < group.curves.size(); ++k) {
+      canvas_.lines(linesOf(group.curves[k], up, box), 0.13 * em_, kLines[k % std::size(kLines)]);
+    }
+    drawTitle(group, box);
+    const double middle = box.left + 0.5 * box.width;
+    write(abscissa_.title, middle - 0.5 * width(abscissa_.title), box.lower() + 2.5 * em_, kText);
+  }
+
+ private:
+  static Axis axisOf(const CurveGroup& group) {
+    std::vector<double> values;
+    for (const Curve& curve : group.curves) {
+      std::ranges::copy_if(curve.values, std::back_inserter(values),
+                           [](double value) { return std::isfinite(value); });
+    }
+    return group.isLogarithmic ? makeLogarithmicAxis(values, kTicksUp) : makeAxis(values, kTicksUp);
+  }
+
+  Eigen::Vector2d place(double across, double up, const Box& box) const {
+    return {box.left + across * box.width, box.lower() - up * box.height};
+  }
+
+  void drawGrid(const Axis& up, const Box& box) {
+    std::vector<Canvas::Points> grid;
+    for (std::size_t k = 0; k < up.ticks.size(); ++k) {
+      const double share = up.shareOf(up.ticks[k]);
+      grid.push_back({place(0, share, box), place(1, share, box)});
+      write(up.texts[k], box.left - 0.5 * em_ - width(up.texts[k]),
+            place(0, share, box).y() + 0.35 * em_, kText);
+    }
+    for (std::size_t k = 0; k < across_.ticks.size(); ++k) {
+      const double share = across_.shareOf(across_.ticks[k]);
+      if (share < -1e-9 || share > 1 + 1e-9) continue;
+      grid.push_back({place(share, 0, box), place(share, 1, box)});
+      write(across_.texts[k], place(share, 0, box).x() - 0.5 * width(across_.texts[k]),
+            box.lower() + 1.25 * em_, kText);
+    }
+    canvas_.lines(grid, 0.06 * em_, kGrid);
+    canvas_.lines({{place(0, 1, box), place(0, 0, box), place(1, 0, box)}}, 0.08 * em_, kFrame);
+  }
+
+  /// A line for each stretch of samples that have a place.
+  std::vector<Canvas::Points> linesOf(const Curve& curve, const Axis& up, const Box& box) const {
+    std::vector<Canvas::Points> lines(1);
+    for (std::size_t k = 0; k < curve.values.size(); ++k) {
+      const double value = curve.values[k], across = abscissa_.values[k];
+      const bool isShown =
+          std::isfinite(across) && std::isfinite(value) && (!up.isLogarithmic || value > 0);
+      if (isShown) {
+        lines.back().push_back(place(across_.shareOf(across), up.shareOf(value), box));
+      } else if (!lines.back().empty()) {
+        lines.emplace_back();
+      }
+    }
+    std::erase_if(lines, [](const Canvas::Points& line) { return line.size() < 2; });
+    return lines;
+  }
+
+  void drawTitle(const CurveGroup& group, const Box& box) {
+    const double baseline = box.upper - 0.6 * em_;
+    write(group.unit.empty() ? group.name : group.name + ", " + group.unit, box.left, baseline,
+          kText);
+    if (group.curves.size() < 2) return;
+    double right = box.right();
+    for (std::size_t k = group.curves.size(); k-- > 0;) {
+      if (!group.curves[k].hasValues()) continue;
+      right -= width(group.curves[k].name);
+      write(group.curves[k].name, right, baseline, kLines[k % std::size(kLines)]);
+      right -= em_;
+    }
+  }
+
+  double width(const std::string& text) const { return writer_.width(text); }
+
+  void write(const std::string& text, double left, double baseline, Colour colour) {
+    canvas_.text(text, left, baseline, em_, colour);
+  }
+
+  Canvas& canvas_;
+  int em_;
+  LabelWriter writer_;
+  const PlotAbscissa& abscissa_;
+  Axis across_;
+};
+
+/// Where the diagrams of a figure stand.
+struct PlotLayout {
+  int em = 0;
+  Box first{};        ///< the diagram at the upper left
+  double across = 0;  ///< from one diagram to the next
+  double down = 0;    ///< from one row to the next
+  FrameSize size;
+
+  Box box(int number) const {
+    Box result = first;
+    result.left += number % kColumns * across;
+    result.upper += number / kColumns * down;
+    return result;
+  }
+};
+
+PlotLayout layOut(int diagrams, const PlotSettings& settings) {
+  PlotLayout layout;
+  layout.em = std::max(4, static_cast<int>(std::lround(settings.fontPoints / kPointsPerInch *
+                                                       settings.dotsPerInch)));
+  const double em = layout.em;
+  const int columns = std::min(kColumns, diagrams);
+  const int rows = (diagrams + kColumns - 1) / kColumns;
+  layout.size.width =
+      static_cast<int>(std::lround(settings.width / kMillimetresPerInch * settings.dotsPerInch));
+  layout.across = (layout.size.width - em) / columns;
+  const double wide = layout.across - 5 * em;
+  layout.first = {4.5 * em, 2 * em, wide, kAspect * wide / (diagrams == 1 ? 1.2 : 1)};
+  layout.down = layout.first.height + 6 * em;
+  layout.size.height = static_cast<int>(std::lround(rows * layout.down));
+  return layout;
+}
+
+}  // namespace
+
+std::string plotCurves(const RunCurves& curves, const PlotAbscissa& abscissa, PageFormat format,
+                       const PlotSettings& settings) {
+  std::vector<const CurveGroup*> groups;
+  for (const CurveGroup& group : curves.groups) {
+    if (group.hasValues()) groups.push_back(&group);
+  }
+  if (groups.empty()) throw InputError("error: the run has no curve to plot");
+  const PlotLayout layout = layOut(static_cast<int>(groups.size()), settings);
+  requireValidSize(layout.size);
+  const std::unique_ptr<Canvas> canvas = makeCanvas(format, {.size = layout.size,
+                                                             .pixelsPerInch = settings.dotsPerInch,
+                                                             .outline = kFrame,
+                                                             .fontFamily = fontFamily(),
+                                                             .description = settings.madeBy});
+  Plotter plotter(*canvas, layout.em, abscissa);
+  for (std::size_t k = 0; k < groups.size(); ++k) {
+    canvas->begin("curves_" + std::to_string(k + 1));
+    plotter.draw(*groups[k], layout.box(static_cast<int>(k)));
+    canvas->end();
+  }
+  return canvas->finish();
+}
+
+}  // namespace kirireel
