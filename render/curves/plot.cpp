@@ -22,7 +22,7 @@ constexpr Colour kLines[] = {{43, 100, 166}, {194, 87, 26}, {61, 139, 95}};
 
 constexpr int kColumns = 2;
 constexpr int kTicksAcross = 5;
-constexpr int kTicksUp = 4;
+constexpr int kTicksUp = 5;
 /// Height of a diagram in parts of its width.
 constexpr double kAspect = 0.5;
 

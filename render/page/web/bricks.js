@@ -234,7 +234,8 @@ class Bricks {
       const from = turned(away, poses, at + 4, -1), way = turned(direction, poses, at + 4, -1);
       for (const face of this.faces[brick]) {
         const distance = distanceToFace(from, way, face);
-        if (distance < nearest) {
+        // Of faces in one plane the first counts, as in pictures.
+        if (distance < nearest - 1e-6 * this.radii[brick]) {
           nearest = distance;
           found = brick;
         }

@@ -292,6 +292,7 @@ class Drawing {
       vertexShader: SHADERS[kind].vertex,
       fragmentShader: SHADERS[kind].fragment,
       uniforms: { ...this.uniforms, colour: { value: new THREE.Vector3() } },
+      depthFunc: THREE.LessDepth, // of faces in one plane the first counts, as in our pictures
       ...options,
     });
     const mesh = new THREE.Mesh(geometry, material);

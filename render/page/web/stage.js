@@ -36,6 +36,14 @@ class Viewpoint {
     this.controls.object = this.camera;
     this.controls.target.copy(centre);
     this.controls.update();
+    this.exact = { fit, eye: this.camera.position.clone(), target: centre };
+  }
+
+  /** Whether nobody has moved the camera since it took a view. */
+  get isUnmoved() {
+    const { exact, camera, controls } = this;
+    return Boolean(exact) && camera.zoom === 1 && camera.position.equals(exact.eye) &&
+      controls.target.equals(exact.target);
   }
 
   /** Turns, in radians, and comes nearer by a factor. */
@@ -57,18 +65,6 @@ class Viewpoint {
     controls.update();
   }
 
-  follow(other) {
-    this.camera = other.camera.isOrthographicCamera
-      ? this.cameras.parallel : this.cameras.perspective;
-    this.viewHeight = other.viewHeight;
-    this.camera.fov = other.camera.fov;
-    this.camera.zoom = other.camera.zoom;
-    this.camera.position.copy(other.camera.position);
-    this.controls.object = this.camera;
-    this.controls.target.copy(other.controls.target);
-    this.controls.update();
-  }
-
   /** Height of the picture at the centre, metres, as heightAtCentre() in camera.cpp has it. */
   heightAtCentre() {
     const { camera } = this;
@@ -77,9 +73,20 @@ class Viewpoint {
     return 2 * Math.tan(0.5 * THREE.Math.degToRad(camera.fov)) * distance;
   }
 
-  /** Sets up the projection, with all of the ball between its near and far planes. */
+  /**
+   * Sets up the lens, the camera that draws, with all of the ball between its near and far planes.
+   * It looks as the view says while nobody moves it: in a sheet seen from straight above, all has
+   * one depth then, as in our pictures.
+   */
   project() {
-    const { camera, ball } = this;
+    const { ball } = this;
+    const camera = (this.lens = this.camera.clone());
+    if (this.isUnmoved) {
+      const { fit, target } = this.exact;
+      camera.position.set(...fit.eye);
+      camera.up.set(...fit.up);
+      camera.lookAt(target);
+    }
     const distance = camera.position.distanceTo(ball.center);
     camera.far = distance + ball.radius;
     if (camera.isOrthographicCamera) {
@@ -99,7 +106,7 @@ class Viewpoint {
   /** The ray through a point of the picture, each from -1 to 1. */
   ray(x, y) {
     const caster = new THREE.Raycaster();
-    caster.setFromCamera(new THREE.Vector2(x, y), this.camera);
+    caster.setFromCamera(new THREE.Vector2(x, y), this.lens);
     return caster.ray;
   }
 }
@@ -234,8 +241,8 @@ class Stage {
     this.renderer.setPixelRatio(Math.min(ratio * (wantsFine ? STILL_SCALE : 1), finest));
     this.renderer.setSize(width, height, false);
     this.viewpoint.project();
-    this.drawing.setCamera(this.viewpoint.camera, this.viewpoint, height);
-    this.renderer.render(this.drawing.scene, this.viewpoint.camera);
+    this.drawing.setCamera(this.viewpoint.lens, this.viewpoint, height);
+    this.renderer.render(this.drawing.scene, this.viewpoint.lens);
     this.isStale = false;
     this.isFine = wantsFine;
     return true;
