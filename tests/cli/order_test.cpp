@@ -149,8 +149,9 @@ const std::vector<Sample>& samples() {
 
 /// Options that say where a run goes, what is printed, where its settings stand, which of two
 /// libraries draws the same pictures, or what is so anyway.
-const std::set<std::string> kDecideNothing = {"--help",  "--out", "--resume",    "--json",
-                                              "--scene", "--gl",  "--quadratic", "--strict"};
+const std::set<std::string> kDecideNothing = {"--help", "--out",       "--resume",
+                                              "--json", "--page",      "--scene",
+                                              "--gl",   "--quadratic", "--strict"};
 
 RecordOrder orderOf(const Words& options) {
   Words words = {"record", "model"};
@@ -193,8 +194,8 @@ TEST(Orders, AreToldApartByEveryOption) {
 
 TEST(Orders, AreNotToldApartByWhatDecidesNothing) {
   const std::string plain = termsOf({});
-  for (const Words& words :
-       {Words{"--out", "there"}, Words{"--resume"}, Words{"--json"}, Words{"--gl", "egl"}}) {
+  for (const Words& words : {Words{"--out", "there"}, Words{"--resume"}, Words{"--json"},
+                             Words{"--page"}, Words{"--gl", "egl"}}) {
     EXPECT_EQ(termsOf(words), plain) << words.front();
   }
 }

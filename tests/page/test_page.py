@@ -68,7 +68,7 @@ class Pages(unittest.TestCase):
     def assert_lines_near(self, picture, other):
         """Full lines of a picture are within two pixels of lines of the other, full or smoothed."""
         lines = browser.lines_of(picture, 25)
-        self.assertFalse((lines & ~browser.grown(browser.lines_of(other, 60), 2)).any())
+        self.assertFalse((lines & ~browser.grown(browser.lines_of(other, 75), 2)).any())
 
     # Second method: every brick in a colour of its own, read off the picture.
     def test_tiles_are_found_under_a_finger(self):
@@ -165,7 +165,8 @@ class LargePages(unittest.TestCase):
             folder = pathlib.Path(name)
             run_program("generate", "tessellation", folder / "model", "--columns", 100,
                         "--rows", 100)
-            run_program("simulate", folder / "model", "--out", folder / "run", "--fps", 30)
+            run_program("simulate", folder / "model", "--out", folder / "run", "--fps", 30,
+                        "--search", 1)
             run_program("page", folder / "run", "--samples", 200)
             page = folder / "run" / "page.html"
             self.assertLess(page.stat().st_size, 12e6)
