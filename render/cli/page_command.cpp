@@ -1,5 +1,7 @@
 #include "render/cli/page_command.h"
 
+#include <sstream>
+
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
@@ -39,6 +41,17 @@ void addPageOptions(CLI::App& command, WebPageSettings& settings) {
   group
       .flag("--exact", settings.states.exact,
             "poses as they are, to the last bit; else to a fraction of a pixel")
+      .decidesNothing();
+  group
+      .value("--embed", "LIST", "none",
+             "files of the run that go into the page: videos play, pictures show, others can be "
+             "saved from it, such as deployment.mp4,final.obj",
+             [&settings](const OptionValue& typed) {
+               std::istringstream names(typed.text);
+               for (std::string name; std::getline(names, name, ',');) {
+                 settings.embedded.push_back(name);
+               }
+             })
       .decidesNothing();
   group
       .value("--most-size", "MB", "25", "of a page; a larger one is refused",

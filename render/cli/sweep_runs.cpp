@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kNameDigits = 20;
 
 /// Options that say where a run goes and how it reports, which is the sweep's to say.
-const std::set<std::string> kNotForSweeps = {"out", "json"};
+const std::set<std::string> kNotForSweeps = {"out", "json", "page"};
 
 /// The keys of a run's options. "model" and "scene" are the sweep's own words.
 std::vector<std::string> runKeys(const CLI::App& command) {

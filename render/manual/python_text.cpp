@@ -149,7 +149,7 @@ def open(path: _Path) -> Trajectory: ...
 
 const std::vector<std::string>& optionsNotForRuns() {
   static const std::vector<std::string> names = {"help",   "out",         "json",
-                                                 "resume", "joints_file", "strict"};
+                                                 "resume", "joints_file", "strict", "page"};
   return names;
 }
 

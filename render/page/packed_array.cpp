@@ -52,6 +52,9 @@ Json packedArray(std::span<const double> entries) {
 Json packedArray(std::span<const std::int32_t> entries) {
   return packedAs("i32", entries);
 }
+Json packedArray(std::span<const std::uint16_t> entries) {
+  return packedAs("u16", entries);
+}
 Json packedArray(std::span<const std::uint8_t> entries) {
   return packedAs("u8", entries);
 }
@@ -100,14 +103,23 @@ void PosePacker::addRounded(const std::vector<double>& entries) {
   }
 }
 
+/// In 16 bits where all of them have room there, which is quicker to unpack.
+Json PosePacker::packedDifferences() const {
+  const bool areSmall = std::ranges::all_of(differences_, [](std::int32_t difference) {
+    return difference >= 0 && difference <= std::numeric_limits<std::uint16_t>::max();
+  });
+  if (!areSmall) return packedArray(std::span<const std::int32_t>(differences_));
+  const std::vector<std::uint16_t> small(differences_.begin(), differences_.end());
+  return packedArray(std::span<const std::uint16_t>(small));
+}
+
 Json PosePacker::packed() const {
   const PoseSteps steps = steps_.value_or(PoseSteps{});
   return {{"exact", !steps_.has_value()},
           {"origin", vectorJson(steps.origin)},
           {"position_step", steps.position},
           {"rotation_step", steps.rotation},
-          {"entries", steps_ ? packedArray(std::span<const std::int32_t>(differences_))
-                             : packedArray(std::span<const double>(exact_))}};
+          {"entries", steps_ ? packedDifferences() : packedArray(std::span<const double>(exact_))}};
 }
 
 Json packedMagnitudes(std::span<const double> values) {

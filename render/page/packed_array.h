@@ -21,10 +21,12 @@ using Json = nlohmann::ordered_json;
 /// [x, y, z].
 Json vectorJson(const Vector3& vector);
 
-/// {"type": "f32" | "f64" | "i32" | "u8", "count": entries, "data": text}, which packed.js unpacks.
+/// {"type": "f32" | "f64" | "i32" | "u16" | "u8", "count": entries, "data": text}, which packed.js
+/// unpacks.
 Json packedArray(std::span<const float> entries);
 Json packedArray(std::span<const double> entries);
 Json packedArray(std::span<const std::int32_t> entries);
+Json packedArray(std::span<const std::uint16_t> entries);
 Json packedArray(std::span<const std::uint8_t> entries);
 
 /// How finely poses are told.
@@ -34,8 +36,8 @@ struct PoseSteps {
   double rotation = 1;               ///< step of the quaternions' parts; above 0
 };
 
-/// Steps that move no corner of bricks by more than 1/18,000 of what is in sight: a ninth of a pixel
-/// where that fills 2000 pixels. `size`: its diagonal; `radius`: the largest distance of a
+/// Steps that move no corner of bricks by more than 1/18,000 of what is in sight: a ninth of a
+/// pixel where that fills 2000 pixels. `size`: its diagonal; `radius`: the largest distance of a
 /// corner from its brick's centre of mass; both metres, above 0.
 PoseSteps finePoseSteps(const Vector3& origin, double size, double radius);
 
@@ -57,6 +59,7 @@ class PosePacker {
 
  private:
   void addRounded(const std::vector<double>& entries);
+  Json packedDifferences() const;
 
   std::optional<PoseSteps> steps_;
   Poses before_;  ///< of the last sample, its quaternions' signs chosen to follow each other

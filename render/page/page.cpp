@@ -11,6 +11,7 @@
 #include "render/record/versions.h"
 #include "sim/base/compression.h"
 #include "sim/base/error.h"
+#include "sim/base/input_file.h"
 #include "sim/base/pending_file.h"
 
 namespace kirireel {
@@ -20,6 +21,9 @@ namespace {
 constexpr const char* kScripts[] = {"three.min.js", "OrbitControls.js", "packed.js",    "bricks.js",
                                     "drawing.js",   "stage.js",         "colouring.js", "curves.js",
                                     "player.js",    "page.js"};
+
+/// Of one file that goes into a page, bytes.
+constexpr std::uintmax_t kMostEmbedded = 1u << 30;
 
 using Words = std::vector<std::pair<std::string, std::string>>;
 
@@ -84,10 +88,41 @@ std::string stageHtml(const TrajectoryReader& run, const Look& look) {
                 {{"name", htmlText(run.subject().model.name)}, {"picture", picture}});
 }
 
-std::string wordsHtml(const TrajectoryReader& run) {
+/// The type of a file by its ending, as browsers know it.
+std::string mediaType(const std::filesystem::path& file) {
+  const std::pair<const char*, const char*> types[] = {
+      {".mp4", "video/mp4"},   {".webm", "video/webm"}, {".png", "image/png"},
+      {".apng", "image/apng"}, {".gif", "image/gif"},   {".svg", "image/svg+xml"}};
+  for (const auto& [ending, type] : types) {
+    if (file.extension() == ending) return type;
+  }
+  return "application/octet-stream";
+}
+
+/// A file within the page: a video, a picture, or a link that saves it.
+std::string embeddedHtml(const std::filesystem::path& file) {
+  const std::string bytes = readTextFile(file, "name files of the run with --embed", kMostEmbedded);
+  const std::string type = mediaType(file), name = htmlText(file.filename().string());
+  const std::string source =
+      fmt::format("data:{};base64,{}", type, base64(std::as_bytes(std::span(bytes))));
+  if (type.starts_with("video/")) {
+    return fmt::format("<video controls loop src=\"{}\" aria-label=\"{}\"></video>\n", source,
+                       name);
+  }
+  if (type.starts_with("image/")) {
+    return fmt::format("<img src=\"{}\" alt=\"{}\">\n", source, name);
+  }
+  return fmt::format("<a download=\"{0}\" href=\"{1}\">{0}</a>\n", name, source);
+}
+
+std::string wordsHtml(const TrajectoryReader& run, const std::filesystem::path& folder,
+                      const std::vector<std::string>& names) {
+  std::string files;
+  for (const std::string& name : names) files += embeddedHtml(folder / name);
   return filled(embeddedFile("words.html"), {{"name", htmlText(run.subject().model.name)},
                                              {"facts", factsHtml(factsOf(run))},
-                                             {"warnings", warningsHtml(warningsOf(run))}});
+                                             {"warnings", warningsHtml(warningsOf(run))},
+                                             {"files", files}});
 }
 
 /// `dataBytes`: what of the page grows with its states, of which it has so many.
@@ -136,7 +171,7 @@ std::string pageText(const std::vector<std::filesystem::path>& trajectories,
     data["runs"].push_back(runJson(run, settings.look, settings.states));
     title += (title.empty() ? "" : " and ") + run.subject().model.name;
     stages += stageHtml(run, settings.look);
-    words += wordsHtml(run);
+    words += wordsHtml(run, file.parent_path(), settings.embedded);
   }
   const std::string text = safeJson(data);
   const std::string page =

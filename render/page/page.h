@@ -24,6 +24,9 @@ inline constexpr std::size_t kMostPageRuns = 2;
 struct WebPageSettings {
   std::filesystem::path folder;  ///< made if need be
   PageStates states;
+  /// Files in the folder of each trajectory that go into the page: videos play, pictures show,
+  /// others can be saved from it.
+  std::vector<std::string> embedded;
   double mostMegabytes = 25;  ///< a larger page is refused; 1e6 bytes each
   Look look;                  ///< of all runs
 };

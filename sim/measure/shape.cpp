@@ -10,7 +10,7 @@ namespace {
 /// Parts of the box's diagonal by which flat tiles may leave their plane.
 constexpr double kFlat = 1e-6;
 /// Strains below this say nothing.
-constexpr double kLeastStrain = 1e-4;
+constexpr double kLeastStrain = 1e-3;
 
 using Points = std::vector<Eigen::Vector2d>;
 

@@ -27,7 +27,7 @@ std::optional<double> coveredArea(const std::vector<Tile>& tiles);
 
 /// Poisson's ratio from one state to another, of logarithmic (Hencky) strains of the box's sides:
 ///   -log(y / y0) / log(x / x0),
-/// so that rotating squares have -1 at any opening. None where x hardly changes, by less than 1e-4
+/// so that rotating squares have -1 at any opening. None where x hardly changes, by less than 1e-3
 /// of itself, since rounding would decide.
 std::optional<double> poissonsRatio(const Vector3& sidesBefore, const Vector3& sides);
 

@@ -2,6 +2,7 @@
 
 import io
 import json
+import os
 import shutil
 
 try:
@@ -43,9 +44,11 @@ class Browser:
         self.driver = webdriver.Chrome(service=Service(shutil.which("chromedriver")),
                                        options=options)
         self.driver.set_script_timeout(120)
-        self.driver.get("file://%s" % page)
+        self.page = page
 
     def __enter__(self):
+        self.idle_seconds = self.cpu_seconds()
+        self.driver.get("file://%s" % self.page)
         self.wait_until("window.kirireel !== undefined")
         return self
 
@@ -64,6 +67,26 @@ class Browser:
     def wait_until_fine(self):
         """Until the picture is as fine as a still one becomes."""
         self.wait_until("kirireel.stages.every((stage) => stage.isFine && !stage.isStale)")
+
+    def cpu_seconds(self):
+        """What the browser's processes have computed so far."""
+        ticks = os.sysconf("SC_CLK_TCK")
+        parents, seconds = {}, {}
+        for entry in os.listdir("/proc"):
+            if not entry.isdigit():
+                continue
+            try:
+                with open("/proc/%s/stat" % entry) as file:
+                    fields = file.read().rsplit(")", 1)[1].split()
+            except OSError:
+                continue  # it has just ended
+            parents[int(entry)] = int(fields[1])
+            seconds[int(entry)] = (int(fields[11]) + int(fields[12])) / ticks
+        mine, total = {self.driver.service.process.pid}, 0
+        while mine:
+            total += sum(seconds[process] for process in mine)
+            mine = {process for process, parent in parents.items() if parent in mine}
+        return total
 
     def messages(self):
         """What the page complained of."""

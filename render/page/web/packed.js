@@ -1,7 +1,7 @@
 "use strict";
 // Unpacks what render/page/packed_array.cpp packs.
 
-const ARRAY_TYPES = { f32: Float32Array, f64: Float64Array, i32: Int32Array, u8: Uint8Array };
+const ARRAY_TYPES = { f32: Float32Array, f64: Float64Array, i32: Int32Array, u16: Uint16Array, u8: Uint8Array };
 
 /** The bytes that base 64 stands for. */
 function bytesOfText(text) {
@@ -31,21 +31,22 @@ async function unpackArray({ type, count, data }) {
   return new Type(bytes.buffer);
 }
 
-/** Turns zigzag second differences along the samples into the entries themselves, in place. */
-function sumDifferences(entries, stride) {
+/** The entries of which these are the zigzag second differences along the samples. */
+function sumDifferences(differences, stride) {
+  const entries = new Int32Array(differences.length);
   for (let k = 0; k < entries.length; ++k) {
-    const difference = (entries[k] >>> 1) ^ -(entries[k] & 1);
     const last = k >= stride ? entries[k - stride] : 0;
     const lastButOne = k >= 2 * stride ? entries[k - 2 * stride] : 0;
-    entries[k] = difference + 2 * last - lastButOne;
+    entries[k] = ((differences[k] >>> 1) ^ -(differences[k] & 1)) + 2 * last - lastButOne;
   }
+  return entries;
 }
 
 /** The poses of all bricks in all samples of a run. */
 class Poses {
   static async unpack(packed, brickCount) {
-    const entries = await unpackArray(packed.entries);
-    if (!packed.exact) sumDifferences(entries, 7 * brickCount);
+    const stored = await unpackArray(packed.entries);
+    const entries = packed.exact ? stored : sumDifferences(stored, 7 * brickCount);
     return new Poses(packed, entries, brickCount);
   }
 

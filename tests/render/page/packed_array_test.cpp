@@ -78,7 +78,9 @@ TEST(PosePacker, MovesNoCornerBeyondItsSteps) {
   for (int k = 0; k < 40; ++k) packer.add(stateOf(k));
   const Json packed = packer.packed();
   EXPECT_FALSE(packed.at("exact"));
-  std::vector<std::int32_t> entries = unpacked<std::int32_t>(packed.at("entries"));
+  ASSERT_EQ(packed.at("entries").at("type"), "u16");
+  const std::vector<std::uint16_t> stored = unpacked<std::uint16_t>(packed.at("entries"));
+  std::vector<std::int32_t> entries(stored.begin(), stored.end());
   ASSERT_EQ(entries.size(), 40U * 7 * 3);
   for (std::size_t k = 0; k < entries.size(); ++k) {
     const auto code = static_cast<std::uint32_t>(entries[k]);
@@ -101,6 +103,15 @@ TEST(PosePacker, MovesNoCornerBeyondItsSteps) {
     }
   }
   EXPECT_LT(farthest, kSize / 18000);  // measured 1.7e-4 of 2.8e-4
+}
+
+TEST(PosePacker, HasRoomForWhatFliesAway) {
+  PosePacker packer(finePoseSteps({0, 0, 0}, 1, 1));
+  packer.add(stateOf(0));
+  Poses away = stateOf(1);
+  away[1].position.x() = 20;
+  packer.add(away);
+  EXPECT_EQ(packer.packed().at("entries").at("type"), "i32");
 }
 
 TEST(PosePacker, KeepsExactPosesToTheLastBit) {

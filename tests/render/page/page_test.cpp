@@ -9,6 +9,7 @@
 #include "render/page/page_words.h"
 #include "render/picture/style.h"
 #include "sim/base/error.h"
+#include "sim/base/pending_file.h"
 #include "sim/model/tessellation.h"
 #include "tests/support/files.h"
 #include "tests/support/layouts.h"
@@ -149,6 +150,18 @@ TEST_F(WebPage, IsRefusedAboveItsSize) {
     settings_.states.samples = std::stoi(number[1]);
     EXPECT_NO_THROW(text()) << message;
   }
+}
+
+TEST_F(WebPage, HoldsFilesOfTheRun) {
+  writeTextFile(folder_ / "a.mp4", "abc");
+  writeTextFile(folder_ / "b.obj", "v 0 0 0");
+  settings_.embedded = {"a.mp4", "b.obj"};
+  const std::string page = text();
+  EXPECT_THAT(page, HasSubstr("<video controls loop src=\"data:video/mp4;base64,YWJj\""));
+  EXPECT_THAT(page,
+              HasSubstr("<a download=\"b.obj\" href=\"data:application/octet-stream;base64,"));
+  settings_.embedded = {"none.png"};
+  EXPECT_THROW(text(), InputError);
 }
 
 TEST_F(WebPage, IsListedInItsFolder) {
