@@ -43,6 +43,7 @@ class Face {
     this.across = this.directionsAcross();
     this.inwards = this.directionsInwards();
     this.mostOutline = this.widestOutline(mostShare);
+    this.cornerDistances = this.hasFewSides && corners.map((corner) => this.distances(corner));
   }
 
   /** Across each side, inwards in the face's plane; of unit length. */
@@ -113,7 +114,8 @@ class FaceMesh {
     this.planes.set([...face.normal, vec.dot(face.normal, face.corners[0])], 4 * this.faceEnd);
     const first = this.vertexEnd;
     if (face.hasFewSides) {
-      face.corners.forEach((corner) => this.addVertex(corner, face, brick, face.distances(corner)));
+      face.corners.forEach((corner, k) =>
+        this.addVertex(corner, face, brick, face.cornerDistances[k]));
       this.addTriangles(face, first);
     } else {
       this.addRings(face, brick);
@@ -189,12 +191,21 @@ class Bricks {
     this.count = bottoms.length;
     this.faces = [];
     this.radii = new Float64Array(this.count);
+    const shapes = new Map(); // bricks of one shape share their faces
     for (let brick = 0; brick < this.count; ++brick) {
       const bottom = bottoms.polygon(brick);
       const rise = Array.from(rises.subarray(3 * brick, 3 * brick + 3));
-      const top = bottom.map((corner) => vec.add(corner, rise));
-      this.faces.push(Bricks.facesOf(bottom, top, triangles[brick], mostShare));
-      this.radii[brick] = Math.max(...[...bottom, ...top].map(vec.length));
+      const key = `${bottom.join(" ")} ${rise.join(" ")}`;
+      if (!shapes.has(key)) {
+        const top = bottom.map((corner) => vec.add(corner, rise));
+        shapes.set(key, {
+          faces: Bricks.facesOf(bottom, top, triangles[brick], mostShare),
+          radius: Math.max(...[...bottom, ...top].map(vec.length)),
+        });
+      }
+      const { faces, radius } = shapes.get(key);
+      this.faces.push(faces);
+      this.radii[brick] = radius;
     }
   }
 
