@@ -12,6 +12,8 @@ constexpr double kLongest = 1e7;
 // So much of a tile is a motion.
 constexpr double kMoved = 1e-3;
 
+}  // namespace
+
 double farthestMove(const Poses& from, const Poses& to, double tileSize) {
   double farthest = 0;
   for (std::size_t i = 0; i < from.size(); ++i) {
@@ -20,8 +22,6 @@ double farthestMove(const Poses& from, const Poses& to, double tileSize) {
   }
   return farthest;
 }
-
-}  // namespace
 
 RestProbe probeRest(Dynamics& dynamics, const Motion& motion, double step,
                     const LoadSource& actuation, double tileSize) {

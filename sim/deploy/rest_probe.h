@@ -22,4 +22,8 @@ struct RestProbe {
 RestProbe probeRest(Dynamics& dynamics, const Motion& motion, double step,
                     const LoadSource& actuation, double tileSize);
 
+/// How far the brick is that moved farthest from one state to another, metres: turns count at a
+/// tile's size.
+double farthestMove(const Poses& from, const Poses& to, double tileSize);
+
 }  // namespace kirireel

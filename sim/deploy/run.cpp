@@ -36,13 +36,6 @@ constexpr int kStepsAtOnce = 4;
 // Times closer than this part of a step are the same.
 constexpr double kSameTime = 1e-6;
 
-/// Tiles that are led go by a guide that moves with the steps, on joints that often are compliant:
-/// steps are fixed there.
-bool keepsTolerance(const Scene& scene) {
-  return scene.solver.tolerance > 0 && scene.solver.kind == SolverKind::Direct &&
-         !scene.solver.substeps && scene.path.kind != PathKind::Led && !scene.path.jointsGive();
-}
-
 }  // namespace
 
 Run::Run(const Scene& scene, const AssembledState& nearest, const RunObservers& observers,
@@ -112,16 +105,6 @@ void Run::pull(const Poses& poses, std::vector<Load>& loads) const {
     if (boundary_) loads[i] = boundary_->load(brick, poses[i]);
     if (drive == Drive::Expansion) loads[i] = expansionLoad(springSettings_, centre, poses[i]);
   }
-}
-
-/// To the target headed for at present.
-double Run::currentTargetError() const {
-  return target_ ? targetError(*target_, bricks_, motion_.poses) : 0;
-}
-
-/// What counts as having arrived.
-double Run::reachableError() const {
-  return leastError_ + kNearShare * tileSize_;
 }
 
 void Run::goTo(const std::vector<Tile>* target) {
@@ -229,15 +212,7 @@ void Run::takeSample(double time, Poses poses) {
 Poses Run::openPosesAt(double time) const {
   const double seconds = time - (this->time() - step_);
   if (!wasSmooth_) return interpolate(before_.poses, motion_.poses, seconds / step_);
-  const std::span<const PassedState> passed = dynamics_->passed();
-  const auto next = std::ranges::find_if(
-      passed, [&](const PassedState& state) { return state.seconds > seconds; });
-  const bool isFirst = next == passed.begin();
-  const double from = isFirst ? 0 : std::prev(next)->seconds;
-  const double to = next == passed.end() ? step_ : next->seconds;
-  return interpolate(isFirst ? before_ : std::prev(next)->motion,
-                     next == passed.end() ? motion_ : next->motion, to - from,
-                     (seconds - from) / (to - from));
+  return posesBetween(before_, dynamics_->passed(), motion_, step_, seconds);
 }
 
 /// The same with the joints closed, where those of the step's two ends are.
@@ -371,11 +346,6 @@ void Run::followPath() {
   follower_.reset();
 }
 
-/// The loads at the present time.
-LoadSource Run::loadsNow() const {
-  return [this](const Poses& poses, std::vector<Load>& loads) { actuation_(0, poses, loads); };
-}
-
 StepReport Run::advanceByFixedSteps() {
   const int count = hasTolerance_ ? kStepsAtOnce : 1;
   StepReport report;
@@ -405,14 +375,8 @@ void Run::watchJam(const StepReport& report) {
 
 /// Whether steps fail, and the bricks have stayed since they began to.
 bool Run::isStuck() const {
-  if (jamStart_.empty()) return false;
-  double farthest = 0;
-  for (std::size_t i = 0; i < jamStart_.size(); ++i) {
-    const double turn = motion_.poses[i].rotation.angularDistance(jamStart_[i].rotation);
-    const double move = (motion_.poses[i].position - jamStart_[i].position).norm();
-    farthest = std::max(farthest, move + turn * tileSize_);
-  }
-  return farthest < kStuckShare * tileSize_;
+  return !jamStart_.empty() &&
+         farthestMove(jamStart_, motion_.poses, tileSize_) < kStuckShare * tileSize_;
 }
 
 /// Of all bricks, turns counted at a tile's size, m/s.
@@ -474,11 +438,6 @@ void Run::endAtRest() {
     end(Outcome::Locked,
         fmt::format("came to rest {:.3g} short of the target: {}", error, holdup()));
   }
-}
-
-/// Whether an error is no nearness: the target then counts as missed, whatever keeps it away.
-bool Run::isFar(double error) const {
-  return error > kFarShare * tileSize_;
 }
 
 /// Whether the joints leave the tiles no motion but that of the whole.

@@ -71,7 +71,10 @@ class Run : private TimelineStage {
   void advanceToEnd();
   void advance();
   void takeStep();
-  LoadSource loadsNow() const;
+  /// The loads at the present time.
+  LoadSource loadsNow() const {
+    return [this](const Poses& poses, std::vector<Load>& loads) { actuation_(0, poses, loads); };
+  }
   StepReport advanceByFixedSteps();
   StepReport advanceStep();
   void followPath();
@@ -112,11 +115,16 @@ class Run : private TimelineStage {
   bool pullsToTarget() const {
     return hasSprings() && (scene_.springs.pull() || scene_.path.kind == PathKind::Led);
   }
-  double currentTargetError() const;
-  bool isFar(double error) const;
+  /// To the target headed for at present.
+  double currentTargetError() const {
+    return target_ ? targetError(*target_, bricks_, motion_.poses) : 0;
+  }
+  /// Whether an error is no nearness: the target then counts as missed, whatever keeps it away.
+  bool isFar(double error) const { return error > kFarShare * tileSize_; }
   bool isImmobile() const;
   std::string lateness() const;
-  double reachableError() const;
+  /// What counts as having arrived.
+  double reachableError() const { return leastError_ + kNearShare * tileSize_; }
   double spentSeconds() const;
 
   const Scene& scene_;

@@ -279,4 +279,16 @@ std::optional<double> Extrapolation::step(Motion& motion, double seconds, const 
   return std::nullopt;
 }
 
+Poses posesBetween(const Motion& from, std::span<const PassedState> passed, const Motion& to,
+                   double length, double seconds) {
+  const auto isLater = [&](const PassedState& state) { return state.seconds > seconds; };
+  const auto next = std::ranges::find_if(passed, isLater);
+  const PassedState* before = next == passed.begin() ? nullptr : &*std::prev(next);
+  const PassedState* after = next == passed.end() ? nullptr : &*next;
+  const double begin = before ? before->seconds : 0;
+  const double end = after ? after->seconds : length;
+  return interpolate(before ? before->motion : from, after ? after->motion : to, end - begin,
+                     (seconds - begin) / (end - begin));
+}
+
 }  // namespace kirireel

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "sim/joints/joint_solver.h"
@@ -70,5 +71,10 @@ class Extrapolation {
   double length_;  // of the next step, seconds
   int order_;      // of the next step: so many rows are expected to do
 };
+
+/// The poses so many seconds after the start of `length` seconds that led from one motion to
+/// another through the states passed: cubics between their poses and velocities, joints open.
+Poses posesBetween(const Motion& from, std::span<const PassedState> passed, const Motion& to,
+                   double length, double seconds);
 
 }  // namespace kirireel

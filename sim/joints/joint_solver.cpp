@@ -1,128 +1,33 @@
+// A step: loads, velocities that joints and contacts allow, poses, closing, and what becomes of a
+// step that fails. See JointSolver for the equations.
 #include "sim/joints/joint_solver.h"
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <map>
 #include <utility>
 
-#include "sim/joints/standstill.h"
-#include "sim/joints/step_program.h"
+#include "sim/joints/stepper.h"
 
 namespace kirireel {
 namespace {
 
 // All lengths are in length scales, all speeds in length scales a second.
-constexpr double kGapTolerance = 1e-12;          // closing aims at this
-constexpr double kGapAccepted = 1e-10;           // and a step is good below this
-constexpr double kOverlapTolerance = 1e-9;       // overlap of a contact in work that counts as none
 constexpr double kSpeedTolerance = 1e-10;        // of joint rows, relative to the fastest brick
 constexpr double kContactSpeedTolerance = 1e-7;  // of contact rows, likewise
 constexpr double kChangeTolerance = 1e-6;        // of all rows in a round: the next would gain 1e-4
 constexpr double kSlow = 1e-3;                   // below this speed tolerances shrink no more
 constexpr double kWorkTolerance = 1e-6;          // of impulses, relative to that of the loads
-constexpr double kJumpShare = 0.3;               // of what the step moved: so far may closing move
-constexpr double kJumpFloor = 1e-9;
-constexpr double kBend = 0.01;        // closing that moves less than this part bends a smooth path
-constexpr double kForeseeable = 0.1;  // largest ratio of closing moves taken for steady
-constexpr double kRecovery = 2e-6;    // overlap taken back in a step
-constexpr double kOverlapAccepted = 4e-5;  // at the end of a step
-constexpr double kWorkOfPair = 1000;       // multiplications that looking at a pair is worth
+constexpr double kRecovery = 2e-6;               // overlap taken back in a step
+constexpr double kOverlapAccepted = 4e-5;        // at the end of a step
+constexpr double kWorkOfPair = 1000;             // multiplications that looking at a pair is worth
 constexpr int kHalvings = 8;
 constexpr int kContactHalvings = 5;
 constexpr int kMultiplierRounds = 6;
-constexpr int kClosingRounds = 12;
-constexpr int kOverlapRounds = 3;
 constexpr int kContactRounds = 25;
-constexpr int kAssemblyRounds = 100;
 
-/// How a step went that was tried.
-enum class StepOutcome { Good, JointsOpen, Overlapping };
-
-template <int D>
-class Stepper : public JointSolver {
- public:
-  Stepper(const std::vector<Brick>& bricks, std::span<const Pivot> pivots,
-          const JointSolverSettings& settings)
-      : bricks_(bricks),
-        settings_(settings),
-        system_(bricks, pivots, settings.lengthScale),
-        loads_(bricks.size()) {
-    program_.multipliers = Vector::Zero(system_.jointRowCount());
-    program_.x = Vector::Zero(D * bricks.size());
-    pinned_.assign(bricks.size(), false);
-  }
-
-  StepReport advance(Motion& motion, double step, const LoadSource& loads,
-                     ContactSource* contacts) override;
-  StepReport eulerStep(Motion& motion, double step, const LoadSource& loads,
-                       Momentum& given) override;
-  double project(Motion& motion) override;
-  void setPinned(const std::vector<bool>& pinned) override;
-  void setJointStiffness(double stiffness) override;
-  std::vector<ContactLoad> contactLoads() const override;
-  double assemble(Poses& poses) override;
-  void transfer(StateTape& tape) override;
-
- private:
-  using Space = Coordinates<D>;
-  using Vector = Eigen::VectorXd;
-  using Row = ContactRow<D>;
-
-  void advanceHalving(Motion& motion, double step, int level, bool warm);
-  void beginStep(const Motion& start, double step);
-  void addImpulses(const Poses& poses, double step, Momentum& given) const;
-  StepOutcome tryStep(const Motion& start, double step, bool warm);
-  StepOutcome solveContactRounds(const Poses& start, double step);
-  bool appendRows(const std::vector<Contact>& found, const Poses& start, double step);
-  bool boundNewFriction();
-  void startRows(const Poses& start, double step, bool warm);
-  void takeOver(const Row& old, const Poses& start, double step);
-  void addSupports(const Poses& poses, double step);
-  Row contactRow(const Contact& contact, const Poses& start, double step) const;
-  void holdPinned(Row& row) const;
-  bool solveVelocities(const Poses& start);
-  void forbidWork();
-  bool moveAndClose(const Poses& start, double step);
-  void payForClosing(const Poses& start, double step);
-  void standStill(const Poses& start);
-  bool closeJoints(const std::vector<Row>& contacts, double step);
-  Vector closingMove(const std::vector<Row>& contacts, bool withOverlaps) const;
-  Vector foreseen(const Vector& move, const Vector& lastMove) const;
-  double overlap(const Row& row) const;
-  bool anyOverlap(const std::vector<Row>& contacts) const;
-  double largestGap() const;
-  double jointSpeed() const;
-  void displace(const Vector& move);
-  double product(const Vector& a, const Vector& b) const;
-  double norm(const Vector& move) const;
-  void finishStep(Motion& motion) const;
-  void keepMultipliers(double step);
-
-  const std::vector<Brick>& bricks_;
-  JointSolverSettings settings_;
-  StepSystem<D> system_;
-  const LoadSource* loadSource_ = nullptr;
-  ContactSource* contactSource_ = nullptr;
-  double jointStiffness_ = std::numeric_limits<double>::infinity();
-  StepReport report_;
-  std::vector<bool> pinned_;
-
-  // The step in work.
-  std::vector<Load> loads_;
-  bool isShortest_ = false;    // it will not be halved, and jumps are taken
-  bool jumped_ = false;        // closing moved more than it should
-  Poses poses_;                // at its end
-  Vector startSpeed_;          // velocities where it starts
-  Vector closing_;             // what closing added to the move
-  StepProgram<D> program_;     // for its velocities; joint multipliers are warm from step to step
-  std::vector<Row> kept_;      // planes of contacts that carried load at the end of the last step
-  std::vector<Row> supports_;  // likewise
-  double multiplierStep_ = 1;  // seconds that the joints' multipliers refer to
-  double keptStep_ = 1;        // seconds that these rows' impulses refer to
-  Standstill standstill_;
-};
+}  // namespace
 
 template <int D>
 StepReport Stepper<D>::advance(Motion& motion, double step, const LoadSource& loads,
@@ -350,123 +255,6 @@ void Stepper<D>::forbidWork() {
   if (cost > (1 + kWorkTolerance) * means) program_.x *= std::max(0.0, means / cost);
 }
 
-/// Moves to the step's end and closes the joints there: with the contacts that push held, or, where
-/// that fails (compact states leave them no room), without. Returns whether the joints closed
-/// without a jump to another branch.
-template <int D>
-bool Stepper<D>::moveAndClose(const Poses& start, double step) {
-  poses_ = start;
-  displace(step * program_.x);
-  if (!program_.exactJoints) return true;
-  if (closeJoints(program_.contacts, step)) return true;
-  if (program_.contacts.empty()) return false;
-  poses_ = start;
-  displace(step * program_.x);
-  system_.placeJoints(start);
-  return system_.factor({}) && closeJoints({}, step);
-}
-
-/// The energy that a step has at its end, closing included, is at most that at its start: what
-/// closing costs beyond what the step has lost comes out of the bricks' speed, and where that is
-/// too little they stay where they are. On a smooth path energy comes and goes, and none is taken.
-template <int D>
-void Stepper<D>::payForClosing(const Poses& start, double step) {
-  if (program_.contacts.empty() || !program_.exactJoints) return;
-  const Vector move = step * program_.x;
-  if (norm(closing_) <= kBend * norm(move)) return;
-  const double cost = system_.workAgainst(loads_, move, closing_);
-  if (cost <= 0) return;
-  const double before = system_.kineticEnergy(start, startSpeed_);
-  const double after = system_.kineticEnergy(start, program_.x);
-  const double work = system_.workAgainst(loads_, Vector::Zero(move.size()), move);
-  const double excess = after + work + cost - before;
-  if (excess <= 0) return;
-  program_.x *= std::sqrt(std::max(0.0, 1 - excess / after));
-  if (excess > after) standStill(start);
-}
-
-/// What joints and contacts always allow.
-template <int D>
-void Stepper<D>::standStill(const Poses& start) {
-  poses_ = start;
-  program_.x.setZero();
-}
-
-/// Gauss-Newton on the joints' gaps, on the factor at hand: the smallest move by A in which the
-/// contacts that push hold their gaps. The first rounds also take overlaps back. As the factor is
-/// of the step's start, moves shrink by a steady ratio; what follows the last one is foreseen from
-/// it (Broyden's good update with a memory of one: Kelley 2003, "Solving Nonlinear Equations with
-/// Newton's Method", 4.2).
-template <int D>
-bool Stepper<D>::closeJoints(const std::vector<Row>& contacts, double step) {
-  const double scale = settings_.lengthScale;
-  const double allowed = kJumpShare * step * norm(program_.x) + kJumpFloor * scale;
-  double moved = 0;
-  double gap = largestGap();
-  bool refactored = false;
-  closing_ = Vector::Zero(program_.x.size());
-  Vector lastMove = closing_;
-  for (int round = 0; round < kClosingRounds && (moved <= allowed || isShortest_); ++round) {
-    const bool overlapping = round < kOverlapRounds && anyOverlap(contacts);
-    if (gap <= kGapTolerance * scale && !overlapping) break;
-    const Vector move = foreseen(closingMove(contacts, overlapping), lastMove);
-    lastMove = move;
-    closing_ += move;
-    displace(move);
-    moved += norm(move);
-    const double before = gap;
-    gap = largestGap();
-    if (!std::isfinite(gap)) return false;
-    if (gap <= std::max(0.1 * before, kGapTolerance * scale) || overlapping) continue;
-    if (gap <= 0.1 * kGapAccepted * scale && refactored) break;
-    system_.placeJoints(poses_);
-    if (!system_.factor(contacts)) return false;
-    refactored = true;
-    lastMove.setZero();
-  }
-  jumped_ = moved > allowed;
-  return gap <= kGapAccepted * scale && (!jumped_ || isShortest_);
-}
-
-template <int D>
-Eigen::VectorXd Stepper<D>::closingMove(const std::vector<Row>& contacts, bool withOverlaps) const {
-  Vector move = Vector::Zero(program_.x.size());
-  system_.addJointImpulse(-system_.kappa(), system_.jointGaps(poses_), move);
-  if (withOverlaps) {
-    for (const Row& row : contacts) {
-      if (row.active) row.addNormal(system_.rho() * overlap(row), move);
-    }
-  }
-  system_.solveInPlace(move);
-  return move;
-}
-
-/// The move together with those that would follow it, if each is to the next as the last is to it.
-template <int D>
-Eigen::VectorXd Stepper<D>::foreseen(const Vector& move, const Vector& lastMove) const {
-  const double square = product(lastMove, lastMove);
-  const double ratio = square > 0 ? product(move, lastMove) / square : 0;
-  return std::abs(ratio) < kForeseeable ? Vector(move / (1 - ratio)) : move;
-}
-
-/// How far a contact falls short of the gap that it aims at, metres.
-template <int D>
-double Stepper<D>::overlap(const Row& row) const {
-  return std::max(0.0, row.aim - contactGap(row.contact, poses_));
-}
-
-template <int D>
-bool Stepper<D>::anyOverlap(const std::vector<Row>& contacts) const {
-  return std::any_of(contacts.begin(), contacts.end(), [&](const Row& row) {
-    return row.active && overlap(row) > kOverlapTolerance * settings_.lengthScale;
-  });
-}
-
-template <int D>
-double Stepper<D>::largestGap() const {
-  return system_.hasJoints() ? system_.jointGaps(poses_).template lpNorm<Eigen::Infinity>() : 0;
-}
-
 /// The largest component of J x in the velocities' program.
 template <int D>
 double Stepper<D>::jointSpeed() const {
@@ -479,24 +267,6 @@ void Stepper<D>::displace(const Vector& move) {
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
     Space::displace(poses_[i], move.segment<D>(D * i));
   }
-}
-
-/// Scalar product of two moves of all bricks, turns counted at one length scale from the centre.
-template <int D>
-double Stepper<D>::product(const Vector& a, const Vector& b) const {
-  double sum = 0;
-  for (std::size_t i = 0; i < bricks_.size(); ++i) {
-    const Velocity partOfA = Space::unpack(a.segment<D>(D * i));
-    const Velocity partOfB = Space::unpack(b.segment<D>(D * i));
-    sum += partOfA.linear.dot(partOfB.linear) +
-           settings_.lengthScale * settings_.lengthScale * partOfA.angular.dot(partOfB.angular);
-  }
-  return sum;
-}
-
-template <int D>
-double Stepper<D>::norm(const Vector& move) const {
-  return std::sqrt(product(move, move));
 }
 
 /// Keeps the impulses, of contacts by whole planes: a plane that carries load somewhere may do so
@@ -595,47 +365,6 @@ StepReport Stepper<D>::eulerStep(Motion& motion, double step, const LoadSource& 
 }
 
 template <int D>
-double Stepper<D>::project(Motion& motion) {
-  const double gap = assemble(motion.poses);
-  if (!system_.hasJoints()) return gap;
-  const Vector warm = program_.multipliers;
-  system_.setMasses(motion.poses);
-  for (std::size_t i = 0; i < bricks_.size(); ++i) {
-    program_.x.template segment<D>(D * i) = Space::pack(motion.velocities[i]);
-  }
-  program_.force = system_.timesA(program_.x);
-  program_.multipliers.setZero();
-  program_.contacts.clear();
-  const bool found = solveVelocities(motion.poses);
-  program_.multipliers = warm;
-  for (std::size_t i = 0; i < bricks_.size(); ++i) {
-    motion.velocities[i] = Space::unpack(program_.x.template segment<D>(D * i));
-  }
-  return found ? gap : std::numeric_limits<double>::infinity();
-}
-
-template <int D>
-double Stepper<D>::assemble(Poses& poses) {
-  const double scale = settings_.lengthScale;
-  poses_ = poses;
-  double gap = largestGap();
-  for (int round = 0; round < kAssemblyRounds && gap > kGapTolerance * scale; ++round) {
-    system_.setMasses(poses_);
-    system_.placeJoints(poses_);
-    if (!system_.factor({})) break;
-    Vector move = Vector::Zero(D * bricks_.size());
-    system_.addJointImpulse(-system_.kappa(), system_.jointGaps(poses_), move);
-    system_.solveInPlace(move);
-    displace(move);
-    const double before = gap;
-    gap = largestGap();
-    if (gap > 0.9 * before && gap < kGapAccepted * scale) break;
-  }
-  poses = poses_;
-  return gap;
-}
-
-template <int D>
 void Stepper<D>::transfer(StateTape& tape) {
   tape.transfer(jointStiffness_, pinned_, program_.multipliers, multiplierStep_, kept_, supports_,
                 keptStep_, standstill_, system_);
@@ -643,7 +372,8 @@ void Stepper<D>::transfer(StateTape& tape) {
   system_.setPinned(pinned_);
 }
 
-}  // namespace
+template class Stepper<3>;
+template class Stepper<6>;
 
 StepReport& StepReport::operator+=(const StepReport& other) {
   steps += other.steps;

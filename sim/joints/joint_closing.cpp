@@ -1,0 +1,205 @@
+// Closing joints: Gauss-Newton steps on the gaps, in the metric of the step (whose factor is at
+// hand) or of the masses, from the end of a step or any open state. What it costs is paid from the
+// speed.
+#include <algorithm>
+#include <cmath>
+
+#include "sim/joints/stepper.h"
+
+namespace kirireel {
+namespace {
+
+// All lengths are in length scales.
+constexpr double kGapTolerance = 1e-12;     // closing aims at this
+constexpr double kGapAccepted = 1e-10;      // and a step is good below this
+constexpr double kOverlapTolerance = 1e-9;  // overlap of a contact in work that counts as none
+constexpr double kJumpShare = 0.3;          // of what the step moved: so far may closing move
+constexpr double kJumpFloor = 1e-9;
+constexpr double kBend = 0.01;        // closing that moves less than this part bends a smooth path
+constexpr double kForeseeable = 0.1;  // largest ratio of closing moves taken for steady
+constexpr int kClosingRounds = 12;
+constexpr int kOverlapRounds = 3;
+constexpr int kAssemblyRounds = 100;
+
+}  // namespace
+
+/// Moves to the step's end and closes the joints there: with the contacts that push held, or, where
+/// that fails (compact states leave them no room), without. Returns whether the joints closed
+/// without a jump to another branch.
+template <int D>
+bool Stepper<D>::moveAndClose(const Poses& start, double step) {
+  poses_ = start;
+  displace(step * program_.x);
+  if (!program_.exactJoints) return true;
+  if (closeJoints(program_.contacts, step)) return true;
+  if (program_.contacts.empty()) return false;
+  poses_ = start;
+  displace(step * program_.x);
+  system_.placeJoints(start);
+  return system_.factor({}) && closeJoints({}, step);
+}
+
+/// The energy that a step has at its end, closing included, is at most that at its start: what
+/// closing costs beyond what the step has lost comes out of the bricks' speed, and where that is
+/// too little they stay where they are. On a smooth path energy comes and goes, and none is taken.
+template <int D>
+void Stepper<D>::payForClosing(const Poses& start, double step) {
+  if (program_.contacts.empty() || !program_.exactJoints) return;
+  const Vector move = step * program_.x;
+  if (norm(closing_) <= kBend * norm(move)) return;
+  const double cost = system_.workAgainst(loads_, move, closing_);
+  if (cost <= 0) return;
+  const double before = system_.kineticEnergy(start, startSpeed_);
+  const double after = system_.kineticEnergy(start, program_.x);
+  const double work = system_.workAgainst(loads_, Vector::Zero(move.size()), move);
+  const double excess = after + work + cost - before;
+  if (excess <= 0) return;
+  program_.x *= std::sqrt(std::max(0.0, 1 - excess / after));
+  if (excess > after) standStill(start);
+}
+
+/// What joints and contacts always allow.
+template <int D>
+void Stepper<D>::standStill(const Poses& start) {
+  poses_ = start;
+  program_.x.setZero();
+}
+
+/// Gauss-Newton on the joints' gaps, on the factor at hand: the smallest move by A in which the
+/// contacts that push hold their gaps. The first rounds also take overlaps back. As the factor is
+/// of the step's start, moves shrink by a steady ratio; what follows the last one is foreseen from
+/// it (Broyden's good update with a memory of one: Kelley 2003, "Solving Nonlinear Equations with
+/// Newton's Method", 4.2).
+template <int D>
+bool Stepper<D>::closeJoints(const std::vector<Row>& contacts, double step) {
+  const double scale = settings_.lengthScale;
+  const double allowed = kJumpShare * step * norm(program_.x) + kJumpFloor * scale;
+  double moved = 0;
+  double gap = largestGap();
+  bool refactored = false;
+  closing_ = Vector::Zero(program_.x.size());
+  Vector lastMove = closing_;
+  for (int round = 0; round < kClosingRounds && (moved <= allowed || isShortest_); ++round) {
+    const bool overlapping = round < kOverlapRounds && anyOverlap(contacts);
+    if (gap <= kGapTolerance * scale && !overlapping) break;
+    const Vector move = foreseen(closingMove(contacts, overlapping), lastMove);
+    lastMove = move;
+    closing_ += move;
+    displace(move);
+    moved += norm(move);
+    const double before = gap;
+    gap = largestGap();
+    if (!std::isfinite(gap)) return false;
+    if (gap <= std::max(0.1 * before, kGapTolerance * scale) || overlapping) continue;
+    if (gap <= 0.1 * kGapAccepted * scale && refactored) break;
+    system_.placeJoints(poses_);
+    if (!system_.factor(contacts)) return false;
+    refactored = true;
+    lastMove.setZero();
+  }
+  jumped_ = moved > allowed;
+  return gap <= kGapAccepted * scale && (!jumped_ || isShortest_);
+}
+
+template <int D>
+Eigen::VectorXd Stepper<D>::closingMove(const std::vector<Row>& contacts, bool withOverlaps) const {
+  Vector move = Vector::Zero(program_.x.size());
+  system_.addJointImpulse(-system_.kappa(), system_.jointGaps(poses_), move);
+  if (withOverlaps) {
+    for (const Row& row : contacts) {
+      if (row.active) row.addNormal(system_.rho() * overlap(row), move);
+    }
+  }
+  system_.solveInPlace(move);
+  return move;
+}
+
+/// The move together with those that would follow it, if each is to the next as the last is to it.
+template <int D>
+Eigen::VectorXd Stepper<D>::foreseen(const Vector& move, const Vector& lastMove) const {
+  const double square = product(lastMove, lastMove);
+  const double ratio = square > 0 ? product(move, lastMove) / square : 0;
+  return std::abs(ratio) < kForeseeable ? Vector(move / (1 - ratio)) : move;
+}
+
+/// How far a contact falls short of the gap that it aims at, metres.
+template <int D>
+double Stepper<D>::overlap(const Row& row) const {
+  return std::max(0.0, row.aim - contactGap(row.contact, poses_));
+}
+
+template <int D>
+bool Stepper<D>::anyOverlap(const std::vector<Row>& contacts) const {
+  return std::any_of(contacts.begin(), contacts.end(), [&](const Row& row) {
+    return row.active && overlap(row) > kOverlapTolerance * settings_.lengthScale;
+  });
+}
+
+template <int D>
+double Stepper<D>::largestGap() const {
+  return system_.hasJoints() ? system_.jointGaps(poses_).template lpNorm<Eigen::Infinity>() : 0;
+}
+
+/// Scalar product of two moves of all bricks, turns counted at one length scale from the centre.
+template <int D>
+double Stepper<D>::product(const Vector& a, const Vector& b) const {
+  double sum = 0;
+  for (std::size_t i = 0; i < bricks_.size(); ++i) {
+    const Velocity partOfA = Space::unpack(a.segment<D>(D * i));
+    const Velocity partOfB = Space::unpack(b.segment<D>(D * i));
+    sum += partOfA.linear.dot(partOfB.linear) +
+           settings_.lengthScale * settings_.lengthScale * partOfA.angular.dot(partOfB.angular);
+  }
+  return sum;
+}
+
+template <int D>
+double Stepper<D>::norm(const Vector& move) const {
+  return std::sqrt(product(move, move));
+}
+
+template <int D>
+double Stepper<D>::project(Motion& motion) {
+  const double gap = assemble(motion.poses);
+  if (!system_.hasJoints()) return gap;
+  const Vector warm = program_.multipliers;
+  system_.setMasses(motion.poses);
+  for (std::size_t i = 0; i < bricks_.size(); ++i) {
+    program_.x.template segment<D>(D * i) = Space::pack(motion.velocities[i]);
+  }
+  program_.force = system_.timesA(program_.x);
+  program_.multipliers.setZero();
+  program_.contacts.clear();
+  const bool found = solveVelocities(motion.poses);
+  program_.multipliers = warm;
+  for (std::size_t i = 0; i < bricks_.size(); ++i) {
+    motion.velocities[i] = Space::unpack(program_.x.template segment<D>(D * i));
+  }
+  return found ? gap : std::numeric_limits<double>::infinity();
+}
+
+template <int D>
+double Stepper<D>::assemble(Poses& poses) {
+  const double scale = settings_.lengthScale;
+  poses_ = poses;
+  double gap = largestGap();
+  for (int round = 0; round < kAssemblyRounds && gap > kGapTolerance * scale; ++round) {
+    system_.setMasses(poses_);
+    system_.placeJoints(poses_);
+    if (!system_.factor({})) break;
+    Vector move = Vector::Zero(D * bricks_.size());
+    system_.addJointImpulse(-system_.kappa(), system_.jointGaps(poses_), move);
+    system_.solveInPlace(move);
+    displace(move);
+    const double before = gap;
+    gap = largestGap();
+    if (gap > 0.9 * before && gap < kGapAccepted * scale) break;
+  }
+  poses = poses_;
+  return gap;
+}
+
+template class Stepper<3>;
+template class Stepper<6>;
+
+}  // namespace kirireel
