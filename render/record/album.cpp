@@ -18,8 +18,8 @@
 #include "render/record/snapshot_choice.h"
 #include "render/record/stopwatch.h"
 #include "render/record/title_card.h"
-#include "render/vector/drawing.h"
 #include "render/vector/cairo_canvas.h"
+#include "render/vector/drawing.h"
 #include "render/vector/svg.h"
 #include "sim/base/error.h"
 #include "sim/base/pending_file.h"
@@ -231,9 +231,10 @@ void Album::writeDrawing(const FrameState& state, int number) {
   const Stage& stage = pictures_->stage();
   const Moment moment = stillOf(state);
   report_.files.push_back(snapshotDrawing(number).string());
-  SvgCanvas page(pageSettings(stage, stage.pictureSize(), settings_.madeBy));
-  drawSketch(stage.sketch(moment), stage.camera(moment), stage.pictureSize(), {0, 0}, "", page);
-  writeTextFile(settings_.folder / report_.files.back(), page.finish());
+  const std::unique_ptr<Canvas> page =
+      makeSvgCanvas(pageSettings(stage, stage.pictureSize(), settings_.madeBy));
+  drawSketch(stage.sketch(moment), stage.camera(moment), stage.pictureSize(), {0, 0}, "", *page);
+  writeTextFile(settings_.folder / report_.files.back(), page->finish());
 }
 
 std::vector<GridPicture> Album::takeAll(const std::vector<FrameState>& states) {

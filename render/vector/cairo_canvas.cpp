@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <cstring>
+#include <memory>
+#include <string>
 
 #include <cairo-pdf.h>
 #include <fmt/format.h>
@@ -37,7 +39,30 @@ Colour straightColour(std::uint32_t pixel) {
   return {channel(16), channel(8), channel(0), static_cast<std::uint8_t>(alpha)};
 }
 
-}  // namespace
+/// What both have in common: how Cairo draws.
+class CairoCanvas : public Canvas {
+ public:
+  ~CairoCanvas() override;
+  CairoCanvas(const CairoCanvas&) = delete;
+  CairoCanvas& operator=(const CairoCanvas&) = delete;
+
+  void begin(const std::string& name, double opacity = 1) override;
+  void beginWithin(const std::string& name, double left, double upper, double width,
+                   double height) override;
+  void end() override;
+  void polygon(const Points& corners, Colour colour) override;
+  void seams(const std::vector<Points>& lines, Colour colour) override;
+  void outlines(const std::vector<Points>& lines) override;
+  void lines(const std::vector<Points>& lines, double width, Colour colour) override;
+  void box(double left, double upper, double width, double height, Colour colour) override;
+  void text(const std::string& line, double left, double baseline, int em, Colour colour) override;
+
+ protected:
+  struct Internals;
+  CairoCanvas();
+
+  std::unique_ptr<Internals> internals_;  ///< made by the constructors below
+};
 
 struct CairoCanvas::Internals {
   cairo_surface_t* surface = nullptr;
@@ -158,6 +183,17 @@ void CairoCanvas::text(const std::string& line, double left, double baseline, in
   cairo_show_text(internals_->pen, line.c_str());
 }
 
+class PdfCanvas : public CairoCanvas {
+ public:
+  explicit PdfCanvas(const PageSettings& settings);
+  ~PdfCanvas() override;
+
+  std::string finish() override;
+
+ private:
+  std::unique_ptr<std::string> file_;  ///< that Cairo writes into
+};
+
 PdfCanvas::PdfCanvas(const PageSettings& settings) : file_(std::make_unique<std::string>()) {
   const double points = kPointsPerInch / settings.pixelsPerInch;
   cairo_surface_t* surface = cairo_pdf_surface_create_for_stream(
@@ -178,6 +214,16 @@ std::string PdfCanvas::finish() {
   requireDrawn(internals_->surface, "PDF");
   return std::move(*file_);
 }
+
+class PngCanvas : public CairoCanvas {
+ public:
+  explicit PngCanvas(const PageSettings& settings);
+
+  std::string finish() override;
+
+ private:
+  PageSettings settings_;
+};
 
 PngCanvas::PngCanvas(const PageSettings& settings) : settings_(settings) {
   cairo_surface_t* surface =
@@ -202,16 +248,26 @@ std::string PngCanvas::finish() {
                   {.dotsPerInch = settings_.pixelsPerInch, .description = settings_.description});
 }
 
+}  // namespace
+
+std::unique_ptr<Canvas> makePdfCanvas(const PageSettings& settings) {
+  return std::make_unique<PdfCanvas>(settings);
+}
+
+std::unique_ptr<Canvas> makePngCanvas(const PageSettings& settings) {
+  return std::make_unique<PngCanvas>(settings);
+}
+
 std::unique_ptr<Canvas> makeCanvas(PageFormat format, const PageSettings& settings) {
   switch (format) {
     case PageFormat::Svg:
-      return std::make_unique<SvgCanvas>(settings);
+      return makeSvgCanvas(settings);
     case PageFormat::Pdf:
-      return std::make_unique<PdfCanvas>(settings);
+      return makePdfCanvas(settings);
     case PageFormat::Png:
       break;
   }
-  return std::make_unique<PngCanvas>(settings);
+  return makePngCanvas(settings);
 }
 
 }  // namespace kirireel

@@ -1,5 +1,10 @@
 #include "render/vector/svg.h"
 
+#include <iterator>
+#include <string>
+
+#include <fmt/format.h>
+
 namespace kirireel {
 namespace {
 
@@ -56,7 +61,33 @@ std::string pathOf(const std::vector<Canvas::Points>& lines) {
   return path;
 }
 
-}  // namespace
+class SvgCanvas : public Canvas {
+ public:
+  explicit SvgCanvas(const PageSettings& settings);
+
+  void begin(const std::string& name, double opacity = 1) override;
+  void beginWithin(const std::string& name, double left, double upper, double width,
+                   double height) override;
+  void end() override;
+  void polygon(const Points& corners, Colour colour) override;
+  void seams(const std::vector<Points>& lines, Colour colour) override;
+  void outlines(const std::vector<Points>& lines) override;
+  void lines(const std::vector<Points>& lines, double width, Colour colour) override;
+  void box(double left, double upper, double width, double height, Colour colour) override;
+  void text(const std::string& line, double left, double baseline, int em, Colour colour) override;
+
+  std::string finish() override;
+
+ private:
+  template <typename... Arguments>
+  void append(fmt::format_string<Arguments...> form, Arguments&&... arguments) {
+    fmt::format_to(std::back_inserter(file_), form, std::forward<Arguments>(arguments)...);
+  }
+
+  std::string file_;
+  int depth_ = 0;  ///< of groups
+  int clips_ = 0;
+};
 
 SvgCanvas::SvgCanvas(const PageSettings& settings) {
   append(
@@ -141,6 +172,12 @@ void SvgCanvas::text(const std::string& line, double left, double baseline, int 
 
 std::string SvgCanvas::finish() {
   return file_ + "</svg>\n";
+}
+
+}  // namespace
+
+std::unique_ptr<Canvas> makeSvgCanvas(const PageSettings& settings) {
+  return std::make_unique<SvgCanvas>(settings);
 }
 
 }  // namespace kirireel

@@ -1,9 +1,8 @@
-#include "render/vector/cairo_canvas.h"
-
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "render/vector/cairo_canvas.h"
 #include "render/vector/svg.h"
 #include "sim/base/pending_file.h"
 #include "tests/support/files.h"
@@ -37,9 +36,9 @@ void drawOn(Canvas& page) {
 }
 
 std::string pdf() {
-  PdfCanvas page(kPage);
-  drawOn(page);
-  return page.finish();
+  const std::unique_ptr<Canvas> page = makePdfCanvas(kPage);
+  drawOn(*page);
+  return page->finish();
 }
 
 class PdfInPoppler : public testing::Test {
@@ -80,9 +79,9 @@ TEST(Pdf, IsTheSameEveryTime) {
 }
 
 TEST(SvgPage, HasLayersTextAndOneStyle) {
-  SvgCanvas page(kPage);
-  drawOn(page);
-  const std::string svg = page.finish();
+  const std::unique_ptr<Canvas> page = makeSvgCanvas(kPage);
+  drawOn(*page);
+  const std::string svg = page->finish();
   EXPECT_THAT(svg, HasSubstr("width=\"180.001mm\""));
   EXPECT_THAT(svg, HasSubstr("<desc>Kirireel 0.1.0, model fan &amp; co</desc>"));
   EXPECT_THAT(svg, HasSubstr("<g id=\"pictures\" inkscape:label=\"pictures\" "

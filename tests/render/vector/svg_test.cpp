@@ -36,13 +36,14 @@ struct Scenery {
   std::string svg() const {
     Sketch sketch;
     Sketcher(sample.bricks, style).draw(shot, camera, sketch);
-    SvgCanvas page({.size = kSize,
-                    .background = style.background,
-                    .outline = style.edge,
-                    .outlineWidth = style.edgeWidth * kSize.height,
-                    .fontFamily = "DejaVu Sans"});
-    drawSketch(sketch, camera, kSize, {0, 0}, "", page);
-    return page.finish();
+    const std::unique_ptr<Canvas> page =
+        makeSvgCanvas({.size = kSize,
+                       .background = style.background,
+                       .outline = style.edge,
+                       .outlineWidth = style.edgeWidth * kSize.height,
+                       .fontFamily = "DejaVu Sans"});
+    drawSketch(sketch, camera, kSize, {0, 0}, "", *page);
+    return page->finish();
   }
 };
 
