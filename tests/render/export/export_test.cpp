@@ -8,7 +8,7 @@
 #include "render/export/state_choice.h"
 #include "sim/base/error.h"
 #include "tests/support/files.h"
-#include "tests/support/layouts.h"
+#include "tests/support/opening_squares.h"
 
 namespace kirireel {
 namespace {
@@ -17,25 +17,9 @@ using test::TemporaryFolder;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-/// Four hinged squares that open from 0 to 1 radian in a second, eleven samples, two events.
+/// Four hinged squares that open, and two events.
 Trajectory opening() {
-  Trajectory run;
-  run.model = makeTessellation(test::squares(2, 2, 0));
-  run.bricks = makeBricks(run.model.tiles, run.brickRule);
-  for (int k = 0; k <= 10; ++k) {
-    const std::vector<Tile> tiles = tessellationTiles(test::squares(2, 2, 0), 0.1 * k);
-    Sample sample;
-    sample.time = 0.1 * k;
-    for (std::size_t t = 0; t < tiles.size(); ++t) {
-      Pose pose;
-      pose.position = tileCentroid(tiles[t]) + Vector3(0, 0, 0.01);
-      // Tiles 0 and 3 are even.
-      const double turn = (t == 0 || t == 3 ? -0.05 : 0.05) * k;
-      pose.rotation = rotationFromVector({0, 0, turn});
-      sample.poses.push_back(pose);
-    }
-    run.samples.push_back(sample);
-  }
+  Trajectory run = test::openingSquares();
   run.events = {{0.31, "ground off"}, {0.72, "pinned tile 3"}};
   return run;
 }

@@ -12,7 +12,7 @@
 #include "sim/base/pending_file.h"
 #include "sim/model/tessellation.h"
 #include "tests/support/files.h"
-#include "tests/support/layouts.h"
+#include "tests/support/opening_squares.h"
 
 namespace kirireel {
 namespace {
@@ -21,25 +21,10 @@ using test::TemporaryFolder;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-/// Four hinged squares that open within a second; the model's name is no HTML.
+/// Four hinged squares that open; the model's name is no HTML.
 Trajectory opening() {
-  Trajectory run;
-  run.model = makeTessellation(test::squares(2, 2, 0));
+  Trajectory run = test::openingSquares();
   run.model.name = "a <b> & \"c\"";
-  run.bricks = makeBricks(run.model.tiles, run.brickRule);
-  for (int k = 0; k <= 10; ++k) {
-    const std::vector<Tile> tiles = tessellationTiles(test::squares(2, 2, 0), 0.1 * k);
-    Sample sample;
-    sample.time = 0.1 * k;
-    for (std::size_t t = 0; t < tiles.size(); ++t) {
-      Pose pose;
-      pose.position = tileCentroid(tiles[t]) + Vector3(0, 0, 0.01);
-      const double turn = (t == 0 || t == 3 ? -0.05 : 0.05) * k;  // tiles 0 and 3 are even
-      pose.rotation = rotationFromVector({0, 0, turn});
-      sample.poses.push_back(pose);
-    }
-    run.samples.push_back(sample);
-  }
   run.events = {{1, "settled: all is open"}};
   run.findings = R"({"warnings": ["the <target> is torn"], "path": {"reason": "a straight pull"}})";
   return run;
