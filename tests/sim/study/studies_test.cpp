@@ -56,8 +56,8 @@ TEST(Studies, WorkPrecisionComparesAtEqualGapAndAtEqualCost) {
   const Study study = workPrecisionStudy();
   Table table = tableOf(study);
   const auto add = [&](const char* engine, int rate, double cpu, double gap) {
-    table.rows.push_back({"", engine, "plane", "1", cell(rate), "1", "1", "0.2", "1", cell(cpu),
-                          cell(gap), "0", "0"});
+    table.rows.push_back({"", engine, "plane", "1", cell(rate), "1", "1", "0.2", "0", "1",
+                          cell(cpu), cell(gap), "0", "0"});
   };
   add("direct", 60, 2, 1e-10);
   add("direct", 240, 5, 1e-12);
