@@ -43,12 +43,12 @@ TEST(Shape, OfRotatingSquaresIsThatOfTheirClosedForms) {
     EXPECT_NEAR(width, kColumns * squares.cell(), kTolerance);  // measured 2e-15
     EXPECT_NEAR(height, kRows * squares.cell(), kTolerance);
     const HullSize hull = hullSize(squares.tiles);
-    EXPECT_NEAR(hull.area, squares.hullArea(), kTolerance);  // measured 7e-15
+    EXPECT_NEAR(hull.area, squares.hullArea(), kTolerance);  // measured 1e-14
     EXPECT_NEAR(hull.perimeter, squares.hullPerimeter(), kTolerance);
     EXPECT_NEAR(*coveredArea(squares.tiles), kColumns * kRows, kTolerance);
     if (turn > 0) {
       EXPECT_NEAR(*poissonsRatio(start, sides), -1, kTolerance);
-    }  // measured 4e-15
+    }  // measured 7e-16
   }
   EXPECT_FALSE(poissonsRatio(start, start));
 }
@@ -120,7 +120,7 @@ TEST_F(RunCurvesOfSquares, AreThoseOfTheirClosedForms) {
     EXPECT_NEAR(at("covered_area_m2", k), kColumns * kRows, kTolerance);
     EXPECT_NEAR(at("porosity", k), 1 - kColumns * kRows / squares.hullArea(), kTolerance);
     for (const char* column : {"opening_least_deg", "opening_mean_deg", "opening_largest_deg"}) {
-      EXPECT_NEAR(at(column, k) * kDegree, opening, kTolerance);  // measured 3e-15
+      EXPECT_NEAR(at(column, k) * kDegree, opening, kTolerance);  // measured 1e-15
     }
     if (k > 0) {
       EXPECT_NEAR(at("poissons_ratio", k), -1, kTolerance);
