@@ -32,6 +32,8 @@ constexpr double kFirst = 1.0 / 64;
 constexpr double kShortest = 1.0 / 1024;
 constexpr int kRejections = 8;
 constexpr double kSameTime = 1e-9;
+// Joints count as closed below this part of a length scale.
+constexpr double kClosedGap = 1e-10;
 
 /// What a step of so many rows costs, in Euler steps: closing costs about one.
 double costOf(int rows) {
@@ -71,6 +73,7 @@ struct Extrapolation::Trial {
   double length;                // seconds
   std::vector<Motion> rows;     // where they end
   std::vector<Momentum> given;  // by the loads in each row
+  Motion end;                   // extrapolated from all rows; at last its joints closed
   // Of the orders tried so far, the first two unused.
   std::vector<double> errors = {0, 0};   // estimates, in tolerances
   std::vector<double> lengths = {0, 0};  // that the next step could have, seconds
@@ -155,9 +158,9 @@ double Extrapolation::difference(const Motion& a, const Motion& b, double second
 /// Notes what the latest row tells of the step's error.
 void Extrapolation::estimate(Trial& trial) const {
   const int order = trial.order();
-  const double error =
-      difference(combine(trial, 1, order), combine(trial, 2, order), trial.length) /
-      (settings_.tolerance * settings_.lengthScale);
+  trial.end = combine(trial, 1, order);
+  const double error = difference(trial.end, combine(trial, 2, order), trial.length) /
+                       (settings_.tolerance * settings_.lengthScale);
   const double factor = kSafety * std::pow(kAim / std::max(error, 1e-12), 1.0 / order);
   const double bounded =
       std::isfinite(error) ? std::clamp(factor, kLeastFactor, kMostFactor) : kLeastFactor;
@@ -183,15 +186,12 @@ bool Extrapolation::tryOrders(Trial& trial, const TimedLoads& loads, StepReport&
   return false;
 }
 
-/// Closes the joints at the step's end, and gives the whole the angular momentum of the rows.
-/// Returns whether the step may be taken.
+/// Closes the joints at the step's end, and gives the whole its momentum there. Returns whether the
+/// step may be taken.
 bool Extrapolation::finish(Trial& trial, const StepFilter& mayTake) {
-  Motion end = combine(trial, 1, trial.order());
-  if (!(solver_.project(end) <= 1e-10 * settings_.lengthScale)) return false;
-  if (!isPinned_) keepMomentum(trial, end);
-  if (mayTake && !mayTake(trial.start, end)) return false;
-  trial.rows.back() = std::move(end);
-  return true;
+  if (!(solver_.project(trial.end) <= kClosedGap * settings_.lengthScale)) return false;
+  if (!isPinned_) keepMomentum(trial, trial.end);
+  return !mayTake || mayTake(trial.start, trial.end);
 }
 
 /// Moves and turns the whole as one, which joints do not hinder, so that its momentum is that of
@@ -262,13 +262,13 @@ std::optional<double> Extrapolation::step(Motion& motion, double seconds, const 
                                           const StepFilter& mayTake, StepReport& report) {
   for (int tries = 0; tries < kRejections; ++tries) {
     const double parts = std::ceil(seconds / std::min(length_, settings_.longestStep) - kSameTime);
-    Trial trial{motion, seconds / std::max(1.0, parts), {}, {}};
+    Trial trial{motion, seconds / std::max(1.0, parts), {}, {}, {}};
     const bool isGood = tryOrders(trial, loads, report);
     if (isGood && !finish(trial, mayTake)) break;
     if (isGood) {
       chooseNext(trial, tries > 0);
       report.timeError += settings_.tolerance * trial.remainingError();
-      motion = std::move(trial.rows.back());
+      motion = std::move(trial.end);
       return trial.length;
     }
     ++report.rejected;
