@@ -64,6 +64,7 @@ void BlockCholesky<D>::placeEdges() {
   }
   edgeEntries_.assign(plan_.supernodes.size(), {});
   for (std::size_t e = 0; e < edges_.size(); ++e) {
+    checkInterruption();
     const int first = plan_.place[edges_[e].first];
     const int second = plan_.place[edges_[e].second];
     const auto [column, row] = std::minmax(first, second);

@@ -163,6 +163,7 @@ std::vector<Supernode> linkFronts(std::vector<Front> fronts, int columnCount) {
       frontOfColumn[fronts[s].first + c] = static_cast<int>(s);
   }
   for (std::size_t s = 0; s < supernodes.size(); ++s) {
+    checkInterruption();
     if (supernodes[s].rows.empty()) continue;
     Supernode& parent = supernodes[frontOfColumn[supernodes[s].rows.front()]];
     parent.children.push_back(static_cast<int>(s));

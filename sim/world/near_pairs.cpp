@@ -42,6 +42,8 @@ double outerRadius(const Brick& brick) {
 struct NearPairs::Internals {
   explicit Internals(const std::vector<Brick>& all) : bricks(all), broadphase(&cache) {}
   ~Internals() {
+    // With each proxy Bullet looks through all pairs for its own.
+    cache.getOverlappingPairArray().clear();
     for (btBroadphaseProxy* proxy : proxies) broadphase.destroyProxy(proxy, nullptr);
   }
 
