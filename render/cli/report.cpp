@@ -90,11 +90,11 @@ std::string describeTime(const Scene& scene, const RunSummary& summary) {
   }
   std::string text = fmt::format(
       "time: steps to {:.2g} tiles, together within {:.2g} tiles for {:.2g} s of CPU time; {} "
-      "steps "
-      "rejected",
+      "steps rejected",
       scene.solver.tolerance, accuracy.timeError, cost.cpuSeconds, cost.rejectedSteps);
   if (accuracy.touchingTime > 0) {
-    text += fmt::format("; not in {:.3g} s, where bricks touched", accuracy.touchingTime);
+    text +=
+        fmt::format("; not in {:.3g} s, where contacts changed too often", accuracy.touchingTime);
   }
   if (accuracy.singularTime > 0) {
     text += fmt::format("; not in {:.3g} s, where the joints were singular", accuracy.singularTime);

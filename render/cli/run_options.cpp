@@ -133,7 +133,7 @@ void addSolverOptions(CLI::App& command, SolverSettings& solver) {
                "error in time that a step may make, with steps as long as that lets them be; 0: "
                "fixed steps of first order");
   group.number("--timestep", solver.timestep, {1e-7, 1}, "SECONDS",
-               "length of fixed steps, and of those where bricks touch or joints are singular");
+               "length of fixed steps, and of those where contacts crowd or joints are singular");
   group
       .value("--substeps", "COUNT", "1 direct, 20 bullet", "solver steps in each step",
              [&solver](const OptionValue& typed) {

@@ -55,9 +55,9 @@ using PathObserver = std::function<bool(double progress)>;
 
 /// Follows the mechanism from the first state of `guide`, once its joints are closed, along the
 /// others to the last, whose joints are closed; among the contacts that the scene asks for. Loads
-/// and damping are left out. A path with exact joints ends where it is nearest to the scene's target.
-/// In a model whose coordinates were rounded, exact joints are taken where the tiles fit each other
-/// all along the path; see rounded_joints.h. `goesOn` may be empty.
+/// and damping are left out. A path with exact joints ends where it is nearest to the scene's
+/// target. In a model whose coordinates were rounded, exact joints are taken where the tiles fit
+/// each other all along the path; see rounded_joints.h. `goesOn` may be empty.
 MechanismPath continueAlong(const Scene& scene, std::vector<Poses> guide,
                             const ContinuationSettings& settings, SearchBudget& budget,
                             const PathObserver& goesOn = {});

@@ -46,7 +46,7 @@ struct Accuracy {
   /// Of a run that keeps a tolerance in time: estimate of the error in time that its steps made
   /// together, tiles, as if none died out ...
   double timeError = 0;
-  double touchingTime = 0;  ///< ... but for so many seconds in which bricks touched
+  double touchingTime = 0;  ///< ... but for so many seconds in which contacts crowded
   double singularTime = 0;  ///< and so many in which the joints were singular
 
   void transfer(StateTape& tape) {

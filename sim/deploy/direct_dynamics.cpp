@@ -16,10 +16,16 @@ namespace {
 // Overlaps below this part of a tile, and of the thickness, count as none.
 constexpr double kTilePart = 1e-5;
 constexpr double kThicknessPart = 2e-3;
+// Points of bricks touch below this part of the tolerance in time.
+constexpr double kTouchingPart = 0.1;
 // Joints are closed below this part of a tile.
 constexpr double kClosed = 1e-10;
 // Times closer than this part of each other are the same.
 constexpr double kSameTime = 1e-9;
+constexpr int kMostImpacts = 8;  // in one call
+// Where they crowd, or contacts change too fast, so many calls go by first order at once.
+constexpr int kCallsToWait = 8;
+constexpr int kBisections = 60;  // to the last bit
 
 /// Where the bricks of a planar scene rub on the ground: at every vertex, with an even share of the
 /// weight.
@@ -65,22 +71,28 @@ DirectDynamics::DirectDynamics(const Scene& scene, const Needs& needs,
     : brickCount_(bricks.size()),
       countsFrom_(scene.model.fileOrder.countsFrom),
       tileSize_(tileSize(scene.model)),
+      contactTolerance_(std::min(kTilePart * tileSize_, kThicknessPart * scene.brick.thickness)),
       environment_(scene.environment),
       obstacles_(obstacleParts(scene.environment.obstacles)),
       bodies_(bodiesOf(bricks, obstacles_)),
       solver_(makeJointSolver(bodies_, makePivots(scene.model.joints, bricks),
                               {needs.planar.on, tileSize_, groundSupports(scene, needs, bricks)})),
       substeps_(scene.solver.substeps.value_or(1)),
-      isRubbing_(!groundSupports(scene, needs, bricks).empty()),
-      isTouching_(isRubbing_) {
+      isRubbing_(!groundSupports(scene, needs, bricks).empty()) {
   requireSpace(scene, needs);
   if (hasObstacles()) setPinned(std::vector<bool>(brickCount_, false));
   if (!needs.contacts.on && !needs.ground.on && !needs.obstacles.on) return;
   Poses poses = start;
   appendObstacles(poses);
-  contacts_ = std::make_unique<ContactFinder>(
-      bodies_, poses, makePivots(scene.model.joints, bricks), scene.environment, needs.planar.on,
-      std::min(kTilePart * tileSize_, kThicknessPart * scene.brick.thickness), obstacles_);
+  const auto finder = [&](double tolerance) {
+    return std::make_unique<ContactFinder>(bodies_, poses, makePivots(scene.model.joints, bricks),
+                                           scene.environment, needs.planar.on, tolerance,
+                                           obstacles_);
+  };
+  contacts_ = finder(contactTolerance_);
+  if (!keepsTolerance(scene)) return;
+  touching_ = std::min(contactTolerance_, kTouchingPart * scene.solver.tolerance * tileSize_);
+  exactContacts_ = finder(touching_);
 }
 
 void DirectDynamics::appendObstacles(Poses& poses) const {
@@ -105,7 +117,6 @@ void DirectDynamics::setPinned(const std::vector<bool>& pinned) {
   std::vector<bool> held = pinned;
   held.resize(bodies_.size(), true);
   isPinned_ = std::ranges::find(held, true) != held.end();
-  if (extrapolation_) extrapolation_->setPinned(isPinned_);
   solver_->setPinned(held);
 }
 
@@ -142,13 +153,103 @@ StepReport DirectDynamics::advance(Motion& motion, double step, const LoadSource
   return report;
 }
 
-/// Whether bricks would touch at the end of a step, or have passed through each other in it.
-bool DirectDynamics::meetOnTheWay(const Motion& from, const Motion& to) {
-  if (!contacts_) return false;
-  met_.clear();
-  contacts_->startStep(from.poses);
-  contacts_->appendViolated(to.poses, met_);
-  return !met_.empty();
+/// Whether bricks would touch at the end of a step that do not yet, or have passed through each
+/// other in it.
+bool DirectDynamics::meetOnTheWay(const Motion& from, const Motion& to, double seconds) {
+  if (!exactContacts_) return false;
+  std::vector<Contact> violated;
+  exactContacts_->startStep(from.poses);
+  exactContacts_->appendViolated(to.poses, violated);
+  if (violated.empty()) return false;
+  meeting_ = {from, to, seconds, std::move(violated)};
+  return true;
+}
+
+/// When in the step that was not taken the first of its contacts closes, seconds after its start.
+/// Nothing where bricks passed through each other.
+std::optional<double> DirectDynamics::momentOfImpact() const {
+  const auto& [from, to, seconds, contacts] = *meeting_;
+  std::optional<double> first;
+  for (const Contact& contact : contacts) {
+    if (contactGap(contact, to.poses) >= -0.5 * touching_) continue;  // touches, no more
+    double open = 0, closed = first.value_or(seconds);
+    for (int k = 0; k < kBisections && contactGap(contact, from.poses) > 0; ++k) {
+      const double middle = 0.5 * (open + closed);
+      const Poses poses = posesBetween(from, {}, to, seconds, middle);
+      (contactGap(contact, poses) > 0 ? open : closed) = middle;
+    }
+    first = open;
+  }
+  return first;
+}
+
+/// Has the solver hold these contacts.
+void DirectDynamics::setHeld(std::vector<Contact> contacts) {
+  // Obstacles are pinned bodies.
+  const bool onGround = std::ranges::find(contacts, kFixed, &Contact::brickB) != contacts.end();
+  extrapolation_->setSupported(isPinned_ || isRubbing_ || onGround);
+  solver_->holdContacts(contacts);
+}
+
+/// Keeps of the contacts that are held those whose points still touch.
+void DirectDynamics::holdTouching(const Poses& poses) {
+  std::vector<Contact> held = solver_->heldContacts();
+  if (!held.empty()) exactContacts_->startStep(poses);
+  std::erase_if(held, [&](const Contact& contact) {
+    return contactGap(contact, poses) > touching_ || !exactContacts_->isCurrent(contact);
+  });
+  setHeld(std::move(held));
+}
+
+/// The impact on those of these contacts that have closed, at this moment of the call. From now on
+/// they are held too. The motion before and after it are both passed.
+void DirectDynamics::collide(double now, const std::vector<Contact>& closing, Motion& motion) {
+  std::vector<Contact> held = solver_->heldContacts();
+  for (const Contact& contact : closing) {
+    const bool isHeld = std::ranges::find(held, contact) != held.end();
+    if (!isHeld && contactGap(contact, motion.poses) <= touching_) held.push_back(contact);
+  }
+  setHeld(std::move(held));
+  passed_.push_back({now, motion});
+  solver_->collide(motion);
+  passed_.push_back({now, motion});
+}
+
+/// Goes on in steps that keep the tolerance, from impact to impact, until the end of the call or
+/// until that cannot be done. Returns the seconds done.
+double DirectDynamics::advanceByOrders(Motion& motion, double seconds, const TimedLoads& loads,
+                                       StepReport& report) {
+  const StepFilter isFree = [this](const Motion& from, const Motion& to, double length) {
+    return !meetOnTheWay(from, to, length);
+  };
+  double done = 0;
+  const TimedLoads fromHere = [&](double after, const Poses& poses, std::vector<Load>& out) {
+    loads(done + after, poses, out);
+  };
+  const double shortest = kSameTime * seconds;
+  holdTouching(motion.poses);
+  double goal = seconds;         // or the moment of the next impact
+  std::vector<Contact> closing;  // then
+  int impacts = 0;
+  while (done < seconds - shortest) {
+    meeting_.reset();
+    const auto taken = extrapolation_->step(motion, goal - done, fromHere, isFree, report);
+    if (taken) {
+      done += *taken;
+      holdTouching(motion.poses);
+      if (done < goal - shortest) passed_.push_back({done, motion});
+    } else {
+      const auto after = meeting_ ? momentOfImpact() : std::nullopt;
+      if (!after || ++impacts > kMostImpacts) break;
+      goal = done + *after;
+      closing = meeting_->contacts;
+    }
+    if (closing.empty() || done < goal - shortest) continue;
+    collide(done, closing, motion);
+    goal = seconds;
+    closing.clear();
+  }
+  return done;
 }
 
 /// Goes on from one moment of the call to another in equal steps of first order, among contacts.
@@ -165,7 +266,6 @@ StepReport DirectDynamics::goOnByFirstOrder(Motion& motion, double begin, double
     };
     report += solver_->advance(motion, (end - begin) / count, loadsNow, contacts_.get());
   }
-  isTouching_ = isRubbing_ || !solver_->contactLoads().empty();
   return report;
 }
 
@@ -174,35 +274,26 @@ void DirectDynamics::setTolerance(const TimeTolerance& tolerance) {
   extrapolation_ = std::make_unique<Extrapolation>(
       bodies_, *solver_,
       ExtrapolationSettings{tolerance.tolerance, tolerance.longestStep, tileSize_});
-  extrapolation_->setPinned(isPinned_);
 }
 
 StepReport DirectDynamics::advanceToTolerance(Motion& motion, double seconds,
                                               const TimedLoads& actuation) {
   const TimedLoads all = allLoads(actuation);
-  const StepFilter isFree = [this](const Motion& from, const Motion& to) {
-    return !meetOnTheWay(from, to);
-  };
-  double done = 0;
-  const TimedLoads fromHere = [&](double after, const Poses& poses, std::vector<Load>& loads) {
-    all(done + after, poses, loads);
-  };
   passed_.clear();
-  met_.clear();
+  meeting_.reset();
   appendObstacles(motion.poses);
   motion.velocities.resize(bodies_.size());
   StepReport report;
-  while (!isTouching_ && done < (1 - kSameTime) * seconds) {
-    const std::optional<double> taken =
-        extrapolation_->step(motion, seconds - done, fromHere, isFree, report);
-    if (!taken) break;
-    done += *taken;
-    if (done < (1 - kSameTime) * seconds) passed_.push_back({done, motion});
-  }
+  const bool isWaiting = callsToWait_ > 0;
+  if (isWaiting) --callsToWait_;
+  const double done = isWaiting ? 0 : advanceByOrders(motion, seconds, all, report);
   if (done < (1 - kSameTime) * seconds) {
-    const bool touch = isTouching_ || !met_.empty();
+    const bool touch = isWaiting || isRubbing_ || meeting_ || !solver_->heldContacts().empty();
     (touch ? report.touchingTime : report.singularTime) += seconds - done;
-    if (!passed_.empty()) passed_.pop_back();  // the first of the steps that follow
+    if (touch && !isWaiting) callsToWait_ = kCallsToWait;
+    // The last is the first of the steps that follow.
+    if (done == 0) passed_.clear();
+    if (!passed_.empty()) passed_.pop_back();
     report += goOnByFirstOrder(motion, done, seconds, all);
   }
   leaveObstacles(motion);
@@ -230,9 +321,10 @@ std::vector<std::string> DirectDynamics::loadedContacts() const {
 }
 
 void DirectDynamics::transfer(StateTape& tape) {
-  tape.transfer(*solver_, isTouching_);
+  tape.transfer(*solver_, callsToWait_);
   if (extrapolation_) tape.transfer(*extrapolation_);
   if (contacts_) tape.transfer(*contacts_);
+  if (exactContacts_) tape.transfer(*exactContacts_);
 }
 
 }  // namespace kirireel

@@ -28,13 +28,28 @@ class DirectDynamics : public Dynamics {
   void appendObstacles(Poses& poses) const;
   void leaveObstacles(Motion& motion) const;
   std::string nameOf(const ContactLoad& load) const;
+  /// A step that was not taken, because bricks meet in it.
+  struct Meeting {
+    Motion from;
+    Motion to;
+    double seconds = 0;
+    std::vector<Contact> contacts;  // that are violated at its end, whole planes of them
+  };
+
   TimedLoads allLoads(const TimedLoads& actuation) const;
-  bool meetOnTheWay(const Motion& from, const Motion& to);
+  bool meetOnTheWay(const Motion& from, const Motion& to, double seconds);
+  std::optional<double> momentOfImpact() const;
+  void setHeld(std::vector<Contact> contacts);
+  void holdTouching(const Poses& poses);
+  void collide(double now, const std::vector<Contact>& closing, Motion& motion);
+  double advanceByOrders(Motion& motion, double seconds, const TimedLoads& loads,
+                         StepReport& report);
   StepReport goOnByFirstOrder(Motion& motion, double begin, double end, const TimedLoads& loads);
 
   std::size_t brickCount_;
-  int countsFrom_;   // the first tile, in messages
-  double tileSize_;  // metres
+  int countsFrom_;           // the first tile, in messages
+  double tileSize_;          // metres
+  double contactTolerance_;  // overlap that counts as none, metres
   Environment environment_;
   std::vector<ObstaclePart> obstacles_;
   std::vector<Brick> bodies_;  // the bricks, then pinned ones that stand for obstacles
@@ -43,10 +58,12 @@ class DirectDynamics : public Dynamics {
   int substeps_;
   bool isRubbing_;                                // planar bricks on a ground with friction
   bool isPinned_ = false;                         // some brick
-  bool isTouching_ = false;                       // bricks pushed each other in the last step
   std::unique_ptr<Extrapolation> extrapolation_;  // null where no tolerance is asked for
   double firstOrderStep_ = 0;                     // seconds, with it
-  std::vector<Contact> met_;                      // where the last step that was tried met bricks
+  double touching_ = 0;                           // gap of points that touch, metres, with it
+  std::unique_ptr<ContactFinder> exactContacts_;  // that counts no more as none, with it
+  std::optional<Meeting> meeting_;                // of the step that was tried last
+  int callsToWait_ = 0;                           // by first order, after impacts crowded
   std::vector<PassedState> passed_;
 };
 

@@ -23,7 +23,7 @@ constexpr double kExactJoints = std::numeric_limits<double>::infinity();
 /// How exact the motion is to be in time.
 struct TimeTolerance {
   double tolerance = 1e-4;            ///< error of a step, tiles, above 0
-  double firstOrderStep = 1.0 / 240;  ///< where bricks touch or joints are singular, seconds
+  double firstOrderStep = 1.0 / 240;  ///< where contacts crowd or joints are singular, seconds
   double longestStep = 1.0 / 60;      ///< seconds
 };
 
@@ -54,6 +54,7 @@ class Dynamics {
   virtual StepReport advance(Motion& motion, double step, const LoadSource& actuation) = 0;
 
   /// To be called before advanceToTolerance() and transfer(), where the former is used.
+  /// A solver whose scene has a tolerance itself also keeps it where bricks touch.
   virtual void setTolerance(const TimeTolerance& tolerance) = 0;
   /// The same with loads that change on the way, in steps that keep the tolerance where that can be
   /// done, else in fixed steps of first order: see TimeTolerance. Joints must be exact.

@@ -30,8 +30,8 @@ struct GeometricPaths {
   /// Bricks keep out of each other, but joints open on the way.
   std::optional<GeometricPath> compliant;
   std::optional<GeometricPath> through;  ///< arrives, but bricks pass through each other
-  bool mayBeExact = false;  ///< joints may stay closed on a path that was not found
-  std::string trouble;      ///< why there is none, for the summary
+  bool mayBeExact = false;               ///< joints may stay closed on a path that was not found
+  std::string trouble;                   ///< why there is none, for the summary
 };
 
 /// Looks for a path from the start to the state nearest to the target: first without contacts;

@@ -31,6 +31,7 @@ constexpr double kMore = 0.9;
 constexpr double kFirst = 1.0 / 64;
 constexpr double kShortest = 1.0 / 1024;
 constexpr int kRejections = 8;
+constexpr double kCaught = 0.4;  // the part of a step that is tried next where sliding ends in it
 constexpr double kSameTime = 1e-9;
 // Joints count as closed below this part of a length scale.
 constexpr double kClosedGap = 1e-10;
@@ -190,8 +191,8 @@ bool Extrapolation::tryOrders(Trial& trial, const TimedLoads& loads, StepReport&
 /// step may be taken.
 bool Extrapolation::finish(Trial& trial, const StepFilter& mayTake) {
   if (!(solver_.project(trial.end) <= kClosedGap * settings_.lengthScale)) return false;
-  if (!isPinned_) keepMomentum(trial, trial.end);
-  return !mayTake || mayTake(trial.start, trial.end);
+  if (!isSupported_) keepMomentum(trial, trial.end);
+  return !mayTake || mayTake(trial.start, trial.end, trial.length);
 }
 
 /// Moves and turns the whole as one, which joints do not hinder, so that its momentum is that of
@@ -224,6 +225,13 @@ void Extrapolation::keepMomentum(const Trial& trial, Motion& motion) const {
     motion.velocities[i].linear += shift + spin.cross(motion.poses[i].position - centre);
     motion.velocities[i].angular += spin;
   }
+}
+
+/// What is not known of the way to rest of points that slide at the step's start and stick at its
+/// end, in tolerances: rows that are too coarse all stick at once, and do not tell.
+double Extrapolation::caughtError(const Trial& trial) const {
+  return 0.5 * trial.length * solver_.caughtSpeed(trial.start) /
+         (settings_.tolerance * settings_.lengthScale);
 }
 
 /// Sets order and length of the step after one that was taken.
@@ -263,16 +271,21 @@ std::optional<double> Extrapolation::step(Motion& motion, double seconds, const 
   for (int tries = 0; tries < kRejections; ++tries) {
     const double parts = std::ceil(seconds / std::min(length_, settings_.longestStep) - kSameTime);
     Trial trial{motion, seconds / std::max(1.0, parts), {}, {}, {}};
-    const bool isGood = tryOrders(trial, loads, report);
-    if (isGood && !finish(trial, mayTake)) break;
-    if (isGood) {
+    const bool isSmooth = tryOrders(trial, loads, report);
+    const double caught = isSmooth ? caughtError(trial) : 0;
+    if (isSmooth && caught <= 1) {
+      if (!finish(trial, mayTake)) break;
       chooseNext(trial, tries > 0);
-      report.timeError += settings_.tolerance * trial.remainingError();
+      report.timeError += settings_.tolerance * (trial.remainingError() + caught);
       motion = std::move(trial.end);
       return trial.length;
     }
     ++report.rejected;
-    chooseAgain(trial);
+    if (isSmooth) {
+      length_ = kCaught * trial.length;
+    } else {
+      chooseAgain(trial);
+    }
     if (length_ < kShortest * settings_.longestStep) break;
   }
   length_ = kFirst * settings_.longestStep;

@@ -19,8 +19,9 @@ struct PassedState {
   Motion motion;
 };
 
-/// Whether a step may lead from one motion to another: not where bricks would meet on the way.
-using StepFilter = std::function<bool(const Motion& from, const Motion& to)>;
+/// Whether a step of so many seconds may lead from one motion to another: not where bricks would
+/// meet on the way.
+using StepFilter = std::function<bool(const Motion& from, const Motion& to, double seconds)>;
 
 struct ExtrapolationSettings {
   double tolerance = 1e-4;        ///< error in time that one step may make, length scales, above 0
@@ -28,9 +29,9 @@ struct ExtrapolationSettings {
   double lengthScale = 1;         ///< a typical tile edge, metres
 };
 
-/// Advances bricks without contacts by steps whose length and order follow from the tolerance. The
-/// error of a step is estimated as the farthest that a brick may be off at its end and, by its
-/// speed, one step later.
+/// Advances bricks by steps whose length and order follow from the tolerance. Of contacts it knows
+/// those alone that the solver holds. The error of a step is estimated as the farthest that a brick
+/// may be off at its end and, by its speed, one step later.
 class Extrapolation {
  public:
   /// Bricks and solver must outlive this.
@@ -45,8 +46,8 @@ class Extrapolation {
   std::optional<double> step(Motion& motion, double seconds, const TimedLoads& loads,
                              const StepFilter& mayTake, StepReport& report);
 
-  /// Whether some bricks are pinned: the whole is then not free to turn.
-  void setPinned(bool pinned) { isPinned_ = pinned; }
+  /// Whether what does not move pushes some bricks: the momentum of the whole is then not its own.
+  void setSupported(bool supported) { isSupported_ = supported; }
 
   /// The length and order of the next step.
   void transfer(StateTape& tape) { tape.transfer(length_, order_); }
@@ -60,6 +61,7 @@ class Extrapolation {
   double difference(const Motion& a, const Motion& b, double seconds) const;
   bool tryOrders(Trial& trial, const TimedLoads& loads, StepReport& report);
   bool finish(Trial& trial, const StepFilter& mayTake);
+  double caughtError(const Trial& trial) const;
   void keepMomentum(const Trial& trial, Motion& motion) const;
   void chooseNext(const Trial& trial, bool wasRejected);
   void chooseAgain(const Trial& trial);
@@ -67,7 +69,7 @@ class Extrapolation {
   const std::vector<Brick>& bricks_;
   JointSolver& solver_;
   ExtrapolationSettings settings_;
-  bool isPinned_ = false;
+  bool isSupported_ = false;
   double length_;  // of the next step, seconds
   int order_;      // of the next step: so many rows are expected to do
 };

@@ -158,41 +158,91 @@ double Stepper<D>::norm(const Vector& move) const {
   return std::sqrt(product(move, move));
 }
 
+/// Takes from the velocities, in the metric of the masses, what joints and held contacts forbid.
 template <int D>
-double Stepper<D>::project(Motion& motion) {
-  const double gap = assemble(motion.poses);
-  if (!system_.hasJoints()) return gap;
+bool Stepper<D>::projectVelocities(Motion& motion, bool withFriction) {
   const Vector warm = program_.multipliers;
   system_.setMasses(motion.poses);
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
-    program_.x.template segment<D>(D * i) = Space::pack(motion.velocities[i]);
+    const Velocity& velocity = motion.velocities[i];
+    program_.x.template segment<D>(D * i) = Space::pack(pinned_[i] ? Velocity{} : velocity);
   }
   program_.force = system_.timesA(program_.x);
   program_.multipliers.setZero();
   program_.contacts.clear();
-  const bool found = solveVelocities(motion.poses);
+  for (Row row : kept_) {
+    placeRow(row, motion.poses);
+    holdPinned(row);
+    row.bias = row.multiplier = row.slipBound = 0;
+    row.slipMultiplier.setZero();
+    row.active = row.trialImpulse(program_.x, system_.rho()) > 0;
+    program_.contacts.push_back(std::move(row));
+  }
+  const bool found = withFriction ? solveWithFriction(motion.poses) : solveVelocities(motion.poses);
   program_.multipliers = warm;
+  if (!found) return false;
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
     motion.velocities[i] = Space::unpack(program_.x.template segment<D>(D * i));
   }
-  return found ? gap : std::numeric_limits<double>::infinity();
+  return true;
+}
+
+template <int D>
+bool Stepper<D>::collide(Motion& motion) {
+  return projectVelocities(motion, true);
+}
+
+template <int D>
+double Stepper<D>::project(Motion& motion) {
+  std::vector<Row> pushing;
+  for (const Row& row : kept_) {
+    if (row.multiplier > 0) pushing.push_back(row);
+  }
+  const double gap = closeGaps(motion.poses, std::move(pushing));
+  if (!system_.hasJoints() && kept_.empty()) return gap;
+  return projectVelocities(motion, false) ? gap : std::numeric_limits<double>::infinity();
 }
 
 template <int D>
 double Stepper<D>::assemble(Poses& poses) {
+  return closeGaps(poses, {});
+}
+
+template <int D>
+double Stepper<D>::largestGap(const std::vector<Row>& held) const {
+  double largest = largestGap();
+  for (const Row& row : held) {
+    largest = std::max(largest, std::abs(contactGap(row.contact, poses_)));
+  }
+  return largest;
+}
+
+/// Closes the joints and the gaps of these contacts, moving the bricks as little as their masses
+/// allow. Returns the largest gap left.
+template <int D>
+double Stepper<D>::closeGaps(Poses& poses, std::vector<Row> held) {
   const double scale = settings_.lengthScale;
   poses_ = poses;
-  double gap = largestGap();
+  double gap = largestGap(held);
   for (int round = 0; round < kAssemblyRounds && gap > kGapTolerance * scale; ++round) {
     system_.setMasses(poses_);
     system_.placeJoints(poses_);
-    if (!system_.factor({})) break;
+    for (Row& row : held) {
+      placeRow(row, poses_);
+      holdPinned(row);
+      row.active = true;
+      row.slipBound = 0;
+    }
+    if (!system_.factor(held)) break;
     Vector move = Vector::Zero(D * bricks_.size());
     system_.addJointImpulse(-system_.kappa(), system_.jointGaps(poses_), move);
+    for (const Row& row : held) {
+      row.addNormal(-system_.rho() * contactGap(row.contact, poses_), move);
+    }
     system_.solveInPlace(move);
     displace(move);
     const double before = gap;
-    gap = largestGap();
+    gap = largestGap(held);
     if (gap > 0.9 * before && gap < kGapAccepted * scale) break;
   }
   poses = poses_;

@@ -26,6 +26,9 @@ constexpr int kHalvings = 8;
 constexpr int kContactHalvings = 5;
 constexpr int kMultiplierRounds = 6;
 constexpr int kContactRounds = 25;
+// Bounds of friction that change by less than this part are settled.
+constexpr double kBoundTolerance = 1e-7;
+constexpr int kFrictionRounds = 20;
 
 }  // namespace
 
@@ -343,6 +346,95 @@ void Stepper<D>::addImpulses(const Poses& poses, double step, Momentum& given) c
 }
 
 template <int D>
+void Stepper<D>::holdContacts(const std::vector<Contact>& contacts) {
+  std::vector<Row> held;
+  for (const Contact& contact : contacts) {
+    const auto known =
+        std::ranges::find_if(kept_, [&](const Row& row) { return row.contact == contact; });
+    Row row = known == kept_.end() ? Row{} : *known;
+    row.contact = contact;
+    held.push_back(std::move(row));
+  }
+  kept_ = std::move(held);
+}
+
+template <int D>
+std::vector<Contact> Stepper<D>::heldContacts() const {
+  std::vector<Contact> contacts;
+  for (const Row& row : kept_) contacts.push_back(row.contact);
+  return contacts;
+}
+
+/// The rows of the contacts that are held. They begin with the impulses of the step before.
+template <int D>
+void Stepper<D>::placeHeldRows(const Poses& poses, double step) {
+  program_.contacts.clear();
+  addSupports(poses, step);
+  for (Row row : kept_) {
+    placeRow(row, poses);
+    holdPinned(row);
+    row.bias = 0;
+    row.multiplier *= step / keptStep_;
+    row.slipMultiplier *= step / keptStep_;
+    row.slipBound = row.contact.friction * row.multiplier;
+    row.active = row.multiplier > 0;
+    program_.contacts.push_back(std::move(row));
+  }
+}
+
+template <int D>
+void Stepper<D>::keepHeldRows(double step) {
+  keptStep_ = step;
+  const auto firstHeld = program_.contacts.end() - static_cast<std::ptrdiff_t>(kept_.size());
+  supports_.assign(program_.contacts.begin(), firstHeld);
+  kept_.assign(firstHeld, program_.contacts.end());
+}
+
+template <int D>
+double Stepper<D>::caughtSpeed(const Motion& start) const {
+  Vector velocities(D * bricks_.size());
+  for (std::size_t i = 0; i < bricks_.size(); ++i) {
+    velocities.segment<D>(D * i) = Space::pack(start.velocities[i]);
+  }
+  double fastest = 0;
+  for (const std::vector<Row>* rows : {&kept_, &supports_}) {
+    for (Row row : *rows) {
+      const bool sticks = row.slipMultiplier.norm() < (1 - kBoundTolerance) * row.slipBound;
+      if (!sticks) continue;
+      placeRow(row, start.poses);
+      fastest = std::max(fastest, row.slipVelocity(velocities).norm());
+    }
+  }
+  return fastest;
+}
+
+/// Finds velocities under friction that is in force with its own normal impulses, not with those of
+/// a step before. One more round of multipliers than speeds need makes impulses as exact as those.
+template <int D>
+bool Stepper<D>::solveWithFriction(const Poses& start) {
+  for (int round = 0; round < kFrictionRounds; ++round) {
+    if (!solveVelocities(start)) return false;
+    if (program_.contacts.empty()) return true;
+    if (!solveRound(system_, program_, kSlow * settings_.lengthScale).found) return false;
+    if (!boundFriction()) return true;
+  }
+  return true;
+}
+
+/// Sets the bounds of friction to what the contacts carry. Returns whether any changed.
+template <int D>
+bool Stepper<D>::boundFriction() {
+  bool changed = false;
+  for (Row& row : program_.contacts) {
+    if (!row.hasNormal) continue;
+    const double bound = row.contact.friction * row.multiplier;
+    changed = changed || std::abs(bound - row.slipBound) > kBoundTolerance * bound;
+    row.slipBound = bound;
+  }
+  return changed;
+}
+
+template <int D>
 StepReport Stepper<D>::eulerStep(Motion& motion, double step, const LoadSource& loads,
                                  Momentum& given) {
   const int before = system_.factorizations();
@@ -352,9 +444,10 @@ StepReport Stepper<D>::eulerStep(Motion& motion, double step, const LoadSource& 
   program_.multipliers *= step / multiplierStep_;
   multiplierStep_ = step;
   beginStep(motion, step);
-  program_.contacts.clear();
+  placeHeldRows(motion.poses, step);
   StepReport report{.steps = 1};
-  if (!solveVelocities(motion.poses)) report.unconverged = 1;
+  if (!solveWithFriction(motion.poses)) report.unconverged = 1;
+  keepHeldRows(step);
   addImpulses(motion.poses, step, given);
   poses_ = motion.poses;
   displace(step * program_.x);

@@ -44,7 +44,8 @@ struct StepReport {
   int rejected = 0;        ///< steps to a tolerance that were tried and not taken
   /// Estimate of the error in time that steps to a tolerance made, in tiles: see Extrapolation.
   double timeError = 0;
-  /// Seconds in which no tolerance was kept, though one was asked for: bricks touched ...
+  /// Seconds in which no tolerance was kept, though one was asked for: contacts
+  /// crowded ...
   double touchingTime = 0;
   double singularTime = 0;  ///< ... or the joints were singular
   /// What the call cost, in multiplications with an addition: counted from the plan of elimination
@@ -85,18 +86,36 @@ class JointSolver {
   virtual StepReport advance(Motion& motion, double step, const LoadSource& loads,
                              ContactSource* contacts) = 0;
 
-  /// One step of implicit Euler, linearised at its start, without contacts: velocities satisfy the
-  /// joints as they stand at the start, bricks move by them, and joints are not closed again. Its
-  /// error is a power series in the step, so that steps of several lengths can be extrapolated
-  /// (see Extrapolation). A step whose velocities were not found counts as unconverged. Adds to
-  /// `given` the momentum that the loads gave.
+  /// The contacts that eulerStep(), project() and collide() keep from now on: their points part, or
+  /// slide, but approach no more. To be set anew after advance(), which finds contacts itself.
+  virtual void holdContacts(const std::vector<Contact>& contacts) = 0;
+  /// Those that are held, or that carried load in the last step of advance(), with their planes.
+  virtual std::vector<Contact> heldContacts() const = 0;
+
+  /// One step of implicit Euler, linearised at its start, with the contacts that are held alone:
+  /// velocities satisfy joints and contacts as they stand at the start, bricks move by them, and
+  /// joints are not closed again. While no contact parts or sticks its error is a power series in
+  /// the step, so that steps of several lengths can be extrapolated (see Extrapolation). A step
+  /// whose velocities were not found counts as unconverged. Adds to `given` the momentum that the
+  /// loads gave.
   virtual StepReport eulerStep(Motion& motion, double step, const LoadSource& loads,
                                Momentum& given) = 0;
 
-  /// Closes joints as assemble() does, and takes from the velocities, in the metric of the masses,
-  /// what would open them. Returns the largest gap left, metres; infinity where no such velocities
-  /// were found.
+  /// The largest speed along their planes that points of contacts, and supports, have at the start
+  /// of a step though they stick at its end, m/s; of the last Euler step's.
+  virtual double caughtSpeed(const Motion& start) const = 0;
+
+  /// Closes joints as assemble() does, brings the held contacts that pushed in the last Euler step
+  /// back to their planes, and takes from the velocities, in the metric of the masses, what would
+  /// open joints or bring contacts closer. Returns the largest gap left, metres; infinity where no
+  /// such velocities were found.
   virtual double project(Motion& motion) = 0;
+
+  /// An impact without rebound on the contacts that are held: the velocities after it are the
+  /// nearest to those before, in the metric of the masses, that joints and contacts allow, with
+  /// impulses of friction within Coulomb's bound. Returns false, with the velocities as they were,
+  /// where none were found.
+  virtual bool collide(Motion& motion) = 0;
 
   /// Holds these bricks where they are, exactly, until told otherwise; one entry a brick. Their
   /// velocities are zero at the end of each step. Two pinned bricks must not have an open joint.

@@ -31,9 +31,13 @@ class Stepper : public JointSolver {
 
   StepReport advance(Motion& motion, double step, const LoadSource& loads,
                      ContactSource* contacts) override;
+  void holdContacts(const std::vector<Contact>& contacts) override;
+  std::vector<Contact> heldContacts() const override;
   StepReport eulerStep(Motion& motion, double step, const LoadSource& loads,
                        Momentum& given) override;
+  double caughtSpeed(const Motion& start) const override;
   double project(Motion& motion) override;
+  bool collide(Motion& motion) override;
   void setPinned(const std::vector<bool>& pinned) override;
   void setJointStiffness(double stiffness) override;
   std::vector<ContactLoad> contactLoads() const override;
@@ -47,6 +51,13 @@ class Stepper : public JointSolver {
 
   void advanceHalving(Motion& motion, double step, int level, bool warm);
   void beginStep(const Motion& start, double step);
+  void placeHeldRows(const Poses& poses, double step);
+  void keepHeldRows(double step);
+  bool solveWithFriction(const Poses& start);
+  bool boundFriction();
+  bool projectVelocities(Motion& motion, bool withFriction);
+  double closeGaps(Poses& poses, std::vector<Row> held);
+  double largestGap(const std::vector<Row>& held) const;
   void addImpulses(const Poses& poses, double step, Momentum& given) const;
   StepOutcome tryStep(const Motion& start, double step, bool warm);
   StepOutcome solveContactRounds(const Poses& start, double step);
@@ -86,13 +97,13 @@ class Stepper : public JointSolver {
 
   // The step in work.
   std::vector<Load> loads_;
-  bool isShortest_ = false;    // it will not be halved, and jumps are taken
-  bool jumped_ = false;        // closing moved more than it should
-  Poses poses_;                // at its end
-  Vector startSpeed_;          // velocities where it starts
-  Vector closing_;             // what closing added to the move
-  StepProgram<D> program_;     // for its velocities; joint multipliers are warm from step to step
-  std::vector<Row> kept_;      // planes of contacts that carried load at the end of the last step
+  bool isShortest_ = false;  // it will not be halved, and jumps are taken
+  bool jumped_ = false;      // closing moved more than it should
+  Poses poses_;              // at its end
+  Vector startSpeed_;        // velocities where it starts
+  Vector closing_;           // what closing added to the move
+  StepProgram<D> program_;   // for its velocities; joint multipliers are warm from step to step
+  std::vector<Row> kept_;    // held contacts, or planes of those that carried load in the last step
   std::vector<Row> supports_;  // likewise
   double multiplierStep_ = 1;  // seconds that the joints' multipliers refer to
   double keptStep_ = 1;        // seconds that these rows' impulses refer to

@@ -236,7 +236,7 @@ TEST(DoublePendulum, FollowsItsEquationsOfMotionToTheTolerance) {
     const Brick brick = chain.bricks[1];
     Stepping stepping(chain, true, tolerance);
     stepping.solver->setPinned({true, false, false});
-    stepping.extrapolation.setPinned(true);
+    stepping.extrapolation.setSupported(true);
     std::array<double, 4> exact = {45 * kDegree, 45 * kDegree, 0, 0};
     double error = 0;
     for (int k = 0; k < 50; ++k) {
@@ -350,7 +350,7 @@ TEST(Extrapolation, LeavesTheMotionWhereAStepIsRefused) {
   JoinedBricks brick = spinningBrick();
   const Motion before = brick.motion;
   Stepping stepping(brick, false, 1e-4);
-  const auto refuse = [](const Motion&, const Motion&) { return false; };
+  const auto refuse = [](const Motion&, const Motion&, double) { return false; };
   const auto taken = stepping.extrapolation.step(brick.motion, 0.1, timeless(test::noLoads), refuse,
                                                  stepping.report);
   EXPECT_FALSE(taken.has_value());
