@@ -28,6 +28,9 @@ bool isDirect(const Scene& scene) {
 bool isBullet(const Scene& scene) {
   return scene.solver.kind == SolverKind::Bullet;
 }
+bool hasHingeSprings(const Scene& scene) {
+  return scene.hinges.stiffness > 0 || !scene.hinges.file.empty();
+}
 bool hasFixedSteps(const Scene& scene) {
   return scene.solver.tolerance == 0;
 }
@@ -47,6 +50,10 @@ const std::vector<Rule>& rules() {
       {"--joint-stiffness", isDirect, "--solver direct"},
       {"--pin", isDirect, "--solver direct"},
       {"--link", isDirect, "--solver direct"},
+      {"--hinge-stiffness", isDirect, "--solver direct"},
+      {"--hinge-damping", isDirect, "--solver direct"},
+      {"--hinge-file", isDirect, "--solver direct"},
+      {"--hinge-rest", hasHingeSprings, "--hinge-stiffness or --hinge-file"},
       {"--iterations", isBullet, "--solver bullet"},
       {"--tolerance", isDirect, "--solver direct"},
       {"--substeps", hasFixedSteps, "--tolerance 0"},

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 /// Whether an option's values are names of files.
 bool namesFiles(const std::string& key) {
-  return key == "target" || key == "joints_file";
+  return key == "target" || key == "joints_file" || key == "hinge_file";
 }
 
 /// Names of files as so many empty ones: what the files hold is told apart by their hashes.

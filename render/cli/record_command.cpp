@@ -80,10 +80,10 @@ constexpr const char* kPeerNote =
 
 /// Pins and timelines name tiles, which splitting would give other numbers.
 void requireTilesKeepNumbers(const Scene& scene) {
-  if (scene.timeline.empty()) return;
+  if (scene.timeline.empty() && scene.hinges.own.empty()) return;
   throw InputError(
-      "error: --split-tiles gives tiles other numbers than pins, chains of targets and timelines "
-      "name; leave one of them out");
+      "error: --split-tiles gives tiles other numbers than pins, chains of targets, timelines and "
+      "files of hinges name; leave one of them out");
 }
 
 /// A thickness for tiles of another size is most often one in another unit of length.
@@ -157,6 +157,16 @@ std::optional<FinishedRun> findFinished(const RecordSettings& settings) {
   return finished;
 }
 
+/// A file that is named by its path, or by its name beside the model.
+std::filesystem::path besideModel(const std::filesystem::path& file,
+                                  const std::filesystem::path& model) {
+  if (file.empty() || model.empty() || std::filesystem::exists(file)) return file;
+  const std::filesystem::path place = findModel(model);
+  const std::filesystem::path beside =
+      (std::filesystem::is_directory(place) ? place : place.parent_path()) / file;
+  return std::filesystem::exists(beside) ? beside : file;
+}
+
 }  // namespace
 
 CLI::App* addRecordCommand(CLI::App& program, RecordOrder& order) {
@@ -203,6 +213,7 @@ void completeOrder(CLI::App& command, RecordOrder& order) {
   std::erase_if(order.inputs, [&](const InputFile& input) { return input.path == file.path; });
   requireConsistent(command, order.scene);
   order.text = orderText(command, order.scene, file);
+  order.scene.hinges.file = besideModel(order.scene.hinges.file, order.model);
 }
 
 OrderInputs readInputs(const RecordOrder& order) {

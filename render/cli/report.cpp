@@ -119,6 +119,15 @@ std::string describePenetration(const Scene& scene, const RunSummary& summary) {
   return text + "\n";
 }
 
+/// What springs hold at the hinges; empty where there are none.
+std::string describeElasticity(const std::optional<Elasticity>& found) {
+  if (!found) return "";
+  return fmt::format(
+      "springs at {} hinges: {:.4g} J at the start, {:.4g} J at the end, moments up to {:.4g} N m "
+      "there\n",
+      found->springs, found->energyStart, found->energyEnd, found->momentEnd);
+}
+
 std::string describePath(const RunSummary& summary, bool hasTarget) {
   if (!hasTarget && summary.accuracy.jointOpeningMax == 0) return "";
   return fmt::format("path: {}\n", summary.pathReason);
@@ -219,6 +228,7 @@ std::string describeRun(const Scene& scene, const RecordSettings& settings,
   }
   text += describePath(summary, scene.model.target.has_value());
   text += describeJoints(scene, summary) + describeTime(scene, summary);
+  text += describeElasticity(summary.elasticity);
   text += describePenetration(scene, summary);
   if (summary.leftOutFrom) {
     text += fmt::format(

@@ -55,6 +55,33 @@ void addSpringOptions(CLI::App& command, TargetSpringSettings& springs) {
              "keep the stiffness when the error stalls, instead of doubling it", false);
 }
 
+void addHingeOptions(CLI::App& command, HingeSettings& hinges) {
+  OptionGroup group(command, "Hinges");
+  group.number("--hinge-stiffness", hinges.stiffness, kFromZero, "N*M/RAD",
+               "torsional springs at all hinges: corners in the plane or joined on both faces, and "
+               "folds");
+  group
+      .value("--hinge-rest", "DEGREES", "the angle at the start",
+             "angle at which they pull no more: at a corner between the tiles' edges, 0 where they "
+             "lie flush; at a fold from flat, valleys above 0",
+             [&hinges](const OptionValue& typed) {
+               hinges.rest = parseNumber(typed, {-360, 360}) * kDegree;
+             })
+      .saidAs([&hinges] {
+        if (!hinges.rest) return std::string();
+        return numberText(numberReadAs(*hinges.rest, *hinges.rest / kDegree,
+                                       [](double degrees) { return degrees * kDegree; }));
+      });
+  group.number("--hinge-damping", hinges.damping, kFromZero, "N*M*S/RAD",
+               "damping of the hinges' angles");
+  group
+      .value("--hinge-file", "FILE", "",
+             "springs of hinges one by one, by path or by name beside the model: a line has tile, "
+             "tile, stiffness, rest angle and damping, of which - or nothing means as for all",
+             [&hinges](const OptionValue& typed) { hinges.file = typed.text; })
+      .saidAs([&hinges] { return quotedText(hinges.file.string()); });
+}
+
 void addPathOptions(CLI::App& command, PathSettings& path) {
   OptionGroup group(command, "Path to the target");
   group.choice<PathKind>(
@@ -170,6 +197,7 @@ void addSceneOptions(CLI::App& command, Scene& scene) {
   addBrickOptions(command, scene.brick);
   addActuationOptions(command, scene.actuation);
   addSpringOptions(command, scene.springs);
+  addHingeOptions(command, scene.hinges);
   addPathOptions(command, scene.path);
   addEnvironmentOptions(command, scene.environment);
   addStopOptions(command, scene.stop);

@@ -18,6 +18,7 @@ const std::map<std::string, std::string>& tables() {
       {"Model", "model"},
       {"Bricks", "model"},
       {"Joints", "model"},
+      {"Hinges", "model"},
       {"Actuation", "actuation"},
       {"Path to the target", "actuation"},
       {"Springs to the target", "actuation"},

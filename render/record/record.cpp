@@ -109,6 +109,7 @@ void noteResult(const DeploymentResult& result, double endTime, RunSummary& summ
   summary.blocking = result.blocking;
   summary.warnings = result.warnings;
   summary.deployCost = result.cost;
+  summary.elasticity = result.elasticity;
   summary.events = result.trajectory.events;
 }
 

@@ -58,6 +58,14 @@ Json accuracyJson(const RunSummary& summary, bool hasTarget) {
           {"singular_time", accuracy.singularTime}};
 }
 
+Json elasticityJson(const std::optional<Elasticity>& elasticity) {
+  if (!elasticity) return nullptr;
+  return {{"springs", elasticity->springs},
+          {"energy_start", elasticity->energyStart},
+          {"energy_end", elasticity->energyEnd},
+          {"moment_end", elasticity->momentEnd}};
+}
+
 Json pathJson(const RunSummary& summary) {
   const PathSettings& path = summary.path;
   const bool isLed = path.kind == PathKind::Led;
@@ -204,6 +212,13 @@ Json springsJson(const Scene& scene) {
           {"adaptive", springs.adaptive}};
 }
 
+Json hingesJson(const HingeSettings& hinges) {
+  return {{"stiffness", hinges.stiffness},
+          {"rest", hinges.rest ? Json(*hinges.rest) : Json(nullptr)},
+          {"damping", hinges.damping},
+          {"from_file", hinges.own.size()}};
+}
+
 Json solverJson(const SolverSettings& solver) {
   return {{"solver", solver.kind == SolverKind::Direct ? "direct" : "bullet"},
           {"timestep", solver.timestep},
@@ -271,6 +286,7 @@ Json settingsJson(const Scene& scene, const RecordSettings& settings) {
           {"environment", environmentJson(scene.environment)},
           {"actuation", actuationJson(scene.actuation)},
           {"springs", springsJson(scene)},
+          {"hinges", hingesJson(scene.hinges)},
           {"solver", solverJson(scene.solver)},
           {"duration", scene.stop.duration},
           {"settle_speed", scene.stop.settleSpeed},
@@ -331,6 +347,7 @@ std::string summaryJson(const Scene& scene, const RecordSettings& settings,
       {"video_frames", summary.videoFrames},
       {"model", modelJson(scene.model)},
       {"accuracy", accuracyJson(summary, scene.model.target.has_value())},
+      {"elasticity", elasticityJson(summary.elasticity)},
   };
   json.update(findingsJson(scene, summary));
   json.update(Json{

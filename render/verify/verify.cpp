@@ -225,6 +225,7 @@ class Verifier {
       compare(kSummary, "rigid_bound", stated.at("rigid_bound"),
               rigidBound(subject.model.tiles, *subject.model.target));
     }
+    compareElasticity(summary, subject.hingeSprings, first.poses, last.poses);
     // A run that ended among the samples of an earlier process does not know these states.
     if (summary.at("outcome") == "interrupted" && run.end().figureStates.empty()) return;
     for (const StateFigure& figure : stateFigures(summary, subject, pivots, asRead)) {
@@ -236,6 +237,20 @@ class Verifier {
         complain(kSummary, fmt::format("{} has no state in trajectory.h5", figure.name));
       }
     }
+  }
+
+  void compareElasticity(const Json& summary, const std::vector<HingeSpring>& springs,
+                         const Poses& start, const Poses& end) {
+    const Json stated = summary.value("elasticity", Json());
+    if (springs.empty() != stated.is_null()) {
+      complain(kSummary, "elasticity and the springs in trajectory.h5 do not go together");
+    }
+    if (springs.empty() || stated.is_null()) return;
+    const Elasticity found = elasticityOf(springs, start, end);
+    compare(kSummary, "elasticity.springs", stated.at("springs"), found.springs);
+    compare(kSummary, "elasticity.energy_start", stated.at("energy_start"), found.energyStart);
+    compare(kSummary, "elasticity.energy_end", stated.at("energy_end"), found.energyEnd);
+    compare(kSummary, "elasticity.moment_end", stated.at("moment_end"), found.momentEnd);
   }
 
   /// How each figure is computed from its state. What is passed must outlive the list.

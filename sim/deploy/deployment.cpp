@@ -12,6 +12,7 @@
 #include "sim/deploy/geometric_path.h"
 #include "sim/deploy/run.h"
 #include "sim/deploy/target_warnings.h"
+#include "sim/scene/hinge_springs.h"
 
 namespace kirireel {
 namespace {
@@ -70,6 +71,7 @@ void requireSense(const Scene& scene, double sampleInterval) {
   }
   if (scene.model.tiles.empty())
     throw InputError("the model has no tiles; add one to vertices.txt");
+  static_cast<void>(hingeSprings(scene, makeBricks(scene.model.tiles, scene.brick)));
 }
 
 /// What the search for a path has found.

@@ -84,6 +84,7 @@ struct DeploymentResult {
   std::optional<bool> atTarget;
   Accuracy accuracy;
   DeployCost cost;
+  std::optional<Elasticity> elasticity;  ///< absent where no hinge has a spring
   Needs needs;
   PathSettings path;       ///< that was taken, never Auto
   std::string pathReason;  ///< one short phrase: why

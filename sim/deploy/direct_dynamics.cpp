@@ -8,6 +8,7 @@
 #include "sim/actuation/environment_load.h"
 #include "sim/base/error.h"
 #include "sim/base/interruption.h"
+#include "sim/scene/hinge_springs.h"
 
 namespace kirireel {
 
@@ -76,7 +77,8 @@ DirectDynamics::DirectDynamics(const Scene& scene, const Needs& needs,
       obstacles_(obstacleParts(scene.environment.obstacles)),
       bodies_(bodiesOf(bricks, obstacles_)),
       solver_(makeJointSolver(bodies_, makePivots(scene.model.joints, bricks),
-                              {needs.planar.on, tileSize_, groundSupports(scene, needs, bricks)})),
+                              {needs.planar.on, tileSize_, groundSupports(scene, needs, bricks),
+                               hingeSprings(scene, bricks)})),
       substeps_(scene.solver.substeps.value_or(1)),
       isRubbing_(!groundSupports(scene, needs, bricks).empty()) {
   requireSpace(scene, needs);

@@ -431,6 +431,7 @@ PathChoice choosePath(const Scene& scene, const TargetRoom& room, SearchBudget& 
                                   kMisfitStiffness)};
   }
   if (!scene.model.target) return {straight, "there is no target"};
+  if (scene.hinges.areOn()) return {straight, "hinges have springs, whose forces count"};
   if (drive != Drive::Target || !scene.springs.pull())
     return {straight, "nothing pulls to the target"};
   return PathSearch(scene, room.nearest, budget, watch, trials).find(room);

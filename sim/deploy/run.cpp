@@ -391,10 +391,12 @@ double Run::fastestSpeed() const {
 
 /// Whether bricks that hardly move are only slow: soft springs and heavy bricks are.
 bool Run::isOnItsWay() {
-  const bool springsPull = pullsToTarget() && timeline_.forcesAreOn() && !isStuck();
+  const bool targetPulls = pullsToTarget() && timeline_.forcesAreOn();
+  const bool hingesPull = scene_.hinges.areOn() && scene_.actuation.drive != Drive::Expansion;
   const double arrived = std::max(kThere * leastError_, kThereShare * tileSize_);
-  if (!springsPull || scene_.solver.kind == SolverKind::Bullet) return false;
-  if (currentTargetError() <= arrived) return false;
+  if (!(targetPulls || hingesPull) || isStuck()) return false;
+  if (scene_.solver.kind == SolverKind::Bullet) return false;
+  if (targetPulls && currentTargetError() <= arrived) return false;
   // A solver of its own, in the state of the run's.
   const std::unique_ptr<Dynamics> dynamics = makeSolver();
   StateTape recorded;
@@ -474,6 +476,7 @@ std::string Run::holdup() const {
   if (contacts.empty() && currentTargetError() <= reachableError()) {
     return "no state with closed joints was found nearer";
   }
+  if (contacts.empty() && scene_.hinges.areOn()) return "the springs at the hinges hold them";
   if (contacts.empty()) {
     return "a local minimum of the pull, no small move brings the tiles nearer";
   }
@@ -573,6 +576,12 @@ void Run::advanceToEnd() {
   }
 }
 
+/// What the hinges' springs hold at the start and at the end.
+void Run::noteElasticity() {
+  const std::vector<HingeSpring>& springs = result_.trajectory.hingeSprings;
+  if (!springs.empty()) result_.elasticity = elasticityOf(springs, startPoses_, motion_.poses);
+}
+
 DeploymentResult Run::finish() {
   startSeconds_ = threadCpuSeconds();
   start();
@@ -589,6 +598,7 @@ DeploymentResult Run::finish() {
   if (!ended_) end(Outcome::OutOfTime, lateness());
   if (!isReplayed_) takeLastSample();
   figures_.leave(result_);
+  noteElasticity();
   result_.pathReason = jointTrouble();
   result_.cost.cpuSeconds = spentSeconds();
   return std::move(result_);

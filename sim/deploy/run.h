@@ -105,6 +105,7 @@ class Run : private TimelineStage {
   void endWith(const Sample& shown);
   bool goesOn();
   void end(Outcome outcome, std::string reason);
+  void noteElasticity();
   void interrupt() { end(Outcome::Interrupted, "ended early by the caller"); }
   void endAtRest();
   std::string holdup() const;

@@ -11,6 +11,7 @@
 #include "sim/base/state_tape.h"
 #include "sim/brick/brick.h"
 #include "sim/brick/contact.h"
+#include "sim/brick/hinge.h"
 #include "sim/brick/load.h"
 
 namespace kirireel {
@@ -27,6 +28,7 @@ struct JointSolverSettings {
   bool planar = false;     ///< three degrees of freedom a brick (x, y, turn about z)
   double lengthScale = 1;  ///< a typical tile edge, metres: tolerances refer to it
   std::vector<Support> supports;
+  std::vector<HingeSpring> hingeSprings;  ///< implicit in the step
 };
 
 /// Writes the load on every brick at the given poses; `loads` has one entry a brick, to be

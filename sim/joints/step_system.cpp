@@ -29,11 +29,13 @@ typename Coordinates<D>::Block massMatrix(const Brick& brick, const Pose& pose) 
 
 template <int D>
 StepSystem<D>::StepSystem(const std::vector<Brick>& bricks, std::span<const Pivot> pivots,
-                          double lengthScale)
+                          double lengthScale, std::vector<HingeSpring> springs)
     : bricks_(bricks),
       lengthScale_(lengthScale),
       pinned_(bricks.size(), false),
       edgesAt_(bricks.size()),
+      springs_(std::move(springs)),
+      springRows_(springs_.size()),
       A_(bricks.size()),
       f_(D * bricks.size()) {
   for (const Pivot& pivot : pivots) {
@@ -43,6 +45,9 @@ StepSystem<D>::StepSystem(const std::vector<Brick>& bricks, std::span<const Pivo
   jointRows_.resize(pivots_.size());
   for (std::size_t p = 0; p < pivots_.size(); ++p) {
     jointRows_[p].edge = edgeOf(pivots_[p].brickA, pivots_[p].brickB);
+  }
+  for (std::size_t s = 0; s < springs_.size(); ++s) {
+    springRows_[s].edge = edgeOf(springs_[s].hinge.brickA, springs_[s].hinge.brickB);
   }
 }
 
@@ -74,6 +79,7 @@ void StepSystem<D>::setMasses(const Poses& poses) {
     sum += A_[i](0, 0);
   }
   f_.setZero();
+  for (SpringRow& row : springRows_) row.weight = row.moment = 0;
   kappa_ = kJointWeight * sum / static_cast<double>(bricks_.size());
   rho_ = kContactWeight * sum / static_cast<double>(bricks_.size());
 }
@@ -96,9 +102,37 @@ void StepSystem<D>::setStep(const Motion& motion, const std::vector<Load>& loads
     }
     sum += A_[i](0, 0);
   }
+  setSprings(motion.poses, step);
   kappa_ = std::isfinite(jointStiffness) ? step * step * jointStiffness
                                          : kJointWeight * sum / static_cast<double>(bricks_.size());
   rho_ = kContactWeight * sum / static_cast<double>(bricks_.size());
+}
+
+/// Sets the rate of a hinge's angle; a brick that is held takes no part in it.
+template <int D>
+void StepSystem<D>::placeSpring(const HingeSpring& spring, const Poses& poses,
+                                SpringRow& row) const {
+  const Hinge& hinge = spring.hinge;
+  row.b = Space::turning(poses[hinge.brickA].rotation * hinge.axis);
+  row.a = -row.b;
+  if (pinned_[hinge.brickA]) row.a.setZero();
+  if (pinned_[hinge.brickB]) row.b.setZero();
+}
+
+/// Sets the springs' part of A and adds theirs to f.
+template <int D>
+void StepSystem<D>::setSprings(const Poses& poses, double step) {
+  if (springs_.empty()) return;
+  const std::vector<double> moments = hingeMoments(springs_, poses);
+  for (std::size_t s = 0; s < springs_.size(); ++s) {
+    const HingeSpring& spring = springs_[s];
+    SpringRow& row = springRows_[s];
+    placeSpring(spring, poses, row);
+    row.moment = moments[s];
+    row.weight = step * (step * spring.stiffness + spring.damping);
+    f_.segment<D>(D * spring.hinge.brickA) += step * row.moment * row.a.transpose();
+    f_.segment<D>(D * spring.hinge.brickB) += step * row.moment * row.b.transpose();
+  }
 }
 
 template <int D>
@@ -156,6 +190,16 @@ void StepSystem<D>::addJointsToMatrix() {
 }
 
 template <int D>
+void StepSystem<D>::addSpringsToMatrix() {
+  for (std::size_t s = 0; s < springs_.size(); ++s) {
+    const SpringRow& row = springRows_[s];
+    if (row.weight == 0) continue;
+    addRowToMatrix({springs_[s].hinge.brickA, springs_[s].hinge.brickB, row.edge}, row.a, row.b,
+                   row.weight);
+  }
+}
+
+template <int D>
 void StepSystem<D>::addContactToMatrix(const ContactRow<D>& row) {
   PairOnGraph pair{row.contact.brickA, row.contact.brickB};
   if (pair.brickB != kFixed) pair.edge = edgeOf(pair.brickA, pair.brickB);
@@ -181,12 +225,14 @@ bool StepSystem<D>::factor(const std::vector<ContactRow<D>>& contacts) {
   matrix_.setZero();
   for (int i = 0; i < brickCount(); ++i) matrix_.diagonal(i) = A_[i];
   addJointsToMatrix();
+  addSpringsToMatrix();
   for (const ContactRow<D>& row : contacts) {
     if (row.acts()) addContactToMatrix(row);
   }
   ++factorizations_;
-  work_ += matrix_.work() + kWorkOfBrick * brickCount() +
-           kWorkOfRow * static_cast<double>(jointRows_.size() + contacts.size());
+  work_ +=
+      matrix_.work() + kWorkOfBrick * brickCount() +
+      kWorkOfRow * static_cast<double>(jointRows_.size() + springRows_.size() + contacts.size());
   return matrix_.factor();
 }
 
@@ -210,6 +256,11 @@ double StepSystem<D>::workAgainst(const std::vector<Load>& loads, const Vector& 
     work -=
         move.dot(Space::restrict(loads[i].force) - Space::restrict(loads[i].stiffness) * middle);
   }
+  for (std::size_t s = 0; s < springs_.size(); ++s) {
+    const double turn = springRate(s, further);
+    const double middle = springRate(s, first) + 0.5 * turn;
+    work -= turn * (springRows_[s].moment - springs_[s].stiffness * middle);
+  }
   return work;
 }
 
@@ -219,7 +270,21 @@ Eigen::VectorXd StepSystem<D>::timesA(const Vector& x) const {
   for (int i = 0; i < brickCount(); ++i) {
     result.segment<D>(D * i) = A_[i] * x.segment<D>(D * i);
   }
+  for (std::size_t s = 0; s < springs_.size(); ++s) {
+    const SpringRow& row = springRows_[s];
+    const double share = row.weight * springRate(s, x);
+    result.segment<D>(D * springs_[s].hinge.brickA) += share * row.a.transpose();
+    result.segment<D>(D * springs_[s].hinge.brickB) += share * row.b.transpose();
+  }
   return result;
+}
+
+/// The rate of a hinge's angle at velocities x, rad/s.
+template <int D>
+double StepSystem<D>::springRate(std::size_t spring, const Vector& x) const {
+  const SpringRow& row = springRows_[spring];
+  const Hinge& hinge = springs_[spring].hinge;
+  return row.a.dot(x.segment<D>(D * hinge.brickA)) + row.b.dot(x.segment<D>(D * hinge.brickB));
 }
 
 template <int D>

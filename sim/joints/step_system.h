@@ -7,6 +7,7 @@
 
 #include "sim/base/state_tape.h"
 #include "sim/brick/brick.h"
+#include "sim/brick/hinge.h"
 #include "sim/brick/load.h"
 #include "sim/joints/block_cholesky.h"
 #include "sim/joints/contact_rows.h"
@@ -15,9 +16,11 @@
 namespace kirireel {
 
 /// The matrices of one step in D degrees of freedom a brick:
-///   A = M + h D + h^2 K,   f = M u0 + h F,   joint rows J, contact rows C,
+///   A = M + h D + h^2 K + S^T W S,   f = M u0 + h F + h S^T m,   joint rows J, contact rows C,
 ///   H = A + kappa J^T J + rho C^T C (over the contacts that act),
-/// on the graph of bricks that share a joint or have touched.
+/// on the graph of bricks that share a joint or have touched. S has a row for each hinge with a
+/// spring, the rate of its angle; m are the springs' moments at the start of the step, and
+/// W = h^2 k + h c their stiffness and damping. About the axis of a closed hinge the rate is exact.
 template <int D>
 class StepSystem {
  public:
@@ -26,8 +29,10 @@ class StepSystem {
   using RowVector = typename Space::RowVector;
   using Vector = Eigen::VectorXd;
 
-  /// `lengthScale` in metres makes turning and moving comparable.
-  StepSystem(const std::vector<Brick>& bricks, std::span<const Pivot> pivots, double lengthScale);
+  /// `lengthScale` in metres makes turning and moving comparable. `springs` are at hinges of the
+  /// pivots.
+  StepSystem(const std::vector<Brick>& bricks, std::span<const Pivot> pivots, double lengthScale,
+             std::vector<HingeSpring> springs = {});
 
   int brickCount() const { return static_cast<int>(bricks_.size()); }
   int jointRowCount() const { return Space::kJointRows * static_cast<int>(pivots_.size()); }
@@ -52,7 +57,8 @@ class StepSystem {
 
   /// Of bricks at these poses that move with velocities x, joules.
   double kineticEnergy(const Poses& poses, const Vector& x) const;
-  /// What a further displacement costs against the loads after a first one, joules.
+  /// What a further displacement costs against the loads, and the hinges' springs as they were set
+  /// last, after a first one, joules.
   double workAgainst(const std::vector<Load>& loads, const Vector& first,
                      const Vector& further) const;
   /// A x.
@@ -84,7 +90,18 @@ class StepSystem {
     typename Space::Rows a, b;
   };
 
+  /// The spring of a hinge in the step at hand.
+  struct SpringRow {
+    int edge = 0;
+    RowVector a, b;     // the rate of its angle
+    double moment = 0;  // at the start of the step, N m
+    double weight = 0;  // of the row in A
+  };
+
   void keepLengthwiseRow(const Pivot& pivot, const Poses& poses, JointRows& rows);
+  void placeSpring(const HingeSpring& spring, const Poses& poses, SpringRow& row) const;
+  void setSprings(const Poses& poses, double step);
+  double springRate(std::size_t spring, const Vector& x) const;
   /// Two bricks, the second perhaps kFixed, and their edge of the graph.
   struct PairOnGraph {
     int brickA = 0;
@@ -96,6 +113,7 @@ class StepSystem {
   void addRowToMatrix(const PairOnGraph& pair, const RowVector& a, const RowVector& b,
                       double weight);
   void addJointsToMatrix();
+  void addSpringsToMatrix();
   void addContactToMatrix(const ContactRow<D>& row);
 
   const std::vector<Brick>& bricks_;
@@ -107,6 +125,8 @@ class StepSystem {
   std::vector<std::vector<std::pair<int, int>>> edgesAt_;  // of the lower brick: (higher, edge)
   bool graphChanged_ = true;
   std::vector<JointRows> jointRows_;
+  std::vector<HingeSpring> springs_;
+  std::vector<SpringRow> springRows_;  // without weight while only masses count
   std::vector<Block, Eigen::aligned_allocator<Block>> A_;
   Vector f_;
   double kappa_ = 0;

@@ -22,7 +22,7 @@ class Stepper : public JointSolver {
           const JointSolverSettings& settings)
       : bricks_(bricks),
         settings_(settings),
-        system_(bricks, pivots, settings.lengthScale),
+        system_(bricks, pivots, settings.lengthScale, settings.hingeSprings),
         loads_(bricks.size()) {
     program_.multipliers = Vector::Zero(system_.jointRowCount());
     program_.x = Vector::Zero(D * bricks.size());

@@ -118,6 +118,17 @@ double parseCoordinate(const TextField& field, const FileLocation& location) {
   return value;
 }
 
+double parseNumberWithin(const TextField& field, const FileLocation& location, double least,
+                         double most, const std::string& meaning) {
+  const std::string_view text = withoutPlus(field.text);
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const bool isNumber = error == std::errc() && end == text.data() + text.size();
+  if (isNumber && value >= least && value <= most) return value;
+  throw inputErrorAt(location,
+                     fmt::format("{} is not {}; correct it", quoted(field.text), meaning));
+}
+
 int parseWholeNumber(const TextField& field, const FileLocation& location,
                      const std::string& meaning) {
   const std::string_view text = withoutPlus(field.text);

@@ -74,6 +74,11 @@ inline constexpr double kMaxCoordinate = 1e6;
 /// letters, NaN, infinities and numbers out of range.
 double parseCoordinate(const TextField& field, const FileLocation& location);
 
+/// The number in a field, from `least` to `most`. Throws InputError when it is none; `meaning`
+/// names what it should be, e.g. "a stiffness, from 0 to 1e12 N m/rad".
+double parseNumberWithin(const TextField& field, const FileLocation& location, double least,
+                         double most, const std::string& meaning);
+
 /// The whole number in a field, also as 3.0 or 3e0. Throws InputError when it is none; `meaning`
 /// names what it should be, e.g. "a tile number".
 int parseWholeNumber(const TextField& field, const FileLocation& location,

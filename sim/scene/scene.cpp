@@ -163,6 +163,7 @@ bool isQuasiStatic(const Scene& scene, std::string& reason) {
            : around.ground || !around.obstacles.empty()       ? "there is ground or an obstacle"
            : around.brickFriction > 0                         ? "there is friction"
            : !usualSprings || !usualDamping                   ? "springs or damping were given"
+           : scene.hinges.areOn()                             ? "hinges have springs"
            : scene.brick.mass != MassRule::Unit               ? "masses were given"
            : !isPlainSolver                                   ? "the solver was given"
            : fliesApart ? "tiles that no joint holds fly apart"

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "sim/base/error.h"
 #include "sim/base/geometry.h"
 #include "sim/brick/brick.h"
 #include "sim/model/model.h"
@@ -57,6 +59,28 @@ struct TargetSpringSettings {
 
   /// Whether they pull at all; without stiffness they only damp.
   bool pull() const { return springStiffness > 0 || torqueStiffness > 0; }
+};
+
+/// The spring of one hinge, as a file of hinges has it: what it leaves out is as for all.
+struct OwnHingeSpring {
+  int tileA = 0;  ///< the hinge's tiles, in either order
+  int tileB = 0;
+  std::optional<double> stiffness;  ///< see HingeSpring, this and the following
+  std::optional<double> rest;
+  std::optional<double> damping;
+  FileLocation where;  ///< of the line
+};
+
+/// Torsional springs at the hinges: see HingeSpring.
+struct HingeSettings {
+  double stiffness = 0;             ///< of all hinges, N m/rad, from 0
+  std::optional<double> rest;       ///< their angle without moment, radians; absent: at the start
+  double damping = 0;               ///< N m s/rad, from 0
+  std::filesystem::path file;       ///< springs of hinges one by one; empty: there is none
+  std::vector<OwnHingeSpring> own;  ///< what it holds, read by completeScene()
+
+  /// Whether any hinge may have a spring or a dashpot.
+  bool areOn() const { return stiffness > 0 || damping > 0 || !file.empty() || !own.empty(); }
 };
 
 /// What drives the bricks.
@@ -123,9 +147,11 @@ enum class SolverKind {
 /// How a step is computed.
 struct SolverSettings {
   SolverKind kind = SolverKind::Direct;
-  /// Of fixed steps, and of steps to a tolerance where bricks touch or joints are singular, seconds.
+  /// Of fixed steps, and of steps to a tolerance where bricks touch or joints are singular,
+  /// seconds.
   double timestep = 1.0 / 240;
-  /// Error in time that one step may make, tiles (see Extrapolation); 0: fixed steps, of first order.
+  /// Error in time that one step may make, tiles (see Extrapolation); 0: fixed steps, of first
+  /// order.
   double tolerance = 0;
   std::optional<int> substeps;  ///< solver steps in each; absent: 1 direct, 20 Bullet
   int iterations = 50;          ///< of Bullet's solver in a substep
@@ -156,6 +182,7 @@ struct Scene {
   Environment environment;
   Actuation actuation;
   TargetSpringSettings springs;
+  HingeSettings hinges;
   PathSettings path;
   SolverSettings solver;
   StopRules stop;

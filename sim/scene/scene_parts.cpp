@@ -7,6 +7,7 @@
 #include "sim/base/error.h"
 #include "sim/model/alignment.h"
 #include "sim/model/read_model.h"
+#include "sim/scene/hinge_springs.h"
 
 namespace kirireel {
 namespace {
@@ -136,6 +137,9 @@ void completeScene(const SceneParts& parts, Scene& scene, std::vector<std::strin
   numberAsModel(entries, scene.model);
   scene.timeline = std::move(entries);
   if (scene.alignment.wanted) align(scene, heldTiles(scene.timeline));
+  if (!scene.hinges.file.empty()) {
+    scene.hinges.own = readHingeSprings(scene.hinges.file, scene.model);
+  }
   addFixed(parts.fixed, scene.model);
   addLinks(parts.links, scene.model);
 }

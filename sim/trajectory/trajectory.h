@@ -8,6 +8,7 @@
 #include "sim/base/geometry.h"
 #include "sim/base/state_tape.h"
 #include "sim/brick/brick.h"
+#include "sim/brick/hinge.h"
 #include "sim/model/model.h"
 #include "sim/scene/scene.h"
 
@@ -73,12 +74,13 @@ struct Event {
 /// What a trajectory shows: all that stays the same from the first sample to the last, and enough
 /// to make pictures and meshes again without the scene.
 struct Subject {
-  Model model;                   ///< as it was simulated, aligned to its target
-  BrickRule brickRule;           ///< how tiles became bricks
-  std::vector<Brick> bricks;     ///< one a tile
-  std::optional<Ground> ground;  ///< absent when the scene had none
-  std::vector<Tile> obstacles;   ///< the faces of what stays where it is, world axes
-  std::string settings;          ///< of the run, as JSON; may be empty
+  Model model;                            ///< as it was simulated, aligned to its target
+  BrickRule brickRule;                    ///< how tiles became bricks
+  std::vector<Brick> bricks;              ///< one a tile
+  std::optional<Ground> ground;           ///< absent when the scene had none
+  std::vector<Tile> obstacles;            ///< the faces of what stays where it is, world axes
+  std::vector<HingeSpring> hingeSprings;  ///< of the bricks' hinges
+  std::string settings;                   ///< of the run, as JSON; may be empty
 };
 
 /// What is known once a run is over.

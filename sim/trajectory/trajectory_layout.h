@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 
+#include "sim/brick/hinge.h"
 #include "sim/trajectory/trajectory.h"
 
 namespace kirireel::layout {
@@ -12,6 +13,23 @@ inline constexpr const char* kFormat = "kirireel trajectory";
 inline constexpr double kFormatVersion = 2;
 inline constexpr double kFirstVersion = 1;  ///< had neither steps nor figures
 inline constexpr std::size_t kJointColumns = 6;
+
+/// A number that each spring at a hinge has; files without springs, and of earlier releases, have
+/// no group "hinges".
+struct SpringColumn {
+  const char* name;  ///< of its array
+  double& (*field)(HingeSpring&);
+  const char* unit;
+};
+inline constexpr std::array kSpringColumns = {
+    SpringColumn{"hinges/start", [](HingeSpring& s) -> double& { return s.hinge.start; }, "rad"},
+    SpringColumn{"hinges/least", [](HingeSpring& s) -> double& { return s.hinge.least; }, "rad"},
+    SpringColumn{"hinges/most", [](HingeSpring& s) -> double& { return s.hinge.most; }, "rad"},
+    SpringColumn{"hinges/stiffness", [](HingeSpring& s) -> double& { return s.stiffness; },
+                 "N m/rad"},
+    SpringColumn{"hinges/rest", [](HingeSpring& s) -> double& { return s.rest; }, "rad"},
+    SpringColumn{"hinges/damping", [](HingeSpring& s) -> double& { return s.damping; },
+                 "N m s/rad"}};
 
 /// A figure that each sample has.
 struct Measure {

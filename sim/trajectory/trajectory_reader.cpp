@@ -44,6 +44,7 @@ class SubjectReader {
     if (file_.has("obstacles")) {
       subject.obstacles = tiles("obstacles/vertices", readSizes("obstacles/face_sizes"));
     }
+    if (file_.has("hinges")) subject.hingeSprings = readHingeSprings();
     return subject;
   }
 
@@ -152,6 +153,23 @@ class SubjectReader {
     std::vector<int> tiles = file_.integers(name);
     for (const int tile : tiles) static_cast<void>(corner(tile, 0));
     return tiles;
+  }
+
+  std::vector<HingeSpring> readHingeSprings() const {
+    const std::vector<int> bricks = file_.integers("hinges/bricks");
+    std::vector<HingeSpring> springs(bricks.size() / 2);
+    const std::vector<double> axes = numbers("hinges/axis", {springs.size(), 3});
+    for (std::size_t s = 0; s < springs.size(); ++s) {
+      Hinge& hinge = springs[s].hinge;
+      hinge.brickA = corner(bricks[2 * s], 0).tile;
+      hinge.brickB = corner(bricks[2 * s + 1], 0).tile;
+      hinge.axis = Vector3(&axes[3 * s]);
+    }
+    for (const layout::SpringColumn& column : layout::kSpringColumns) {
+      const std::vector<double> entries = numbers(column.name, {springs.size()});
+      for (std::size_t s = 0; s < springs.size(); ++s) column.field(springs[s]) = entries[s];
+    }
+    return springs;
   }
 
   FileOrder readFileOrder() const {

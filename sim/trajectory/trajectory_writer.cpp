@@ -127,6 +127,25 @@ void writeObstacles(ArrayWriter& file, const std::vector<Tile>& faces) {
   writePoints(file, "obstacles/vertices", flatten(faces));
 }
 
+void writeHingeSprings(ArrayWriter& file, std::vector<HingeSpring> springs) {
+  if (springs.empty()) return;
+  const std::size_t count = springs.size();
+  std::vector<int> bricks;
+  std::vector<double> axes;
+  for (const HingeSpring& spring : springs) {
+    bricks.insert(bricks.end(), {spring.hinge.brickA, spring.hinge.brickB});
+    append(axes, spring.hinge.axis);
+  }
+  file.addGroup("hinges");
+  file.write("hinges/bricks", std::span<const int>(bricks), {count, 2});
+  writeArray(file, "hinges/axis", axes, {count, 3}, "1");
+  for (const layout::SpringColumn& column : layout::kSpringColumns) {
+    std::vector<double> numbers;
+    for (HingeSpring& spring : springs) numbers.push_back(column.field(spring));
+    writeArray(file, column.name, numbers, {count}, column.unit);
+  }
+}
+
 /// Appends poses to two lists of numbers.
 void appendPoses(const Poses& poses, std::vector<double>& positions,
                  std::vector<double>& rotations) {
@@ -198,6 +217,7 @@ TrajectoryWriter::TrajectoryWriter(const std::filesystem::path& path, const Subj
     file.setAttribute("ground", "friction", subject.ground->friction);
   }
   writeObstacles(file, subject.obstacles);
+  writeHingeSprings(file, subject.hingeSprings);
   addSeries(file, "time", {}, "s");
   addSeries(file, "position", {subject.bricks.size(), 3}, "m");
   addSeries(file, "rotation", {subject.bricks.size(), 4}, "1");

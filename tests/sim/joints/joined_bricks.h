@@ -20,13 +20,14 @@ struct JoinedBricks {
         motion{startPoses(start.tiles, bricks), std::vector<Velocity>(bricks.size())} {}
 
   std::unique_ptr<JointSolver> solver(bool planar) const {
-    return makeJointSolver(bricks, pivots, {planar, tileSize(model), {}});
+    return makeJointSolver(bricks, pivots, {planar, tileSize(model), {}, springs});
   }
 
   Model model;
   std::vector<Brick> bricks;
   std::vector<Pivot> pivots;
   Motion motion;
+  std::vector<HingeSpring> springs;  // at hinges
 };
 
 /// An opened sheet of unit squares, whose target is half open.

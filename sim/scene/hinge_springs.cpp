@@ -1,0 +1,163 @@
+#include "sim/scene/hinge_springs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "sim/base/error.h"
+#include "sim/model/text_table.h"
+
+namespace kirireel {
+namespace {
+
+constexpr std::size_t kMostColumns = 5;
+constexpr double kMostStiffness = 1e12;  // N m/rad, and N m s/rad
+constexpr double kMostRest = 360;        // degrees
+// Rest angles may be so far beyond what bricks can reach, radians: edges are flush but to rounding.
+constexpr double kAngleRounding = 1e-6;
+
+using TilePair = std::pair<int, int>;
+
+int readTile(const TextTable& table, const TextLine& line, std::size_t column, const Model& model) {
+  const FileLocation where = table.at(line, line.fields[column]);
+  const int tile = parseWholeNumber(line.fields[column], where, "a tile number");
+  const int first = model.fileOrder.countsFrom;
+  const int end = first + static_cast<int>(model.tiles.size());
+  if (tile >= first && tile < end) return tile - first;
+  throw inputErrorAt(where, fmt::format("the model has tiles {}-{}, not {}; correct this number",
+                                        first, end - 1, tile));
+}
+
+/// A number of a line that need not be there.
+std::optional<double> readOptional(const TextTable& table, const TextLine& line, std::size_t column,
+                                   double least, double most, const char* meaning) {
+  if (column >= line.fields.size() || line.fields[column].text == "-") return std::nullopt;
+  const TextField& field = line.fields[column];
+  return parseNumberWithin(field, table.at(line, field), least, most, meaning);
+}
+
+OwnHingeSpring readSpring(const TextTable& table, const TextLine& line, const Model& model) {
+  const FileLocation where = table.at(line, line.fields.front());
+  if (line.fields.size() < 2 || line.fields.size() > kMostColumns) {
+    throw inputErrorAt(where, fmt::format("there are {} columns; a hinge is tile, tile, stiffness, "
+                                          "rest angle, damping, of which the last may be left out",
+                                          line.fields.size()));
+  }
+  OwnHingeSpring spring;
+  spring.tileA = readTile(table, line, 0, model);
+  spring.tileB = readTile(table, line, 1, model);
+  spring.stiffness =
+      readOptional(table, line, 2, 0, kMostStiffness,
+                   "a stiffness from 0 to 1e12 N m/rad, or - for that of all hinges");
+  spring.rest = readOptional(table, line, 3, -kMostRest, kMostRest,
+                             "a rest angle from -360 to 360 degrees, or - for that of all hinges");
+  if (spring.rest) *spring.rest *= kDegree;
+  spring.damping = readOptional(table, line, 4, 0, kMostStiffness,
+                                "a damping from 0 to 1e12 N m s/rad, or - for that of all hinges");
+  spring.where = where;
+  return spring;
+}
+
+/// Bricks must not lie in each other where a spring is at rest. `line` says so, or null: the
+/// option.
+void requireRoomAtRest(const HingeSpring& spring, const OwnHingeSpring* line, const Model& model) {
+  const Hinge& hinge = spring.hinge;
+  if (spring.rest >= hinge.least - kAngleRounding && spring.rest <= hinge.most + kAngleRounding) {
+    return;
+  }
+  const int first = model.fileOrder.countsFrom;
+  const std::string message = fmt::format(
+      "a rest angle of {:.6g} degrees closes tiles {} and {} into each other; give one from {:.6g} "
+      "to {:.6g}",
+      spring.rest / kDegree, first + hinge.brickA, first + hinge.brickB, hinge.least / kDegree,
+      hinge.most / kDegree);
+  throw line ? inputErrorAt(line->where, message) : InputError("--hinge-rest: error: " + message);
+}
+
+/// The hinges of a scene, of which there must be one at least.
+FoundHinges requireHinges(const Scene& scene, const std::vector<Brick>& bricks) {
+  FoundHinges found =
+      findHinges(bricks, makePivots(scene.model.joints, bricks), sceneNeeds(scene).planar.on);
+  if (!found.hinges.empty()) return found;
+  if (found.ballJoints.empty()) {
+    throw InputError(
+        "error: springs need hinges, but no two tiles turn about a corner or an edge that they "
+        "share; leave --hinge-stiffness away");
+  }
+  throw InputError(fmt::format(
+      "error: springs need hinges, but in space joints at one corner of one face are balls, which "
+      "turn about no axis ({} of them); join both faces (column 5 of constraints.txt: 3), or keep "
+      "the sheet in its plane (--planar on)",
+      found.ballJoints.size()));
+}
+
+/// The lines of the file by their tiles, the lower first.
+std::map<TilePair, const OwnHingeSpring*> byTiles(const std::vector<OwnHingeSpring>& own) {
+  std::map<TilePair, const OwnHingeSpring*> lines;
+  for (const OwnHingeSpring& line : own) lines[std::minmax(line.tileA, line.tileB)] = &line;
+  return lines;
+}
+
+[[noreturn]] void refuseLine(const OwnHingeSpring& line, const FoundHinges& found, int first) {
+  const TilePair tiles = std::minmax(line.tileA, line.tileB);
+  const bool isBall = std::ranges::any_of(found.ballJoints, [&](const TilePair& ball) {
+    return TilePair(std::minmax(ball.first, ball.second)) == tiles;
+  });
+  throw inputErrorAt(
+      line.where,
+      fmt::format("tiles {} and {} {}; remove this line", first + line.tileA, first + line.tileB,
+                  isBall ? "share one corner of one face, which in space is a ball joint without "
+                           "an axis"
+                         : "turn about no corner or edge that they share"));
+}
+
+}  // namespace
+
+std::vector<OwnHingeSpring> readHingeSprings(const std::filesystem::path& file,
+                                             const Model& model) {
+  TextTable table(file, "a list of hinges, tile tile stiffness rest damping");
+  std::vector<OwnHingeSpring> springs;
+  std::map<TilePair, int> lines;
+  for (TextLine line; table.next(line);) {
+    springs.push_back(readSpring(table, line, model));
+    const OwnHingeSpring& spring = springs.back();
+    const auto [known, isNew] =
+        lines.try_emplace(std::minmax(spring.tileA, spring.tileB), line.number);
+    if (isNew) continue;
+    throw inputErrorAt(spring.where, fmt::format("this hinge stands on line {} already; remove one "
+                                                 "of the two",
+                                                 known->second));
+  }
+  return springs;
+}
+
+std::vector<HingeSpring> hingeSprings(const Scene& scene, const std::vector<Brick>& bricks) {
+  const HingeSettings& all = scene.hinges;
+  if (!all.areOn()) return {};
+  const FoundHinges found = requireHinges(scene, bricks);
+  std::map<TilePair, const OwnHingeSpring*> lines = byTiles(all.own);
+  std::vector<HingeSpring> springs;
+  for (const Hinge& hinge : found.hinges) {
+    OwnHingeSpring own;
+    if (const auto line = lines.find(std::minmax(hinge.brickA, hinge.brickB));
+        line != lines.end()) {
+      own = *line->second;
+      lines.erase(line);
+    }
+    const std::optional<double> rest = own.rest ? own.rest : all.rest;
+    const HingeSpring spring{hinge, own.stiffness.value_or(all.stiffness),
+                             rest.value_or(hinge.start), own.damping.value_or(all.damping)};
+    if (spring.stiffness == 0 && spring.damping == 0) continue;
+    if (rest) requireRoomAtRest(spring, own.rest ? &own : nullptr, scene.model);
+    springs.push_back(spring);
+  }
+  if (!lines.empty()) {
+    refuseLine(*lines.begin()->second, found, scene.model.fileOrder.countsFrom);
+  }
+  return springs;
+}
+
+}  // namespace kirireel

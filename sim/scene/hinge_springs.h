@@ -1,0 +1,27 @@
+/// Torsional springs at hinges: the file that lists them, and those of a scene.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "sim/brick/hinge.h"
+#include "sim/scene/scene.h"
+
+namespace kirireel {
+
+/// Reads a file of springs, a hinge a line:
+///
+///     tile tile [stiffness [rest [damping]]]
+///
+/// in N m/rad, degrees and N m s/rad; tiles are numbered as in the model's file, and what a line
+/// has as - or leaves out is as for all hinges. Throws InputError with file:line:column for words,
+/// numbers below 0, tiles that the model does not have, and a hinge that is listed twice.
+std::vector<OwnHingeSpring> readHingeSprings(const std::filesystem::path& file, const Model& model);
+
+/// The springs of a scene's hinges, in the order of findHinges(): those with a stiffness or a
+/// damping. `bricks` are the scene's. Throws InputError where nothing has an axis to turn about,
+/// where a line of the file names no hinge, and where bricks would lie in each other at the rest
+/// angle.
+std::vector<HingeSpring> hingeSprings(const Scene& scene, const std::vector<Brick>& bricks);
+
+}  // namespace kirireel

@@ -1,0 +1,89 @@
+// Runs of sheets with springs at their hinges.
+#include <gtest/gtest.h>
+
+#include "sim/deploy/deployment.h"
+#include "sim/measure/measures.h"
+#include "sim/model/tessellation.h"
+#include "sim/trajectory/trajectory_file.h"
+#include "tests/support/files.h"
+
+namespace kirireel {
+namespace {
+
+/// A sheet of 4 x 4 squares, open by 30 degrees, whose springs rest at 70 degrees.
+Scene sprungSheet(double stiffness) {
+  Scene scene;
+  TessellationShape shape;
+  shape.startAngle = 30 * kDegree;
+  scene.model = makeTessellation(shape);
+  scene.model.target.reset();
+  scene.actuation.drive = Drive::None;
+  scene.hinges.stiffness = stiffness;
+  scene.hinges.rest = 70 * kDegree;
+  scene.environment.linearDamping = scene.environment.angularDamping = 0.9;
+  scene.environment.contacts = ContactFilter::None;
+  return scene;
+}
+
+double openingAtEnd(const DeploymentResult& run) {
+  return hingeAngle(run.trajectory.hingeSprings.at(0).hinge, run.trajectory.samples.back().poses);
+}
+
+TEST(SprungSheets, ComeToRestWhereTheirSpringsDo) {
+  const DeploymentResult run = deploy(sprungSheet(5), 0.1, nullptr);
+  EXPECT_EQ(run.outcome, Outcome::Settled) << run.reason;
+  EXPECT_NEAR(openingAtEnd(run), 70 * kDegree, 1e-5);  // measured 2e-7
+  ASSERT_TRUE(run.elasticity.has_value());
+  EXPECT_EQ(run.elasticity->springs, 24);
+  const double turn = 40 * kDegree;
+  EXPECT_NEAR(run.elasticity->energyStart, 24 * 2.5 * turn * turn, 1e-9);
+  EXPECT_LT(run.elasticity->energyEnd, 1e-8);
+  EXPECT_LT(run.elasticity->momentEnd, 1e-4);
+}
+
+TEST(SprungSheets, AreNotAtRestWhileSoftSpringsStillMoveThem) {
+  Scene scene = sprungSheet(1e-5);
+  scene.stop.duration = 3;
+  const DeploymentResult run = deploy(scene, 1, nullptr);
+  EXPECT_EQ(run.outcome, Outcome::OutOfTime) << run.reason;
+}
+
+TEST(SprungSheets, LieBetweenTheirTargetAndTheirRest) {
+  Scene scene = sprungSheet(50);
+  scene.hinges.rest = 30 * kDegree;
+  TessellationShape shape;
+  shape.startAngle = 30 * kDegree;
+  scene.model = makeTessellation(shape);  // its target is open by 90 degrees
+  scene.actuation.drive = Drive::Target;
+  const DeploymentResult run = deploy(scene, 0.5, nullptr);
+  EXPECT_GT(openingAtEnd(run), 40 * kDegree);
+  EXPECT_LT(openingAtEnd(run), 89.9 * kDegree);
+  EXPECT_GT(run.elasticity->energyEnd, 1);
+}
+
+TEST(SprungSheets, LeaveTheirSpringsInTheTrajectory) {
+  const Scene scene = sprungSheet(5);
+  const test::TemporaryFolder folder;
+  Trajectory trajectory;
+  static_cast<Subject&>(trajectory) = subjectOf(scene);
+  trajectory.samples.push_back({.poses = startPoses(scene.model.tiles, trajectory.bricks)});
+  writeTrajectory(trajectory, folder / "run.h5");
+  const TrajectoryReader reader(folder / "run.h5");
+  const std::vector<HingeSpring>& read = reader.subject().hingeSprings;
+  ASSERT_EQ(read.size(), 24u);
+  for (std::size_t s = 0; s < read.size(); ++s) {
+    const HingeSpring& written = trajectory.hingeSprings[s];
+    EXPECT_EQ(read[s].hinge.brickA, written.hinge.brickA);
+    EXPECT_EQ(read[s].hinge.brickB, written.hinge.brickB);
+    EXPECT_EQ(read[s].hinge.axis, written.hinge.axis);
+    EXPECT_EQ(read[s].hinge.start, written.hinge.start);
+    EXPECT_EQ(read[s].hinge.most, written.hinge.most);
+    EXPECT_EQ(read[s].stiffness, written.stiffness);
+    EXPECT_EQ(read[s].rest, written.rest);
+  }
+  const Poses& poses = trajectory.samples[0].poses;
+  EXPECT_EQ(elasticEnergy(read, poses), elasticEnergy(trajectory.hingeSprings, poses));
+}
+
+}  // namespace
+}  // namespace kirireel

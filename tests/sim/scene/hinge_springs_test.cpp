@@ -1,0 +1,139 @@
+#include "sim/scene/hinge_springs.h"
+
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/model/tessellation.h"
+#include "sim/scene/scene_parts.h"
+#include "tests/support/files.h"
+
+namespace kirireel {
+namespace {
+
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+
+/// A sheet of 2 x 2 squares, open by 30 degrees, with springs.
+class HingeSpringsOfAScene : public testing::Test {
+ protected:
+  HingeSpringsOfAScene() { use(JointFace::Both); }
+
+  void use(JointFace face) {
+    TessellationShape shape;
+    shape.columns = shape.rows = 2;
+    shape.startAngle = 30 * kDegree;
+    shape.face = face;
+    scene_.model = makeTessellation(shape);
+  }
+
+  std::vector<HingeSpring> springs(const std::string& lines = "") {
+    if (!lines.empty()) {
+      std::ofstream(folder_ / "hinges.txt", std::ios::binary) << lines;
+      scene_.hinges.file = folder_ / "hinges.txt";
+    }
+    std::vector<std::string> warnings;
+    completeScene({}, scene_, warnings);
+    return hingeSprings(scene_, makeBricks(scene_.model.tiles, scene_.brick));
+  }
+
+  std::string refusal(const std::string& lines = "") {
+    try {
+      springs(lines);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "accepted";
+  }
+
+  test::TemporaryFolder folder_;
+  Scene scene_;
+};
+
+TEST_F(HingeSpringsOfAScene, AreNoneUnlessAskedFor) {
+  EXPECT_TRUE(springs().empty());
+}
+
+TEST_F(HingeSpringsOfAScene, RestAtTheStartUnlessToldOtherwise) {
+  scene_.hinges.stiffness = 2;
+  scene_.hinges.damping = 0.5;
+  for (const HingeSpring& spring : springs()) {
+    EXPECT_NEAR(spring.rest, 30 * kDegree, 1e-12);
+    EXPECT_EQ(spring.stiffness, 2);
+    EXPECT_EQ(spring.damping, 0.5);
+  }
+  scene_.hinges.rest = 60 * kDegree;
+  EXPECT_EQ(springs().size(), 4u);
+  EXPECT_EQ(springs()[3].rest, 60 * kDegree);
+}
+
+TEST_F(HingeSpringsOfAScene, AreOneByOneInAFile) {
+  scene_.hinges.stiffness = 2;
+  scene_.hinges.rest = 60 * kDegree;
+  const std::vector<HingeSpring> found = springs("0 1 3 45 0.1\n2 0 - 90  # as stiff as all\n");
+  ASSERT_EQ(found.size(), 4u);
+  for (const HingeSpring& spring : found) {
+    const std::pair<int, int> tiles = std::minmax(spring.hinge.brickA, spring.hinge.brickB);
+    const bool isFirst = tiles == std::pair(0, 1);
+    const bool isSecond = tiles == std::pair(0, 2);
+    EXPECT_EQ(spring.stiffness, isFirst ? 3 : 2);
+    EXPECT_EQ(spring.rest, (isFirst ? 45 : isSecond ? 90 : 60) * kDegree);
+    EXPECT_EQ(spring.damping, isFirst ? 0.1 : 0);
+  }
+}
+
+TEST_F(HingeSpringsOfAScene, MayBeAtSomeHingesAlone) {
+  const std::vector<HingeSpring> found = springs("0 1 3\n");
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NEAR(found[0].rest, 30 * kDegree, 1e-12);
+}
+
+TEST_F(HingeSpringsOfAScene, AreRefusedWhereBricksWouldLieInEachOther) {
+  scene_.hinges.stiffness = 1;
+  scene_.hinges.rest = -1 * kDegree;
+  EXPECT_EQ(refusal(),
+            "--hinge-rest: error: a rest angle of -1 degrees closes tiles 0 and 2 into each other; "
+            "give one from 0 to 180");
+  scene_.hinges.rest = 181 * kDegree;
+  EXPECT_THAT(refusal(), HasSubstr("a rest angle of 181 degrees closes tiles 0 and 2 "));
+  scene_.hinges.rest.reset();
+  EXPECT_THAT(refusal("\n1 3 5 200\n"),
+              EndsWith("hinges.txt:2:1: error: a rest angle of 200 degrees closes tiles 1 and 3 "
+                       "into each other; give one from 0 to 180"));
+}
+
+TEST_F(HingeSpringsOfAScene, AreRefusedWhereNothingHasAnAxis) {
+  use(JointFace::Bottom);
+  scene_.hinges.stiffness = 1;
+  EXPECT_EQ(springs().size(), 4u);  // in the plane
+  scene_.solver.planar = false;
+  EXPECT_EQ(refusal(),
+            "error: springs need hinges, but in space joints at one corner of one face are balls, "
+            "which turn about no axis (4 of them); join both faces (column 5 of constraints.txt: "
+            "3), or keep the sheet in its plane (--planar on)");
+  scene_.model.joints.clear();
+  EXPECT_EQ(refusal(),
+            "error: springs need hinges, but no two tiles turn about a corner or an edge that they "
+            "share; leave --hinge-stiffness away");
+}
+
+TEST_F(HingeSpringsOfAScene, RefuseLinesThatMakeNoSense) {
+  const auto said = [&](const std::string& line) { return refusal(line + "\n"); };
+  EXPECT_THAT(said("0 1 -2"), EndsWith("hinges.txt:1:5: error: '-2' is not a stiffness from 0 to "
+                                       "1e12 N m/rad, or - for that of all hinges; correct it"));
+  EXPECT_THAT(said("0 1 2 a"), HasSubstr("'a' is not a rest angle from -360 to 360 degrees"));
+  EXPECT_THAT(said("0 1 2 3 -1"), HasSubstr("'-1' is not a damping from 0 to 1e12 N m s/rad"));
+  EXPECT_THAT(said("0 1 nan"), HasSubstr("'nan' is not a stiffness"));
+  EXPECT_THAT(said("0 4 1"), EndsWith(":1:3: error: the model has tiles 0-3, not 4; correct this "
+                                      "number"));
+  EXPECT_THAT(said("0"), HasSubstr("there are 1 columns; a hinge is tile, tile, stiffness"));
+  EXPECT_THAT(said("0 3 1"),
+              EndsWith(":1:1: error: tiles 0 and 3 turn about no corner or edge that "
+                       "they share; remove this line"));
+  EXPECT_THAT(said("0 1 1\n1 0 2"), EndsWith(":2:1: error: this hinge stands on line 1 already; "
+                                             "remove one of the two"));
+}
+
+}  // namespace
+}  // namespace kirireel
