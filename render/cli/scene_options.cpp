@@ -105,6 +105,7 @@ SceneFile readSceneFileOf(CLI::App& command, const std::filesystem::path& modelF
   SceneFile read = applySceneFile(command, file);
   scene.timeline = read.timeline;
   scene.environment.obstacles = read.obstacles;
+  scene.velocities = read.velocities;
   return read;
 }
 

@@ -162,6 +162,18 @@ Json obstaclesJson(const std::vector<Obstacle>& obstacles) {
   return json;
 }
 
+Json velocitiesJson(const std::vector<InitialVelocity>& velocities, int countsFrom) {
+  Json json = Json::array();
+  for (const InitialVelocity& velocity : velocities) {
+    std::vector<int> tiles = velocity.tiles;
+    for (int& tile : tiles) tile += countsFrom;
+    json.push_back({{"tiles", tiles},
+                    {"linear", vectorJson(velocity.linear)},
+                    {"angular", vectorJson(velocity.angular)}});
+  }
+  return json;
+}
+
 Json environmentJson(const Environment& environment) {
   return {{"gravity", vectorJson(environment.gravity)},
           {"ground", groundJson(environment.ground)},
@@ -284,6 +296,7 @@ Json settingsJson(const Scene& scene, const RecordSettings& settings) {
           {"mass", scene.brick.mass == MassRule::Unit ? "unit" : "prism"},
           {"density", scene.brick.density},
           {"environment", environmentJson(scene.environment)},
+          {"velocities", velocitiesJson(scene.velocities, scene.model.fileOrder.countsFrom)},
           {"actuation", actuationJson(scene.actuation)},
           {"springs", springsJson(scene)},
           {"hinges", hingesJson(scene.hinges)},

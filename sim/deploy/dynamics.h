@@ -40,6 +40,9 @@ class Dynamics {
   /// where it cannot be done: tiles that do not fit each other in any state nearby.
   virtual bool assemble(Poses& poses) = 0;
 
+  /// Takes from the velocities what joints do not allow, where the solver does that.
+  virtual void fitVelocities(Motion& /*motion*/) {}
+
   /// Holds these bricks where they are until told otherwise; one entry a brick. Throws InputError
   /// where the solver cannot.
   virtual void setPinned(const std::vector<bool>& pinned) = 0;

@@ -165,7 +165,12 @@ void Run::start() {
   if (needs_.contacts.on) pushedAtStart_ = figures_.overlapsOf(motion_.poses).grown;
   holdJoints();
   goTo(nullptr);
-  motion_.velocities = nudge(bricks_.size(), size_, scene_.solver.seed);
+  if (scene_.velocities.empty()) {
+    motion_.velocities = nudge(bricks_.size(), size_, scene_.solver.seed);
+  } else {
+    motion_.velocities = initialVelocities(scene_.velocities, bricks_, motion_.poses);
+    if (!scene_.path.jointsGive()) dynamics_->fitVelocities(motion_);
+  }
   result_.needs = needs_;
   result_.path = scene_.path;
   static_cast<Subject&>(result_.trajectory) = subjectOf(scene_);

@@ -43,6 +43,10 @@ bool dragsOutOfPlane(const Scene& scene, double tolerance) {
   return false;
 }
 
+bool leavesPlane(const InitialVelocity& velocity) {
+  return velocity.linear.z() != 0 || !velocity.angular.head<2>().isZero(0);
+}
+
 Need planarNeed(const Scene& scene) {
   if (scene.solver.planar) return {*scene.solver.planar, "asked for"};
   const double tolerance = 1e-9 * modelSize(scene.model);
@@ -55,6 +59,9 @@ Need planarNeed(const Scene& scene) {
     if (countTurnedOver(scene.model.tiles, *target) > 0) {
       return {false, "tiles are turned over at the target"};
     }
+  }
+  if (std::ranges::any_of(scene.velocities, leavesPlane)) {
+    return {false, "tiles begin with a speed out of the plane"};
   }
   if (dragsOutOfPlane(scene, tolerance)) return {false, "a tile is dragged out of the plane"};
   if (!scene.environment.obstacles.empty()) return {false, "obstacles push out of the plane"};
@@ -159,6 +166,7 @@ bool isQuasiStatic(const Scene& scene, std::string& reason) {
                              scene.solver.tolerance == 0;
   reason = scene.actuation.drive != defaultDrive(scene.model) ? "the actuation was given"
            : !scene.timeline.empty()                          ? "the timeline leads"
+           : !scene.velocities.empty()                        ? "tiles begin with a speed"
            : !around.gravity.isZero(0)                        ? "there is gravity"
            : around.ground || !around.obstacles.empty()       ? "there is ground or an obstacle"
            : around.brickFriction > 0                         ? "there is friction"

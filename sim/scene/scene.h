@@ -12,6 +12,7 @@
 #include "sim/base/geometry.h"
 #include "sim/brick/brick.h"
 #include "sim/model/model.h"
+#include "sim/scene/initial_velocity.h"
 #include "sim/scene/obstacle.h"
 #include "sim/scene/timeline.h"
 
@@ -187,6 +188,7 @@ struct Scene {
   SolverSettings solver;
   StopRules stop;
   Timeline timeline;
+  std::vector<InitialVelocity> velocities;
 };
 
 /// Whether something is modelled, and why.
@@ -220,7 +222,8 @@ void fillFromModel(Scene& scene);
 Drive defaultDrive(const Model& model);
 
 /// Whether a scene's deployment is geometry: it goes to its target, or to full extension without
-/// one, and nothing asked for needs mass, damping or time (gravity, ground, obstacles, friction, a
+/// one, and nothing asked for needs mass, damping or time (speeds at the start, gravity, ground,
+/// obstacles, friction, a
 /// timeline, other springs or damping than the usual, another solver, tiles that fly apart). Else
 /// `reason` says what does.
 bool isQuasiStatic(const Scene& scene, std::string& reason);

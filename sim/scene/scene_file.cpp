@@ -17,7 +17,7 @@ namespace {
 
 const std::vector<std::string> kTables = {"model",    "environment", "actuation", "solver",
                                           "stop",     "camera",      "style",     "recording",
-                                          "timeline", "obstacle"};
+                                          "timeline", "obstacle",    "velocity"};
 
 /// A timeline's word for the target that the model brings along.
 constexpr std::string_view kOwnTarget = "model";
@@ -336,6 +336,48 @@ std::vector<Obstacle> readObstacles(const TomlValue& value) {
   return obstacles;
 }
 
+// ---- velocities
+
+const std::vector<std::string> kVelocityKeys = {"tiles", "linear", "angular"};
+
+Vector3 readSpeeds(const TomlValue& value, const std::string& unit) {
+  const std::vector<TomlValue>* array = value.array();
+  const std::string wanted = fmt::format("three numbers in {}, [x, y, z]", unit);
+  if (!array || array->size() != 3) refuseValue(value, wanted);
+  Vector3 result;
+  for (int k = 0; k < 3; ++k) result[k] = requireNumber((*array)[k], -1e6, 1e6, wanted);
+  return result;
+}
+
+InitialVelocity readVelocity(const TomlValue& value) {
+  const TomlTable* table = value.table();
+  if (!table) refuseValue(value, "tables, each under [[velocity]]");
+  InitialVelocity velocity;
+  velocity.where = value.where;
+  for (const TomlEntry& entry : *table) {
+    if (entry.key == "tiles") {
+      velocity.tiles = readTiles(entry.value, "a list of tile numbers, [0, 1]");
+    } else if (entry.key == "linear") {
+      velocity.linear = readSpeeds(entry.value, "m/s");
+    } else if (entry.key == "angular") {
+      velocity.angular = readSpeeds(entry.value, "rad/s");
+    } else {
+      refuseKey(entry, "key of a velocity", kVelocityKeys);
+    }
+  }
+  if (find(*table, "linear") || find(*table, "angular")) return velocity;
+  throw inputErrorAt(value.where,
+                     "a velocity needs linear = [x, y, z] in m/s, angular in rad/s, or both");
+}
+
+std::vector<InitialVelocity> readVelocities(const TomlValue& value) {
+  const std::vector<TomlValue>* array = value.array();
+  if (!array) refuseValue(value, "tables, each under [[velocity]]");
+  std::vector<InitialVelocity> velocities;
+  for (const TomlValue& entry : *array) velocities.push_back(readVelocity(entry));
+  return velocities;
+}
+
 }  // namespace
 
 std::string entriesText(const SceneFile& file, bool withFileNames) {
@@ -357,6 +399,24 @@ std::string entriesText(const SceneFile& file, bool withFileNames) {
   return text;
 }
 
+namespace {
+
+/// Returns whether the entry is one of the lists of tables.
+bool readList(const TomlEntry& entry, SceneFile& file) {
+  if (entry.key == "timeline") {
+    file.timeline = readTimeline(entry.value);
+  } else if (entry.key == "obstacle") {
+    file.obstacles = readObstacles(entry.value);
+  } else if (entry.key == "velocity") {
+    file.velocities = readVelocities(entry.value);
+  } else {
+    return false;
+  }
+  return true;
+}
+
+}  // namespace
+
 SceneFile readSceneFile(const std::filesystem::path& path) {
   SceneFile file;
   file.path = path;
@@ -364,13 +424,8 @@ SceneFile readSceneFile(const std::filesystem::path& path) {
     if (std::find(kTables.begin(), kTables.end(), entry.key) == kTables.end()) {
       refuseKey(entry, "table", kTables);
     }
-    if (entry.key == "timeline" || entry.key == "obstacle") file.entries.push_back(entry);
-    if (entry.key == "timeline") {
-      file.timeline = readTimeline(entry.value);
-      continue;
-    }
-    if (entry.key == "obstacle") {
-      file.obstacles = readObstacles(entry.value);
+    if (readList(entry, file)) {
+      file.entries.push_back(entry);
       continue;
     }
     const TomlTable* table = entry.value.table();

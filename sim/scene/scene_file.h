@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sim/base/error.h"
+#include "sim/scene/initial_velocity.h"
 #include "sim/scene/obstacle.h"
 #include "sim/scene/timeline.h"
 #include "sim/scene/toml_file.h"
@@ -29,15 +30,19 @@ struct SceneFile {
   Timeline timeline;                   ///< targets are named, not read yet; files are relative to
                                        ///< the folder of the scene file
   std::vector<Obstacle> obstacles;
-  TomlTable entries;  ///< [[timeline]] and [[obstacle]] as they stand in the file
+  std::vector<InitialVelocity> velocities;
+  TomlTable entries;  ///< [[timeline]], [[obstacle]] and [[velocity]] as they stand in the file
 };
 
-/// The [[timeline]] and [[obstacle]] entries as a scene file has them, in one spelling; without the
-/// names of the files that they read where only what these hold counts.
+/// The entries of these lists as a scene file has them, in one spelling; without the names of the
+/// files that they read where only what these hold counts.
 std::string entriesText(const SceneFile& file, bool withFileNames);
 
 /// Reads a scene file: the tables [model] [environment] [actuation] [solver] [stop] [camera]
-/// [style] [recording], and [[timeline]], [[obstacle]].
+/// [style] [recording], and [[timeline]], [[obstacle]], [[velocity]].
+///
+/// A velocity is linear = [X, Y, Z] (m/s), angular = [X, Y, Z] (rad/s) or both, of tiles = [TILES],
+/// by default of all, which begin to move so as one.
 ///
 /// An obstacle is shape = "box" with size = [X, Y, Z], "sphere" with radius, or "mesh" with file =
 /// "FILE.obj" (flat convex faces), at position = [X, Y, Z], turned by rotation = [X, Y, Z] (degrees

@@ -136,6 +136,7 @@ void completeScene(const SceneParts& parts, Scene& scene, std::vector<std::strin
   checkTimeline(entries, scene.model);
   numberAsModel(entries, scene.model);
   scene.timeline = std::move(entries);
+  numberAsModel(scene.velocities, scene.model);
   if (scene.alignment.wanted) align(scene, heldTiles(scene.timeline));
   if (!scene.hinges.file.empty()) {
     scene.hinges.own = readHingeSprings(scene.hinges.file, scene.model);

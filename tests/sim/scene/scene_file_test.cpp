@@ -148,7 +148,8 @@ TEST_F(SceneFileTest, UnknownTablesSuggestTheNearest) {
   EXPECT_EQ(
       refusal("[enviroment]\nground = true\n"),
       "scene.toml:1:2: error: unknown table enviroment, did you mean environment?; there are "
-      "model, environment, actuation, solver, stop, camera, style, recording, timeline, obstacle");
+      "model, environment, actuation, solver, stop, camera, style, recording, timeline, obstacle, "
+      "velocity");
 }
 
 TEST_F(SceneFileTest, UnknownTimelineKeysSuggestTheNearest) {
@@ -235,6 +236,25 @@ TEST_F(SceneFileTest, RefusesObstaclesThatMakeNoSense) {
   EXPECT_THROW(read("[[obstacle]]\nshape = \"mesh\"\nfile = \"no.obj\"\n"), InputError);
   EXPECT_THAT(refusal("[obstacle]\nshape = \"box\"\n"),
               HasSubstr("give tables, each under [[obstacle]]"));
+}
+
+TEST_F(SceneFileTest, ReadsSpeedsOfTheStart) {
+  const SceneFile file = read(
+      "[[velocity]]\nlinear = [1, 0, -2.5]\n\n[[velocity]]\ntiles = [0, 3]\nangular = [0, 0, 1]\n");
+  ASSERT_EQ(file.velocities.size(), 2u);
+  EXPECT_TRUE(file.velocities[0].tiles.empty());
+  EXPECT_EQ(file.velocities[0].linear, Vector3(1, 0, -2.5));
+  EXPECT_EQ(file.velocities[0].angular, Vector3::Zero());
+  EXPECT_THAT(file.velocities[1].tiles, ElementsAre(0, 3));
+  EXPECT_EQ(file.velocities[1].angular, Vector3(0, 0, 1));
+}
+
+TEST_F(SceneFileTest, RefusesSpeedsThatAreNone) {
+  EXPECT_THAT(refusal("[[velocity]]\ntiles = [0]\n"),
+              HasSubstr("needs linear = [x, y, z] in m/s, angular in rad/s, or both"));
+  EXPECT_THAT(refusal("[[velocity]]\nlinear = [1, 2]\n"), HasSubstr("three numbers in m/s"));
+  EXPECT_THAT(refusal("[[velocity]]\nlinaer = [1, 2, 3]\n"), HasSubstr("linear"));
+  EXPECT_THAT(refusal("[velocity]\nlinear = [1, 2, 3]\n"), HasSubstr("[[velocity]]"));
 }
 
 }  // namespace

@@ -1,0 +1,55 @@
+#include "sim/scene/initial_velocity.h"
+
+#include <numeric>
+
+#include <fmt/format.h>
+
+namespace kirireel {
+namespace {
+
+std::vector<int> tilesOf(const InitialVelocity& velocity, std::size_t count) {
+  if (!velocity.tiles.empty()) return velocity.tiles;
+  std::vector<int> all(count);
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
+
+}  // namespace
+
+void numberAsModel(std::vector<InitialVelocity>& velocities, const Model& model) {
+  const int first = model.fileOrder.countsFrom;
+  const int end = first + static_cast<int>(model.tiles.size());
+  for (InitialVelocity& velocity : velocities) {
+    for (int& tile : velocity.tiles) {
+      if (tile < first || tile >= end) {
+        throw inputErrorAt(velocity.where,
+                           fmt::format("the model has tiles {}-{}, not {}; correct this number",
+                                       first, end - 1, tile));
+      }
+      tile -= first;
+    }
+  }
+}
+
+std::vector<Velocity> initialVelocities(const std::vector<InitialVelocity>& given,
+                                        const std::vector<Brick>& bricks, const Poses& poses) {
+  std::vector<Velocity> velocities(bricks.size());
+  for (const InitialVelocity& velocity : given) {
+    const std::vector<int> tiles = tilesOf(velocity, bricks.size());
+    double mass = 0;
+    Vector3 centre = Vector3::Zero();
+    for (const int tile : tiles) {
+      mass += bricks[tile].mass;
+      centre += bricks[tile].mass * poses[tile].position;
+    }
+    centre /= mass;
+    for (const int tile : tiles) {
+      const Vector3 arm = poses[tile].position - centre;
+      velocities[tile].linear += velocity.linear + velocity.angular.cross(arm);
+      velocities[tile].angular += velocity.angular;
+    }
+  }
+  return velocities;
+}
+
+}  // namespace kirireel
