@@ -73,14 +73,15 @@ InputError missingValue(const std::string& text, const CLI::App& command) {
 
 /// What PyKirigami's command lines leave out is as there: springs move masses of 1 kg, and nothing
 /// where there is no target; bricks pass through each other and are 0.02 m thick; turning is damped
-/// alike whatever the tiles' size.
+/// alike whatever the tiles' size; steps are of fixed length.
 std::vector<std::string> withPeerDefaults(const std::vector<std::string>& typed,
                                           std::vector<std::string> words) {
   const bool runs = !words.empty() && (words.front() == "record" || words.front() == "simulate");
   if (!runs || !usesPeerSpellings(typed)) return words;
   const std::pair<std::string, std::string> defaults[] = {
       {"--torque-damping", "2"}, {"--path", "dynamic"}, {"--contacts", "none"},
-      {"--thickness", "0.02"},   {"--search", "60"},    {"--actuation", "target"}};
+      {"--thickness", "0.02"},   {"--search", "60"},    {"--actuation", "target"},
+      {"--tolerance", "0"}};
   for (const auto& [name, value] : defaults) {
     const bool isGiven = std::ranges::any_of(words, [&](const std::string& word) {
       return word == name || word.starts_with(name + "=");

@@ -25,14 +25,19 @@ bool isLed(const Scene& scene) {
 bool isDirect(const Scene& scene) {
   return scene.solver.kind == SolverKind::Direct;
 }
+/// Steps of a given length are every solver's.
+bool isDirectOrFixed(const Scene& scene) {
+  return isDirect(scene) || scene.solver.tolerance == 0;
+}
 bool isBullet(const Scene& scene) {
   return scene.solver.kind == SolverKind::Bullet;
 }
 bool hasHingeSprings(const Scene& scene) {
   return scene.hinges.stiffness > 0 || !scene.hinges.file.empty();
 }
-bool hasFixedSteps(const Scene& scene) {
-  return scene.solver.tolerance == 0;
+/// Whether no tolerance in time was given that steps of a given length would not keep.
+bool mayHaveFixedSteps(const Scene& scene) {
+  return scene.solver.tolerance == 0 || scene.solver.tolerance == kUsualTolerance;
 }
 bool pullsToTarget(const Scene& scene) {
   return scene.actuation.drive == Drive::Target || scene.actuation.drive == Drive::Auto;
@@ -55,8 +60,8 @@ const std::vector<Rule>& rules() {
       {"--hinge-file", isDirect, "--solver direct"},
       {"--hinge-rest", hasHingeSprings, "--hinge-stiffness or --hinge-file"},
       {"--iterations", isBullet, "--solver bullet"},
-      {"--tolerance", isDirect, "--solver direct"},
-      {"--substeps", hasFixedSteps, "--tolerance 0"},
+      {"--tolerance", isDirectOrFixed, "--solver direct"},
+      {"--substeps", mayHaveFixedSteps, "--tolerance 0"},
       {"--open-time", isLed, "--path led"},
       {"--led-time", isLed, "--path led"},
       {"--led-stiffness", isLed, "--path led"},
@@ -109,11 +114,10 @@ void requireConsistent(const CLI::App& command, const Scene& scene) {
   }
   if (isLed(scene) && !isDirect(scene)) refuse("--path led", "--solver direct");
   if (isLed(scene) && !pullsToTarget(scene)) refuse("--path led", "--actuation target");
-  if (isLed(scene) && !hasFixedSteps(scene)) {
+  if (isLed(scene) && !mayHaveFixedSteps(scene)) {
     throw InputError(
         "error: --path led moves tiles in fixed steps, which keep no --tolerance; leave one of "
-        "them "
-        "away");
+        "them away");
   }
   if (isGiven(command, "--faces") && isGiven(command, "--auto-detect-connections")) {
     throw InputError(

@@ -138,6 +138,7 @@ Scene openScene() {
   scene.environment.contacts = ContactFilter::Auto;
   scene.path.kind = PathKind::Auto;
   scene.path.searchTime = 20;  // seconds: someone waits for it
+  scene.solver.tolerance = kUsualTolerance;
   return scene;
 }
 
@@ -162,8 +163,9 @@ bool isQuasiStatic(const Scene& scene, std::string& reason) {
   const bool usualDamping = around.linearDamping == Environment{}.linearDamping &&
                             around.angularDamping == Environment{}.angularDamping;
   const bool fliesApart = !scene.model.target && !isOnePiece(scene.model);
-  const bool isPlainSolver = scene.solver.kind == SolverKind::Direct && !scene.solver.substeps &&
-                             scene.solver.tolerance == 0;
+  const bool isPlainSolver =
+      scene.solver.kind == SolverKind::Direct && !scene.solver.substeps &&
+      (scene.solver.tolerance == 0 || scene.solver.tolerance == kUsualTolerance);
   reason = scene.actuation.drive != defaultDrive(scene.model) ? "the actuation was given"
            : !scene.timeline.empty()                          ? "the timeline leads"
            : !scene.velocities.empty()                        ? "tiles begin with a speed"

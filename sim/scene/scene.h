@@ -145,6 +145,10 @@ enum class SolverKind {
   Bullet,  ///< Bullet's sequential impulses: the baseline
 };
 
+/// Error in time that a step of a run with dynamics may make unless told otherwise, tiles: about
+/// what 1/240 s costs in fixed steps, for a fortieth of their error (docs/accuracy.md).
+inline constexpr double kUsualTolerance = 1e-3;
+
 /// How a step is computed.
 struct SolverSettings {
   SolverKind kind = SolverKind::Direct;
@@ -211,8 +215,8 @@ std::string describe(const StartAlignment& alignment);
 /// The springs' settings with the torque damping that the model's tiles have.
 TargetSpringSettings springsOf(const Scene& scene);
 
-/// A scene without a model that leaves to the program what can be found from a model: path,
-/// contacts, drive, and thickness, which is 0.
+/// A scene without a model, with what a run has unless told otherwise. It leaves to the program
+/// what can be found from a model: path, contacts, drive, and thickness, which is 0.
 Scene openScene();
 
 /// Sets drive and thickness from the model where they were left open.
