@@ -92,6 +92,7 @@ DirectDynamics::DirectDynamics(const Scene& scene, const Needs& needs,
                                            obstacles_);
   };
   contacts_ = finder(contactTolerance_);
+  touching_ = contactTolerance_;
   if (!keepsTolerance(scene)) return;
   touching_ = std::min(contactTolerance_, kTouchingPart * scene.solver.tolerance * tileSize_);
   exactContacts_ = finder(touching_);
@@ -113,6 +114,13 @@ bool DirectDynamics::assemble(Poses& poses) {
   closed.resize(brickCount_);
   poses = std::move(closed);
   return true;
+}
+
+void DirectDynamics::fitVelocities(Motion& motion) {
+  appendObstacles(motion.poses);
+  motion.velocities.resize(bodies_.size());
+  solver_->collide(motion);
+  leaveObstacles(motion);
 }
 
 void DirectDynamics::setPinned(const std::vector<bool>& pinned) {
@@ -158,10 +166,10 @@ StepReport DirectDynamics::advance(Motion& motion, double step, const LoadSource
 /// Whether bricks would touch at the end of a step that do not yet, or have passed through each
 /// other in it.
 bool DirectDynamics::meetOnTheWay(const Motion& from, const Motion& to, double seconds) {
-  if (!exactContacts_) return false;
+  if (!contacts_) return false;
   std::vector<Contact> violated;
-  exactContacts_->startStep(from.poses);
-  exactContacts_->appendViolated(to.poses, violated);
+  exactFinder().startStep(from.poses);
+  exactFinder().appendViolated(to.poses, violated);
   if (violated.empty()) return false;
   meeting_ = {from, to, seconds, std::move(violated)};
   return true;
@@ -196,9 +204,9 @@ void DirectDynamics::setHeld(std::vector<Contact> contacts) {
 /// Keeps of the contacts that are held those whose points still touch.
 void DirectDynamics::holdTouching(const Poses& poses) {
   std::vector<Contact> held = solver_->heldContacts();
-  if (!held.empty()) exactContacts_->startStep(poses);
+  if (!held.empty()) exactFinder().startStep(poses);
   std::erase_if(held, [&](const Contact& contact) {
-    return contactGap(contact, poses) > touching_ || !exactContacts_->isCurrent(contact);
+    return contactGap(contact, poses) > touching_ || !exactFinder().isCurrent(contact);
   });
   setHeld(std::move(held));
 }

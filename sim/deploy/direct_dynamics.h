@@ -13,6 +13,7 @@ class DirectDynamics : public Dynamics {
                  const Poses& start);
 
   bool assemble(Poses& poses) override;
+  void fitVelocities(Motion& motion) override;
   void setPinned(const std::vector<bool>& pinned) override;
   void setJointStiffness(double stiffness) override { solver_->setJointStiffness(stiffness); }
   std::vector<std::string> loadedContacts() const override;
@@ -37,6 +38,7 @@ class DirectDynamics : public Dynamics {
   };
 
   TimedLoads allLoads(const TimedLoads& actuation) const;
+  ContactFinder& exactFinder() { return exactContacts_ ? *exactContacts_ : *contacts_; }
   bool meetOnTheWay(const Motion& from, const Motion& to, double seconds);
   std::optional<double> momentOfImpact() const;
   void setHeld(std::vector<Contact> contacts);
@@ -60,10 +62,11 @@ class DirectDynamics : public Dynamics {
   bool isPinned_ = false;                         // some brick
   std::unique_ptr<Extrapolation> extrapolation_;  // null where no tolerance is asked for
   double firstOrderStep_ = 0;                     // seconds, with it
-  double touching_ = 0;                           // gap of points that touch, metres, with it
-  std::unique_ptr<ContactFinder> exactContacts_;  // that counts no more as none, with it
-  std::optional<Meeting> meeting_;                // of the step that was tried last
-  int callsToWait_ = 0;                           // by first order, after impacts crowded
+  double touching_ = 0;                           // gap of points that touch, metres
+  std::unique_ptr<ContactFinder>
+      exactContacts_;               // the same, finer; null without a tolerance in time
+  std::optional<Meeting> meeting_;  // of the step that was tried last
+  int callsToWait_ = 0;             // by first order, after impacts crowded
   std::vector<PassedState> passed_;
 };
 
