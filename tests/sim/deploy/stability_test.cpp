@@ -11,6 +11,7 @@
 #include "sim/model/tessellation.h"
 #include "sim/study/engines.h"
 #include "sim/study/stepped_scene.h"
+#include "tests/sim/deploy/moving.h"
 
 namespace kirireel {
 namespace {
@@ -87,6 +88,78 @@ TEST(Stability, OfSheetsInStepsToATolerance) {
     expectStableToATolerance(sheet(true, ContactFilter::None), tolerance, 60);
     expectStableToATolerance(sheet(false, ContactFilter::None), tolerance, 60);
     expectStableToATolerance(sheet(true, ContactFilter::All), tolerance, 30);
+  }
+}
+
+std::vector<Model> sheetAndCap() {
+  return {makeTessellation({.startAngle = 0.3}), makeSphericalCap({.size = 4})};
+}
+
+Scene undamped(const Model& model) {
+  Scene scene;
+  scene.model = model;
+  scene.environment.contacts = ContactFilter::None;
+  scene.environment.linearDamping = scene.environment.angularDamping = 0;
+  scene.springs.forceDamping = scene.springs.torqueDamping = 0;
+  scene.solver.planar = false;
+  scene.solver.tolerance = 1e-6;
+  return scene;
+}
+
+TEST(Conservation, OfEnergyUnderUndampedSprings) {
+  for (const Model& model : sheetAndCap()) {
+    Scene scene = undamped(model);
+    alignStartToTarget(scene.model);
+    SteppedScene run(scene, {.engine = Engine::Direct, .rate = 60, .tolerance = 1e-6});
+    const double start = run.energy();
+    for (int k = 0; k < 600; ++k) run.advance();
+    EXPECT_NEAR(run.energy(), start, 1e-3 * start);  // measured 6e-5 and 1e-5
+    EXPECT_EQ(run.report().singularTime, 0);
+  }
+}
+
+/// Linear and angular momentum, and the sums of their sizes over the bricks.
+struct Momenta {
+  explicit Momenta(const test::Moving& moving) {
+    for (std::size_t i = 0; i < moving.bricks.size(); ++i) {
+      const Brick& brick = moving.bricks[i];
+      const auto& [linear, angular] = moving.motion.velocities[i];
+      const auto& [position, rotation] = moving.motion.poses[i];
+      const Vector3 own = rotation * (brick.inertia * (rotation.conjugate() * angular));
+      const Vector3 around = brick.mass * position.cross(linear) + own;
+      sum.head<3>() += brick.mass * linear;
+      sum.tail<3>() += around;
+      linearSize += brick.mass * linear.norm();
+      angularSize += around.norm();
+    }
+  }
+  Vector6 sum = Vector6::Zero();
+  double linearSize = 0;
+  double angularSize = 0;
+};
+
+TEST(Conservation, OfMomentaOfSheetsThatSpringsLetGo) {
+  for (const Model& model : sheetAndCap()) {
+    Scene scene = undamped(model);
+    alignStartToTarget(scene.model);
+    SteppedScene pulled(scene, {.engine = Engine::Direct, .rate = 60, .tolerance = 1e-6});
+    for (int k = 0; k < 30; ++k) pulled.advance();
+    scene.model.target.reset();
+    test::Moving moving(scene);
+    moving.dynamics->setTolerance({1e-6, 1.0 / 240, 1.0 / 60});
+    moving.motion = pulled.motion();
+    const Momenta before(moving);
+    const TimedLoads none = [](double, const Poses&, std::vector<Load>& loads) {
+      std::ranges::fill(loads, Load{});
+    };
+    StepReport report;
+    for (int k = 0; k < 600; ++k) {
+      report += moving.dynamics->advanceToTolerance(moving.motion, 1.0 / 60, none);
+    }
+    const Vector6 change = Momenta(moving).sum - before.sum;
+    EXPECT_EQ(report.singularTime, 0);
+    EXPECT_LT(change.head<3>().norm(), 1e-12 * before.linearSize);   // measured 2e-15
+    EXPECT_LT(change.tail<3>().norm(), 1e-12 * before.angularSize);  // measured 1e-15
   }
 }
 
