@@ -25,10 +25,6 @@ bool isLed(const Scene& scene) {
 bool isDirect(const Scene& scene) {
   return scene.solver.kind == SolverKind::Direct;
 }
-/// Steps of a given length are every solver's.
-bool isDirectOrFixed(const Scene& scene) {
-  return isDirect(scene) || scene.solver.tolerance == 0;
-}
 bool isBullet(const Scene& scene) {
   return scene.solver.kind == SolverKind::Bullet;
 }
@@ -38,6 +34,9 @@ bool hasHingeSprings(const Scene& scene) {
 /// Whether no tolerance in time was given that steps of a given length would not keep.
 bool mayHaveFixedSteps(const Scene& scene) {
   return scene.solver.tolerance == 0 || scene.solver.tolerance == kUsualTolerance;
+}
+bool isDirectOrFixed(const Scene& scene) {
+  return isDirect(scene) || mayHaveFixedSteps(scene);
 }
 bool pullsToTarget(const Scene& scene) {
   return scene.actuation.drive == Drive::Target || scene.actuation.drive == Drive::Auto;
