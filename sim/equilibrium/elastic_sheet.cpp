@@ -1,0 +1,259 @@
+// Everything is made of places: of a handle at arm r from the centre of mass of brick i,
+//   p = d . (x_i + R(phi_i) r),   dp/dphi = d . (z x R r),   d^2p/dphi^2 = -d . R r,
+// or of a turn, p = phi_i. A pivot is two rows p_a - p_b = 0, a pin three rows p = p(start), a grip
+// that moves a row p = p(start) + load * amount for each handle, and a dead load the potential
+// -load * amount * p. Springs at hinges are quadratic in the turns; ligaments are in ligament.cpp.
+#include "sim/equilibrium/elastic_sheet.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kirireel {
+
+ElasticSheet::ElasticSheet(const std::vector<Brick>& bricks, Poses start,
+                           std::vector<HingeSpring> springs, const std::vector<Pivot>& pivots,
+                           const std::vector<int>& pinned, std::vector<Grip> grips,
+                           std::vector<Ligament> ligaments)
+    : start_(std::move(start)),
+      springs_(std::move(springs)),
+      grips_(std::move(grips)),
+      ligaments_(std::move(ligaments)),
+      scale_(bricks.empty() ? 1 : meanEdge(bricks.front())) {
+  const Vector q = startCoordinates();
+  const Vector3 axes[] = {Vector3::UnitX(), Vector3::UnitY()};
+  for (const Pivot& pivot : pivots) {
+    if (pivot.isUpper) continue;
+    for (const Vector3& axis : axes) {
+      addRow({{{pivot.brickA, pivot.pointA}, axis}, {{pivot.brickB, pivot.pointB}, axis, -1}}, 0,
+             q);
+      rows_.back().offset = 0;  // closed, whatever the start is
+    }
+  }
+  for (const int tile : pinned) {
+    for (const Vector3& axis : axes) addRow({{{tile}, axis}}, 0, q);
+    addRow({{{.brick = tile, .isTurn = true}, Vector3::UnitZ()}}, 0, q);
+  }
+  for (const Grip& grip : grips_) {
+    firstRow_.push_back(rows_.size());
+    if (grip.isForce) continue;
+    for (const GripHandle& handle : grip.handles) {
+      addRow({{handle, grip.direction}}, grip.amount / (handle.isTurn ? 1 : scale_), q);
+    }
+  }
+}
+
+void ElasticSheet::addRow(std::vector<Term> terms, double motion, const Vector& start) {
+  Row row{std::move(terms), 0, motion};
+  for (const Term& term : row.terms) row.offset += term.factor * place(term, start);
+  rows_.push_back(std::move(row));
+}
+
+ElasticSheet::Vector ElasticSheet::startCoordinates() const {
+  Vector q = Vector::Zero(unknowns());
+  for (std::size_t i = 0; i < start_.size(); ++i) {
+    q.segment<2>(3 * i) = start_[i].position.head<2>() / scale_;
+  }
+  return q;
+}
+
+Poses ElasticSheet::posesAt(const Vector& q) const {
+  Poses poses = start_;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    poses[i].position.head<2>() = scale_ * q.segment<2>(3 * i);
+    poses[i].rotation = rotationFromVector(Vector3(0, 0, q[3 * i + 2])) * start_[i].rotation;
+  }
+  return poses;
+}
+
+/// Of a handle from its brick's centre of mass, world axes, length scales.
+Vector3 ElasticSheet::arm(const GripHandle& handle, const Vector& q) const {
+  const Vector3 r = start_[handle.brick].rotation * handle.point / scale_;
+  return rotationFromVector(Vector3(0, 0, q[3 * handle.brick + 2])) * r;
+}
+
+double ElasticSheet::place(const Term& term, const Vector& q) const {
+  const auto& [handle, direction, factor] = term;
+  if (handle.isTurn) return q[3 * handle.brick + 2];
+  const Vector3 at(q[3 * handle.brick], q[3 * handle.brick + 1], 0);
+  return direction.dot(at + arm(handle, q));
+}
+
+/// The derivative of a place by its brick's three coordinates.
+Vector3 ElasticSheet::slope(const Term& term, const Vector& q) const {
+  if (term.handle.isTurn) return Vector3::UnitZ();
+  const Vector3 turning = Vector3::UnitZ().cross(arm(term.handle, q));
+  return {term.direction.x(), term.direction.y(), term.direction.dot(turning)};
+}
+
+/// The second derivative of a place by its brick's turn.
+double ElasticSheet::bend(const Term& term, const Vector& q) const {
+  return term.handle.isTurn ? 0 : -term.direction.dot(arm(term.handle, q));
+}
+
+double ElasticSheet::stiffnessScale() const {
+  double largest = 0;
+  for (const HingeSpring& spring : springs_) largest = std::max(largest, spring.stiffness);
+  for (const Ligament& ligament : ligaments_) {
+    const double across = ligament.shearStiffness / ligament.start.squaredNorm();
+    largest = std::max({largest, ligament.shearStiffness,
+                        scale_ * scale_ * std::max(across, ligament.stretchStiffness)});
+  }
+  return largest;
+}
+
+/// Of a ligament, its derivatives by q.
+LigamentEnergy ElasticSheet::energyOf(const Ligament& ligament, const Vector& q) const {
+  const int a = 3 * ligament.brickA, b = 3 * ligament.brickB;
+  const Vector3 between(q[b] - q[a], q[b + 1] - q[a + 1], 0);
+  LigamentEnergy found = ligamentEnergy(
+      ligament, scale_ * between, scale_ * arm({ligament.brickA, ligament.pointA}, q),
+      scale_ * arm({ligament.brickB, ligament.pointB}, q), q[a + 2], q[b + 2]);
+  Vector6 units;
+  units << scale_, scale_, 1, scale_, scale_, 1;
+  found.gradient.array() *= units.array();
+  found.hessian = units.asDiagonal() * found.hessian * units.asDiagonal();
+  return found;
+}
+
+double ElasticSheet::energy(const Vector& q) const {
+  double sum = elasticEnergy(springs_, posesAt(q));
+  for (const Ligament& ligament : ligaments_) sum += energyOf(ligament, q).energy;
+  return sum;
+}
+
+/// The places on which a dead load does work, the factors in joules.
+std::vector<ElasticSheet::Term> ElasticSheet::forceTerms(const Grip& grip) const {
+  std::vector<Term> terms;
+  const double share = grip.amount / static_cast<double>(grip.handles.size());
+  for (const GripHandle& handle : grip.handles) {
+    terms.push_back({handle, grip.direction, share * (handle.isTurn ? 1 : scale_)});
+  }
+  return terms;
+}
+
+ElasticSheet::Vector ElasticSheet::pull(const Vector& q) const {
+  Vector sum = Vector::Zero(unknowns());
+  for (const Grip& grip : grips_) {
+    if (!grip.isForce) continue;
+    for (const Term& term : forceTerms(grip)) {
+      sum.segment<3>(3 * term.handle.brick) += term.factor * slope(term, q);
+    }
+  }
+  return sum;
+}
+
+ElasticSheet::Vector ElasticSheet::gradient(const Vector& q, double load) const {
+  Vector sum = -load * pull(q);
+  const std::vector<double> moments = hingeMoments(springs_, posesAt(q));
+  for (std::size_t s = 0; s < springs_.size(); ++s) {
+    const Hinge& hinge = springs_[s].hinge;
+    sum[3 * hinge.brickA + 2] += moments[s] * hinge.axis.z();
+    sum[3 * hinge.brickB + 2] -= moments[s] * hinge.axis.z();
+  }
+  for (const Ligament& ligament : ligaments_) {
+    const Vector6 slope = energyOf(ligament, q).gradient;
+    sum.segment<3>(3 * ligament.brickA) += slope.head<3>();
+    sum.segment<3>(3 * ligament.brickB) += slope.tail<3>();
+  }
+  return sum;
+}
+
+ElasticSheet::Vector ElasticSheet::residual(const Vector& q, double load) const {
+  Vector rest(rows());
+  for (int k = 0; k < rows(); ++k) {
+    const Row& row = rows_[static_cast<std::size_t>(k)];
+    rest[k] = -row.offset - load * row.motion;
+    for (const Term& term : row.terms) rest[k] += term.factor * place(term, q);
+  }
+  return rest;
+}
+
+ElasticSheet::Matrix ElasticSheet::jacobian(const Vector& q) const {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int k = 0; k < rows(); ++k) {
+    for (const Term& term : rows_[static_cast<std::size_t>(k)].terms) {
+      const Vector3 part = term.factor * slope(term, q);
+      for (int j = 0; j < 3; ++j) entries.emplace_back(k, 3 * term.handle.brick + j, part[j]);
+    }
+  }
+  Matrix matrix(rows(), unknowns());
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
+
+ElasticSheet::Vector ElasticSheet::motion() const {
+  Vector column(rows());
+  for (int k = 0; k < rows(); ++k) column[k] = rows_[static_cast<std::size_t>(k)].motion;
+  return column;
+}
+
+ElasticSheet::Matrix ElasticSheet::hessian(const Vector& q, double load,
+                                           const Vector& multipliers) const {
+  std::vector<Eigen::Triplet<double>> entries;
+  const auto add = [&](int brickA, int brickB, double value) {
+    entries.emplace_back(3 * brickA + 2, 3 * brickB + 2, value);
+  };
+  for (const HingeSpring& spring : springs_) {
+    const auto [a, b] = std::pair(spring.hinge.brickA, spring.hinge.brickB);
+    add(a, a, spring.stiffness);
+    add(b, b, spring.stiffness);
+    add(a, b, -spring.stiffness);
+    add(b, a, -spring.stiffness);
+  }
+  for (const Ligament& ligament : ligaments_) {
+    const Matrix6 block = energyOf(ligament, q).hessian;
+    const auto index = [&](int k) {
+      return 3 * (k < 3 ? ligament.brickA : ligament.brickB) + k % 3;
+    };
+    for (int i = 0; i < 6; ++i) {
+      for (int j = 0; j < 6; ++j) entries.emplace_back(index(i), index(j), block(i, j));
+    }
+  }
+  for (int k = 0; k < rows(); ++k) {
+    for (const Term& term : rows_[static_cast<std::size_t>(k)].terms) {
+      add(term.handle.brick, term.handle.brick, multipliers[k] * term.factor * bend(term, q));
+    }
+  }
+  for (const Grip& grip : grips_) {
+    if (!grip.isForce) continue;
+    for (const Term& term : forceTerms(grip)) {
+      add(term.handle.brick, term.handle.brick, -load * term.factor * bend(term, q));
+    }
+  }
+  Matrix matrix(unknowns(), unknowns());
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
+
+double ElasticSheet::displacement(const Grip& grip, const Vector& q) const {
+  const Vector start = startCoordinates();
+  double sum = 0;
+  for (const GripHandle& handle : grip.handles) {
+    const Term term{handle, grip.direction};
+    sum += (handle.isTurn ? 1 : scale_) * (place(term, q) - place(term, start));
+  }
+  return sum / static_cast<double>(grip.handles.size());
+}
+
+double ElasticSheet::displacementSlope(const Grip& grip, const Vector& q,
+                                       const Vector& along) const {
+  double sum = 0;
+  for (const GripHandle& handle : grip.handles) {
+    const Vector3 part = slope({handle, grip.direction}, q);
+    sum += (handle.isTurn ? 1 : scale_) * part.dot(along.segment<3>(3 * handle.brick));
+  }
+  return sum / static_cast<double>(grip.handles.size());
+}
+
+double ElasticSheet::force(std::size_t grip, double load, const Vector& multipliers) const {
+  const Grip& found = grips_[grip];
+  if (found.isForce) return load * found.amount;
+  double sum = 0;
+  for (std::size_t h = 0; h < found.handles.size(); ++h) {
+    const auto row = static_cast<Eigen::Index>(firstRow_[grip] + h);
+    sum -= multipliers[row] / (found.handles[h].isTurn ? 1 : scale_);
+  }
+  return sum;
+}
+
+}  // namespace kirireel

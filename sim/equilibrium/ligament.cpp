@@ -1,0 +1,74 @@
+// With l the vector from point A to point B, l0 that of the start and phi the turns of the bricks,
+//   E = k_l (|l| - |l0|)^2 / 2 + k_s gamma^2 / 2,   gamma = angle(l0, l) - (phi_A + phi_B) / 2,
+// which is exact for large turns: neither part changes as the whole is turned. Together with a
+// torsional spring on phi_B - phi_A this is the rigid unit's ligament of Deng, Raney, Tournat and
+// Bertoldi, Elastic vector solitons in soft architected materials, Phys. Rev. Lett. 118, 2017, with
+// the strains of Bordiga, Medina, Jafarzadeh et al., Automated discovery of reprogrammable
+// nonlinear dynamic metamaterials, Nat. Mater. 23, 2024. A beam whose ends turn by a and b against
+// its chord has E I / L (2 a^2 + 2 a b + 2 b^2) = 12 E I / L gamma^2 / 2 + E I / L (b - a)^2 / 2.
+#include "sim/equilibrium/ligament.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace kirireel {
+namespace {
+
+using Row2 = Eigen::Matrix<double, 2, 6>;
+
+/// The derivative of l by the six coordinates.
+Row2 slopeOf(const Vector3& armA, const Vector3& armB) {
+  Row2 slope;
+  slope << -1, 0, armA.y(), 1, 0, -armB.y(), 0, -1, -armA.x(), 0, 1, armB.x();
+  return slope;
+}
+
+/// The second derivative of l along a direction, which is by the turns alone.
+Matrix6 bendOf(const Vector3& armA, const Vector3& armB, const Eigen::Vector2d& direction) {
+  Matrix6 bend = Matrix6::Zero();
+  bend(2, 2) = direction.dot(armA.head<2>());
+  bend(5, 5) = -direction.dot(armB.head<2>());
+  return bend;
+}
+
+}  // namespace
+
+void setNeckStiffness(double youngs, double poisson, double thickness, double width, double length,
+                      Ligament& ligament) {
+  constexpr double kShearFactor = 5.0 / 6;
+  const double area = width * thickness;
+  const double bending = youngs * thickness * width * width * width / 12;
+  const double shearing = kShearFactor * youngs / (2 * (1 + poisson)) * area;
+  ligament.stretchStiffness = youngs * area / length;
+  ligament.shearStiffness = 1 / (length / (12 * bending) + 1 / (shearing * length));
+}
+
+LigamentEnergy ligamentEnergy(const Ligament& ligament, const Vector3& between, const Vector3& armA,
+                              const Vector3& armB, double turnA, double turnB) {
+  const Eigen::Vector2d l = (between + armB - armA).head<2>();
+  const Eigen::Vector2d l0 = ligament.start.head<2>();
+  const double length = l.norm();
+  const Eigen::Vector2d n = l / length, t(-n.y(), n.x());
+  const double stretch = length - l0.norm();
+  const double turn = std::atan2(l0.x() * l.y() - l0.y() * l.x(), l0.dot(l));
+  const double shear = std::remainder(turn - 0.5 * (turnA + turnB), 2 * std::numbers::pi);
+
+  const Row2 slope = slopeOf(armA, armB);
+  const Vector6 ofStretch = slope.transpose() * n;
+  Vector6 ofShear = slope.transpose() * t / length;
+  ofShear[2] -= 0.5;
+  ofShear[5] -= 0.5;
+  const Vector6 across = slope.transpose() * t;
+  const Matrix6 stretchBend = across * across.transpose() / length + bendOf(armA, armB, n);
+  const Matrix6 mixed = ofStretch * across.transpose();
+  const Matrix6 shearBend =
+      -(mixed + mixed.transpose()) / (length * length) + bendOf(armA, armB, t) / length;
+
+  const double kl = ligament.stretchStiffness, ks = ligament.shearStiffness;
+  return {0.5 * kl * stretch * stretch + 0.5 * ks * shear * shear,
+          kl * stretch * ofStretch + ks * shear * ofShear,
+          kl * (ofStretch * ofStretch.transpose() + stretch * stretchBend) +
+              ks * (ofShear * ofShear.transpose() + shear * shearBend)};
+}
+
+}  // namespace kirireel

@@ -1,0 +1,42 @@
+/// Elastic ligaments in place of exact joints: what stretching and shearing a neck costs. Its
+/// bending is that of the spring at its hinge.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "sim/base/geometry.h"
+
+namespace kirireel {
+
+/// A straight neck between a point of one brick and a point of another.
+struct Ligament {
+  int brickA = 0;
+  int brickB = 0;
+  Vector3 pointA = Vector3::Zero();  ///< in the axes of brick A
+  Vector3 pointB = Vector3::Zero();  ///< in the axes of brick B
+  Vector3 start = Vector3::UnitX();  ///< from point A to point B at the start, world axes, metres
+  double stretchStiffness = 0;       ///< N/m
+  double shearStiffness = 0;         ///< N m/rad
+};
+
+/// The stiffnesses of a neck as a beam of Timoshenko's: with A = w t, I = t w^3 / 12, G = E / (2 (1
+/// + nu)) and the shear factor 5/6
+///   stretch = E A / L,   1 / shear = L / (12 E I) + 1 / (5/6 G A L).
+/// Metres, Pa; all positive. The tiles at its ends are taken for rigid in this.
+void setNeckStiffness(double youngs, double poisson, double thickness, double width, double length,
+                      Ligament& ligament);
+
+/// The energy of a ligament in the plane with its derivatives by x, y and turn of brick A, then of
+/// brick B; metres, radians, joules.
+struct LigamentEnergy {
+  double energy = 0;
+  Vector6 gradient = Vector6::Zero();
+  Matrix6 hessian = Matrix6::Zero();
+};
+
+/// At the places of both bricks' centres of mass and their turns since the start. `armA`, `armB`:
+/// the points from there, turned with the bricks; world axes.
+LigamentEnergy ligamentEnergy(const Ligament& ligament, const Vector3& between, const Vector3& armA,
+                              const Vector3& armB, double turnA, double turnB);
+
+}  // namespace kirireel

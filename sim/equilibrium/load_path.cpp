@@ -1,0 +1,327 @@
+// Equilibria are where the Lagrangian energy + multipliers . c is stationary in the coordinates q
+// under the constraints c(q, load) = 0. Newton's method solves
+//   | H  J^T | | dq |   | -g - J^T m |
+//   | J   0  | | dm | = | -c         |,   H the exact Hessian, constraints' curvature included,
+// with the factor L D L^T of H + w J^T J, w large, and refinement: redundant rows of J need no
+// care, and the negative entries of D are the directions in which the energy falls within the
+// constraints (Sylvester's law of inertia: J^T J fills up all others). The load is an unknown too,
+// fixed by the length of the step along the last tangent (Riks 1979; Crisfield 1981), so that the
+// path goes on where the load turns. A step over which the load, or the leading force, turns, or
+// the count of negative entries changes, is halved until the special state is located. Riks, An
+// incremental approach to the solution of snapping and buckling problems, Int. J. Solids Struct.
+// 15, 1979; Wriggers, Nonlinear Finite Element Methods, 2008, ch. 7.
+#include "sim/equilibrium/load_path.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <Eigen/SparseCholesky>
+#include <fmt/format.h>
+
+#include "sim/base/error.h"
+#include "sim/base/interruption.h"
+
+namespace kirireel {
+namespace {
+
+using Vector = ElasticSheet::Vector;
+using Matrix = ElasticSheet::Matrix;
+
+// Weight of the constraints beside the stiffest spring.
+constexpr double kConstraintWeight = 1e6;
+// An entry of D below this part of the stiffest spring counts as none.
+constexpr double kNoStiffness = 1e-8;
+constexpr int kRefinements = 20;
+constexpr double kRefined = 1e-13;   // of the right side
+constexpr double kClosed = 1e-12;    // constraints, length scales
+constexpr double kBalanced = 1e-11;  // forces, parts of the stiffest spring
+constexpr int kNewtonRounds = 12;
+constexpr int kFewRounds = 4;         // after so many the next step may be longer
+constexpr double kLongestMove = 0.3;  // in one round while the first equilibrium is sought
+constexpr int kRelaxations = 500;
+constexpr double kFirstShift = 1e-3;  // of the stiffest spring, where the energy falls
+constexpr double kMostShift = 1e6;
+constexpr double kShortestStep = 1e-7;  // of the longest
+constexpr int kBisections = 60;
+constexpr double kNoSlope = 1e-8;  // of the force along the path, parts of the stiffest spring
+constexpr double kBackwards = -1;  // a load below this leads nowhere
+
+/// A point on the path in its unknowns, and the direction in which it goes on.
+struct PathPoint {
+  Vector q;
+  Vector multipliers;
+  double load = 0;
+};
+
+/// The factored equations at one point.
+class Equations {
+ public:
+  Equations(const ElasticSheet& sheet, const PathPoint& at)
+      : H_(sheet.hessian(at.q, at.load, at.multipliers)),
+        J_(sheet.jacobian(at.q)),
+        weight_(kConstraintWeight * sheet.stiffnessScale()),
+        scale_(sheet.stiffnessScale()) {
+    factor_.compute(Matrix(H_ + weight_ * Matrix(J_.transpose() * J_)));
+  }
+
+  /// Adds as much to all stiffnesses as it takes for the energy to rise in all directions.
+  void makeConvex() {
+    Matrix identity(H_.rows(), H_.cols());
+    identity.setIdentity();
+    for (double shift = kFirstShift * scale_; negatives() > 0 && shift < kMostShift * scale_;
+         shift *= 4) {
+      H_ += shift * identity;
+      factor_.compute(Matrix(H_ + weight_ * Matrix(J_.transpose() * J_)));
+    }
+  }
+
+  bool isFactored() const { return factor_.info() == Eigen::Success; }
+  int negatives() const { return static_cast<int>((factor_.vectorD().array() < 0).count()); }
+  /// Whether some motion meets no resistance to speak of.
+  bool isLoose() const {
+    return !isFactored() || factor_.vectorD().cwiseAbs().minCoeff() < kNoStiffness * scale_;
+  }
+
+  /// Solves for the change of q and of the multipliers.
+  std::pair<Vector, Vector> solve(const Vector& forces, const Vector& gaps) const {
+    Vector dq = Vector::Zero(H_.cols()), dm = Vector::Zero(J_.rows());
+    for (int round = 0; round < kRefinements; ++round) {
+      const Vector restOfForces = forces - H_ * dq - J_.transpose() * dm;
+      const Vector restOfGaps = gaps - J_ * dq;
+      const bool isGood =
+          restOfForces.norm() <= kRefined * (forces.norm() + scale_ * gaps.norm()) &&
+          restOfGaps.norm() <= kRefined * (gaps.norm() + dq.norm());
+      if (isGood && round > 0) break;
+      const Vector step = factor_.solve(restOfForces + weight_ * (J_.transpose() * restOfGaps));
+      dq += step;
+      dm += weight_ * (J_ * step - restOfGaps);
+    }
+    return {dq, dm};
+  }
+
+ private:
+  Matrix H_, J_;
+  double weight_;
+  double scale_;
+  Eigen::SimplicialLDLT<Matrix> factor_;
+};
+
+/// Follows one sheet.
+class Follower {
+ public:
+  Follower(const ElasticSheet& sheet, std::size_t leading, const LoadPathSettings& settings,
+           const EquilibriumObserver& observer)
+      : sheet_(sheet), leading_(leading), settings_(settings), observer_(observer) {}
+
+  LoadPath follow() {
+    PathPoint at = relax();
+    Tangent along = tangentAt(at, nullptr);
+    bool goesOn = note(at, along, Turning::None);
+    double step = 0.1 * settings_.longestStep;
+    while (goesOn && mayGoOn(at)) {
+      checkInterruption();
+      const std::optional<Stepped> next = stepFrom(at, along, step);
+      if (!next) {
+        step *= 0.5;
+        if (step >= kShortestStep * settings_.longestStep) continue;
+        path_.trouble = fmt::format("no equilibrium was found beyond the load {:.6g}", at.load);
+        break;
+      }
+      if (next->at.load >= 1) return arrive(at, next->at, along, goesOn);
+      goesOn = noteTurning(at, along, step, *next);
+      at = next->at;
+      along = next->along;
+      goesOn = goesOn && note(at, along, Turning::None);
+      if (next->rounds <= kFewRounds) step = std::min(1.5 * step, settings_.longestStep);
+    }
+    return std::move(path_);
+  }
+
+ private:
+  /// The direction of the path at a point, of length 1.
+  struct Tangent {
+    Vector q;
+    Vector multipliers;
+    double load = 0;
+    int negatives = 0;
+    double forceSlope = 0;  // of the leading grip, by its displacement's
+    double displacementSlope = 0;
+  };
+  struct Stepped {
+    PathPoint at;
+    Tangent along;
+    int rounds = 0;
+  };
+
+  double product(const Vector& a, const Vector& b) const {
+    return 3 * a.dot(b) / static_cast<double>(sheet_.unknowns());
+  }
+
+  Vector forcesAt(const PathPoint& at) const {
+    return sheet_.gradient(at.q, at.load) + sheet_.jacobian(at.q).transpose() * at.multipliers;
+  }
+
+  bool isBalanced(const Vector& forces, const Vector& gaps, const PathPoint& at) const {
+    const double largest =
+        std::max({sheet_.stiffnessScale(),
+                  at.multipliers.size() ? at.multipliers.lpNorm<Eigen::Infinity>() : 0});
+    return forces.lpNorm<Eigen::Infinity>() <= kBalanced * largest &&
+           (gaps.size() == 0 || gaps.lpNorm<Eigen::Infinity>() <= kClosed);
+  }
+
+  /// The equilibrium next to the start, by Newton's method downhill in energy.
+  PathPoint relax() const {
+    PathPoint at{sheet_.startCoordinates(), Vector::Zero(sheet_.rows()), 0};
+    for (int round = 0; round < kRelaxations; ++round) {
+      Equations equations(sheet_, at);
+      if (equations.isLoose()) {
+        throw RunError(
+            "error: the sheet can move without resistance; hold it with grips or --pin, and put "
+            "springs at its hinges (--hinge-stiffness)");
+      }
+      const Vector gaps = sheet_.residual(at.q, 0);
+      if (equations.negatives() == 0 && isBalanced(forcesAt(at), gaps, at)) return at;
+      equations.makeConvex();
+      const auto [dq, dm] = equations.solve(-forcesAt(at), -gaps);
+      const double share = std::min(1.0, kLongestMove / dq.lpNorm<Eigen::Infinity>());
+      at.q += share * dq;
+      at.multipliers += share * dm;
+    }
+    throw RunError("error: no equilibrium was found near the start, before any load");
+  }
+
+  Tangent tangentAt(const PathPoint& at, const Tangent* before) const {
+    const Equations equations(sheet_, at);
+    auto [dq, dm] = equations.solve(sheet_.pull(at.q), sheet_.motion());
+    Tangent along{dq, dm, 1, equations.negatives()};
+    const double length = std::sqrt(product(dq, dq) + 1);
+    const bool isBack = before && product(dq, before->q) + before->load < 0;
+    const double factor = (isBack ? -1 : 1) / length;
+    along.q *= factor;
+    along.multipliers *= factor;
+    along.load *= factor;
+    along.forceSlope = sheet_.force(leading_, along.load, along.multipliers);
+    along.displacementSlope = sheet_.displacementSlope(sheet_.grips()[leading_], at.q, along.q);
+    return along;
+  }
+
+  /// The equilibrium so far along the tangent, where Newton's method finds it.
+  std::optional<Stepped> stepFrom(const PathPoint& from, const Tangent& along, double step) const {
+    PathPoint at{from.q + step * along.q, from.multipliers + step * along.multipliers,
+                 from.load + step * along.load};
+    for (int round = 0; round < kNewtonRounds; ++round) {
+      const Vector forces = forcesAt(at);
+      const Vector gaps = sheet_.residual(at.q, at.load);
+      if (!forces.allFinite()) return std::nullopt;
+      if (isBalanced(forces, gaps, at) && round > 0) {
+        return Stepped{at, tangentAt(at, &along), round};
+      }
+      const Equations equations(sheet_, at);
+      if (!equations.isFactored()) return std::nullopt;
+      const auto [dq, dm] = equations.solve(-forces, -gaps);
+      const auto [tq, tm] = equations.solve(sheet_.pull(at.q), sheet_.motion());
+      const double off =
+          product(along.q, at.q - from.q) + along.load * (at.load - from.load) - step;
+      const double change = -(off + product(along.q, dq)) / (product(along.q, tq) + along.load);
+      at.q += dq + change * tq;
+      at.multipliers += dm + change * tm;
+      at.load += change;
+    }
+    return std::nullopt;
+  }
+
+  /// The equilibrium at a given load, from one nearby.
+  std::optional<PathPoint> balancedAt(PathPoint at, double load) const {
+    at.load = load;
+    for (int round = 0; round < kNewtonRounds; ++round) {
+      const Vector forces = forcesAt(at);
+      const Vector gaps = sheet_.residual(at.q, load);
+      if (isBalanced(forces, gaps, at)) return at;
+      const auto [dq, dm] = Equations(sheet_, at).solve(-forces, -gaps);
+      at.q += dq;
+      at.multipliers += dm;
+    }
+    return std::nullopt;
+  }
+
+  bool mayGoOn(const PathPoint& at) {
+    if (static_cast<int>(path_.states.size()) >= settings_.mostStates) {
+      path_.trouble = fmt::format("the path has {} states at the load {:.6g} and goes on",
+                                  settings_.mostStates, at.load);
+    } else if (at.load < kBackwards) {
+      path_.trouble = "the path leads back, to loads below -1";
+    }
+    return path_.trouble.empty();
+  }
+
+  LoadPath arrive(const PathPoint& before, const PathPoint& beyond, const Tangent& along,
+                  bool goesOn) {
+    const double share = (1 - before.load) / (beyond.load - before.load);
+    PathPoint guess{before.q + share * (beyond.q - before.q),
+                    before.multipliers + share * (beyond.multipliers - before.multipliers), 1};
+    if (const auto end = balancedAt(std::move(guess), 1); end && goesOn) {
+      note(*end, tangentAt(*end, &along), Turning::None);
+      path_.arrives = true;
+    } else {
+      path_.trouble = "no equilibrium was found at the load 1";
+    }
+    return std::move(path_);
+  }
+
+  /// What turns between two points of the path.
+  Turning turningBetween(const Tangent& a, const Tangent& b) const {
+    if (a.load * b.load < 0) return Turning::LoadLimit;
+    if (a.negatives != b.negatives) return Turning::Bifurcation;
+    const double noise = kNoSlope * sheet_.stiffnessScale() / sheet_.unit(sheet_.grips()[leading_]);
+    const bool isClear = std::abs(a.forceSlope - b.forceSlope) > noise;
+    return isClear && a.forceSlope * b.forceSlope < 0 ? Turning::ForceLimit : Turning::None;
+  }
+
+  /// Locates what turns within a step, and notes it. Returns whether the path may go on.
+  bool noteTurning(const PathPoint& from, const Tangent& along, double step, const Stepped& end) {
+    const Turning turning = turningBetween(along, end.along);
+    if (turning == Turning::None) return true;
+    double low = 0, high = step;
+    Stepped found = end;
+    for (int k = 0; k < kBisections && high - low > 1e-15 * step; ++k) {
+      const double middle = 0.5 * (low + high);
+      const std::optional<Stepped> next = stepFrom(from, along, middle);
+      if (!next) break;
+      found = *next;
+      (turningBetween(along, next->along) == Turning::None ? low : high) = middle;
+    }
+    return note(found.at, found.along, turning);
+  }
+
+  bool note(const PathPoint& at, const Tangent& along, Turning turning) {
+    Equilibrium state;
+    state.load = at.load;
+    state.poses = sheet_.posesAt(at.q);
+    state.energy = sheet_.energy(at.q);
+    for (std::size_t g = 0; g < sheet_.grips().size(); ++g) {
+      state.displacements.push_back(sheet_.displacement(sheet_.grips()[g], at.q));
+      state.forces.push_back(sheet_.force(g, at.load, at.multipliers));
+    }
+    state.stiffness = along.forceSlope / along.displacementSlope;
+    state.unstableModes = along.negatives;
+    state.turning = turning;
+    path_.states.push_back(std::move(state));
+    return !observer_ || observer_(path_.states.back());
+  }
+
+  const ElasticSheet& sheet_;
+  std::size_t leading_;
+  LoadPathSettings settings_;
+  const EquilibriumObserver& observer_;
+  LoadPath path_;
+};
+
+}  // namespace
+
+LoadPath followLoad(const ElasticSheet& sheet, std::size_t leading,
+                    const LoadPathSettings& settings, const EquilibriumObserver& observer) {
+  return Follower(sheet, leading, settings, observer).follow();
+}
+
+}  // namespace kirireel

@@ -1,0 +1,224 @@
+// Ligaments: derivatives, large turns, beam theory, and sheets of them.
+#include "sim/equilibrium/ligament.h"
+
+#include <array>
+#include <cmath>
+#include <complex>
+
+#include <gtest/gtest.h>
+
+#include "sim/equilibrium/load_path.h"
+#include "sim/model/tessellation.h"
+
+namespace kirireel {
+namespace {
+
+using Complex = std::complex<double>;
+
+/// A ligament between two bricks at given places and turns.
+struct Two {
+  Ligament ligament{.pointA = {0.3, 0.1, 0}, .pointB = {-0.2, 0.25, 0}, .start = {0.4, 0.2, 0}};
+  Two() {
+    ligament.stretchStiffness = 3;
+    ligament.shearStiffness = 0.7;
+  }
+  LigamentEnergy at(const Vector6& u) const {
+    const Vector3 armA = rotationFromVector({0, 0, u[2]}) * ligament.pointA;
+    const Vector3 armB = rotationFromVector({0, 0, u[5]}) * ligament.pointB;
+    return ligamentEnergy(ligament, Vector3(u[3] - u[0], u[4] - u[1], 0), armA, armB, u[2], u[5]);
+  }
+  /// Where the ligament is at rest.
+  Vector6 rest() const {
+    Vector6 u = Vector6::Zero();
+    u.segment<2>(3) = (ligament.pointA + ligament.start - ligament.pointB).head<2>();
+    return u;
+  }
+};
+
+TEST(Ligaments, HaveTheDerivativesOfTheirEnergy) {
+  const Two two;
+  const double h = 1e-5;
+  for (const double size : {0.1, 0.5, 1.2}) {
+    Vector6 u = two.rest();
+    u += size * (Vector6() << 0.2, -0.3, 0.6, 0.25, 0.35, -0.5).finished();
+    const LigamentEnergy found = two.at(u);
+    for (int k = 0; k < 6; ++k) {
+      Vector6 more = u, less = u;
+      more[k] += h;
+      less[k] -= h;
+      const LigamentEnergy above = two.at(more), below = two.at(less);
+      EXPECT_NEAR(found.gradient[k], (above.energy - below.energy) / (2 * h), 1e-8);
+      EXPECT_LT((found.hessian.col(k) - (above.gradient - below.gradient) / (2 * h)).norm(), 1e-7);
+    }
+  }
+}
+
+TEST(Ligaments, HoldNothingAsTheWholeTurns) {
+  const Two two;
+  const Vector6 rest = two.rest();
+  for (const double turn : {0.5, 3.0, 7.0}) {
+    const Complex by = std::polar(1.0, turn);
+    const Complex b = by * Complex(rest[3], rest[4]);
+    Vector6 u;
+    u << 5, 6, turn, 5 + b.real(), 6 + b.imag(), turn;
+    EXPECT_NEAR(two.at(u).energy, 0, 1e-25);
+    EXPECT_LT(two.at(u).gradient.norm(), 1e-12);
+  }
+}
+
+// A slender neck that is clamped at one end gives F L^3 / (3 E I) at the other under a force, and
+// M L / (E I) as a turn under a moment.
+TEST(Ligaments, WithTheirBendingAreBeams) {
+  const double youngs = 2e6, width = 0.01, length = 1, thickness = 0.02;
+  const double bending = youngs * thickness * width * width * width / 12;
+  Ligament ligament;
+  ligament.pointA = ligament.pointB = Vector3::Zero();
+  ligament.start = Vector3(length, 0, 0);
+  setNeckStiffness(youngs, 0.3, thickness, width, length, ligament);
+  EXPECT_NEAR(ligament.stretchStiffness, youngs * width * thickness / length, 1e-9);
+  Matrix6 hessian =
+      ligamentEnergy(ligament, ligament.start, Vector3::Zero(), Vector3::Zero(), 0, 0).hessian;
+  hessian(5, 5) += bending / length;  // of the hinge's spring
+  const Matrix3 free = hessian.bottomRightCorner<3, 3>();
+  const Vector3 byForce = free.inverse() * Vector3(0, 1, 0);
+  const Vector3 byMoment = free.inverse() * Vector3(0, 0, 1);
+  // Shear adds E w^2 / (4 * 5/6 G L^2) = 0.8e-4 to the former.
+  EXPECT_NEAR(byForce.y(), length * length * length / (3 * bending), 1e-4 * byForce.y());
+  EXPECT_NEAR(byForce.z(), length * length / (2 * bending), 1e-9 * byForce.z());
+  EXPECT_NEAR(byMoment.z(), length / bending, 1e-9 * byMoment.z());
+  EXPECT_NEAR(byMoment.y(), length * length / (2 * bending), 1e-9 * byMoment.y());
+}
+
+/// A sheet of squares whose hinges are ligaments of a length, along x.
+struct LigamentSheet {
+  LigamentSheet(int side, double angle, double stretch, double shear, double length) {
+    TessellationShape shape;
+    shape.columns = shape.rows = side;
+    shape.startAngle = angle;
+    model = makeTessellation(shape);
+    bricks = makeBricks(model.tiles, {0.02, MassRule::Unit, 1});
+    pivots = makePivots(model.joints, bricks);
+    for (const Hinge& hinge : findHinges(bricks, pivots, true).hinges) {
+      springs.push_back({hinge, 1, hinge.start, 0});
+    }
+    for (const Pivot& pivot : pivots) {
+      if (pivot.isUpper) continue;
+      Ligament ligament{pivot.brickA, pivot.brickB};
+      ligament.start = Vector3(length, 0, 0);
+      ligament.pointA = pivot.pointA - 0.5 * ligament.start;
+      ligament.pointB = pivot.pointB + 0.5 * ligament.start;
+      ligament.stretchStiffness = stretch;
+      ligament.shearStiffness = shear;
+      ligaments.push_back(ligament);
+    }
+  }
+  Poses start() const { return startPoses(model.tiles, bricks); }
+
+  Model model;
+  std::vector<Brick> bricks;
+  std::vector<Pivot> pivots;
+  std::vector<HingeSpring> springs;
+  std::vector<Ligament> ligaments;
+};
+
+/// Holds the left column's middles and moves those of the right.
+std::vector<Grip> squeeze(const LigamentSheet& sheet, int side, double amount) {
+  std::vector<Grip> grips(3);
+  const auto middle = [&](int tile) {
+    return GripHandle{tile, meanPoint(sheet.bricks[static_cast<std::size_t>(tile)].bottom)};
+  };
+  for (int k = 0; k < side; ++k) {
+    grips[0].handles.push_back(middle(k));
+    grips[2].handles.push_back(middle(side * (side - 1) + k));
+  }
+  grips[1].handles = {middle(0)};
+  grips[1].direction = Vector3::UnitY();
+  grips[2].amount = amount;
+  return grips;
+}
+
+// The energy written anew in complex numbers: tiles are (z, phi), a point is z + r e^(i phi).
+double energyAnew(const LigamentSheet& sheet, const std::vector<Complex>& places,
+                  const std::vector<double>& turns) {
+  double sum = 0;
+  for (const Ligament& ligament : sheet.ligaments) {
+    const auto point = [&](int brick, const Vector3& r) {
+      const auto i = static_cast<std::size_t>(brick);
+      return places[i] + Complex(r.x(), r.y()) * std::polar(1.0, turns[i]);
+    };
+    const Complex l =
+        point(ligament.brickB, ligament.pointB) - point(ligament.brickA, ligament.pointA);
+    const Complex l0(ligament.start.x(), ligament.start.y());
+    const double mean = 0.5 * (turns[static_cast<std::size_t>(ligament.brickA)] +
+                               turns[static_cast<std::size_t>(ligament.brickB)]);
+    const double shear = std::arg(l / l0 * std::polar(1.0, -mean));
+    const double stretch = std::abs(l) - std::abs(l0);
+    sum += 0.5 * (ligament.stretchStiffness * stretch * stretch +
+                  ligament.shearStiffness * shear * shear);
+  }
+  for (const HingeSpring& spring : sheet.springs) {
+    const double turn = turns[static_cast<std::size_t>(spring.hinge.brickB)] -
+                        turns[static_cast<std::size_t>(spring.hinge.brickA)];
+    sum += 0.5 * spring.stiffness * turn * turn;
+  }
+  return sum;
+}
+
+// Each state of 8 x 8 quads under compression is an equilibrium of the energy written anew: its
+// slope along every free coordinate is none.
+TEST(Ligaments, BalanceInASheetUnderCompression) {
+  const int side = 8;
+  const LigamentSheet sheet(side, 0.5, 50, 2, 0.1);
+  const ElasticSheet elastic(sheet.bricks, sheet.start(), sheet.springs, {}, {},
+                             squeeze(sheet, side, -0.6), sheet.ligaments);
+  const LoadPath path = followLoad(elastic, 2, {}, {});
+  ASSERT_TRUE(path.arrives) << path.trouble;
+  const Equilibrium& state = path.states.back();
+  std::vector<Complex> places;
+  std::vector<double> turns;
+  for (const Pose& pose : state.poses) {
+    places.emplace_back(pose.position.x(), pose.position.y());
+    turns.push_back(2 * std::atan2(pose.rotation.z(), pose.rotation.w()));
+  }
+  EXPECT_NEAR(energyAnew(sheet, places, turns), state.energy, 1e-10);
+  const double h = 1e-6;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const auto slope = [&](const Complex& move, double turn) {
+      const auto shifted = [&](double by) {
+        std::vector<Complex> p = places;
+        std::vector<double> t = turns;
+        p[i] += by * move;
+        t[i] += by * turn;
+        return energyAnew(sheet, p, t);
+      };
+      return (shifted(h) - shifted(-h)) / (2 * h);
+    };
+    const bool isGripped = i < 8 || i >= 56;
+    EXPECT_NEAR(slope(0, 1), 0, 1e-7) << i;
+    EXPECT_NEAR(i == 0 ? 0 : slope(Complex(0, 1), 0), 0, 1e-7) << i;
+    EXPECT_NEAR(isGripped ? 0 : slope(1, 0), 0, 1e-7) << i;
+  }
+  EXPECT_LT(state.forces[2], 0);
+}
+
+// Ligaments that are stiff and short are exact joints: the force differs by what they give.
+TEST(Ligaments, ThatAreStiffAreExactJoints) {
+  const int side = 4;
+  double before = 1;
+  for (const double stiffness : {1e3, 1e4, 1e5}) {
+    const double length = 10 / stiffness;
+    const LigamentSheet sheet(side, 0.3, stiffness, stiffness * length * length, length);
+    const std::vector<Grip> grips = squeeze(sheet, side, 0.4);
+    const ElasticSheet soft(sheet.bricks, sheet.start(), sheet.springs, {}, {}, grips,
+                            sheet.ligaments);
+    const ElasticSheet exact(sheet.bricks, sheet.start(), sheet.springs, sheet.pivots, {}, grips);
+    const LoadPath path = followLoad(soft, 2, {}, {}), wanted = followLoad(exact, 2, {}, {});
+    ASSERT_TRUE(path.arrives && wanted.arrives) << path.trouble << wanted.trouble;
+    const double off = std::abs(path.states.back().forces[2] / wanted.states.back().forces[2] - 1);
+    EXPECT_LT(off, before);
+    before = 0.2 * off;
+  }
+}
+
+}  // namespace
+}  // namespace kirireel

@@ -1,0 +1,250 @@
+// Equilibria along a load against closed forms: mechanisms of one angle, where the force is the
+// slope of the energy.
+#include "sim/equilibrium/load_path.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "sim/base/error.h"
+#include "sim/model/tessellation.h"
+
+namespace kirireel {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+/// Tiles and joints with springs at all hinges, and how they are held.
+struct Held {
+  explicit Held(const Model& start, double stiffness)
+      : model(start),
+        bricks(makeBricks(start.tiles, {0.02, MassRule::Unit, 1})),
+        pivots(makePivots(start.joints, bricks)) {
+    for (const Hinge& hinge : findHinges(bricks, pivots, true).hinges) {
+      springs.push_back({hinge, stiffness, hinge.start, 0});
+    }
+  }
+  GripHandle vertex(int tile, int vertex) const {
+    return {tile, bricks[static_cast<std::size_t>(tile)].bottom[static_cast<std::size_t>(vertex)]};
+  }
+  void hold(const GripHandle& handle, const Vector3& direction) {
+    grips.push_back({{handle}, direction, 0, false});
+  }
+  ElasticSheet sheet() const {
+    return ElasticSheet(bricks, startPoses(model.tiles, bricks), springs, pivots, pinned, grips);
+  }
+  LoadPath follow(std::size_t leading, double longestStep = 0.05) const {
+    return followLoad(sheet(), leading, {.longestStep = longestStep}, {});
+  }
+
+  Model model;
+  std::vector<Brick> bricks;
+  std::vector<Pivot> pivots;
+  std::vector<HingeSpring> springs;
+  std::vector<int> pinned;
+  std::vector<Grip> grips;
+};
+
+const Equilibrium& firstTurning(const LoadPath& path, Turning turning) {
+  const auto found = std::ranges::find(path.states, turning, &Equilibrium::turning);
+  return found == path.states.end() ? path.states.front() : *found;
+}
+
+// A unit of four squares, one held and one turned by t, has four hinges that turn by t each:
+// energy 2 k t^2, moment 4 k t.
+TEST(LoadPath, OfARotatingSquareUnitIsItsClosedForm) {
+  TessellationShape shape;
+  shape.columns = shape.rows = 2;
+  shape.startAngle = 0.2;
+  Held unit(makeTessellation(shape), 3);
+  unit.pinned = {0};
+  unit.grips = {{{{.brick = 1, .isTurn = true}}, Vector3::UnitX(), 1.5, false}};
+  const LoadPath path = unit.follow(0);
+  EXPECT_TRUE(path.arrives) << path.trouble;
+  for (const Equilibrium& state : path.states) {
+    const double turn = state.displacements[0];
+    EXPECT_NEAR(turn, 1.5 * state.load, 1e-12);
+    EXPECT_NEAR(state.energy, 6 * turn * turn, 1e-10);
+    EXPECT_NEAR(state.forces[0], 12 * turn, 1e-9);
+    EXPECT_NEAR(state.stiffness, 12, 1e-8);
+    EXPECT_EQ(state.unstableModes, 0);
+  }
+}
+
+/// Unit diamonds in a row, corner to corner, the k-th turned by an angle.
+Model chain(const std::vector<double>& angles) {
+  Model model;
+  Vector3 at = Vector3::Zero();
+  for (const double angle : angles) {
+    const Vector3 along(std::cos(angle), std::sin(angle), 0);
+    const Vector3 across(-along.y(), along.x(), 0);
+    model.tiles.push_back(
+        {{at, at + 0.5 * along - 0.5 * across, at + along, at + 0.5 * along + 0.5 * across}});
+    at += along;
+  }
+  for (int k = 0; k + 1 < static_cast<int>(angles.size()); ++k) {
+    model.joints.push_back({{k, 2}, {k + 1, 0}, JointFace::Both});
+  }
+  return model;
+}
+
+/// A chain whose ends stay on the x axis, its last corner pushed or moved along it.
+Held chainAlongX(const std::vector<double>& angles, double amount, bool isForce) {
+  Held held(chain(angles), 2);
+  const int last = static_cast<int>(angles.size()) - 1;
+  held.hold(held.vertex(0, 0), Vector3::UnitX());
+  held.hold(held.vertex(0, 0), Vector3::UnitY());
+  held.hold(held.vertex(last, 2), Vector3::UnitY());
+  held.grips.push_back({{held.vertex(last, 2)}, Vector3::UnitX(), amount, isForce});
+  return held;
+}
+
+// Two squares as a roof of slope b: with k (2 a - 2 a0)^2 / 2 and the length 2 cos b the pull is
+// F = 2 k (b0 - b) / sin b.
+TEST(LoadPath, OfAChainUnderTensionIsItsClosedForm) {
+  for (const bool isForce : {false, true}) {
+    const double start = 0.9;
+    const LoadPath path =
+        chainAlongX({start, -start}, isForce ? 20 : 2 * (std::cos(0.15) - std::cos(start)), isForce)
+            .follow(3);
+    EXPECT_TRUE(path.arrives) << path.trouble;
+    EXPECT_GT(path.states.size(), 10u);
+    for (const Equilibrium& state : path.states) {
+      const double slope = std::acos(0.5 * (2 * std::cos(start) + state.displacements[3]));
+      const double force = 4 * (start - slope) / std::sin(slope);
+      EXPECT_NEAR(state.forces[3], force, 1e-8);
+      EXPECT_NEAR(state.energy, 4 * (start - slope) * (start - slope), 1e-9);
+      EXPECT_EQ(state.unstableModes, 0);
+    }
+  }
+}
+
+// A straight chain of n rigid links with springs between them buckles at 2 k (1 - cos(pi / n)).
+TEST(LoadPath, FindsTheBucklingLoadOfAChain) {
+  for (const int count : {2, 3, 5, 12}) {
+    const LoadPath path =
+        chainAlongX(std::vector<double>(static_cast<std::size_t>(count), 0.0), -5, true).follow(3);
+    const Equilibrium& critical = firstTurning(path, Turning::Bifurcation);
+    const double wanted = 4 * (1 - std::cos(kPi / count));
+    EXPECT_NEAR(-critical.forces[3], wanted, 1e-7 * wanted) << count;  // measured 6e-9 at most
+  }
+}
+
+/// A four-bar linkage: a base of length d along x, a rocker of length a at its origin with a
+/// spring, a crank of length c at its other end, and a coupler of length b between them.
+struct FourBar {
+  double a = 2, b = 2, c = 1, d = 2.2;
+
+  /// The rocker's angle for that of the crank.
+  double rocker(double crank) const {
+    const Vector3 end(d + c * std::cos(crank), c * std::sin(crank), 0);
+    const double reach = end.norm();
+    return std::atan2(end.y(), end.x()) +
+           std::acos((a * a + reach * reach - b * b) / (2 * a * reach));
+  }
+  Vector3 rockerEnd(double crank) const {
+    return a * Vector3(std::cos(rocker(crank)), std::sin(rocker(crank)), 0);
+  }
+  Vector3 crankEnd(double crank) const { return {d + c * std::cos(crank), c * std::sin(crank), 0}; }
+  /// Of k (rocker - rest)^2 / 2, by the crank's angle.
+  double moment(double crank, double stiffness, double rest) const {
+    // The coupler keeps its length: the ends' velocities along it are equal.
+    const Vector3 coupler = crankEnd(crank) - rockerEnd(crank);
+    const Vector3 crankMove(-c * std::sin(crank), c * std::cos(crank), 0);
+    const Vector3 rockerMove = a * Vector3(-std::sin(rocker(crank)), std::cos(rocker(crank)), 0);
+    return stiffness * (rocker(crank) - rest) * coupler.dot(crankMove) / coupler.dot(rockerMove);
+  }
+};
+
+/// Triangles as bars; the spring is at the rocker's foot alone.
+Held fourBar(const FourBar& bars, double crank, double stiffness) {
+  const Vector3 foot = Vector3::Zero(), base(bars.d, 0, 0);
+  const Vector3 p = bars.rockerEnd(crank), q = bars.crankEnd(crank);
+  const auto bar = [](const Vector3& from, const Vector3& to, double side) {
+    const Vector3 along = to - from;
+    const Vector3 across = 0.05 * Vector3(-along.y(), along.x(), 0);
+    return side > 0 ? Tile{{from, to, 0.5 * (from + to) + across}}
+                    : Tile{{to, from, 0.5 * (from + to) - across}};
+  };
+  Model model;
+  model.tiles = {bar(foot, base, -1), bar(foot, p, 1), bar(base, q, -1), bar(p, q, 1)};
+  model.joints = {{{0, 1}, {1, 0}, JointFace::Both},
+                  {{0, 0}, {2, 1}, JointFace::Both},
+                  {{1, 1}, {3, 0}, JointFace::Both},
+                  {{2, 0}, {3, 1}, JointFace::Both}};
+  Held held(model, stiffness);
+  held.pinned = {0};
+  for (HingeSpring& spring : held.springs) {
+    const bool isAtFoot = spring.hinge.brickA + spring.hinge.brickB == 1;
+    if (!isAtFoot) spring.stiffness = 0;
+  }
+  return held;
+}
+
+/// Where a function with one maximum between two points has it (golden section).
+template <typename Function>
+double maximum(const Function& f, double low, double high) {
+  const double share = 0.5 * (std::sqrt(5.0) - 1);
+  while (high - low > 1e-9) {
+    const double left = high - share * (high - low), right = low + share * (high - low);
+    (f(left) < f(right) ? low : high) = f(left) < f(right) ? left : right;
+  }
+  return 0.5 * (low + high);
+}
+
+// The rocker's angle rises and falls as the crank turns, so that its spring is at rest in two
+// states, with a barrier between them.
+TEST(LoadPath, FindsBothStatesOfABistableLinkageAndWhereItSnaps) {
+  const FourBar bars;
+  const double start = 1.6, stiffness = 5;
+  const double rest = bars.rocker(start);
+  const double top = maximum([&](double crank) { return bars.rocker(crank); }, start, start + 2);
+  double low = top, high = top + 2;  // the other state is between them
+  for (int k = 0; k < 60; ++k) {
+    const double middle = 0.5 * (low + high);
+    (bars.rocker(middle) > rest ? low : high) = middle;
+  }
+  const auto moment = [&](double crank) { return bars.moment(crank, stiffness, rest); };
+  const double snap = moment(maximum(moment, start, top));
+  for (const bool isForce : {false, true}) {
+    Held held = fourBar(bars, start, stiffness);
+    held.grips = {{{{.brick = 2, .isTurn = true}},
+                   Vector3::UnitX(),
+                   isForce ? 1.5 * snap : low - start,
+                   isForce}};
+    const LoadPath path = held.follow(0);
+    EXPECT_TRUE(path.arrives) << path.trouble;
+    for (const Equilibrium& state : path.states) {
+      const double wanted = moment(start + state.displacements[0]);
+      EXPECT_NEAR(state.forces[0], wanted, 1e-7) << state.displacements[0];
+    }
+    const Equilibrium& limit =
+        firstTurning(path, isForce ? Turning::LoadLimit : Turning::ForceLimit);
+    EXPECT_NEAR(limit.forces[0], snap, 1e-8 * snap);  // measured 3e-13
+    if (isForce) continue;
+    EXPECT_NEAR(path.states.back().forces[0], 0, 1e-8);
+    EXPECT_NEAR(path.states.back().energy, 0, 1e-8);
+    EXPECT_GT(path.states.back().stiffness, 0);
+  }
+}
+
+TEST(LoadPath, IsRefusedWhereNothingResists) {
+  TessellationShape shape;
+  shape.columns = shape.rows = 2;
+  shape.startAngle = 0.2;
+  Held unit(makeTessellation(shape), 3);
+  unit.grips = {{{{.brick = 1, .isTurn = true}}, Vector3::UnitX(), 1.5, false}};
+  try {
+    unit.follow(0);
+    FAIL();
+  } catch (const RunError& error) {
+    EXPECT_STREQ(error.what(),
+                 "error: the sheet can move without resistance; hold it with grips or --pin, and "
+                 "put springs at its hinges (--hinge-stiffness)");
+  }
+}
+
+}  // namespace
+}  // namespace kirireel
