@@ -29,7 +29,10 @@ bool isBullet(const Scene& scene) {
   return scene.solver.kind == SolverKind::Bullet;
 }
 bool hasHingeSprings(const Scene& scene) {
-  return scene.hinges.stiffness > 0 || !scene.hinges.file.empty();
+  return scene.hinges.stiffness > 0 || scene.hinges.neck || !scene.hinges.file.empty();
+}
+bool hasNecks(const Scene& scene) {
+  return scene.hinges.neck.has_value();
 }
 /// Whether no tolerance in time was given that steps of a given length would not keep.
 bool mayHaveFixedSteps(const Scene& scene) {
@@ -55,9 +58,11 @@ const std::vector<Rule>& rules() {
       {"--pin", isDirect, "--solver direct"},
       {"--link", isDirect, "--solver direct"},
       {"--hinge-stiffness", isDirect, "--solver direct"},
+      {"--hinge-neck", isDirect, "--solver direct"},
       {"--hinge-damping", isDirect, "--solver direct"},
       {"--hinge-file", isDirect, "--solver direct"},
-      {"--hinge-rest", hasHingeSprings, "--hinge-stiffness or --hinge-file"},
+      {"--ligaments", hasNecks, "--hinge-neck"},
+      {"--hinge-rest", hasHingeSprings, "--hinge-stiffness, --hinge-neck or --hinge-file"},
       {"--iterations", isBullet, "--solver bullet"},
       {"--tolerance", isDirectOrFixed, "--solver direct"},
       {"--substeps", mayHaveFixedSteps, "--tolerance 0"},

@@ -88,6 +88,19 @@ const Choices<Colour>& namedColours() {
   return names;
 }
 
+HingeNeck parseNeck(const OptionValue& value) {
+  const std::vector<std::string_view> parts = split(value.text, ',');
+  if (parts.size() != 3 && parts.size() != 4) {
+    throw valueError(value, "width, length and Young's modulus, for example 0.1,0.3,2e9");
+  }
+  const auto part = [&](std::size_t k, const Range& range) {
+    return parseNumber({value.name, std::string(parts[k])}, range);
+  };
+  HingeNeck neck{part(0, {1e-9, 1e6}), part(1, {1e-9, 1e6}), part(2, {1e-9, 1e15})};
+  if (parts.size() == 4) neck.poisson = part(3, {0, 0.5, true});
+  return neck;
+}
+
 Colour parseColour(const OptionValue& value) {
   for (const auto& [name, colour] : namedColours()) {
     if (value.text == name) return colour;

@@ -54,6 +54,10 @@ std::vector<FrameChoice> parseFrameChoices(const OptionValue& value);
 /// "-9.81" (along z, as PyKirigami has it) or "0,0,-9.81".
 Vector3 parseGravity(const OptionValue& value);
 
+/// "0.1,0.3,2e9" or "0.1,0.3,2e9,0.3": a neck's width, length, Young's modulus, each above 0, and
+/// Poisson's ratio.
+HingeNeck parseNeck(const OptionValue& value);
+
 /// "80AEDC" or "#80AEDC": red, green and blue in hexadecimal; or a usual name of CSS, "teal".
 Colour parseColour(const OptionValue& value);
 

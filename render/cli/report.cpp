@@ -223,7 +223,7 @@ std::string describeRun(const Scene& scene, const RecordSettings& settings,
                       scene.model.joints.size(), describeNeed("planar", summary.needs.planar),
                       describeNeed("contacts", summary.needs.contacts));
   for (const std::string& warning : summary.warnings) text += fmt::format("warning: {}\n", warning);
-  if (scene.model.target) {
+  if (scene.model.target && !summary.loadCurve) {
     text += describeTarget(scene, summary);
     text += describeBlocking(summary.blocking, scene.model.fileOrder.countsFrom);
   }

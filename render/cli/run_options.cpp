@@ -61,6 +61,19 @@ void addHingeOptions(CLI::App& command, HingeSettings& hinges) {
                "torsional springs at all hinges: corners in the plane or joined on both faces, and "
                "folds");
   group
+      .value("--hinge-neck", "WIDTH,LENGTH,E[,NU]", "",
+             "necks at all corners in place of a stiffness: metres, metres, Young's modulus in Pa "
+             "and Poisson's ratio (0.3), as thick as the bricks",
+             [&hinges](const OptionValue& typed) { hinges.neck = parseNeck(typed); })
+      .saidAs([&hinges] {
+        if (!hinges.neck) return std::string();
+        const auto& [width, length, youngs, poisson] = *hinges.neck;
+        return quotedText(fmt::format("{},{},{},{}", numberText(width), numberText(length),
+                                      numberText(youngs), numberText(poisson)));
+      });
+  group.flag("--ligaments", hinges.areLigaments,
+             "necks stretch, shear and bend, instead of bending about exact joints; with [[grip]]");
+  group
       .value("--hinge-rest", "DEGREES", "the angle at the start",
              "angle at which they pull no more: at a corner between the tiles' edges, 0 where they "
              "lie flush; at a fold from flat, valleys above 0",

@@ -106,6 +106,7 @@ SceneFile readSceneFileOf(CLI::App& command, const std::filesystem::path& modelF
   scene.timeline = read.timeline;
   scene.environment.obstacles = read.obstacles;
   scene.velocities = read.velocities;
+  scene.grips = read.grips;
   return read;
 }
 

@@ -26,8 +26,8 @@ std::filesystem::path sceneFileOf(const std::filesystem::path& modelFolder,
                                   const SceneRequest& request);
 
 /// Reads the scene file that was named, else scene.toml in the model's folder where there is one,
-/// into what the command's options point at, the scene's timeline and its obstacles. Returns it, or
-/// an empty one. To be called after parsing. Throws InputError.
+/// into what the command's options point at, the scene's timeline, its obstacles and its grips.
+/// Returns it, or an empty one. To be called after parsing. Throws InputError.
 SceneFile readSceneFileOf(CLI::App& command, const std::filesystem::path& modelFolder,
                           const SceneRequest& request, Scene& scene);
 

@@ -17,6 +17,7 @@ inline constexpr const char* kInitialMesh = "initial";  ///< .obj and .ply
 inline constexpr const char* kFinalMesh = "final";      ///< .obj and .ply
 inline constexpr const char* kFinalVertices = "final_vertices.txt";
 inline constexpr const char* kTrajectory = "trajectory.h5";
+inline constexpr const char* kLoadCurve = "load_curve.csv";
 inline constexpr const char* kSummary = "summary.json";
 inline constexpr const char* kContents = "contents.json";   ///< of export and render
 inline constexpr const char* kStateMoment = "export";       ///< _0001.obj, .ply, ...

@@ -110,6 +110,7 @@ void noteResult(const DeploymentResult& result, double endTime, RunSummary& summ
   summary.warnings = result.warnings;
   summary.deployCost = result.cost;
   summary.elasticity = result.elasticity;
+  summary.loadCurve = result.loadCurve;
   summary.events = result.trajectory.events;
 }
 
@@ -245,6 +246,13 @@ void writeStates(const Scene& scene, const RecordSettings& settings, RunSummary&
   }
 }
 
+/// The equilibria of a scene with grips.
+void writeLoadCurve(const RecordSettings& settings, RunSummary& summary) {
+  if (!summary.loadCurve) return;
+  writeTextFile(settings.folder / output::kLoadCurve, loadTable(*summary.loadCurve));
+  summary.files.emplace_back(output::kLoadCurve);
+}
+
 /// Who makes a run's pictures from what: noted in each of them.
 std::string madeBy(const std::string& model, const std::string& order) {
   const std::string text = fmt::format("Kirireel {}, model {}", programVersion(), model);
@@ -307,6 +315,7 @@ bool isPicture(const std::string& name, const PictureSettings& settings) {
 /// The same of all files.
 bool isOutput(const std::string& name, const RecordSettings& settings) {
   if (name == output::kSummary || name == output::kFinalVertices) return true;
+  if (name == output::kLoadCurve) return true;
   if (leavesTrajectory(settings) && name == output::kTrajectory) return true;
   if (settings.paints() && isPicture(name, settings)) return true;
   if (isExported(name, settings.exports)) return true;
@@ -348,6 +357,7 @@ RunSummary record(const Scene& scene, const RecordSettings& asked, const Progres
   if (leavesTrajectory(settings)) summary.files.emplace_back(output::kTrajectory);
   writeEndState(scene, run.end(), settings, summary);
   if (settings.meshes) writeStates(scene, settings, summary);
+  writeLoadCurve(settings, summary);
   if (settings.paints()) {
     const TrajectoryReader trajectory(settings.folder / output::kTrajectory);
     makePictures(trajectory, settings, observer, summary);

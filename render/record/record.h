@@ -145,6 +145,7 @@ struct RunSummary : PictureReport {
   std::vector<std::string> warnings;   ///< about the target, one line each
   std::vector<Event> events;           ///< what the timeline did, and how the run ended
   DeployCost deployCost;
+  std::optional<LoadCurve> loadCurve;    ///< of a scene with grips
   std::optional<Elasticity> elasticity;  ///< absent where no hinge has a spring
   std::string leftOut;                   ///< why nothing was exported that was to be; mostly empty
   std::vector<FileDigest> digests;       ///< of all files but summary.json

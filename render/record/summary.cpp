@@ -225,7 +225,16 @@ Json springsJson(const Scene& scene) {
 }
 
 Json hingesJson(const HingeSettings& hinges) {
+  Json neck = nullptr;
+  if (hinges.neck) {
+    neck = {{"width", hinges.neck->width},
+            {"length", hinges.neck->length},
+            {"youngs", hinges.neck->youngs},
+            {"poisson", hinges.neck->poisson},
+            {"ligaments", hinges.areLigaments}};
+  }
   return {{"stiffness", hinges.stiffness},
+          {"neck", neck},
           {"rest", hinges.rest ? Json(*hinges.rest) : Json(nullptr)},
           {"damping", hinges.damping},
           {"from_file", hinges.own.size()}};

@@ -10,6 +10,7 @@
 #include "sim/base/interruption.h"
 #include "sim/deploy/assembled_state.h"
 #include "sim/deploy/geometric_path.h"
+#include "sim/deploy/loading.h"
 #include "sim/deploy/run.h"
 #include "sim/deploy/target_warnings.h"
 #include "sim/scene/hinge_springs.h"
@@ -238,6 +239,12 @@ DeploymentResult deployUnkept(const Scene& given, double sampleInterval,
   fillFromModel(scene);
   requireSense(scene, sampleInterval);
   if (scene.solver.kind == SolverKind::Bullet) checkpoints = nullptr;
+  if (scene.grips.empty() && scene.hinges.areLigaments) {
+    throw InputError(
+        "error: --ligaments needs grips, in whose equilibria necks give; add a [[grip]] to "
+        "scene.toml, or leave it away");
+  }
+  if (!scene.grips.empty()) return followGrips(scene, sampleInterval, observer);
   double ownSeconds = 0;
   double& searchSeconds = checkpoints ? checkpoints->searchSeconds() : ownSeconds;
   const double startSeconds = threadCpuSeconds() - searchSeconds;

@@ -10,6 +10,7 @@
 #include "sim/deploy/blockage.h"
 #include "sim/deploy/checkpoints.h"
 #include "sim/deploy/path_choice.h"
+#include "sim/equilibrium/equilibrium.h"
 #include "sim/measure/measures.h"
 #include "sim/scene/scene.h"
 #include "sim/trajectory/trajectory.h"
@@ -85,6 +86,7 @@ struct DeploymentResult {
   Accuracy accuracy;
   DeployCost cost;
   std::optional<Elasticity> elasticity;  ///< absent where no hinge has a spring
+  std::optional<LoadCurve> loadCurve;    ///< of a scene with grips
   Needs needs;
   PathSettings path;       ///< that was taken, never Auto
   std::string pathReason;  ///< one short phrase: why

@@ -397,11 +397,9 @@ double Run::fastestSpeed() const {
 /// Whether bricks that hardly move are only slow: soft springs and heavy bricks are.
 bool Run::isOnItsWay() {
   const bool targetPulls = pullsToTarget() && timeline_.forcesAreOn();
-  const bool hingesPull = scene_.hinges.areOn() && scene_.actuation.drive != Drive::Expansion;
   const double arrived = std::max(kThere * leastError_, kThereShare * tileSize_);
-  if (!(targetPulls || hingesPull) || isStuck()) return false;
-  if (scene_.solver.kind == SolverKind::Bullet) return false;
-  if (targetPulls && currentTargetError() <= arrived) return false;
+  if (isStuck() || scene_.solver.kind == SolverKind::Bullet) return false;
+  if (targetPulls ? currentTargetError() <= arrived : !hingesPull()) return false;
   // A solver of its own, in the state of the run's.
   const std::unique_ptr<Dynamics> dynamics = makeSolver();
   StateTape recorded;
@@ -579,12 +577,6 @@ void Run::advanceToEnd() {
     if (isTrial_) throw;
     interrupt();
   }
-}
-
-/// What the hinges' springs hold at the start and at the end.
-void Run::noteElasticity() {
-  const std::vector<HingeSpring>& springs = result_.trajectory.hingeSprings;
-  if (!springs.empty()) result_.elasticity = elasticityOf(springs, startPoses_, motion_.poses);
 }
 
 DeploymentResult Run::finish() {

@@ -105,7 +105,15 @@ class Run : private TimelineStage {
   void endWith(const Sample& shown);
   bool goesOn();
   void end(Outcome outcome, std::string reason);
-  void noteElasticity();
+  /// What the hinges' springs hold at the start and at the end.
+  void noteElasticity() {
+    const std::vector<HingeSpring>& springs = result_.trajectory.hingeSprings;
+    if (!springs.empty()) result_.elasticity = elasticityOf(springs, startPoses_, motion_.poses);
+  }
+  /// Whether springs at hinges may move bricks; expansion would drive them on for ever.
+  bool hingesPull() const {
+    return scene_.hinges.areOn() && scene_.actuation.drive != Drive::Expansion;
+  }
   void interrupt() { end(Outcome::Interrupted, "ended early by the caller"); }
   void endAtRest();
   std::string holdup() const;

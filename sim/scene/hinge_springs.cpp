@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/error.h"
+#include "sim/model/neck_stiffness.h"
 #include "sim/model/text_table.h"
 
 namespace kirireel {
@@ -94,6 +95,13 @@ FoundHinges requireHinges(const Scene& scene, const std::vector<Brick>& bricks) 
       found.ballJoints.size()));
 }
 
+/// What a hinge has of which no line of the file says more.
+double stiffnessOf(const HingeSettings& all, const Hinge& hinge, const BrickRule& rule) {
+  const bool isCorner = hinge.least == 0;
+  if (!all.neck || !isCorner) return all.stiffness;
+  return neckStiffness(all.neck->youngs, rule.thickness, all.neck->width, all.neck->length);
+}
+
 /// The lines of the file by their tiles, the lower first.
 std::map<TilePair, const OwnHingeSpring*> byTiles(const std::vector<OwnHingeSpring>& own) {
   std::map<TilePair, const OwnHingeSpring*> lines;
@@ -148,7 +156,7 @@ std::vector<HingeSpring> hingeSprings(const Scene& scene, const std::vector<Bric
       lines.erase(line);
     }
     const std::optional<double> rest = own.rest ? own.rest : all.rest;
-    const HingeSpring spring{hinge, own.stiffness.value_or(all.stiffness),
+    const HingeSpring spring{hinge, own.stiffness.value_or(stiffnessOf(all, hinge, scene.brick)),
                              rest.value_or(hinge.start), own.damping.value_or(all.damping)};
     if (spring.stiffness == 0 && spring.damping == 0) continue;
     if (rest) requireRoomAtRest(spring, own.rest ? &own : nullptr, scene.model);

@@ -12,6 +12,7 @@
 #include "sim/base/geometry.h"
 #include "sim/brick/brick.h"
 #include "sim/model/model.h"
+#include "sim/scene/grip.h"
 #include "sim/scene/initial_velocity.h"
 #include "sim/scene/obstacle.h"
 #include "sim/scene/timeline.h"
@@ -72,16 +73,30 @@ struct OwnHingeSpring {
   FileLocation where;  ///< of the line
 };
 
+/// A neck of the sheet's material at each corner where tiles turn against each other, as thick as
+/// the bricks: see neckStiffness().
+struct HingeNeck {
+  double width = 0;      ///< metres, above 0
+  double length = 0;     ///< metres, above 0
+  double youngs = 0;     ///< modulus, Pa, above 0
+  double poisson = 0.3;  ///< ratio, from 0 to below 0.5
+};
+
 /// Torsional springs at the hinges: see HingeSpring.
 struct HingeSettings {
-  double stiffness = 0;             ///< of all hinges, N m/rad, from 0
+  double stiffness = 0;           ///< of all hinges, N m/rad, from 0
+  std::optional<HingeNeck> neck;  ///< says the stiffness at corners
+  /// Whether necks give in every way, not in their angle alone; under grips.
+  bool areLigaments = false;
   std::optional<double> rest;       ///< their angle without moment, radians; absent: at the start
   double damping = 0;               ///< N m s/rad, from 0
   std::filesystem::path file;       ///< springs of hinges one by one; empty: there is none
   std::vector<OwnHingeSpring> own;  ///< what it holds, read by completeScene()
 
   /// Whether any hinge may have a spring or a dashpot.
-  bool areOn() const { return stiffness > 0 || damping > 0 || !file.empty() || !own.empty(); }
+  bool areOn() const {
+    return stiffness > 0 || neck || damping > 0 || !file.empty() || !own.empty();
+  }
 };
 
 /// What drives the bricks.
@@ -193,6 +208,8 @@ struct Scene {
   StopRules stop;
   Timeline timeline;
   std::vector<InitialVelocity> velocities;
+  /// Where there are any, the scene is not deployed: its equilibria are followed as they load it.
+  std::vector<GripSetting> grips;
 };
 
 /// Whether something is modelled, and why.

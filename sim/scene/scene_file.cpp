@@ -17,7 +17,7 @@ namespace {
 
 const std::vector<std::string> kTables = {"model",    "environment", "actuation", "solver",
                                           "stop",     "camera",      "style",     "recording",
-                                          "timeline", "obstacle",    "velocity"};
+                                          "timeline", "obstacle",    "velocity",  "grip"};
 
 /// A timeline's word for the target that the model brings along.
 constexpr std::string_view kOwnTarget = "model";
@@ -409,6 +409,8 @@ bool readList(const TomlEntry& entry, SceneFile& file) {
     file.obstacles = readObstacles(entry.value);
   } else if (entry.key == "velocity") {
     file.velocities = readVelocities(entry.value);
+  } else if (entry.key == "grip") {
+    file.grips = readGrips(entry.value);
   } else {
     return false;
   }

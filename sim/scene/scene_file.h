@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sim/base/error.h"
+#include "sim/scene/grip.h"
 #include "sim/scene/initial_velocity.h"
 #include "sim/scene/obstacle.h"
 #include "sim/scene/timeline.h"
@@ -31,7 +32,8 @@ struct SceneFile {
                                        ///< the folder of the scene file
   std::vector<Obstacle> obstacles;
   std::vector<InitialVelocity> velocities;
-  TomlTable entries;  ///< [[timeline]], [[obstacle]] and [[velocity]] as they stand in the file
+  std::vector<GripSetting> grips;  ///< in the numbers of the model's file
+  TomlTable entries;               ///< the lists of tables as they stand in the file
 };
 
 /// The entries of these lists as a scene file has them, in one spelling; without the names of the
@@ -39,7 +41,7 @@ struct SceneFile {
 std::string entriesText(const SceneFile& file, bool withFileNames);
 
 /// Reads a scene file: the tables [model] [environment] [actuation] [solver] [stop] [camera]
-/// [style] [recording], and [[timeline]], [[obstacle]], [[velocity]].
+/// [style] [recording], and [[timeline]], [[obstacle]], [[velocity]], [[grip]] (see readGrips()).
 ///
 /// A velocity is linear = [X, Y, Z] (m/s), angular = [X, Y, Z] (rad/s) or both, of tiles = [TILES],
 /// by default of all, which begin to move so as one.

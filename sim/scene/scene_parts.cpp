@@ -138,6 +138,7 @@ void completeScene(const SceneParts& parts, Scene& scene, std::vector<std::strin
   scene.timeline = std::move(entries);
   numberAsModel(scene.velocities, scene.model);
   if (scene.alignment.wanted) align(scene, heldTiles(scene.timeline));
+  numberAsModel(scene.grips, scene.model);
   if (!scene.hinges.file.empty()) {
     scene.hinges.own = readHingeSprings(scene.hinges.file, scene.model);
   }

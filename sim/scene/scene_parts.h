@@ -22,9 +22,9 @@ struct SceneParts {
 /// Completes a scene whose model was just read: reads targets, moves the start onto the target
 /// unless scene.alignment says otherwise (by the tiles that are pinned from the start on, where
 /// some are, else by all) and notes by how much, adds joints and pins, reads the targets that the
-/// timeline names and the file of hinges, and checks the timeline against the model. Warnings about
-/// targets that are not quite congruent are appended. Throws InputError for files that hold no
-/// target of this model and for numbers that name no tile or vertex.
+/// timeline names and the file of hinges, checks the grips, and checks the timeline against the
+/// model. Warnings about targets that are not quite congruent are appended. Throws InputError for
+/// files that hold no target of this model and for numbers that name no tile or vertex.
 void completeScene(const SceneParts& parts, Scene& scene, std::vector<std::string>& warnings);
 
 }  // namespace kirireel

@@ -46,6 +46,8 @@ const std::vector<Sample>& samples() {
       {"--torque-damping", {"25", "0.1"}},
       {"--no-adaptive", {}},
       {"--hinge-stiffness", {"0.25", "1e6"}},
+      {"--hinge-neck", {"0.1,0.3,2e9", "0.01,1,1e6,0.4"}},
+      {"--ligaments", {}, {"--hinge-neck", "0.1,0.3,2e9"}},
       {"--hinge-rest", {"33.3", "-7"}, {"--hinge-stiffness", "1"}},
       {"--hinge-damping", {"0.25", "1e6"}},
       {"--hinge-file", {"hinges.txt"}},

@@ -83,6 +83,18 @@ TEST_F(HingeSpringsOfAScene, AreOneByOneInAFile) {
   }
 }
 
+TEST_F(HingeSpringsOfAScene, AreAsStiffAsNecks) {
+  scene_.brick.thickness = 0.02;
+  scene_.hinges.neck = HingeNeck{0.1, 0.3, 2e9};
+  const std::vector<HingeSpring> found = springs("0 1 3\n");
+  ASSERT_EQ(found.size(), 4u);
+  for (const HingeSpring& spring : found) {
+    const bool isOwn = spring.hinge.brickA + spring.hinge.brickB == 1;
+    // E t w^3 / (12 (L + 1.26 w)) = 2e9 * 0.02 * 1e-3 / (12 * 0.426)
+    EXPECT_NEAR(spring.stiffness, isOwn ? 3 : 7824.7261345853, 1e-6);
+  }
+}
+
 TEST_F(HingeSpringsOfAScene, MayBeAtSomeHingesAlone) {
   const std::vector<HingeSpring> found = springs("0 1 3\n");
   ASSERT_EQ(found.size(), 1u);

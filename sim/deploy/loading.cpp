@@ -1,0 +1,235 @@
+#include "sim/deploy/loading.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "sim/base/error.h"
+#include "sim/deploy/assembled_state.h"
+#include "sim/deploy/geometric_path.h"
+#include "sim/equilibrium/load_path.h"
+#include "sim/scene/hinge_springs.h"
+
+namespace kirireel {
+namespace {
+
+/// The tiles that are pinned from the start, which is all that the timeline may ask for.
+std::vector<int> pinnedTiles(const Scene& scene) {
+  std::vector<int> tiles;
+  for (const TimelineEntry& entry : scene.timeline) {
+    const auto* pin = std::get_if<timeline::Pin>(&entry.action);
+    if (!pin || entry.when.value != 0) {
+      throw inputErrorAt(entry.where,
+                         "grips are followed through equilibria, which know no time; "
+                         "leave this away, or the grips");
+    }
+    tiles.insert(tiles.end(), pin->tiles.begin(), pin->tiles.end());
+  }
+  return tiles;
+}
+
+void requireEquilibria(const Scene& scene) {
+  Scene bare = scene;
+  bare.timeline.clear();
+  bare.hinges = {};
+  if (!bare.model.target) bare.model.target = bare.model.tiles;  // grips hold what no joint does
+  bare.actuation.drive = defaultDrive(bare.model);
+  std::string reason;
+  if (!isQuasiStatic(bare, reason)) {
+    throw InputError(fmt::format(
+        "error: grips are followed through equilibria, but {}; leave that away, or the grips",
+        reason));
+  }
+  if (scene.path.kind != PathKind::Auto && scene.path.kind != PathKind::Continuation) {
+    throw InputError(
+        "error: grips are followed through equilibria; leave --path away, or the grips");
+  }
+  const ContactFilter contacts = scene.environment.contacts;
+  if (contacts == ContactFilter::All || contacts == ContactFilter::Unjoined) {
+    throw InputError(
+        "error: equilibria under grips are without contacts; leave --contacts away, or the grips");
+  }
+  if (const Need planar = sceneNeeds(scene).planar; !planar.on) {
+    throw InputError(fmt::format(
+        "error: grips load sheets in the plane, but {}; leave the grips away", planar.reason));
+  }
+  const auto isLink = [](const Joint& joint) { return joint.kind == JointKind::Link; };
+  if (std::ranges::any_of(scene.model.joints, isLink)) {
+    throw InputError(
+        "error: grips load sheets of tiles and joints, not of links; leave --link "
+        "away, or the grips");
+  }
+}
+
+/// What a grip holds of its tiles: its corners, or the tiles' middles.
+std::vector<GripHandle> pointsOf(const GripSetting& grip, const std::vector<Brick>& bricks) {
+  std::vector<GripHandle> points;
+  for (const Corner& corner : grip.corners) {
+    const Brick& brick = bricks[static_cast<std::size_t>(corner.tile)];
+    points.push_back({corner.tile, brick.bottom[static_cast<std::size_t>(corner.vertex)]});
+  }
+  if (!points.empty()) return points;
+  for (const int tile : grip.tiles) {
+    points.push_back({tile, meanPoint(bricks[static_cast<std::size_t>(tile)].bottom)});
+  }
+  return points;
+}
+
+/// The grips of a scene, one for each direction that it names.
+struct NamedGrips {
+  std::vector<Grip> grips;
+  std::vector<GripName> names;
+  std::size_t leading = 0;
+};
+
+NamedGrips gripsOf(const Scene& scene, const std::vector<Brick>& bricks) {
+  NamedGrips found;
+  for (std::size_t k = 0; k < scene.grips.size(); ++k) {
+    const GripSetting& setting = scene.grips[k];
+    const auto add = [&](const std::optional<double>& amount, const Vector3& direction,
+                         const char* word) {
+      if (!amount) return;
+      Grip grip{pointsOf(setting, bricks), direction, *amount, setting.isForce};
+      const bool isTurn = direction.isZero();
+      for (GripHandle& handle : grip.handles) handle.isTurn = isTurn;
+      found.grips.push_back(std::move(grip));
+      found.names.push_back({fmt::format("grip {} {}", k + 1, word), isTurn});
+    };
+    add(setting.x, Vector3::UnitX(), "x");
+    add(setting.y, Vector3::UnitY(), "y");
+    add(setting.turn, Vector3::Zero(), "turn");
+  }
+  const auto leading =
+      std::ranges::find_if(found.grips, [](const Grip& grip) { return grip.amount != 0; });
+  if (leading == found.grips.end()) {
+    throw inputErrorAt(scene.grips.front().where,
+                       "no grip moves or pushes anything; give one of them move = {x = 0.1} or "
+                       "another amount that is not 0");
+  }
+  found.leading = static_cast<std::size_t>(leading - found.grips.begin());
+  return found;
+}
+
+/// The direction from a corner into its tile.
+Vector3 inwardAt(const Brick& brick, int corner) {
+  const std::size_t count = brick.bottom.size();
+  const auto k = static_cast<std::size_t>(corner);
+  const Vector3 next = brick.bottom[(k + 1) % count] - brick.bottom[k];
+  const Vector3 last = brick.bottom[(k + count - 1) % count] - brick.bottom[k];
+  return next.normalized() + last.normalized();
+}
+
+/// The neck at a joint as a ligament: its middle is the joint, and it runs from one tile to the
+/// other.
+Ligament ligamentAt(const Pivot& pivot, const std::vector<Brick>& bricks, const Scene& scene) {
+  const HingeNeck& neck = *scene.hinges.neck;
+  const Vector3 across =
+      inwardAt(bricks[static_cast<std::size_t>(pivot.brickB)], pivot.cornerB).normalized() -
+      inwardAt(bricks[static_cast<std::size_t>(pivot.brickA)], pivot.cornerA).normalized();
+  Ligament ligament{pivot.brickA, pivot.brickB};
+  ligament.start = neck.length * across.normalized();
+  ligament.pointA = pivot.pointA - 0.5 * ligament.start;
+  ligament.pointB = pivot.pointB + 0.5 * ligament.start;
+  setNeckStiffness(neck.youngs, neck.poisson, scene.brick.thickness, neck.width, neck.length,
+                   ligament);
+  return ligament;
+}
+
+/// Which joints stay exact, and the ligaments in the place of the others: those at springs, which
+/// are the hinges.
+struct Ties {
+  std::vector<Pivot> pivots;
+  std::vector<Ligament> ligaments;
+};
+
+Ties tiesOf(const Scene& scene, const std::vector<Brick>& bricks,
+            const std::vector<HingeSpring>& springs) {
+  Ties ties;
+  for (const Pivot& pivot : makePivots(scene.model.joints, bricks)) {
+    const bool isHinge = std::ranges::any_of(springs, [&](const HingeSpring& spring) {
+      return std::minmax(spring.hinge.brickA, spring.hinge.brickB) ==
+             std::minmax(pivot.brickA, pivot.brickB);
+    });
+    if (pivot.isUpper) continue;
+    if (isHinge && scene.hinges.areLigaments) {
+      ties.ligaments.push_back(ligamentAt(pivot, bricks, scene));
+    } else {
+      ties.pivots.push_back(pivot);
+    }
+  }
+  return ties;
+}
+
+/// The states as a path to be walked.
+GeometricPath walkable(const std::vector<Brick>& bricks, const LoadPath& loaded,
+                       bool hasLigaments) {
+  GeometricPath walked;
+  walked.hasCompliantJoints = hasLigaments;
+  walked.contactReason = "equilibria under grips are without contacts";
+  walked.reason = "equilibria under grips";
+  for (const Equilibrium& state : loaded.states) {
+    MechanismPath& path = walked.path;
+    const double length =
+        path.states.empty()
+            ? 0
+            : path.lengths.back() + pathDistance(bricks, path.states.back(), state.poses);
+    path.states.push_back(state.poses);
+    path.lengths.push_back(length);
+  }
+  return walked;
+}
+
+/// What happened on the way, each at its time in the walk.
+void noteTurnings(const LoadCurve& curve, const MechanismPath& path, double seconds,
+                  DeploymentResult& result) {
+  std::vector<Event> events;
+  for (std::size_t k = 0; k < curve.states.size(); ++k) {
+    const Equilibrium& state = curve.states[k];
+    if (state.turning == Turning::None) continue;
+    const double time = path.length() > 0 ? seconds * path.lengths[k] / path.length() : 0;
+    events.push_back(
+        {time, fmt::format(
+                   "{} at the load {:.6g}: {} {:.6g} {}, {} {:.6g} {}", toString(state.turning),
+                   state.load, curve.grips[curve.leading].name, state.displacements[curve.leading],
+                   curve.grips[curve.leading].isTurn ? "rad" : "m",
+                   curve.grips[curve.leading].isTurn ? "moment" : "force",
+                   state.forces[curve.leading], curve.grips[curve.leading].isTurn ? "N m" : "N")});
+  }
+  result.trajectory.events.insert(result.trajectory.events.begin(), events.begin(), events.end());
+}
+
+}  // namespace
+
+DeploymentResult followGrips(const Scene& scene, double sampleInterval,
+                             const SampleObserver& observer) {
+  requireEquilibria(scene);
+  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<HingeSpring> springs = hingeSprings(scene, bricks);
+  const NamedGrips grips = gripsOf(scene, bricks);
+  const Ties ties = tiesOf(scene, bricks, springs);
+  const ElasticSheet sheet(bricks, startPoses(scene.model.tiles, bricks), springs, ties.pivots,
+                           pinnedTiles(scene), grips.grips, ties.ligaments);
+  const LoadPath loaded = followLoad(sheet, grips.leading, {}, {});
+  const GeometricPath path = walkable(bricks, loaded, !ties.ligaments.empty());
+  Poses last;
+  const SampleObserver watch = [&](const Sample& sample) {
+    last = sample.poses;
+    return !observer || observer(sample);
+  };
+  DeploymentResult result = walk(scene, path, assembleAtTarget(scene), sampleInterval, watch);
+  result.loadCurve = LoadCurve{grips.names, grips.leading, loaded.states};
+  result.elasticity = elasticityOf(springs, loaded.states.front().poses, last);
+  result.atTarget.reset();
+  noteTurnings(*result.loadCurve, path.path, std::min(scene.path.walkTime, scene.stop.duration),
+               result);
+  if (result.outcome == Outcome::Interrupted) return result;
+  result.outcome = loaded.arrives ? Outcome::Settled : Outcome::Locked;
+  result.reason = loaded.arrives ? fmt::format("the load is reached through {} equilibria",
+                                               loaded.states.size())
+                                 : loaded.trouble;
+  result.trajectory.events.back().text =
+      fmt::format("{}: {}", toString(result.outcome), result.reason);
+  return result;
+}
+
+}  // namespace kirireel

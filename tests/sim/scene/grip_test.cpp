@@ -1,0 +1,84 @@
+#include "sim/scene/grip.h"
+
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/base/geometry.h"
+#include "sim/model/tessellation.h"
+#include "sim/scene/scene_file.h"
+#include "tests/support/files.h"
+
+namespace kirireel {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+/// Reads grips from a scene file and numbers them as a sheet of 2 x 2 squares.
+class Grips : public testing::Test {
+ protected:
+  std::vector<GripSetting> read(const std::string& text) {
+    std::ofstream(folder_ / "scene.toml", std::ios::binary) << text;
+    std::vector<GripSetting> grips = readSceneFile(folder_ / "scene.toml").grips;
+    TessellationShape shape;
+    shape.columns = shape.rows = 2;
+    numberAsModel(grips, makeTessellation(shape));
+    return grips;
+  }
+
+  std::string refusal(const std::string& lines) {
+    try {
+      read("[[grip]]\n" + lines);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "accepted";
+  }
+
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(Grips, HoldTilesVerticesAndEdges) {
+  const std::vector<GripSetting> grips = read(
+      "[[grip]]\ntile = 0\nmove = {x = 0, y = 0, turn = 90}\n"
+      "[[grip]]\ntiles = [1, 3]\nedge = [1, 2]\nforce = {x = 2.5}\n"
+      "[[grip]]\ntile = 2\nvertex = 3\nmove = {y = -0.5}\n");
+  ASSERT_EQ(grips.size(), 3u);
+  EXPECT_THAT(grips[0].tiles, ElementsAre(0));
+  EXPECT_EQ(grips[0].x, 0);
+  EXPECT_NEAR(*grips[0].turn, 90 * kDegree, 1e-15);
+  EXPECT_FALSE(grips[0].isForce);
+  EXPECT_TRUE(grips[1].isForce);
+  EXPECT_EQ(grips[1].x, 2.5);
+  EXPECT_FALSE(grips[1].y.has_value());
+  EXPECT_THAT(grips[1].corners,
+              ElementsAre(Corner{1, 1}, Corner{1, 2}, Corner{3, 1}, Corner{3, 2}));
+  EXPECT_THAT(grips[2].corners, ElementsAre(Corner{2, 3}));
+}
+
+TEST_F(Grips, AreRefusedInOneLine) {
+  EXPECT_THAT(
+      refusal("tile = 4\nmove = {x = 1}\n"),
+      HasSubstr("scene.toml:1:1: error: the model has tiles 0-3, not 4; correct this grip"));
+  EXPECT_THAT(refusal("tile = 1\nvertex = 4\nmove = {x = 1}\n"),
+              HasSubstr("tile 1 has vertices 0-3, not 4; correct this grip"));
+  EXPECT_THAT(refusal("move = {x = 1}\n"),
+              HasSubstr("a grip holds tiles; give one of tile = 3 and tiles = [3, 4]"));
+  EXPECT_THAT(refusal("tile = 1\n"), HasSubstr("a grip moves or pushes; give one of move = "));
+  EXPECT_THAT(refusal("tile = 1\nmove = {x = 1}\nforce = {x = 1}\n"),
+              HasSubstr("a grip moves or pushes; give one of move = "));
+  EXPECT_THAT(refusal("tile = 1\nvertex = 1\nmove = {turn = 1}\n"),
+              HasSubstr("points do not turn; leave turn away, or vertex and edge"));
+  EXPECT_THAT(refusal("tile = 1\nedge = [1]\nmove = {x = 1}\n"),
+              HasSubstr("give two vertex numbers, [0, 1]"));
+  EXPECT_THAT(refusal("tile = 1\nmove = {}\n"), HasSubstr("give metres and degrees, {x = 0.1"));
+  EXPECT_THAT(refusal("tile = 1\nforce = {z = 1}\n"),
+              HasSubstr("unknown key of a grip's force z, did you mean x?"));
+  EXPECT_THAT(refusal("tile = -1\nmove = {x = 1}\n"), HasSubstr("give a tile number"));
+  EXPECT_THAT(refusal("tyle = 1\nmove = {x = 1}\n"), HasSubstr("tile"));
+}
+
+}  // namespace
+}  // namespace kirireel
