@@ -43,6 +43,7 @@ constexpr int kRelaxations = 500;
 constexpr double kFirstShift = 1e-3;  // of the stiffest spring, where the energy falls
 constexpr double kMostShift = 1e6;
 constexpr double kShortestStep = 1e-7;  // of the longest
+constexpr double kStraight = 0.9;       // cosine between the directions at the ends of a step
 constexpr int kBisections = 60;
 constexpr double kNoSlope = 1e-8;  // of the force along the path, parts of the stiffest spring
 constexpr double kBackwards = -1;  // a load below this leads nowhere
@@ -215,7 +216,10 @@ class Follower {
       const Vector gaps = sheet_.residual(at.q, at.load);
       if (!forces.allFinite()) return std::nullopt;
       if (isBalanced(forces, gaps, at) && round > 0) {
-        return Stepped{at, tangentAt(at, &along), round};
+        const Tangent next = tangentAt(at, &along);
+        // Where the path bends that much, the state may be another branch's.
+        if (product(along.q, next.q) + along.load * next.load < kStraight) return std::nullopt;
+        return Stepped{at, next, round};
       }
       const Equations equations(sheet_, at);
       if (!equations.isFactored()) return std::nullopt;
