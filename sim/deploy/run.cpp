@@ -179,11 +179,6 @@ void Run::start() {
   showStep();
 }
 
-/// Whether joints are compliant on purpose.
-bool Run::jointsGiveNow() const {
-  return isOnPath() ? scene_.path.jointsGive() : jointsGiveThroughout();
-}
-
 void Run::showStep() {
   if (observers_.step && !observers_.step(figures_.lastStep())) isAskedToEnd_ = true;
 }

@@ -82,7 +82,10 @@ class Run : private TimelineStage {
   bool isOpening() const { return time() < openedAt_; }
   /// Whether something else drives the tiles than the scene's own actuation.
   bool isOnPath() const { return isOpening() || follower_.has_value(); }
-  bool jointsGiveNow() const;
+  /// Whether joints are compliant on purpose.
+  bool jointsGiveNow() const {
+    return isOnPath() ? scene_.path.jointsGive() : jointsGiveThroughout();
+  }
   void showStep();
   void updateRest();
   double fastestSpeed() const;
