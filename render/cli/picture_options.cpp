@@ -99,6 +99,12 @@ void addPictureOptions(CLI::App& command, PictureSettings& settings) {
   group.flag("--no-snapshots", settings.snapshots, "no snapshots.png", false);
   group.flag("--svg", settings.svg,
              "the grid's pictures as snapshot_01.svg ..., hidden surfaces removed");
+  group
+      .value("--painters", "COUNT", "one for each core", "that paint frames at the same time",
+             [&](const OptionValue& typed) {
+               settings.painterCount = static_cast<int>(parseInteger(typed, {1, 64}));
+             })
+      .decidesNothing();
   // Either library draws the same.
   group
       .choice<std::optional<GraphicsLibrary>>("--gl", settings.graphics,

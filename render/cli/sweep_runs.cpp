@@ -56,6 +56,7 @@ class RunOrders {
   explicit RunOrders(const Sweep& sweep) : family_(sweep.family) {
     const bool paints = sweep.keep == SweepKeep::Pictures || sweep.keep == SweepKeep::All;
     run_ = paints ? addRecordCommand(program_, record_) : addSimulateCommand(program_, record_);
+    record_.settings.painterCount = 1;  // other cores have runs of their own
     record_.settings.trajectory = sweep.keep != SweepKeep::State;
     if (sweep.keep == SweepKeep::Pictures) record_.settings.video = record_.settings.meshes = false;
     if (family_.empty()) return;

@@ -30,6 +30,7 @@ namespace kirireel {
   FUNCTION(PFNGLDEPTHFUNCPROC, glDepthFunc)                             \
   FUNCTION(PFNGLDISABLEPROC, glDisable)                                 \
   FUNCTION(PFNGLDRAWARRAYSPROC, glDrawArrays)                           \
+  FUNCTION(PFNGLDRAWELEMENTSPROC, glDrawElements)                       \
   FUNCTION(PFNGLENABLEPROC, glEnable)                                   \
   FUNCTION(PFNGLENABLEVERTEXATTRIBARRAYPROC, glEnableVertexAttribArray) \
   FUNCTION(PFNGLFINISHPROC, glFinish)                                   \

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <span>
 
 #include "render/gl/context.h"
@@ -15,15 +16,17 @@
 namespace kirireel {
 namespace {
 
-/// Largest part of a picture drawn at once, pixels: bounds the memory of large pictures.
-constexpr int kMaxPartSide = 2048;
+/// Largest part of a picture drawn at once, pixels: its samples stay in the processor's cache until
+/// they are averaged, and a painter's memory does not grow with its pictures.
+constexpr int kMostPartWidth = 2048;
+constexpr int kMostPartHeight = 128;
 
 /// Rows of pixels whose samples are read back at once: few enough to stay in the processor's cache
 /// until they are averaged.
 constexpr int kStripRows = 8;
 
 // Drawn at once: some thousands of bricks, 50 ms of a core.
-constexpr int kVerticesDrawn = 3 * 65536;
+constexpr int kIndicesDrawn = 3 * 65536;
 
 constexpr const char* kFaceVertexShader = R"(#version 330 core
 layout(location = 0) in vec4 clip;
@@ -42,7 +45,7 @@ out vec4 colour;
 void main() { colour = face; }
 )";
 
-/// What the face shaders read of one corner of a triangle.
+/// What the face shaders read of one corner of a triangle. A triangle has the colour of its last.
 struct Vertex {
   std::array<float, 4> clip;  ///< clip coordinates of the whole picture
   std::array<std::uint8_t, 4> colour;
@@ -62,111 +65,152 @@ std::array<float, 4> toClip(const Eigen::Matrix4d& clipFromAxes, const Vector3& 
   return {clip.x(), clip.y(), clip.z(), clip.w()};
 }
 
-/// The triangles of one picture, and where its layers end.
-struct Triangles {
+/// Heights in a picture as clip coordinates have them: from -1 at its lower border to 1.
+struct HeightRange {
+  float least = std::numeric_limits<float>::infinity();
+  float most = -std::numeric_limits<float>::infinity();
+
+  void add(const Vertex& vertex) {
+    const auto& [x, y, z, w] = vertex.clip;
+    // Behind the eye there is no telling where a triangle goes.
+    const bool isBehind = w <= 0;
+    least = std::min(least, isBehind ? -1 : y / w);
+    most = std::max(most, isBehind ? 1 : y / w);
+  }
+  bool meets(const HeightRange& other) const { return most >= other.least && least <= other.most; }
+};
+
+/// The triangles of one facet.
+struct FacetTriangles {
+  HeightRange height;
+  int first = 0;  ///< of its corners in the indices
+  int end = 0;
+};
+
+/// The triangles of one picture.
+struct TriangleMesh {
   std::vector<Vertex> vertices;
-  int groundEnd = 0;  ///< vertices of the plate and the shadow: first, in painting order
+  std::vector<GLuint> indices;  ///< of vertices, three a triangle
+  std::vector<FacetTriangles> facets;
+  int groundEnd = 0;  ///< facets of the plate and the shadow: first, in painting order
   int solidEnd = 0;   ///< then those that hide each other by depth; the rest is laid over
 
-  int count() const { return static_cast<int>(vertices.size()); }
+  int facetCount() const { return static_cast<int>(facets.size()); }
+  void clear() {
+    vertices.clear();
+    indices.clear();
+    facets.clear();
+  }
 };
 
 /// Turns facets into triangles: the face within its outline, and the outline as a band along each
 /// side.
 class Tessellator {
  public:
-  Tessellator(const Sketch& sketch, const Eigen::Matrix4d& clipFromWorldAxes,
-              std::vector<Vertex>& vertices)
-      : sketch_(sketch), clipFromWorld_(clipFromWorldAxes), vertices_(vertices) {}
+  Tessellator(const Sketch& sketch, const Eigen::Matrix4d& clipFromWorldAxes, TriangleMesh& mesh)
+      : sketch_(sketch), clipFromWorld_(clipFromWorldAxes), mesh_(mesh) {}
 
   void append(const std::vector<Facet>& facets) {
     for (const Facet& facet : facets) {
       checkInterruption();
-      append(facet);
+      FacetTriangles& made = mesh_.facets.emplace_back();
+      made.first = static_cast<int>(mesh_.indices.size());
+      append(facet, made.height);
+      made.end = static_cast<int>(mesh_.indices.size());
     }
   }
 
  private:
-  void append(const Facet& facet) {
-    project(sketch_.inner(facet), inner_);
-    const auto face = bytes(facet.colour);
-    for (std::size_t k = 2; k < inner_.size(); ++k) {
-      triangle({inner_[0], face}, {inner_[k - 1], face}, {inner_[k], face});
-    }
-    if (facet.outlined) appendOutline(facet);
-  }
-
-  void appendOutline(const Facet& facet) {
-    project(sketch_.corners(facet), outer_);
-    const auto edge = bytes(sketch_.edge);
-    for (std::size_t k = 0; k < outer_.size(); ++k) {
-      const std::size_t next = (k + 1) % outer_.size();
-      triangle({outer_[k], edge}, {outer_[next], edge}, {inner_[next], edge});
-      triangle({outer_[k], edge}, {inner_[next], edge}, {inner_[k], edge});
+  void append(const Facet& facet, HeightRange& height) {
+    const auto count = static_cast<GLuint>(facet.count);
+    const GLuint inner = appendCorners(sketch_.inner(facet), facet.colour, height);
+    for (GLuint k = 2; k < count; ++k) triangle(inner, inner + k - 1, inner + k);
+    if (!facet.outlined) return;
+    const GLuint outer = appendCorners(sketch_.corners(facet), sketch_.edge, height);
+    for (GLuint k = 0; k < count; ++k) {
+      const GLuint next = (k + 1) % count;
+      triangle(outer + next, inner + next, outer + k);
+      triangle(inner + next, inner + k, outer + k);
     }
   }
 
-  void project(std::span<const Vector3> points, std::vector<std::array<float, 4>>& clip) const {
-    clip.clear();
-    for (const Vector3& point : points) clip.push_back(toClip(clipFromWorld_, point));
+  /// Returns the index of the first.
+  GLuint appendCorners(std::span<const Vector3> points, Colour colour, HeightRange& height) {
+    const auto first = static_cast<GLuint>(mesh_.vertices.size());
+    const std::array<std::uint8_t, 4> channels = bytes(colour);
+    for (const Vector3& point : points) {
+      mesh_.vertices.push_back({toClip(clipFromWorld_, point), channels});
+      height.add(mesh_.vertices.back());
+    }
+    return first;
   }
 
-  void triangle(const Vertex& a, const Vertex& b, const Vertex& c) {
-    vertices_.push_back(a);
-    vertices_.push_back(b);
-    vertices_.push_back(c);
+  void triangle(GLuint a, GLuint b, GLuint c) {
+    mesh_.indices.push_back(a);
+    mesh_.indices.push_back(b);
+    mesh_.indices.push_back(c);
   }
 
   const Sketch& sketch_;
   Eigen::Matrix4d clipFromWorld_;
-  std::vector<Vertex>& vertices_;
-  std::vector<std::array<float, 4>> outer_, inner_;  ///< of one facet, in clip coordinates
+  TriangleMesh& mesh_;
 };
 
 /// The triangles of one frame, as the graphics context holds them.
-class VertexBuffer {
+class MeshBuffer {
  public:
-  VertexBuffer() {
+  MeshBuffer() {
     glGenVertexArrays(1, &array_);
-    glGenBuffers(1, &buffer_);
+    glGenBuffers(1, &vertices_);
+    glGenBuffers(1, &indices_);
     glBindVertexArray(array_);
-    glBindBuffer(GL_ARRAY_BUFFER, buffer_);
+    glBindBuffer(GL_ARRAY_BUFFER, vertices_);
+    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_);
     attribute(0, 4, GL_FLOAT, GL_FALSE, offsetof(Vertex, clip));
     attribute(1, 4, GL_UNSIGNED_BYTE, GL_TRUE, offsetof(Vertex, colour));
   }
-  ~VertexBuffer() {
-    glDeleteBuffers(1, &buffer_);
+  ~MeshBuffer() {
+    glDeleteBuffers(1, &indices_);
+    glDeleteBuffers(1, &vertices_);
     glDeleteVertexArrays(1, &array_);
   }
-  VertexBuffer(const VertexBuffer&) = delete;
-  VertexBuffer& operator=(const VertexBuffer&) = delete;
+  MeshBuffer(const MeshBuffer&) = delete;
+  MeshBuffer& operator=(const MeshBuffer&) = delete;
 
-  void load(const std::vector<Vertex>& vertices) {
+  static void loadVertices(const std::vector<Vertex>& vertices) {
     glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(Vertex)),
                  vertices.data(), GL_STREAM_DRAW);
+  }
+  static void loadIndices(const std::vector<GLuint>& indices) {
+    glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size() * sizeof(GLuint)),
+                 indices.data(), GL_STREAM_DRAW);
   }
 
   /// In pieces, since nothing can end what is being drawn.
   static void draw(int first, int end) {
-    for (; first < end; first += kVerticesDrawn) {
+    for (; first < end; first += kIndicesDrawn) {
       checkInterruption();
-      glDrawArrays(GL_TRIANGLES, first, std::min(kVerticesDrawn, end - first));
-      if (first + kVerticesDrawn < end) glFinish();
+      glDrawElements(GL_TRIANGLES, std::min(kIndicesDrawn, end - first), GL_UNSIGNED_INT,
+                     asPointer(sizeof(GLuint) * first));
+      if (first + kIndicesDrawn < end) glFinish();
     }
   }
 
  private:
+  /// OpenGL takes offsets as pointers.
+  static const void* asPointer(std::size_t offset) {
+    return reinterpret_cast<const void*>(offset);  // NOLINT(performance-no-int-to-ptr)
+  }
+
   static void attribute(GLuint location, GLint channels, GLenum type, GLboolean normalised,
                         std::size_t offset) {
     glEnableVertexAttribArray(location);
-    glVertexAttribPointer(
-        location, channels, type, normalised, sizeof(Vertex),
-        // OpenGL takes the offset as a pointer.
-        reinterpret_cast<const void*>(offset));  // NOLINT(performance-no-int-to-ptr)
+    glVertexAttribPointer(location, channels, type, normalised, sizeof(Vertex), asPointer(offset));
   }
 
   GLuint array_ = 0;
-  GLuint buffer_ = 0;
+  GLuint vertices_ = 0;
+  GLuint indices_ = 0;
 };
 
 /// A rectangle of the picture, pixels from its top left corner; right and lower are not in it.
@@ -174,11 +218,11 @@ using PixelBox = Eigen::AlignedBox2i;
 
 std::vector<PixelBox> pictureParts(FrameSize size) {
   std::vector<PixelBox> parts;
-  for (int upper = 0; upper < size.height; upper += kMaxPartSide) {
-    for (int left = 0; left < size.width; left += kMaxPartSide) {
+  for (int upper = 0; upper < size.height; upper += kMostPartHeight) {
+    for (int left = 0; left < size.width; left += kMostPartWidth) {
       parts.emplace_back(Eigen::Vector2i(left, upper),
-                         Eigen::Vector2i(std::min(left + kMaxPartSide, size.width),
-                                         std::min(upper + kMaxPartSide, size.height)));
+                         Eigen::Vector2i(std::min(left + kMostPartWidth, size.width),
+                                         std::min(upper + kMostPartHeight, size.height)));
     }
   }
   return parts;
@@ -228,15 +272,18 @@ struct Painter::Parts {
   Context context;
   Framebuffer samples;
   Program facePainter;
-  VertexBuffer vertexBuffer;
+  MeshBuffer meshBuffer;
   // Kept between frames for their memory.
   Sketch sketch;
-  Triangles triangles;
+  TriangleMesh mesh;
+  std::vector<GLuint> indices;      ///< of the triangles of one part
+  std::array<int, 3> layerEnds{};   ///< in these: of the ground, the solid facets, the overlay
   std::vector<std::uint8_t> strip;  ///< samples on their way to a frame
 
   Parts(FrameSize frameSize, const std::vector<Brick>& bricks, const Style& style);
 
   void collectTriangles(const Shot& shot, const Camera& camera);
+  void chooseTriangles(const PixelBox& part);
   void drawSamples(const PixelBox& part, const PixelBox& touched) const;
   void drawLayers() const;
   void readMeans(const PixelBox& part, const PixelBox& touched, Frame& frame);
@@ -245,34 +292,52 @@ struct Painter::Parts {
 Painter::Parts::Parts(FrameSize frameSize, const std::vector<Brick>& bricks, const Style& style)
     : size(validated(frameSize)),
       subject(bricks, style),
-      samples(std::min(size.width, kMaxPartSide) * kSamplesAcross,
-              std::min(size.height, kMaxPartSide) * kSamplesDown),
+      samples(std::min(size.width, kMostPartWidth) * kSamplesAcross,
+              std::min(size.height, kMostPartHeight) * kSamplesDown),
       facePainter(kFaceVertexShader, kFaceFragmentShader) {
   glDepthFunc(GL_LESS);
 }
 
 void Painter::Parts::collectTriangles(const Shot& shot, const Camera& camera) {
   subject.sketcher.draw(shot, camera, sketch);
-  triangles.vertices.clear();
-  Tessellator tessellator(sketch, clipFromWorld(camera, size.aspect()), triangles.vertices);
+  mesh.clear();
+  Tessellator tessellator(sketch, clipFromWorld(camera, size.aspect()), mesh);
   tessellator.append(sketch.ground);
   tessellator.append(sketch.shadow);
-  triangles.groundEnd = triangles.count();
+  mesh.groundEnd = mesh.facetCount();
   tessellator.append(sketch.solid);
-  triangles.solidEnd = triangles.count();
+  mesh.solidEnd = mesh.facetCount();
   tessellator.append(sketch.overlay);
+  MeshBuffer::loadVertices(mesh.vertices);
+}
+
+/// Those that may touch the rows of a part.
+void Painter::Parts::chooseTriangles(const PixelBox& part) {
+  const auto heightOf = [this](int row) { return static_cast<float>(1 - 2.0 * row / size.height); };
+  // A row more on each side, for rounding.
+  const HeightRange rows{heightOf(part.max().y() + 1), heightOf(part.min().y() - 1)};
+  indices.clear();
+  int facet = 0;
+  const std::array<int, 3> ends = {mesh.groundEnd, mesh.solidEnd, mesh.facetCount()};
+  for (std::size_t layer = 0; layer < ends.size(); ++layer) {
+    for (; facet < ends[layer]; ++facet) {
+      const auto& [height, first, end] = mesh.facets[facet];
+      if (!height.meets(rows)) continue;
+      indices.insert(indices.end(), mesh.indices.begin() + first, mesh.indices.begin() + end);
+    }
+    layerEnds[layer] = static_cast<int>(indices.size());
+  }
+  MeshBuffer::loadIndices(indices);
 }
 
 void Painter::Parts::drawLayers() const {
-  if (triangles.groundEnd > 0) {
-    glDisable(GL_DEPTH_TEST);
-    VertexBuffer::draw(0, triangles.groundEnd);
-  }
-  glEnable(GL_DEPTH_TEST);
-  VertexBuffer::draw(triangles.groundEnd, triangles.solidEnd);
-  if (triangles.count() == triangles.solidEnd) return;
+  const auto [groundEnd, solidEnd, end] = layerEnds;
   glDisable(GL_DEPTH_TEST);
-  VertexBuffer::draw(triangles.solidEnd, triangles.count());
+  MeshBuffer::draw(0, groundEnd);
+  glEnable(GL_DEPTH_TEST);
+  MeshBuffer::draw(groundEnd, solidEnd);
+  glDisable(GL_DEPTH_TEST);
+  MeshBuffer::draw(solidEnd, end);
 }
 
 void Painter::Parts::drawSamples(const PixelBox& part, const PixelBox& touched) const {
@@ -343,12 +408,12 @@ Frame Painter::paint(const Poses& poses, const Camera& camera) {
 Frame Painter::paint(const Shot& shot, const Camera& camera) {
   parts_->context.makeCurrent();
   parts_->collectTriangles(shot, camera);
-  parts_->vertexBuffer.load(parts_->triangles.vertices);
   Frame frame = makeFrame(size(), parts_->subject.background);
-  const PixelBox touched = touchedPixels(parts_->triangles.vertices, frame.size);
+  const PixelBox touched = touchedPixels(parts_->mesh.vertices, frame.size);
   for (const PixelBox& part : pictureParts(frame.size)) {
     const PixelBox inside = part.intersection(touched);
     if ((inside.max().array() <= inside.min().array()).any()) continue;
+    parts_->chooseTriangles(part);
     parts_->drawSamples(part, inside);
     parts_->readMeans(part, inside, frame);
   }

@@ -30,7 +30,7 @@ namespace {
 
 /// The camera looks at about this many samples: enough for any smooth motion.
 constexpr std::size_t kSamplesFramed = 100;
-/// Between painting and encoding, for the same reason as kWaitingSamples.
+/// Between painting and encoding, beside one a painter, for the same reason as kWaitingSamples.
 constexpr std::size_t kWaitingFrames = 4;
 /// Half the picture's width and height, with room for rounding.
 constexpr double kBorder = 1 + 1e-9;
@@ -182,26 +182,42 @@ void Album::makeFrames(const TrajectoryReader& run, const MotionCurve& motion,
                        const ProgressObserver& observer) {
   const std::vector<FrameMoment> moments = videoMoments(motion, settings_);
   const StateFeed feed = replay(run, moments, observer, report_);
-  StateQueue states(kWaitingSamples);
-  FrameQueue frames(kWaitingFrames);
+  const int painters = std::min(settings_.painters(), static_cast<int>(moments.size()));
+  OrderQueue orders(kWaitingSamples);
+  FrameQueue frames(kWaitingFrames + painters);
   Crew crew([&] {
-    states.stop();
+    orders.stop();
     frames.stop();
   });
   crew.start([&] {
-    feed([&](const SharedState& state) { return states.push(state); });
-    states.close();
+    feed([&](const SharedState& state) {
+      FrameOrder order{state, {}};
+      return frames.push(order.frame.get_future()) && orders.push(std::move(order));
+    });
+    orders.close();
+    frames.close();
   });
   crew.start([&] { encode(frames); });
-  crew.run([&] { paint(states, frames); });
+  for (int k = 1; k < painters; ++k) {
+    crew.start([&] {
+      Studio studio(frames_);
+      paint(studio, orders);
+    });
+  }
+  crew.run([&] { paint(frames_, orders); });
   crew.finish();
 }
 
-void Album::paint(StateQueue& states, FrameQueue& frames) {
-  while (const std::optional<SharedState> state = states.pop()) {
-    if (!frames.push(takeFrame(**state))) return;
+void Album::paint(Studio& studio, OrderQueue& orders) {
+  double seconds = 0;
+  {
+    const CpuTimer timer(seconds);
+    while (std::optional<FrameOrder> order = orders.pop()) {
+      order->frame.set_value(takeFrame(studio, *order->state));
+    }
   }
-  frames.close();
+  const std::lock_guard lock(reporting_);
+  report_.recordCost.cpuSecondsRender += seconds;
 }
 
 void Album::encode(FrameQueue& frames) {
@@ -211,13 +227,18 @@ void Album::encode(FrameQueue& frames) {
   if (!title.empty()) {
     sink.putTitle(titleCard(title, settings_.size, style.background, style.text));
   }
-  while (std::optional<Frame> frame = frames.pop()) sink.put(std::move(*frame));
+  // A painter that fails breaks its promise, and has told the crew why.
+  while (std::optional<std::future<Frame>> frame = frames.pop()) sink.put(frame->get());
   if (!frames.isStopped()) sink.finish();
+}
+
+Frame Album::takeFrame(Studio& studio, const FrameState& state) const {
+  return studio.take(stillOf(state), {captions_.inVideo(state), state.moment.progress});
 }
 
 Frame Album::takeFrame(const FrameState& state) {
   const CpuTimer timer(report_.recordCost.cpuSecondsRender);
-  return frames_.take(stillOf(state), {captions_.inVideo(state), state.moment.progress});
+  return takeFrame(frames_, state);
 }
 
 Frame Album::takePicture(const FrameState& state) {

@@ -1,6 +1,9 @@
 /// The pictures of a run: video, single frames, snapshot grid.
 #pragma once
 
+#include <future>
+#include <mutex>
+
 #include "render/record/bounded_queue.h"
 #include "render/record/pace.h"
 #include "render/record/record.h"
@@ -55,9 +58,9 @@ class Album {
   /// motif lacks, OutputError when no graphics context can be made.
   Album(const TrajectoryReader& run, const PictureSettings& settings, PictureReport& report);
 
-  /// Paints the run's video frames and encodes them, both at the same time on threads of their own
-  /// (painting on this one). The bytes do not depend on which is faster. Throws the first error of
-  /// any of them.
+  /// Paints the run's video frames and encodes them at the same time: settings.painters() paint,
+  /// one of them on this thread, each other thing has a thread of its own. The bytes depend neither
+  /// on their number nor on which is faster. Throws the first error of any of them.
   void makeFrames(const TrajectoryReader& run, const MotionCurve& motion,
                   const ProgressObserver& observer);
 
@@ -65,11 +68,17 @@ class Album {
   void writeSnapshots(const TrajectoryReader& run, const MotionCurve& motion);
 
  private:
-  using FrameQueue = BoundedQueue<Frame>;
-  using StateQueue = BoundedQueue<SharedState>;
+  /// A state to be painted; its frame is promised to the encoder in the order of states.
+  struct FrameOrder {
+    SharedState state;
+    std::promise<Frame> frame;
+  };
+  using OrderQueue = BoundedQueue<FrameOrder>;
+  using FrameQueue = BoundedQueue<std::future<Frame>>;
 
-  void paint(StateQueue& states, FrameQueue& frames);
+  void paint(Studio& studio, OrderQueue& orders);
   void encode(FrameQueue& frames);
+  Frame takeFrame(Studio& studio, const FrameState& state) const;
   Frame takeFrame(const FrameState& state);
   Frame takePicture(const FrameState& state);
   void writeDrawing(const FrameState& state, int number);
@@ -83,6 +92,7 @@ class Album {
 
   const PictureSettings& settings_;
   PictureReport& report_;
+  std::mutex reporting_;  ///< held by the painter that adds to the report
   CaptionWriter captions_;
   Studio frames_;                   ///< for frames of the video, with a strip under them
   std::optional<Studio> pictures_;  ///< for the grid, without one; made when first needed

@@ -46,10 +46,11 @@ class BoundedQueue {
     changed_.notify_all();
   }
 
-  /// Ends both sides at once; what is in the queue is lost.
+  /// Ends both sides at once; what is in the queue is lost, and destroyed here.
   void stop() {
     const std::lock_guard lock(mutex_);
     stopped_ = true;
+    values_.clear();
     changed_.notify_all();
   }
 

@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
@@ -74,6 +75,9 @@ void requireValidSettings(const PictureSettings& settings) {
         settings.length, settings.heldSeconds(), 2 * settings.heldSeconds() + kLeastMotion));
   }
 }
+
+/// Painters beyond these wait for the encoder.
+constexpr int kMostPainters = 16;
 
 bool leavesTrajectory(const RecordSettings& settings) {
   return settings.trajectory || settings.meshes || settings.paints() ||
@@ -330,6 +334,11 @@ bool isOutput(const std::string& name, const RecordSettings& settings) {
 }
 
 }  // namespace
+
+int PictureSettings::painters() const {
+  const int cores = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  return painterCount.value_or(std::min(cores, kMostPainters));
+}
 
 RunSummary summaryOf(const DeploymentResult& result, double endTime) {
   RunSummary summary;

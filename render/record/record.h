@@ -83,9 +83,12 @@ struct PictureSettings {
   bool svg = false;     ///< snapshot_01.svg ..., the grid's pictures as vector graphics
   bool frames = false;  ///< frames/frame_00000.png ..., every frame of the video
   std::vector<FrameChoice> chosenFrames;  ///< the same of these moments alone
+  /// That paint a video's frames at the same time; absent: one a core. Decides no bytes.
+  std::optional<int> painterCount;
 
   bool paintsFrames() const { return video || frames; }
   bool paints() const { return paintsFrames() || snapshots || !chosenFrames.empty(); }
+  int painters() const;
   /// Simulated seconds from one sample of the run to the next.
   double sampleInterval() const { return (pace == Pace::Real ? speed : 1) / framesPerSecond; }
   double heldSeconds() const { return hold.value_or(pace == Pace::Even ? 0.5 : 0); }

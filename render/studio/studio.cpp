@@ -186,19 +186,36 @@ Studio::Studio(FrameSize size, const Look& look, Motif motif, const StripParts& 
   show(look, std::move(motif));
 }
 
-void Studio::show(const Look& look, Motif motif) {
+Studio::Studio(const Studio& other)
+    : size_(other.size_),
+      parts_(other.parts_),
+      stage_(other.stage_),
+      metresPerPixel_(other.metresPerPixel_) {
+  makeStrip(stage_->style(), stage_->colourScale().has_value());
+  makePainter();
+}
+
+void Studio::makeStrip(const Style& style, bool measures) {
   StripParts parts = parts_;
-  parts.colours = parts.colours && isMeasure(look.colouring);
-  strip_.emplace(validated(size_), parts, pageStyle(look));
-  stage_.emplace(look, std::move(motif), strip_->picture());
-  metresPerPixel_.reset();
-  if (parts.scaleBar) metresPerPixel_ = stage_->metresPerPixel();
+  parts.colours = parts.colours && measures;
+  strip_.emplace(validated(size_), parts, style);
+}
+
+void Studio::makePainter() {
   if (painter_ && painter_->size() == strip_->picture()) {
     painter_->show(stage_->motif().bricks, stage_->style());
   } else {
     painter_.reset();
     painter_.emplace(strip_->picture(), stage_->motif().bricks, stage_->style());
   }
+}
+
+void Studio::show(const Look& look, Motif motif) {
+  makeStrip(pageStyle(look), isMeasure(look.colouring));
+  stage_ = std::make_shared<const Stage>(look, std::move(motif), strip_->picture());
+  metresPerPixel_.reset();
+  if (parts_.scaleBar) metresPerPixel_ = stage_->metresPerPixel();
+  makePainter();
 }
 
 Frame Studio::take(const Moment& moment, const StripText& text) {

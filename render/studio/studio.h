@@ -1,6 +1,7 @@
 /// Photographs a run: one look and one camera for all its pictures.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -97,6 +98,11 @@ class Studio {
   /// when the font is missing.
   Studio(FrameSize size, const Look& look, Motif motif, const StripParts& parts = {});
 
+  /// Another studio with the same stage, for the thread that makes it. A moment's picture is the
+  /// same from both. Throws OutputError when no graphics context can be made.
+  explicit Studio(const Studio& other);
+  Studio& operator=(const Studio&) = delete;
+
   /// Photographs this motif from now on, in pictures of the same size; quicker than a new studio.
   /// Throws as Stage does.
   void show(const Look& look, Motif motif);
@@ -108,10 +114,13 @@ class Studio {
   const Stage& stage() const { return *stage_; }
 
  private:
+  void makeStrip(const Style& style, bool measures);
+  void makePainter();
+
   FrameSize size_;
   StripParts parts_;
   std::optional<Strip> strip_;  ///< made anew for each motif, as is the stage; always there
-  std::optional<Stage> stage_;
+  std::shared_ptr<const Stage> stage_;
   std::optional<Painter> painter_;        ///< made anew when the strip's height changes
   std::optional<double> metresPerPixel_;  ///< where a bar of length is drawn
 };

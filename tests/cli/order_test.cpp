@@ -154,10 +154,10 @@ const std::vector<Sample>& samples() {
 }
 
 /// Options that say where a run goes, what is printed, where its settings stand, which of two
-/// libraries draws the same pictures, or what is so anyway.
-const std::set<std::string> kDecideNothing = {"--help", "--out",       "--resume",
-                                              "--json", "--page",      "--scene",
-                                              "--gl",   "--quadratic", "--strict"};
+/// libraries or how many threads draw the same pictures, or what is so anyway.
+const std::set<std::string> kDecideNothing = {"--help",   "--out",     "--resume", "--json",
+                                              "--page",   "--scene",   "--gl",     "--quadratic",
+                                              "--strict", "--painters"};
 
 RecordOrder orderOf(const Words& options) {
   Words words = {"record", "model"};
@@ -201,7 +201,7 @@ TEST(Orders, AreToldApartByEveryOption) {
 TEST(Orders, AreNotToldApartByWhatDecidesNothing) {
   const std::string plain = termsOf({});
   for (const Words& words : {Words{"--out", "there"}, Words{"--resume"}, Words{"--json"},
-                             Words{"--page"}, Words{"--gl", "egl"}}) {
+                             Words{"--page"}, Words{"--gl", "egl"}, Words{"--painters", "2"}}) {
     EXPECT_EQ(termsOf(words), plain) << words.front();
   }
 }

@@ -1,6 +1,7 @@
 #include "render/record/bounded_queue.h"
 
 #include <atomic>
+#include <future>
 #include <numeric>
 
 #include <gmock/gmock.h>
@@ -23,6 +24,15 @@ TEST(BoundedQueue, GivesEverythingInOrder) {
   std::vector<int> wanted(1000);
   std::iota(wanted.begin(), wanted.end(), 0);
   EXPECT_EQ(taken, wanted);
+}
+
+TEST(BoundedQueue, BreaksThePromisesThatItHoldsWhenItIsStopped) {
+  BoundedQueue<std::promise<int>> queue(2);
+  std::promise<int> promise;
+  std::future<int> value = promise.get_future();
+  queue.push(std::move(promise));
+  queue.stop();
+  EXPECT_THROW(value.get(), std::future_error);
 }
 
 TEST(BoundedQueue, NeverHoldsMoreThanItsCapacity) {

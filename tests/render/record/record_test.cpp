@@ -72,6 +72,25 @@ class RecordTest : public testing::Test {
   ProgressObserver proceed_ = [](const Progress&) { return Interruption(); };
 };
 
+std::string bytesOf(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+TEST_F(RecordTest, BytesDoNotDependOnTheNumberOfPainters) {
+  settings_.frames = true;
+  std::vector<std::string> videos, lastFrames;
+  for (const int painters : {1, 2, 5}) {
+    settings_.painterCount = painters;
+    record(tessellationScene(), settings_, proceed_);
+    videos.push_back(bytesOf(settings_.folder / "deployment.mp4"));
+    lastFrames.push_back(bytesOf(settings_.folder / "frames/frame_00008.png"));
+  }
+  EXPECT_FALSE(videos[0].empty());
+  EXPECT_EQ(videos, std::vector(3, videos[0]));
+  EXPECT_EQ(lastFrames, std::vector(3, lastFrames[0]));
+}
+
 TEST_F(RecordTest, PaintsAFrameForEachSample) {
   settings_.frames = true;
   const RunSummary summary = record(tessellationScene(), settings_, proceed_);
@@ -254,11 +273,6 @@ TEST_F(RecordTest, DivergedRunLeavesItsFilesAndSaysSo) {
   for (const char* name : {"deployment.mp4", "snapshots.png", "final.obj", "summary.json"}) {
     EXPECT_TRUE(fs::exists(settings_.folder / name)) << name;
   }
-}
-
-std::string bytesOf(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 TEST_F(RecordTest, RenderingAgainGivesTheSameBytes) {
