@@ -72,7 +72,16 @@ void addDrawingOptions(CLI::App& command, Look& look) {
   group.flag("--transparent", look.transparent, "no background in PNG files");
   group.flag("--no-outlines", look.outlines, "no lines on the edges of tiles", false);
   group.flag("--mark-joints", look.jointMarks, "a dot on each joint");
-  group.flag("--target-lines", look.targetLines, "the target's tiles as lines over everything");
+  group.flag("--target-lines", look.targetLines,
+             "the target's tiles as lines, dashed where bricks hide them");
+  group
+      .value("--occlusion", "SHARE", "0.6",
+             "brightness that creases and gaps between bricks lose, 0 to 1; in part where colours "
+             "stand for values",
+             [&look](const OptionValue& typed) {
+               look.occlusion = parseNumber(typed, {0, 1});
+             })
+      .saidAs([&look] { return look.occlusion ? numberText(*look.occlusion) : ""; });
 }
 
 /// One of the words, or "45,30".

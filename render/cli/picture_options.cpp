@@ -51,6 +51,10 @@ void addPrintOptions(OptionGroup& group, PictureSettings& settings) {
                settings.fontPoints = parseLength(typed, "pt", {1, 200});
              })
       .saidAs([&] { return settings.fontPoints ? numberText(*settings.fontPoints) : ""; });
+  group
+      .value("--font", "NAME", "DejaVu Sans", "family of all text, as fc-list names it",
+             [&](const OptionValue& typed) { settings.font = typed.text; })
+      .saidAs([&] { return quotedText(settings.font); });
   group.flag("--letters", settings.letters, "(a), (b), ... over the grid's pictures");
   group
       .value("--figure", "LIST", "none",

@@ -10,14 +10,19 @@
 #include "render/cli/report.h"
 #include "render/cli/video_options.h"
 #include "render/folder/output_folder.h"
+#include "sim/base/error.h"
 
 namespace kirireel {
 
 CLI::App* addRenderCommand(CLI::App& program, RenderOrder& order) {
   CLI::App* command = program.add_subcommand(
       "render", "make pictures and video of a recorded run again, without simulating");
-  addPlace(*command, "TRAJECTORY", order.trajectory,
-           "a trajectory.h5 as record and simulate leave it, or the folder it is in");
+  command
+      ->add_option("TRAJECTORY", order.trajectories,
+                   "a trajectory.h5 as record and simulate leave it, or the folder it is in; of "
+                   "several one grid is made, a row of states each, with one camera and scale")
+      ->type_name("")
+      ->expected(1, -1);
   OptionGroup output(*command, "Output");
   output.value("--out", "FOLDER", "that of TRAJECTORY", "where the files go",
                [&order](const OptionValue& typed) { order.settings.folder = typed.text; });
@@ -29,25 +34,39 @@ CLI::App* addRenderCommand(CLI::App& program, RenderOrder& order) {
       "States between two samples are interpolated, with their joints closed.\n\n"
       "Examples:\n"
       "  kirireel render out/tessellation_4x4 --view iso --out out/again\n"
-      "  kirireel render out/tessellation_4x4 --format gif --fps 25 --speed 0.5");
+      "  kirireel render out/tessellation_4x4 --format gif --fps 25 --speed 0.5\n"
+      "  kirireel render out/cylinder out/cap --grid 1x4 --width 180mm --font-size 7pt --out "
+      "figure");
   return command;
 }
 
 void completeOrder(const CLI::App& command, RenderOrder& order) {
-  requireGiven(order.trajectory, "TRAJECTORY", command);
-  if (std::filesystem::is_directory(order.trajectory)) order.trajectory /= output::kTrajectory;
+  requireGiven(order.trajectories.empty() ? "" : order.trajectories.front(), "TRAJECTORY", command);
+  for (std::filesystem::path& trajectory : order.trajectories) {
+    if (std::filesystem::is_directory(trajectory)) trajectory /= output::kTrajectory;
+  }
   requireConsistentPace(command);
+  if (order.trajectories.size() > 1 && order.settings.folder.empty()) {
+    throw InputError(
+        "error: a figure of several runs belongs to none of their folders; give its own with "
+        "--out");
+  }
 }
 
 int carryOut(const RenderOrder& order) {
   noteSignals();
   PictureSettings settings = order.settings;
-  if (settings.folder.empty()) settings.folder = order.trajectory.parent_path();
+  if (order.trajectories.size() > 1) {
+    fmt::print("{}", describePictures(settings, renderFigure(order.trajectories, settings)));
+    return kExitDone;
+  }
+  const std::filesystem::path& trajectory = order.trajectories.front();
+  if (settings.folder.empty()) settings.folder = trajectory.parent_path();
   if (settings.folder.empty()) settings.folder = ".";
   PictureReport report;
   {
     ProgressLine line;
-    report = render(order.trajectory, settings, [&line](const Progress& progress) {
+    report = render(trajectory, settings, [&line](const Progress& progress) {
       line.show(progress);
       return takeInterrupt();
     });

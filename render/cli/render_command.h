@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <vector>
 
 #include "render/record/record.h"
 
@@ -11,9 +12,9 @@ class App;
 
 namespace kirireel {
 
-/// Which recorded run is to be painted again, and how.
+/// Which recorded runs are to be painted again, and how.
 struct RenderOrder {
-  std::filesystem::path trajectory;
+  std::vector<std::filesystem::path> trajectories;  ///< several: one grid with a row of each
   PictureSettings settings;  ///< the folder is empty when --out was not given
 };
 

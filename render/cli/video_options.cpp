@@ -88,7 +88,8 @@ void addVideoOptions(CLI::App& command, PictureSettings& settings) {
              })
       .saidAs([&] { return settings.crf ? fmt::format("{}", *settings.crf) : ""; });
   group
-      .value("--preset", "WORD", settings.preset, "of x264: ultrafast to placebo (smallest file)",
+      .value("--preset", "WORD", settings.preset,
+             "of x264: ultrafast to placebo (smallest file); auto is a quick veryfast",
              [&](const OptionValue& typed) { settings.preset = typed.text; })
       .saidAs([&] { return quotedText(settings.preset); });
   group

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/curves/ticks.h"
 #include "render/grid/label.h"
+#include "render/grid/ticks.h"
 #include "render/vector/cairo_canvas.h"
 #include "sim/base/error.h"
 

@@ -113,6 +113,10 @@ void drawScales(Surface& sheet, const GridLayout& layout, const GridStyle& style
   }
   if (style.colourScale) {
     drawer.drawColourBar(sheet, *style.colourScale, middle, y, layout.sheet.width - 2 * layout.gap);
+    y += layout.scaleHeight;
+  }
+  if (!style.legend.empty()) {
+    drawer.drawLegend(sheet, style.legend, middle, y, layout.sheet.width - 2 * layout.gap);
   }
 }
 
@@ -153,8 +157,10 @@ GridLayout layOutGrid(FrameSize picture, GridShape shape, const GridStyle& style
   if (style.letters) {
     layout.letterHeight = static_cast<int>(std::lround(kLetterEms * layout.textSize));
   }
-  layout.scaleHeight = static_cast<int>(std::lround(kScaleEms * layout.textSize));
-  layout.scales = (style.colourScale ? 1 : 0) + (style.metresPerPixel ? 1 : 0);
+  const double scaleEms = kScaleEms + (style.colourScale ? kColourBarHeight - 1 : 0);
+  layout.scaleHeight = static_cast<int>(std::lround(scaleEms * layout.textSize));
+  layout.scales =
+      (style.colourScale ? 1 : 0) + (style.legend.empty() ? 0 : 1) + (style.metresPerPixel ? 1 : 0);
   // In 64 bits: rows and columns may be anything that a person typed.
   const long long width =
       layout.gap + shape.columns * static_cast<long long>(picture.width + layout.gap);

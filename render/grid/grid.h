@@ -54,6 +54,8 @@ struct GridStyle {
   bool letters = false;  ///< (a), (b), ... over the pictures
   /// What the colours of all pictures mean: drawn below them when given.
   std::optional<ColourScale> colourScale;
+  /// The same where colours stand for kinds of bricks.
+  std::vector<LegendEntry> legend;
   /// Of all pictures: a bar of a round length is drawn below them when given.
   std::optional<double> metresPerPixel;
 };
@@ -66,7 +68,7 @@ struct GridLayout {
   int letterHeight = 0;   ///< strip over each picture
   int captionHeight = 0;  ///< strip under each picture
   int textSize = 0;       ///< em of the caption
-  int scaleHeight = 0;    ///< strip for each scale below all pictures
+  int scaleHeight = 0;    ///< strip for each scale below all pictures, and for a legend
   int scales = 0;         ///< strips below all pictures
 
   /// Left edge of a column of pictures.

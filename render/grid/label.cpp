@@ -8,6 +8,7 @@
 
 #include FT_FREETYPE_H
 
+#include "render/grid/font_file.h"
 #include "sim/base/error.h"
 #include "sim/base/spelling.h"
 
@@ -19,6 +20,8 @@ constexpr const char32_t* kUnknown = U"\ufffd";
 
 /// FreeType counts in 64ths of a pixel.
 constexpr int kPixelUnits = 64;
+
+std::filesystem::path chosenFont;  // of setFont(); empty: none
 
 OutputError fontError(const std::filesystem::path& font) {
   return OutputError(
@@ -52,7 +55,12 @@ void drawGlyph(Frame& frame, const FT_GlyphSlot glyph, int penX, int baseline, C
 
 }  // namespace
 
+void setFont(const std::string& family) {
+  chosenFont = family.empty() ? std::filesystem::path() : fontFile(family);
+}
+
 std::filesystem::path findFont() {
+  if (!chosenFont.empty()) return chosenFont;
   if (const char* chosen = std::getenv("KIRIREEL_FONT")) return chosen;
   constexpr std::array<const char*, 3> kKnownPlaces = {
       "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",

@@ -10,8 +10,14 @@
 
 namespace kirireel {
 
-/// The font file for labels: $KIRIREEL_FONT if set, else DejaVu Sans where Debian, Fedora or Arch
-/// keep it. Throws OutputError that names Debian's package when there is none.
+/// Chooses the family of all text from now on, for example "Liberation Sans"; empty: the program's
+/// own. Throws InputError when the machine has none of this name. Call it before other threads
+/// start.
+void setFont(const std::string& family);
+
+/// The font file for labels: that of setFont(), else $KIRIREEL_FONT if set, else DejaVu Sans where
+/// Debian, Fedora or Arch keep it. Throws OutputError that names Debian's package when there is
+/// none.
 std::filesystem::path findFont();
 
 /// The name of that font's family, for example "DejaVu Sans".

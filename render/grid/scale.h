@@ -6,6 +6,7 @@
 
 #include "render/grid/label.h"
 #include "render/grid/surface.h"
+#include "render/grid/ticks.h"
 #include "render/picture/frame.h"
 #include "render/picture/palette.h"
 
@@ -17,6 +18,12 @@ struct ColourScale {
   double least = 0;   ///< the value of the scale's dark end
   double most = 1;    ///< the value of its bright end
   std::string title;  ///< quantity and unit, ASCII, for example "target error, m"
+};
+
+/// What one of several colours means.
+struct LegendEntry {
+  Colour colour;
+  std::string text;  ///< UTF-8, a few words
 };
 
 /// The share of the scale at which a value stands, 0 to 1 within it.
@@ -32,15 +39,24 @@ struct ScaleLength {
 /// The longest such length. longest: metres, positive.
 ScaleLength roundLength(double longest);
 
+/// Height of a bar of colours with its ticks and their values, ems of the text.
+inline constexpr double kColourBarHeight = 2.4;
+
 /// Draws scales in one size of text.
 class ScaleDrawer {
  public:
   /// em: of the text, pixels. Throws OutputError when the font is missing.
   ScaleDrawer(int em, Colour text) : writer_(em), em_(em), text_(text) {}
 
-  /// Draws a horizontal bar of colours with its title to the left, its ends' values at its ends.
-  /// Its middle line is row y; it is centred on column x, as wide as fits in `width` pixels.
+  /// Draws a horizontal bar of colours with its title to the left, and under it ticks with round
+  /// values. All of it is as high as kColourBarHeight; its middle line is row y; it is centred on
+  /// column x, as wide as fits in `width` pixels.
   void drawColourBar(Surface& surface, const ColourScale& scale, int x, int y, int width) const;
+
+  /// Draws a square of each colour with its text to the right, side by side, centred on column x,
+  /// middle line on row y; smaller where they need more than `width` pixels.
+  void drawLegend(Surface& surface, const std::vector<LegendEntry>& entries, int x, int y,
+                  int width) const;
 
   /// Draws a bar of `pixels` pixels with its text to the right; both centred on column x, middle
   /// line on row y.
@@ -48,6 +64,8 @@ class ScaleDrawer {
 
  private:
   int baseline(int y) const;
+  Axis axisThatFits(const ColourScale& scale, int length) const;
+  void drawTicks(Surface& surface, const ColourScale& scale, int left, int upper, int length) const;
 
   LabelWriter writer_;
   int em_;

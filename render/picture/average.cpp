@@ -6,18 +6,22 @@
 namespace kirireel {
 namespace {
 
-constexpr int kSamples = kSamplesAcross * kSamplesDown;
 constexpr int kChannels = 4;
 
-/// round(sum / 6), halves up, for sums of up to six bytes: exact, and quicker than a division.
-constexpr std::uint8_t sixth(unsigned sum) {
-  return static_cast<std::uint8_t>(((sum + kSamples / 2) * 43691) >> 18);
+/// The nearest byte to the mean of the sum of a pixel's samples, halves up. A sixth is exact by a
+/// multiplication, which is quicker than a division.
+template <int kDown>
+constexpr std::uint8_t meanOf(unsigned sum) {
+  constexpr unsigned kSamples = kSamplesAcross * kDown;
+  if constexpr (kSamples == 4) return static_cast<std::uint8_t>((sum + 2) / 4);
+  static_assert(kSamples == 4 || kSamples == 6);
+  return static_cast<std::uint8_t>(((sum + 3) * 43691) >> 18);
 }
 
 /// The sums of one pixel's samples, channel by channel.
 std::array<unsigned, kChannels> sums(const SampleRows& rows, int pixel) {
   std::array<unsigned, kChannels> sum = {};
-  for (int row = 0; row < kSamplesDown; ++row) {
+  for (int row = 0; row < rows.samplesDown; ++row) {
     const std::uint8_t* samples = rows.samples + std::ptrdiff_t{kChannels} * row * rows.rowSamples +
                                   std::ptrdiff_t{kChannels} * kSamplesAcross * pixel;
     for (int k = 0; k < kChannels; ++k) sum[k] += samples[k] + samples[kChannels + k];
@@ -25,6 +29,7 @@ std::array<unsigned, kChannels> sums(const SampleRows& rows, int pixel) {
   return sum;
 }
 
+template <int kDown>
 void averageTransparentRow(const SampleRows& rows, int count, std::uint8_t* pixels) {
   for (int x = 0; x < count; ++x) {
     const std::array<unsigned, kChannels> sum = sums(rows, x);
@@ -33,25 +38,42 @@ void averageTransparentRow(const SampleRows& rows, int count, std::uint8_t* pixe
       pixels[kChannels * x + k] =
           alpha == 0 ? 0 : static_cast<std::uint8_t>((255 * sum[k] + alpha / 2) / alpha);
     }
-    pixels[kChannels * x + 3] = sixth(alpha);
+    pixels[kChannels * x + 3] = meanOf<kDown>(alpha);
+  }
+}
+
+template <int kDown>
+void averageOpaqueRow(const SampleRows& rows, int count, std::uint8_t* pixels) {
+  const std::ptrdiff_t stride = std::ptrdiff_t{kChannels} * rows.rowSamples;
+  // Plain loops over bytes, which the compiler turns into vector instructions.
+  for (int x = 0; x < count; ++x) {
+    for (int k = 0; k < kChannels; ++k) {
+      const std::uint8_t* left = rows.samples + 2 * kChannels * x + k;
+      unsigned sum = 0;
+      for (int row = 0; row < kDown; ++row) {
+        sum += left[row * stride] + left[row * stride + kChannels];
+      }
+      pixels[kChannels * x + k] = meanOf<kDown>(sum);
+    }
+  }
+}
+
+template <int kDown>
+void average(const SampleRows& rows, int count, std::uint8_t* pixels) {
+  if (rows.opaque) {
+    averageOpaqueRow<kDown>(rows, count, pixels);
+  } else {
+    averageTransparentRow<kDown>(rows, count, pixels);
   }
 }
 
 }  // namespace
 
 void averageRow(const SampleRows& rows, int count, std::uint8_t* pixels) {
-  if (!rows.opaque) return averageTransparentRow(rows, count, pixels);
-  const std::ptrdiff_t stride = std::ptrdiff_t{kChannels} * rows.rowSamples;
-  const std::uint8_t* first = rows.samples;
-  const std::uint8_t* second = first + stride;
-  const std::uint8_t* third = second + stride;
-  // Plain loops over bytes, which the compiler turns into vector instructions.
-  for (int x = 0; x < count; ++x) {
-    for (int k = 0; k < kChannels; ++k) {
-      const int left = 2 * kChannels * x + k, right = left + kChannels;
-      pixels[kChannels * x + k] = sixth(first[left] + first[right] + second[left] + second[right] +
-                                        third[left] + third[right]);
-    }
+  if (rows.samplesDown == kMostSamplesDown) {
+    average<kMostSamplesDown>(rows, count, pixels);
+  } else {
+    average<2>(rows, count, pixels);
   }
 }
 

@@ -126,7 +126,7 @@ class Tessellator {
     const GLuint inner = appendCorners(sketch_.inner(facet), facet.colour, height);
     for (GLuint k = 2; k < count; ++k) triangle(inner, inner + k - 1, inner + k);
     if (!facet.outlined) return;
-    const GLuint outer = appendCorners(sketch_.corners(facet), sketch_.edge, height);
+    const GLuint outer = appendCorners(sketch_.corners(facet), sketch_.outlineOf(facet), height);
     for (GLuint k = 0; k < count; ++k) {
       const GLuint next = (k + 1) % count;
       triangle(outer + next, inner + next, outer + k);
@@ -268,6 +268,7 @@ struct Subject {
 /// Members in the order in which the context needs them made; it goes last.
 struct Painter::Parts {
   FrameSize size;
+  int samplesDown;  ///< of a pixel
   Subject subject;
   Context context;
   Framebuffer samples;
@@ -280,7 +281,8 @@ struct Painter::Parts {
   std::array<int, 3> layerEnds{};   ///< in these: of the ground, the solid facets, the overlay
   std::vector<std::uint8_t> strip;  ///< samples on their way to a frame
 
-  Parts(FrameSize frameSize, const std::vector<Brick>& bricks, const Style& style);
+  Parts(FrameSize frameSize, const std::vector<Brick>& bricks, const Style& style,
+        Smoothness smoothness);
 
   void collectTriangles(const Shot& shot, const Camera& camera);
   void chooseTriangles(const PixelBox& part);
@@ -289,11 +291,13 @@ struct Painter::Parts {
   void readMeans(const PixelBox& part, const PixelBox& touched, Frame& frame);
 };
 
-Painter::Parts::Parts(FrameSize frameSize, const std::vector<Brick>& bricks, const Style& style)
+Painter::Parts::Parts(FrameSize frameSize, const std::vector<Brick>& bricks, const Style& style,
+                      Smoothness smoothness)
     : size(validated(frameSize)),
+      samplesDown(smoothness == Smoothness::Still ? kMostSamplesDown : 2),
       subject(bricks, style),
       samples(std::min(size.width, kMostPartWidth) * kSamplesAcross,
-              std::min(size.height, kMostPartHeight) * kSamplesDown),
+              std::min(size.height, kMostPartHeight) * samplesDown),
       facePainter(kFaceVertexShader, kFaceFragmentShader) {
   glDepthFunc(GL_LESS);
 }
@@ -342,7 +346,7 @@ void Painter::Parts::drawLayers() const {
 
 void Painter::Parts::drawSamples(const PixelBox& part, const PixelBox& touched) const {
   const Eigen::Vector2i sides = part.sizes();
-  samples.drawInto(sides.x() * kSamplesAcross, sides.y() * kSamplesDown);
+  samples.drawInto(sides.x() * kSamplesAcross, sides.y() * samplesDown);
   const std::array<std::uint8_t, 4> back = bytes(subject.background);
   const auto channel = [&back](int k) { return static_cast<float>(back[k]) / 255.0F; };
   glClearColor(channel(0), channel(1), channel(2), channel(3));
@@ -351,8 +355,8 @@ void Painter::Parts::drawSamples(const PixelBox& part, const PixelBox& touched) 
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   glEnable(GL_SCISSOR_TEST);
   glScissor((touched.min().x() - part.min().x()) * kSamplesAcross,
-            (part.max().y() - touched.max().y()) * kSamplesDown,
-            touched.sizes().x() * kSamplesAcross, touched.sizes().y() * kSamplesDown);
+            (part.max().y() - touched.max().y()) * samplesDown,
+            touched.sizes().x() * kSamplesAcross, touched.sizes().y() * samplesDown);
 
   const Eigen::Array2d scale =
       Eigen::Array2d(size.width, size.height) / sides.array().cast<double>();
@@ -368,26 +372,27 @@ void Painter::Parts::drawSamples(const PixelBox& part, const PixelBox& touched) 
 void Painter::Parts::readMeans(const PixelBox& part, const PixelBox& touched, Frame& frame) {
   const int left = (touched.min().x() - part.min().x()) * kSamplesAcross;
   const int rowSamples = touched.sizes().x() * kSamplesAcross;
-  strip.resize(std::size_t{4} * rowSamples * kStripRows * kSamplesDown);
+  strip.resize(std::size_t{4} * rowSamples * kStripRows * samplesDown);
   for (int upper = touched.min().y(); upper < touched.max().y(); upper += kStripRows) {
     checkInterruption();
     const int rows = std::min(kStripRows, touched.max().y() - upper);
     // OpenGL's rows start at the lower border.
-    const int lowest = (part.max().y() - upper - rows) * kSamplesDown;
+    const int lowest = (part.max().y() - upper - rows) * samplesDown;
     samples.read({Eigen::Vector2i(left, lowest),
-                  Eigen::Vector2i(left + rowSamples, lowest + rows * kSamplesDown)},
+                  Eigen::Vector2i(left + rowSamples, lowest + rows * samplesDown)},
                  rowSamples, strip.data());
     for (int row = 0; row < rows; ++row) {
-      const std::size_t first = std::size_t{4} * rowSamples * (rows - 1 - row) * kSamplesDown;
+      const std::size_t first = std::size_t{4} * rowSamples * (rows - 1 - row) * samplesDown;
       averageRow(
-          {strip.data() + first, rowSamples, subject.opaque}, touched.sizes().x(),
+          {strip.data() + first, rowSamples, subject.opaque, samplesDown}, touched.sizes().x(),
           frame.pixels.data() + frame.rowStart(upper + row) + std::size_t{4} * touched.min().x());
     }
   }
 }
 
-Painter::Painter(FrameSize size, const std::vector<Brick>& bricks, const Style& style)
-    : parts_(std::make_unique<Parts>(size, bricks, style)) {}
+Painter::Painter(FrameSize size, const std::vector<Brick>& bricks, const Style& style,
+                 Smoothness smoothness)
+    : parts_(std::make_unique<Parts>(size, bricks, style, smoothness)) {}
 
 Painter::~Painter() {
   parts_->context.makeCurrent();

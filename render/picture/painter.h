@@ -12,16 +12,23 @@
 
 namespace kirireel {
 
+/// How many samples a pixel is the mean of.
+enum class Smoothness {
+  Still,  ///< 2 x 3
+  Film,   ///< 2 x 2: frames that follow each other, two thirds of the time
+};
+
 /// Draws bricks, those of one run at a time. Owns a graphics context, which belongs to one thread:
 /// make, use and destroy a painter on the same thread. The same poses, camera and style give the
 /// same bytes in every run, whatever the number of renderer threads.
 ///
 /// Faces are flat: away from its outline each has exactly the colour of faceColour(). A pixel is
-/// the mean of 2 x 3 samples (bytes of sRGB, weighted by alpha), which smooths the edges.
+/// the mean of its samples (bytes of sRGB, weighted by alpha), which smooths the edges.
 class Painter {
  public:
   /// Throws InputError for a size out of range, OutputError when no graphics context can be made.
-  Painter(FrameSize size, const std::vector<Brick>& bricks, const Style& style);
+  Painter(FrameSize size, const std::vector<Brick>& bricks, const Style& style,
+          Smoothness smoothness = Smoothness::Still);
   ~Painter();
   Painter(const Painter&) = delete;
   Painter& operator=(const Painter&) = delete;

@@ -16,6 +16,11 @@ namespace {
 /// Sides of the polygon that stands for a dot.
 constexpr int kDotSides = 16;
 
+/// A line on a brick is drawn this many of its widths nearer to the eye.
+constexpr double kLineLift = 1;
+/// Length of a dash, and of the gap after it, in widths of the line.
+constexpr double kDashWidths = 3;
+
 /// Twice the vector area (Newell), normalised: the outward normal of an anticlockwise polygon.
 Vector3 polygonNormal(const std::vector<Vector3>& corners) {
   Vector3 sum = Vector3::Zero();
@@ -34,7 +39,7 @@ Vector3 towardsEye(const Camera& camera, const Vector3& point) {
 Facet appendFacet(Sketch& sketch, std::span<const Vector3> corners, Colour colour) {
   const int first = static_cast<int>(sketch.points.size());
   sketch.points.insert(sketch.points.end(), corners.begin(), corners.end());
-  return {first, static_cast<int>(corners.size()), false, colour};
+  return {first, static_cast<int>(corners.size()), false, false, colour};
 }
 
 void drawPlate(const GroundPlate& plate, Colour colour, Sketch& sketch) {
@@ -76,23 +81,40 @@ void drawScenery(const std::vector<Tile>& polygons, const Style& style, const Ca
   }
 }
 
-/// A straight line as a ribbon that faces the camera; nothing when it points at the camera.
+/// A straight line as a ribbon that faces the camera, whole among the solid facets and in dashes
+/// over everything, so that the dashes show where it is hidden; nothing when it points at the
+/// camera.
 void drawLine(const Vector3& from, const Vector3& to, double width, Colour colour,
               const Camera& camera, Sketch& sketch) {
-  const Vector3 along = (to - from).normalized();
-  const Vector3 across = towardsEye(camera, 0.5 * (from + to)).normalized().cross(along);
-  if (across.norm() < 1e-6) return;
+  const double length = (to - from).norm();
+  const Vector3 along = (to - from) / length;
+  const Vector3 back = towardsEye(camera, 0.5 * (from + to)).normalized();
+  const Vector3 across = back.cross(along);
+  if (!(across.norm() > 1e-6)) return;
   const Vector3 side = 0.5 * width * across.normalized();
+  const auto ribbon = [&](double begin, double end) {
+    return std::array<Vector3, 4>{from + begin * along - side, from + end * along - side,
+                                  from + end * along + side, from + begin * along + side};
+  };
   // Half a width longer at both ends, so that two lines meet in a closed corner.
-  const Vector3 end = 0.5 * width * along;
-  const std::array<Vector3, 4> corners = {from - end - side, to + end - side, to + end + side,
-                                          from - end + side};
-  sketch.overlay.push_back(appendFacet(sketch, corners, colour));
+  std::array<Vector3, 4> whole = ribbon(-0.5 * width, length + 0.5 * width);
+  for (Vector3& corner : whole) corner += kLineLift * width * back;
+  sketch.solid.push_back(appendFacet(sketch, whole, colour));
+  // Begins and ends with half a dash, longer as above.
+  const double dashes = std::max(1.0, std::round(length / (2 * kDashWidths * width)));
+  const double dash = 0.5 * length / dashes;
+  for (int k = 0; k <= static_cast<int>(dashes); ++k) {
+    const double middle = 2 * k * dash;
+    const double begin = std::max(-0.5 * width, middle - 0.5 * dash);
+    const double end = std::min(length + 0.5 * width, middle + 0.5 * dash);
+    sketch.overlay.push_back(appendFacet(sketch, ribbon(begin, end), colour));
+  }
 }
 
 void drawOverlay(const std::vector<Tile>& polygons, double width, Colour colour,
                  const Camera& camera, Sketch& sketch) {
   for (const auto& [corners] : polygons) {
+    checkInterruption();
     for (std::size_t k = 0; k < corners.size(); ++k) {
       drawLine(corners[k], corners[(k + 1) % corners.size()], width, colour, camera, sketch);
     }
@@ -132,7 +154,9 @@ Sketcher::Sketcher(const std::vector<Brick>& bricks, const Style& style) : style
 }
 
 void Sketcher::drawBrick(int brick, const Pose& pose, const BrickColours& colours,
-                         const Camera& camera, double outline, Sketch& sketch) const {
+                         const Camera& camera, double outline,
+                         const std::optional<Occluders>& occluders, Sketch& sketch) const {
+  const bool pale = isDark(colours);
   const Matrix3 rotation = pose.rotation.toRotationMatrix();
   const std::vector<Face>& faces = faces_[brick];
   for (std::size_t k = 0; k < faces.size(); ++k) {
@@ -142,16 +166,19 @@ void Sketcher::drawBrick(int brick, const Pose& pose, const BrickColours& colour
     if (normal.dot(towardsEye(camera, corner)) <= 0) continue;
     const Colour base = k == 0 ? colours.bottom : k == 1 ? colours.top : colours.side;
     const double width = std::min(outline, face.maxOutline);
+    std::vector<Vector3> corners;
+    for (const Vector3& point : face.corners) {
+      corners.push_back(pose.position + rotation * point);
+    }
+    const double occluded = occluders ? occluders->occlusion(brick, corners, normal) : 0;
+    const Colour colour = faceColour(normal, base, style_, occluded);
     if (!face.triangles.empty()) {
-      drawConcave(face, pose, width, faceColour(normal, base, style_), sketch);
+      drawConcave(face, pose, width, colour, pale ? style_.paleEdge : style_.edge, sketch);
       continue;
     }
-    sketch.solid.push_back({static_cast<int>(sketch.points.size()),
-                            static_cast<int>(face.corners.size()), width > 0,
-                            faceColour(normal, base, style_)});
-    for (const Vector3& point : face.corners) {
-      sketch.points.push_back(pose.position + rotation * point);
-    }
+    sketch.solid.push_back(appendFacet(sketch, corners, colour));
+    sketch.solid.back().outlined = width > 0;
+    sketch.solid.back().pale = pale;
     if (width <= 0) continue;
     for (std::size_t i = 0; i < face.corners.size(); ++i) {
       sketch.points.push_back(pose.position +
@@ -160,8 +187,19 @@ void Sketcher::drawBrick(int brick, const Pose& pose, const BrickColours& colour
   }
 }
 
+Sketcher::PlacedFaces Sketcher::place(const Poses& poses) const {
+  PlacedFaces placed(faces_.size());
+  for (std::size_t brick = 0; brick < faces_.size(); ++brick) {
+    for (const Face& face : faces_[brick]) {
+      std::vector<Vector3>& corners = placed[brick].emplace_back();
+      for (const Vector3& point : face.corners) corners.push_back(poses[brick].apply(point));
+    }
+  }
+  return placed;
+}
+
 void Sketcher::drawConcave(const Face& face, const Pose& pose, double width, Colour colour,
-                           Sketch& sketch) const {
+                           Colour edge, Sketch& sketch) const {
   const std::size_t count = face.corners.size();
   std::vector<Vector3> outer, inner;
   for (std::size_t k = 0; k < count; ++k) {
@@ -176,7 +214,7 @@ void Sketcher::drawConcave(const Face& face, const Pose& pose, double width, Col
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t next = (k + 1) % count;
     const std::array<Vector3, 4> band = {outer[k], outer[next], inner[next], inner[k]};
-    sketch.solid.push_back(appendFacet(sketch, band, style_.edge));
+    sketch.solid.push_back(appendFacet(sketch, band, edge));
   }
 }
 
@@ -212,6 +250,7 @@ void Sketcher::draw(const Shot& shot, const Camera& camera, Sketch& sketch) cons
     layer->clear();
   }
   sketch.edge = style_.edge;
+  sketch.paleEdge = style_.paleEdge;
 
   const std::optional<GroundPlate>& plate = style_.plate;
   const Vector3 middle = plate ? Vector3(plate->centre.x(), plate->centre.y(), plate->height)
@@ -222,6 +261,8 @@ void Sketcher::draw(const Shot& shot, const Camera& camera, Sketch& sketch) cons
   }
 
   const double height = heightAtCentre(camera);
+  std::optional<Occluders> occluders;
+  if (style_.occlusion > 0) occluders.emplace(place(shot.poses));
   std::vector<char> isPinned(faces_.size(), 0);
   for (const int brick : shot.pinned) isPinned.at(brick) = 1;
   for (int brick = 0; brick < static_cast<int>(faces_.size()); ++brick) {
@@ -229,7 +270,7 @@ void Sketcher::draw(const Shot& shot, const Camera& camera, Sketch& sketch) cons
     const BrickColours& own = shot.colours.empty() ? style_.brick : shot.colours[brick];
     // Each of two flush faces draws half of the line between them.
     drawBrick(brick, shot.poses[brick], isPinned[brick] ? style_.pinned : own, camera,
-              0.5 * style_.edgeWidth * height, sketch);
+              0.5 * style_.edgeWidth * height, occluders, sketch);
   }
   drawScenery(shot.scenery, style_, camera, sketch);
   drawMarks(shot.marks, 0.5 * style_.markSize * height, style_.mark, camera, sketch);

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "render/picture/camera.h"
 #include "render/picture/frame.h"
+#include "render/picture/occlusion.h"
 #include "render/picture/style.h"
 #include "sim/brick/brick.h"
 
@@ -26,7 +28,7 @@ struct Shot {
   std::vector<BrickColours> colours;  ///< one a brick; empty: all have the style's
   std::vector<int> pinned;            ///< bricks drawn in the style's colours of pins
   std::vector<Vector3> marks;         ///< points with a dot, for example joints, world axes
-  /// Closed polygons whose sides are laid over everything as lines, world axes.
+  /// Closed polygons whose sides are drawn as lines, dashed where bricks hide them, world axes.
   std::vector<Tile> overlay;
   std::vector<Tile> scenery;  ///< polygons that are no bricks, seen from both sides, world axes
 };
@@ -37,6 +39,7 @@ struct Facet {
   int first = 0;          ///< of its corners in the sketch's points, anticlockwise in the picture
   int count = 0;          ///< of its corners
   bool outlined = false;  ///< then as many points follow: its corners within the outline
+  bool pale = false;      ///< whether that outline is the pale one
   Colour colour;          ///< within the outline
 };
 
@@ -48,7 +51,9 @@ struct Sketch {
   std::vector<Facet> solid;     ///< in no order: what is nearer hides what is farther
   std::vector<Facet> overlay;   ///< lines, in painting order
   Colour edge;                  ///< of the outlines
+  Colour paleEdge;              ///< of those on dark bricks
 
+  Colour outlineOf(const Facet& facet) const { return facet.pale ? paleEdge : edge; }
   std::span<const Vector3> corners(const Facet& facet) const {
     return std::span(points).subspan(facet.first, facet.count);
   }
@@ -80,10 +85,15 @@ class Sketcher {
 
   static Face makeFace(const std::vector<Vector3>& corners);
 
+  /// The corners of all bricks' faces in world axes, brick by brick.
+  using PlacedFaces = std::vector<std::vector<std::vector<Vector3>>>;
+
+  PlacedFaces place(const Poses& poses) const;
+  /// occluders: absent where no light is kept away.
   void drawBrick(int brick, const Pose& pose, const BrickColours& colours, const Camera& camera,
-                 double outline, Sketch& sketch) const;
+                 double outline, const std::optional<Occluders>& occluders, Sketch& sketch) const;
   /// A concave face: its inside as triangles, its outline as a band along each side.
-  void drawConcave(const Face& face, const Pose& pose, double width, Colour colour,
+  void drawConcave(const Face& face, const Pose& pose, double width, Colour colour, Colour edge,
                    Sketch& sketch) const;
   void drawShadow(const Poses& poses, Sketch& sketch) const;
 

@@ -39,9 +39,17 @@ Style darkStyle() {
   return style;
 }
 
-Colour faceColour(const Vector3& normal, Colour base, const Style& style) {
+bool isDark(const BrickColours& colours) {
+  constexpr double kDarkest = 85;
+  // Brightness as the eye weighs it (ITU-R BT.601).
+  const Colour top = colours.top;
+  return 0.299 * top.red + 0.587 * top.green + 0.114 * top.blue < kDarkest;
+}
+
+Colour faceColour(const Vector3& normal, Colour base, const Style& style, double occluded) {
   const double light =
-      style.ambient + brightness(normal, style.key) + brightness(normal, style.fill);
+      (style.ambient + brightness(normal, style.key) + brightness(normal, style.fill)) *
+      (1 - style.occlusion * occluded);
   const auto lit = [light](std::uint8_t channel) {
     return static_cast<std::uint8_t>(std::lround(std::min(255.0, channel * light)));
   };

@@ -45,6 +45,7 @@ struct Style {
   BrickColours brick;                               ///< of bricks that have no colours of their own
   BrickColours pinned = shadesOf({135, 206, 235});  ///< of pinned bricks: sky blue
   Colour edge = {38, 50, 66};                       ///< outlines
+  Colour paleEdge = {168, 176, 188};                ///< outlines of dark bricks, see isDark()
   Colour ground = {238, 238, 236};                  ///< of the plate, drawn as it is, not lit
   Colour scenery = {176, 176, 174};                 ///< of obstacles
   /// Drawn where the key light does not reach, as it is. With alpha below 255 it takes the place of
@@ -61,7 +62,9 @@ struct Style {
   double ambient = 0.58;        ///< brightness of a face that no light reaches
   Light key = {Vector3(-0.36, -0.48, 0.8), 0.40};  ///< main light, from the upper left
   Light fill = {Vector3(0.8, -0.36, 0.48), 0.16};  ///< softer, from the right
-  std::optional<GroundPlate> plate;                ///< drawn when present
+  /// Brightness that a face loses from which other bricks keep all light away, 0 (none) to 1.
+  double occlusion = 0.6;
+  std::optional<GroundPlate> plate;  ///< drawn when present
 };
 
 /// The look for slides and dark pages: nearly black ground, the same bricks, pale lettering.
@@ -70,8 +73,13 @@ Style darkStyle();
 /// The colour of a lit face, the one rule of shading: in each channel
 ///   round(min(255, base * (ambient + key.strength * max(0, normal . key.direction)
 ///                                   + fill.strength * max(0, normal . fill.direction))))
-/// on sRGB bytes as they are. Alpha is the base's. normal: unit, outward, world axes.
-Colour faceColour(const Vector3& normal, Colour base, const Style& style);
+///   * (1 - occlusion * occluded)
+/// on sRGB bytes as they are. Alpha is the base's. normal: unit, outward, world axes. occluded: see
+/// Occluders, 0 to 1.
+Colour faceColour(const Vector3& normal, Colour base, const Style& style, double occluded = 0);
+
+/// Whether dark outlines hardly show on a brick of these colours.
+bool isDark(const BrickColours& colours);
 
 /// Where the key light casts the shadow of a point: on the style's plate, which must be there.
 Vector3 shadowOf(const Vector3& point, const Style& style);

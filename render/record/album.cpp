@@ -10,17 +10,14 @@
 #include "render/folder/output_folder.h"
 #include "render/gl/context.h"
 #include "render/grid/grid.h"
-#include "render/grid/label.h"
 #include "render/png/png.h"
 #include "render/record/crew.h"
 #include "render/record/frame_sink.h"
+#include "render/record/panels.h"
 #include "render/record/samples.h"
 #include "render/record/snapshot_choice.h"
 #include "render/record/stopwatch.h"
 #include "render/record/title_card.h"
-#include "render/vector/cairo_canvas.h"
-#include "render/vector/drawing.h"
-#include "render/vector/svg.h"
 #include "sim/base/error.h"
 #include "sim/base/pending_file.h"
 #include "sim/measure/brick_measures.h"
@@ -34,9 +31,6 @@ constexpr std::size_t kSamplesFramed = 100;
 constexpr std::size_t kWaitingFrames = 4;
 /// Half the picture's width and height, with room for rounding.
 constexpr double kBorder = 1 + 1e-9;
-
-constexpr double kMillimetresPerInch = 25.4;
-constexpr double kPointsPerInch = 72;
 
 void keepRunInSight(Motif& motif, const TrajectoryReader& run) {
   const std::size_t count = run.times().size();
@@ -55,26 +49,6 @@ void keepStates(Motif& motif, const TrajectoryReader& run) {
 bool fitsEnds(const Model& model, const PictureSettings& settings) {
   if (settings.look.fit == FitScope::Auto) return model.target.has_value();
   return settings.look.fit == FitScope::Ends;
-}
-
-GridStyle gridStyle(const Stage& stage, const PictureSettings& settings) {
-  GridStyle style;
-  style.background = stage.style().background;
-  style.text = stage.style().text;
-  style.colourScale = stage.colourScale();
-  if (settings.scaleBar) style.metresPerPixel = stage.metresPerPixel();
-  style.letters = settings.letters;
-  return style;
-}
-
-PageSettings pageSettings(const Stage& stage, FrameSize size, const std::string& description) {
-  const Style& style = stage.style();
-  return {.size = size,
-          .background = style.background,
-          .outline = style.edge,
-          .outlineWidth = style.edgeWidth * stage.pictureSize().height,
-          .fontFamily = fontFamily(),
-          .description = description};
 }
 
 /// Whether a camera that cuts something off is the program's mistake, not the settings' wish.
@@ -102,10 +76,6 @@ bool seesRun(const TrajectoryReader& run, const Stage& stage) {
     }
   }
   return true;
-}
-
-Moment stillOf(const FrameState& state) {
-  return {state.moment.time, state.sample.poses, state.sample.pinned, state.moment.turn};
 }
 
 }  // namespace
@@ -155,10 +125,6 @@ std::string CaptionWriter::longest(double endTime) const {
   return captionText(parts_, values);
 }
 
-const char* pageFile(PageFormat format) {
-  return format == PageFormat::Svg ? output::kSnapshotsSvg : output::kSnapshotsPdf;
-}
-
 StripParts stripParts(const PictureSettings& settings, const CaptionWriter& captions,
                       double endTime) {
   StripParts parts;
@@ -174,7 +140,7 @@ Album::Album(const TrajectoryReader& run, const PictureSettings& settings, Pictu
       report_(report),
       captions_(settings.captionParts(), motifOf(run.subject())),
       frames_(settings.size, settings.look, motifOf(run, settings),
-              stripParts(settings, captions_, run.times().back())) {
+              stripParts(settings, captions_, run.times().back()), Smoothness::Film) {
   report_.graphics = graphicsVersion();
 }
 
@@ -241,108 +207,15 @@ Frame Album::takeFrame(const FrameState& state) {
   return takeFrame(frames_, state);
 }
 
-Frame Album::takePicture(const FrameState& state) {
-  const CpuTimer timer(report_.recordCost.cpuSecondsRender);
-  if (!pictures_) pictures_.emplace(settings_.size, settings_.look, frames_.stage().motif());
-  return pictures_->take(stillOf(state));
-}
-
-/// The picture of a state as vector graphics.
-void Album::writeDrawing(const FrameState& state, int number) {
-  const Stage& stage = pictures_->stage();
-  const Moment moment = stillOf(state);
-  report_.files.push_back(snapshotDrawing(number).string());
-  const std::unique_ptr<Canvas> page =
-      makeSvgCanvas(pageSettings(stage, stage.pictureSize(), settings_.madeBy));
-  drawSketch(stage.sketch(moment), stage.camera(moment), stage.pictureSize(), {0, 0}, "", *page);
-  writeTextFile(settings_.folder / report_.files.back(), page->finish());
-}
-
-std::vector<GridPicture> Album::takeAll(const std::vector<FrameState>& states) {
-  std::vector<GridPicture> pictures;
-  for (const FrameState& state : states) {
-    pictures.push_back({takePicture(state), captions_.of(state)});
-  }
-  return pictures;
-}
-
-/// How much larger pictures must be painted, of which this part is shown, for the grid to be as
-/// wide as it is to be in print; less where pictures would be too large.
-double Album::enlargement(const PictureBox& part, const GridStyle& style) const {
-  if (!settings_.gridWidth) return 1;
-  const double wanted = *settings_.gridWidth / kMillimetresPerInch * settings_.gridDotsPerInch();
-  const int columns = settings_.grid.columns;
-  const double most = kMaxFrameSide / std::max(settings_.size.width, settings_.size.height);
-  return std::min(
-      most, wanted / (columns * part.size.width + (columns + 1) * style.gap * part.size.height));
-}
-
-void Album::writePage(PageFormat format, const std::vector<FrameState>& states,
-                      const PictureBox& part, const GridLayout& layout, const GridStyle& style) {
-  const Stage& stage = pictures_->stage();
-  PageSettings page = pageSettings(stage, layout.sheet, settings_.madeBy);
-  if (settings_.gridWidth) {
-    page.pixelsPerInch = layout.sheet.width / *settings_.gridWidth * kMillimetresPerInch;
-  }
-  const std::unique_ptr<Canvas> canvas = makeCanvas(format, page);
-  const int columns = settings_.grid.columns;
-  std::vector<std::string> captions;
-  canvas->begin("pictures");
-  for (int cell = 0; cell < static_cast<int>(states.size()); ++cell) {
-    const Eigen::Vector2d corner(layout.left(cell % columns), layout.upper(cell / columns));
-    const std::string name = fmt::format("picture_{:02}", cell + 1);
-    const Moment moment = stillOf(states[cell]);
-    canvas->beginWithin(name, corner.x(), corner.y(), part.size.width, part.size.height);
-    drawSketch(stage.sketch(moment), stage.camera(moment), stage.pictureSize(),
-               corner - Eigen::Vector2d(part.left, part.upper), name, *canvas);
-    canvas->end();
-    captions.push_back(captions_.of(states[cell]));
-  }
-  canvas->end();
-  canvas->begin("text");
-  drawGridText(*canvas, layout, style, captions, columns);
-  canvas->end();
-  report_.files.emplace_back(pageFile(format));
-  writeTextFile(settings_.folder / report_.files.back(), canvas->finish());
-}
-
 void Album::writeGrid(const TrajectoryReader& run, const MotionCurve& motion) {
+  PanelRow row{settings_.look, frames_.stage().motif(), {}, {}};
   Replay replayed(run);
-  std::vector<FrameState> states;
   for (const FrameMoment& moment : snapshotMoments(motion, settings_, settings_.grid.cells())) {
-    states.push_back({moment, replayed.at(moment.time)});
+    row.states.push_back({moment, replayed.at(moment.time)});
+    row.captions.push_back(captions_.of(row.states.back()));
   }
-  std::vector<GridPicture> pictures = takeAll(states);
-  for (std::size_t k = 0; settings_.svg && k < states.size(); ++k) {
-    writeDrawing(states[k], static_cast<int>(k) + 1);
-  }
-  PictureBox part = filledPart(pictures);
-  GridStyle style = gridStyle(pictures_->stage(), settings_);
-  const double scale = enlargement(part, style);
-  if (scale != 1) {
-    part = part.scaled(scale);
-    pictures_.emplace(PictureBox{0, 0, settings_.size}.scaled(scale).size, settings_.look,
-                      frames_.stage().motif());
-    pictures = takeAll(states);
-    style = gridStyle(pictures_->stage(), settings_);
-  }
-  cutAlike(pictures, part);
-  if (settings_.fontPoints) {
-    const double inches = *settings_.gridWidth / kMillimetresPerInch;
-    const double dots = layOutGrid(part.size, settings_.grid, style).sheet.width / inches;
-    style.textSize =
-        std::max(1, static_cast<int>(std::lround(*settings_.fontPoints / kPointsPerInch * dots)));
-  }
-  const GridLayout layout = layOutGrid(part.size, settings_.grid, style, captionsOf(pictures));
-  PngSettings png = pngSettings(settings_);
-  if (settings_.gridWidth) {
-    png.dotsPerInch = layout.sheet.width / *settings_.gridWidth * kMillimetresPerInch;
-  }
-  writePng(composeGrid(pictures, settings_.grid, style), settings_.folder / output::kSnapshots,
-           png);
-  report_.files.emplace_back(output::kSnapshots);
-  for (const PageFormat format : settings_.pages) writePage(format, states, part, layout, style);
-  pictures_.reset();
+  const std::vector<PanelRow> rows = {std::move(row)};
+  PanelSheet(rows, settings_.grid, settings_, report_).write();
 }
 
 void Album::writeChosenFrames(const TrajectoryReader& run, const MotionCurve& motion) {

@@ -44,9 +44,6 @@ class CaptionWriter {
   bool hasTarget_;
 };
 
-/// The name of the grid's file in this format.
-const char* pageFile(PageFormat format);
-
 /// What stands under the frames of a video.
 StripParts stripParts(const PictureSettings& settings, const CaptionWriter& captions,
                       double endTime);
@@ -80,13 +77,7 @@ class Album {
   void encode(FrameQueue& frames);
   Frame takeFrame(Studio& studio, const FrameState& state) const;
   Frame takeFrame(const FrameState& state);
-  Frame takePicture(const FrameState& state);
-  void writeDrawing(const FrameState& state, int number);
   void writeGrid(const TrajectoryReader& run, const MotionCurve& motion);
-  std::vector<GridPicture> takeAll(const std::vector<FrameState>& states);
-  double enlargement(const PictureBox& part, const GridStyle& style) const;
-  void writePage(PageFormat format, const std::vector<FrameState>& states, const PictureBox& part,
-                 const GridLayout& layout, const GridStyle& style);
   void writeMoments(const TrajectoryReader& run, const MotionCurve& motion);
   void writeChosenFrames(const TrajectoryReader& run, const MotionCurve& motion);
 
@@ -94,8 +85,7 @@ class Album {
   PictureReport& report_;
   std::mutex reporting_;  ///< held by the painter that adds to the report
   CaptionWriter captions_;
-  Studio frames_;                   ///< for frames of the video, with a strip under them
-  std::optional<Studio> pictures_;  ///< for the grid, without one; made when first needed
+  Studio frames_;  ///< with a strip under its pictures
 };
 
 }  // namespace kirireel

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <exception>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -13,9 +14,12 @@
 
 #include "render/folder/file_set.h"
 #include "render/gl/context.h"
+#include "render/grid/label.h"
 #include "render/mesh/mesh.h"
 #include "render/record/album.h"
+#include "render/record/figure.h"
 #include "render/record/frame_sink.h"
+#include "render/record/panels.h"
 #include "render/record/replay.h"
 #include "render/record/scribe.h"
 #include "render/record/snapshot_choice.h"
@@ -44,6 +48,7 @@ void requireWithin(double value, double least, double most, const char* option,
 }
 
 void requireValidSettings(const PictureSettings& settings) {
+  setFont(settings.font);
   requireValidSize(settings.size);
   if (settings.snapshots) layOutGrid(settings.size, settings.grid);
   if (settings.video) requireValidSettings(settings.videoFile, videoSettings(settings));
@@ -413,6 +418,37 @@ PictureReport render(const std::filesystem::path& trajectory, const PictureSetti
   prepareGraphics(settings);
   makePictures(run, aside, observer, report);
   if (!report.files.empty()) files.commit(report.files);
+  report.recordCost.wallSeconds = stopwatch.seconds();
+  report.recordCost.peakMemoryBytes = peakMemoryBytes();
+  return report;
+}
+
+PictureReport renderFigure(const std::vector<std::filesystem::path>& trajectories,
+                           const PictureSettings& asked) {
+  const Stopwatch stopwatch;
+  PictureSettings settings = asked;
+  settings.video = settings.frames = false;
+  settings.grid.rows = static_cast<int>(trajectories.size());
+  requireValidSettings(settings);
+  std::vector<std::unique_ptr<TrajectoryReader>> opened;
+  std::vector<const TrajectoryReader*> runs;
+  std::string models;
+  for (const std::filesystem::path& trajectory : trajectories) {
+    opened.push_back(std::make_unique<TrajectoryReader>(trajectory));
+    runs.push_back(opened.back().get());
+    models += (models.empty() ? "" : ", ") + runs.back()->subject().model.name;
+  }
+  FileSet files(settings.folder, output::kContents);
+  files.requireFree([&settings](const std::string& name) {
+    return name == output::kContents || isPicture(name, settings);
+  });
+  settings.folder = files.stage();
+  settings.madeBy = madeBy(models, "");
+  PictureReport report;
+  prepareGraphics(settings);
+  const std::vector<PanelRow> rows = figureRows(runs, settings);
+  PanelSheet(rows, settings.grid, settings, report).write();
+  files.commit(report.files);
   report.recordCost.wallSeconds = stopwatch.seconds();
   report.recordCost.peakMemoryBytes = peakMemoryBytes();
   return report;

@@ -70,6 +70,7 @@ struct PictureSettings {
   std::optional<double> dotsPerInch;  ///< noted in PNG files, for print
   std::optional<double> gridWidth;    ///< of the grid in print, millimetres; absent: as it comes
   std::optional<double> fontPoints;   ///< size of its text in print; needs gridWidth
+  std::string font;                   ///< family of all text; empty: the program's
   bool letters = false;               ///< (a), (b), ... over the grid's pictures
   std::vector<PageFormat> pages;      ///< the grid as vector graphics too, as snapshots.svg, .pdf
   std::string madeBy;                 ///< who makes the pictures from what, noted in the files
@@ -77,7 +78,7 @@ struct PictureSettings {
   bool video = true;
   std::string videoFile = "deployment.mp4";  ///< its ending chooses the format
   std::optional<int> crf;                    ///< of the video, see VideoSettings
-  std::string preset = "veryfast";           ///< of the video, see VideoSettings
+  std::string preset = "auto";               ///< of the video, see VideoSettings
   std::string encoder;                       ///< of the video, see VideoSettings
   bool snapshots = true;                     ///< snapshots.png
   bool svg = false;     ///< snapshot_01.svg ..., the grid's pictures as vector graphics
@@ -190,5 +191,10 @@ RunSummary record(const Scene& scene, const RecordSettings& settings,
 /// InputError when the file is no whole trajectory, and as record().
 PictureReport render(const std::filesystem::path& trajectory, const PictureSettings& settings,
                      const ProgressObserver& observer);
+
+/// Makes one grid of several recorded runs: a row of settings.grid.columns states each, with one
+/// camera and one scale for all. Throws InputError where no one scale holds, and as render().
+PictureReport renderFigure(const std::vector<std::filesystem::path>& trajectories,
+                           const PictureSettings& settings);
 
 }  // namespace kirireel

@@ -1,10 +1,12 @@
 #include "render/studio/colourist.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 
 #include <Eigen/Geometry>
+#include <fmt/format.h>
 
 #include "sim/base/error.h"
 #include "sim/base/geometry.h"
@@ -72,6 +74,15 @@ double meanEdge(const std::vector<Brick>& bricks) {
   return count > 0 ? sum / count : 1;
 }
 
+std::string shapeName(const Brick& brick) {
+  const std::size_t corners = brick.bottom.size();
+  const std::string concave = brick.parts.empty() ? "" : "concave ";
+  constexpr std::array<const char*, 6> kNames = {"triangle", "quadrilateral", "pentagon",
+                                                 "hexagon",  "heptagon",      "octagon"};
+  if (corners >= 3 && corners - 3 < kNames.size()) return concave + kNames[corners - 3];
+  return fmt::format("{}{}-gon", concave, corners);
+}
+
 const char* titleOf(Colouring colouring) {
   switch (colouring) {
     case Colouring::TargetError:
@@ -128,13 +139,35 @@ Colourist::Colourist(const Look& look, const Motif& motif)
         "error: the model has no target, so there is no target error to show; give another "
         "--colour or add target.txt");
   }
-  if (colouring_ == Colouring::Shape) {
-    for (const int kind : shapeKinds(motif.bricks)) kinds_.push_back(shadesOf(kindColour(kind)));
+  if (colouring_ == Colouring::Shape) colourShapes();
+  if (colouring_ == Colouring::State) {
+    legend_ = {{kAtStart, "at its start"}, {kMoving, "on its way"}};
+    if (motif.target) legend_.push_back({kAtTarget, "at its target"});
   }
   if (isMeasure(colouring_)) {
     const double found = largestOfRun();
     const double most = found > 0 ? found : largestExpected();
     scale_ = ColourScale{look.map, 0, look.colourMost.value_or(most), titleOf(colouring_)};
+  }
+}
+
+void Colourist::colourShapes() {
+  const std::vector<int> kinds = shapeKinds(motif_.bricks);
+  std::vector<int> counts;
+  std::vector<std::string> names;
+  for (std::size_t brick = 0; brick < kinds.size(); ++brick) {
+    const int kind = kinds[brick];
+    kinds_.push_back(shadesOf(kindColour(kind)));
+    if (kind == static_cast<int>(counts.size())) {
+      counts.push_back(0);
+      names.push_back(shapeName(motif_.bricks[brick]));
+    }
+    ++counts[kind];
+  }
+  for (std::size_t kind = 0; kind < counts.size(); ++kind) {
+    legend_.push_back(
+        {kindColour(static_cast<int>(kind)),
+         fmt::format("{} {}{}", counts[kind], names[kind], counts[kind] == 1 ? "" : "s")});
   }
 }
 

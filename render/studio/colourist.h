@@ -50,10 +50,14 @@ class Colourist {
 
   /// What the colours mean, when they are those of a measure. The same for the whole run.
   const std::optional<ColourScale>& scale() const { return scale_; }
+  /// What they mean, when they are those of kinds of bricks: shapes or states.
+  const std::vector<LegendEntry>& legend() const { return legend_; }
+  Colouring colouring() const { return colouring_; }
 
  private:
   std::vector<double> values(const Poses& poses) const;
   std::vector<BrickColours> stateColours(const Poses& poses) const;
+  void colourShapes();
   double largestExpected() const;
   double largestOfRun() const;
 
@@ -61,6 +65,7 @@ class Colourist {
   const Motif& motif_;
   std::vector<BrickColours> kinds_;  ///< one a brick, when coloured by shape
   std::optional<ColourScale> scale_;
+  std::vector<LegendEntry> legend_;
 };
 
 }  // namespace kirireel

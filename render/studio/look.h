@@ -50,9 +50,12 @@ struct Look {
   std::optional<Colour> backColour;     ///< of the tile's own side, likewise
   std::optional<Colour> outlineColour;  ///< absent: the theme's, as is the next
   std::optional<Colour> background;
-  bool outlines = true;      ///< dark lines on the edges of tiles
+  bool outlines = true;  ///< lines on the edges of tiles
+  /// Brightness that a face loses from which other bricks keep all light away, 0 to 1; absent: the
+  /// style's.
+  std::optional<double> occlusion;
   bool jointMarks = false;   ///< a dot on each joint
-  bool targetLines = false;  ///< the target's tiles as lines over everything
+  bool targetLines = false;  ///< the target's tiles as lines, dashed where bricks hide them
   GroundLook ground = GroundLook::Auto;
   CameraChoice camera;
   FitScope fit = FitScope::Auto;

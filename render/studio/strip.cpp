@@ -48,11 +48,11 @@ int textSize(FrameSize whole, const std::string& longest) {
 Strip::Strip(FrameSize whole, const StripParts& parts, const Style& style)
     : whole_(whole), parts_(parts), background_(style.background), text_(style.text) {
   const bool hasCaption = !parts.longestCaption.empty();
-  const bool hasScales = parts.scaleBar || parts.colours;
+  const bool hasScales = scalesEms() > 0;
   if (!hasCaption && !hasScales && !parts.progressBar) return;
   em_ = textSize(whole, parts.longestCaption);
-  height_ = rounded(em_ * ((hasCaption ? kLineEms : 0) + (hasScales ? kScalesEms : 0) +
-                           (parts.progressBar ? kProgressEms : 0)));
+  height_ = rounded(
+      em_ * ((hasCaption ? kLineEms : 0) + scalesEms() + (parts.progressBar ? kProgressEms : 0)));
   height_ = std::min(height_, whole.height - 1);
   if (hasScales) scales_.emplace(em_, text_);
   if (!hasCaption) return;
@@ -60,7 +60,14 @@ Strip::Strip(FrameSize whole, const StripParts& parts, const Style& style)
   captionLeft_ = std::max(0, (whole.width - writer_->width(parts.longestCaption)) / 2);
 }
 
+/// Height of the line of scales, ems.
+double Strip::scalesEms() const {
+  if (parts_.colours) return kScalesEms + kColourBarHeight - 1;
+  return parts_.legend || parts_.scaleBar ? kScalesEms : 0;
+}
+
 void Strip::append(Frame& picture, const StripText& text, const std::optional<ColourScale>& colours,
+                   const std::vector<LegendEntry>& legend,
                    const std::optional<double>& metresPerPixel) const {
   if (height_ == 0) return;
   int upper = picture.size.height;
@@ -74,22 +81,24 @@ void Strip::append(Frame& picture, const StripText& text, const std::optional<Co
     upper += rounded(kLineEms * em_);
   }
   if (scales_) {
-    drawScales(picture, upper, colours, metresPerPixel);
-    upper += rounded(kScalesEms * em_);
+    drawScales(picture, upper, colours, legend, metresPerPixel);
+    upper += rounded(scalesEms() * em_);
   }
   if (parts_.progressBar) drawProgress(picture, upper, text.progress);
 }
 
 /// One beside the other where there are both.
 void Strip::drawScales(Frame& frame, int upper, const std::optional<ColourScale>& colours,
+                       const std::vector<LegendEntry>& legend,
                        const std::optional<double>& metresPerPixel) const {
   FrameSurface surface(frame);
-  const int y = upper + rounded(0.5 * kScalesEms * em_);
-  const bool both = colours && metresPerPixel;
+  const int y = upper + rounded(0.5 * scalesEms() * em_);
+  const bool both = (parts_.colours || parts_.legend) && metresPerPixel;
   const int width = frame.size.width;
-  if (colours) {
-    scales_->drawColourBar(surface, *colours, both ? width / 3 : width / 2, y,
-                           both ? 2 * width / 3 : width);
+  const int middle = both ? width / 3 : width / 2, room = both ? 2 * width / 3 : width;
+  if (parts_.colours && colours) scales_->drawColourBar(surface, *colours, middle, y, room);
+  if (parts_.legend) {
+    scales_->drawLegend(surface, legend, middle, y, static_cast<int>(kUsedWidth * room));
   }
   if (!metresPerPixel) return;
   const ScaleLength length = roundLength(kLongestLength * width * *metresPerPixel);

@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "render/grid/label.h"
 #include "render/grid/scale.h"
@@ -18,6 +19,7 @@ struct StripParts {
   bool progressBar = false;    ///< a bar that fills from left to right
   bool scaleBar = false;       ///< a length; needs one scale all over the picture
   bool colours = false;        ///< what colours mean, where they stand for values
+  bool legend = false;         ///< the same, where they stand for kinds of bricks
 };
 
 /// What it says under one frame.
@@ -37,12 +39,16 @@ class Strip {
   FrameSize picture() const { return {whole_.width, whole_.height - height_}; }
 
   /// Puts the strip under a picture. colours: none where the bricks' colours stand for no values;
-  /// metresPerPixel: absent where no scale bar is asked for.
+  /// legend: empty where they stand for no kinds; metresPerPixel: absent where no scale bar is
+  /// asked for.
   void append(Frame& picture, const StripText& text, const std::optional<ColourScale>& colours,
+              const std::vector<LegendEntry>& legend,
               const std::optional<double>& metresPerPixel) const;
 
  private:
+  double scalesEms() const;
   void drawScales(Frame& frame, int upper, const std::optional<ColourScale>& colours,
+                  const std::vector<LegendEntry>& legend,
                   const std::optional<double>& metresPerPixel) const;
   void drawProgress(Frame& frame, int upper, double progress) const;
 

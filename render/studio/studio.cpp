@@ -52,7 +52,8 @@ Style styleFor(const Look& look, const Motif& motif, FrameSize size) {
   Style style = pageStyle(look);
   if (look.brickColour) style.brick = shadesOf(*look.brickColour);
   if (look.backColour) style.brick.bottom = *look.backColour;
-  if (look.outlineColour) style.edge = *look.outlineColour;
+  if (look.outlineColour) style.edge = style.paleEdge = *look.outlineColour;
+  if (look.occlusion) style.occlusion = *look.occlusion;
   // Thinner lines would break up into dashes.
   style.edgeWidth = look.outlines ? std::max(style.edgeWidth, kThinnestEdge / size.height) : 0;
   style.overlayWidth = std::max(style.overlayWidth, kThinnestOverlay / size.height);
@@ -61,6 +62,7 @@ Style styleFor(const Look& look, const Motif& motif, FrameSize size) {
     style.ambient = kMeasureAmbient;
     style.key.strength *= kMeasureShade;
     style.fill.strength *= kMeasureShade;
+    style.occlusion *= kMeasureShade;
   }
   style.plate = plateFor(look, motif);
   return style;
@@ -181,23 +183,26 @@ double Stage::metresPerPixel() const {
       "add --projection parallel, or leave --scale-bar away");
 }
 
-Studio::Studio(FrameSize size, const Look& look, Motif motif, const StripParts& parts)
-    : size_(size), parts_(parts) {
+Studio::Studio(FrameSize size, const Look& look, Motif motif, const StripParts& parts,
+               Smoothness smoothness)
+    : size_(size), parts_(parts), smoothness_(smoothness) {
   show(look, std::move(motif));
 }
 
 Studio::Studio(const Studio& other)
     : size_(other.size_),
       parts_(other.parts_),
+      smoothness_(other.smoothness_),
       stage_(other.stage_),
       metresPerPixel_(other.metresPerPixel_) {
-  makeStrip(stage_->style(), stage_->colourScale().has_value());
+  makeStrip(stage_->style(), stage_->colouring());
   makePainter();
 }
 
-void Studio::makeStrip(const Style& style, bool measures) {
+void Studio::makeStrip(const Style& style, Colouring colouring) {
   StripParts parts = parts_;
-  parts.colours = parts.colours && measures;
+  parts.colours = parts.colours && isMeasure(colouring);
+  parts.legend = parts_.colours && !isMeasure(colouring) && colouring != Colouring::Plain;
   strip_.emplace(validated(size_), parts, style);
 }
 
@@ -206,12 +211,12 @@ void Studio::makePainter() {
     painter_->show(stage_->motif().bricks, stage_->style());
   } else {
     painter_.reset();
-    painter_.emplace(strip_->picture(), stage_->motif().bricks, stage_->style());
+    painter_.emplace(strip_->picture(), stage_->motif().bricks, stage_->style(), smoothness_);
   }
 }
 
 void Studio::show(const Look& look, Motif motif) {
-  makeStrip(pageStyle(look), isMeasure(look.colouring));
+  makeStrip(pageStyle(look), look.colouring);
   stage_ = std::make_shared<const Stage>(look, std::move(motif), strip_->picture());
   metresPerPixel_.reset();
   if (parts_.scaleBar) metresPerPixel_ = stage_->metresPerPixel();
@@ -221,8 +226,7 @@ void Studio::show(const Look& look, Motif motif) {
 Frame Studio::take(const Moment& moment, const StripText& text) {
   const Camera camera = stage_->camera(moment);
   Frame frame = painter_->paint(stage_->shot(moment), camera);
-  strip_->append(frame, text, parts_.colours ? stage_->colourScale() : std::nullopt,
-                 metresPerPixel_);
+  strip_->append(frame, text, stage_->colourScale(), stage_->legend(), metresPerPixel_);
   return frame;
 }
 

@@ -72,6 +72,9 @@ class Stage {
 
   /// What the bricks' colours mean, when they are those of a measure.
   const std::optional<ColourScale>& colourScale() const { return colourist_.scale(); }
+  /// The same where they are those of kinds of bricks; empty where they mean nothing.
+  const std::vector<LegendEntry>& legend() const { return colourist_.legend(); }
+  Colouring colouring() const { return colourist_.colouring(); }
 
   /// Height of every picture, metres, when one scale holds all over all of them: the camera stands
   /// still and projects in parallel.
@@ -96,7 +99,8 @@ class Studio {
   /// size: of the pictures, with a strip under them where there are parts of one; colours stand on
   /// it only where they are those of a measure. Throws as Stage and Painter do, and OutputError
   /// when the font is missing.
-  Studio(FrameSize size, const Look& look, Motif motif, const StripParts& parts = {});
+  Studio(FrameSize size, const Look& look, Motif motif, const StripParts& parts = {},
+         Smoothness smoothness = Smoothness::Still);
 
   /// Another studio with the same stage, for the thread that makes it. A moment's picture is the
   /// same from both. Throws OutputError when no graphics context can be made.
@@ -114,11 +118,12 @@ class Studio {
   const Stage& stage() const { return *stage_; }
 
  private:
-  void makeStrip(const Style& style, bool measures);
+  void makeStrip(const Style& style, Colouring colouring);
   void makePainter();
 
   FrameSize size_;
   StripParts parts_;
+  Smoothness smoothness_;
   std::optional<Strip> strip_;  ///< made anew for each motif, as is the stage; always there
   std::shared_ptr<const Stage> stage_;
   std::optional<Painter> painter_;        ///< made anew when the strip's height changes

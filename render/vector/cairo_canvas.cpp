@@ -52,7 +52,7 @@ class CairoCanvas : public Canvas {
   void end() override;
   void polygon(const Points& corners, Colour colour) override;
   void seams(const std::vector<Points>& lines, Colour colour) override;
-  void outlines(const std::vector<Points>& lines) override;
+  void outlines(const std::vector<Points>& lines, bool pale) override;
   void lines(const std::vector<Points>& lines, double width, Colour colour) override;
   void box(double left, double upper, double width, double height, Colour colour) override;
   void text(const std::string& line, double left, double baseline, int em, Colour colour) override;
@@ -68,6 +68,7 @@ struct CairoCanvas::Internals {
   cairo_surface_t* surface = nullptr;
   cairo_t* pen = nullptr;
   Colour outline;
+  Colour paleOutline;
   double outlineWidth = 1;
   double seam = 0;
   double cutSeam = 0;
@@ -78,6 +79,7 @@ struct CairoCanvas::Internals {
       : surface(made),
         pen(cairo_create(made)),
         outline(settings.outline),
+        paleOutline(settings.paleOutline),
         outlineWidth(settings.outlineWidth),
         seam(seamWidth(settings)),
         cutSeam(cutSeamWidth(settings)) {
@@ -159,8 +161,8 @@ void CairoCanvas::seams(const std::vector<Points>& lines, Colour colour) {
   internals_->stroke(lines, internals_->cutSeam);
 }
 
-void CairoCanvas::outlines(const std::vector<Points>& lines) {
-  internals_->choose(internals_->outline);
+void CairoCanvas::outlines(const std::vector<Points>& lines, bool pale) {
+  internals_->choose(pale ? internals_->paleOutline : internals_->outline);
   internals_->stroke(lines, internals_->outlineWidth);
 }
 

@@ -17,6 +17,7 @@ struct PageSettings {
   double pixelsPerInch = 96;
   Colour background = {255, 255, 255};
   Colour outline;           ///< of bricks
+  Colour paleOutline;       ///< of dark bricks
   double outlineWidth = 1;  ///< pixels
   std::string fontFamily;   ///< of all text
   std::string description;  ///< who made it from what, one line
@@ -52,8 +53,8 @@ class Canvas : public Surface {
   /// Lines in a polygon's own colour where it was cut from another.
   virtual void seams(const std::vector<Points>& lines, Colour colour) = 0;
 
-  /// Lines in the settings' outline, each through two points or more.
-  virtual void outlines(const std::vector<Points>& lines) = 0;
+  /// Lines in the settings' outline, or the pale one, each through two points or more.
+  virtual void outlines(const std::vector<Points>& lines, bool pale = false) = 0;
 
   /// Lines of a width in pixels, each through two points or more.
   virtual void lines(const std::vector<Points>& lines, double width, Colour colour) = 0;

@@ -140,7 +140,7 @@ CutPolygon uncut(std::span<const Vector3> corners) {
 }
 
 Piece makePiece(const Sketch& sketch, const Facet& facet) {
-  Piece piece{uncut(sketch.corners(facet)), uncut(sketch.inner(facet)), facet.outlined,
+  Piece piece{uncut(sketch.corners(facet)), uncut(sketch.inner(facet)), facet.outlined, facet.pale,
               facet.colour};
   const std::vector<Vector3>& corners = piece.outer.corners;
   piece.normal = Vector3::Zero();

@@ -18,6 +18,7 @@ struct Piece {
   CutPolygon outer;       ///< with its outline
   CutPolygon inner;       ///< within its outline; empty where the part has none of it
   bool outlined = false;  ///< else both are the same
+  bool pale = false;      ///< whether its outline is the pale one
   Colour colour;
   Vector3 normal;     ///< of the facet's plane, unit, towards the camera's side
   double offset = 0;  ///< normal . point for the points of the plane

@@ -64,7 +64,7 @@ void drawPieces(const std::vector<Piece>& pieces, const Projector& project, Canv
     const Canvas::Points corners = project(piece.outer.corners);
     canvas.polygon(corners, piece.colour);
     canvas.seams(sidesOf(piece.outer, corners, true), piece.colour);
-    if (piece.outlined) canvas.outlines(sidesOf(piece.outer, corners, false));
+    if (piece.outlined) canvas.outlines(sidesOf(piece.outer, corners, false), piece.pale);
   }
 }
 

@@ -71,7 +71,7 @@ class SvgCanvas : public Canvas {
   void end() override;
   void polygon(const Points& corners, Colour colour) override;
   void seams(const std::vector<Points>& lines, Colour colour) override;
-  void outlines(const std::vector<Points>& lines) override;
+  void outlines(const std::vector<Points>& lines, bool pale) override;
   void lines(const std::vector<Points>& lines, double width, Colour colour) override;
   void box(double left, double upper, double width, double height, Colour colour) override;
   void text(const std::string& line, double left, double baseline, int em, Colour colour) override;
@@ -102,10 +102,11 @@ SvgCanvas::SvgCanvas(const PageSettings& settings) {
       ".face {{ stroke-width: {:.3g}; stroke-linejoin: round }}\n"
       ".seam {{ fill: none; stroke-width: {:.3g} }}\n"
       ".outline {{ fill: none; stroke: {}; stroke-width: {:.3g}; stroke-linejoin: round }}\n"
+      ".pale {{ stroke: {} }}\n"
       "text {{ font-family: \"{}\", \"Arial\", \"Helvetica\", sans-serif }}\n"
       "</style>\n",
       seamWidth(settings), cutSeamWidth(settings), hex(settings.outline), settings.outlineWidth,
-      settings.fontFamily);
+      hex(settings.paleOutline), settings.fontFamily);
   if (settings.background.alpha == 0) return;
   begin("page");
   box(0, 0, settings.size.width, settings.size.height, settings.background);
@@ -145,9 +146,9 @@ void SvgCanvas::seams(const std::vector<Points>& lines, Colour colour) {
   append("<path class=\"seam\" stroke=\"{}\" d=\"{}\"/>\n", hex(colour), path);
 }
 
-void SvgCanvas::outlines(const std::vector<Points>& lines) {
+void SvgCanvas::outlines(const std::vector<Points>& lines, bool pale) {
   const std::string path = pathOf(lines);
-  if (!path.empty()) append("<path class=\"outline\" d=\"{}\"/>\n", path);
+  if (!path.empty()) append("<path class=\"outline{}\" d=\"{}\"/>\n", pale ? " pale" : "", path);
 }
 
 void SvgCanvas::lines(const std::vector<Points>& lines, double width, Colour colour) {

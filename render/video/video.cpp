@@ -26,6 +26,10 @@ namespace {
 // to run, where a row of macroblocks is no whole number of its vectors: 8 macroblocks of 16 pixels.
 constexpr int kTreeWidth = 128;
 
+// A quarter less CPU than "veryfast" at the same SSIM for a tenth more bytes (cylinder, rotating
+// rectangles, sphere to saddle; 1280 x 720, crf 18).
+constexpr const char* kQuickSearch = "me=dia:subme=1:weightp=0";
+
 // libav's objects are freed through a pointer to their pointer.
 struct Free {
   void operator()(AVCodecContext* encoder) const { avcodec_free_context(&encoder); }
@@ -210,7 +214,9 @@ void VideoWriter::Internals::setQuality() const {
   const int crf = settings.crf.value_or(format.usualCrf);
   if (crf >= 0) av_opt_set_int(options, "crf", crf, 0);
   if (settings.encoder == "libx264") {
-    av_opt_set(options, "preset", settings.preset.c_str(), 0);
+    const bool isAuto = settings.preset == "auto";
+    av_opt_set(options, "preset", isAuto ? "veryfast" : settings.preset.c_str(), 0);
+    if (isAuto) av_opt_set(options, "x264-params", kQuickSearch, 0);
     if (settings.size.width % kTreeWidth != 0) av_opt_set_int(options, "mbtree", 0, 0);
   } else if (settings.encoder == "libvpx-vp9") {
     av_opt_set_int(options, "cpu-used", 5 - presetStep(settings.preset) / 2, 0);

@@ -86,14 +86,17 @@ void requireValidSettings(const std::filesystem::path& file, const VideoSettings
                                  settings.framesPerSecond));
   }
   requireFittingQuality(format, settings.crf);
-  if (std::ranges::find(kPresets, settings.preset) == kPresets.end()) {
-    throw InputError(fmt::format("error: x264 has no preset \"{}\"; give one of {}",
+  const bool isKnown =
+      settings.preset == "auto" || std::ranges::find(kPresets, settings.preset) != kPresets.end();
+  if (!isKnown) {
+    throw InputError(fmt::format("error: x264 has no preset \"{}\"; give auto, or one of {}",
                                  settings.preset, fmt::join(kPresets, ", ")));
   }
 }
 
 int presetStep(const std::string& preset) {
-  return static_cast<int>(std::ranges::find(kPresets, preset) - kPresets.begin());
+  const auto place = std::ranges::find(kPresets, preset == "auto" ? "veryfast" : preset);
+  return static_cast<int>(place - kPresets.begin());
 }
 
 }  // namespace kirireel

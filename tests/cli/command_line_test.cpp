@@ -326,11 +326,20 @@ TEST(CommandLine, VersionNamesTheLibraries) {
   EXPECT_THAT(version, HasSubstr("bullet 3."));
 }
 
+TEST(CommandLine, RenderTakesSeveralRunsIntoAFolderOfTheirOwn) {
+  const auto order = std::get<RenderOrder>(
+      parseCommandLine({"render", "out/fan/trajectory.h5", "out/cap/trajectory.h5", "--out", "x"}));
+  EXPECT_EQ(order.trajectories.size(), 2);
+  EXPECT_THAT(messageOf({"render", "a.h5", "b.h5"}),
+              HasSubstr("error: a figure of several runs belongs to none of their folders; give "
+                        "its own with --out"));
+}
+
 TEST(CommandLine, RenderTakesPictureAndVideoOptions) {
   const auto order = std::get<RenderOrder>(
       parseCommandLine({"render", "out/fan/trajectory.h5", "--format", "webm", "--fps", "25",
                         "--speed", "0.5", "--hold", "1", "--crf", "30", "--view", "iso"}));
-  EXPECT_EQ(order.trajectory, "out/fan/trajectory.h5");
+  EXPECT_EQ(order.trajectories.front(), "out/fan/trajectory.h5");
   EXPECT_EQ(order.settings.videoFile, "deployment.webm");
   EXPECT_EQ(order.settings.framesPerSecond, 25);
   EXPECT_EQ(order.settings.speed, 0.5);

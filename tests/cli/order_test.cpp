@@ -147,6 +147,8 @@ const std::vector<Sample>& samples() {
       {"--progress-bar", {}},
       {"--crf", {"0", "30"}},
       {"--preset", {"slow", "medium"}},
+      {"--occlusion", {"0", "0.3"}},
+      {"--font", {"DejaVu Serif", "Liberation Sans"}},
       {"--encoder", {"libx264", "mpeg4"}},
       {"--no-meshes", {}},
   };

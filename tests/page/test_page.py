@@ -44,6 +44,7 @@ class Pages(unittest.TestCase):
         run = self.folder / model
         run_program("render", run, "--size", "%dx%d" % SIZE, "--frames", "--format", "apng",
                     "--no-snapshots", "--fps", "10", "--length", "2.1", "--hold", "0",
+                    "--occlusion", "0",
                     "--out", run / "pictures")
         names = [run / "pictures" / "frames" / ("frame_%05d.png" % k) for k in (0, 10, 20)]
         return [browser.picture_of(name.read_bytes()) for name in names]

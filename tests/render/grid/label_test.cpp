@@ -3,6 +3,7 @@
 #include <cstdlib>
 
 #include <Eigen/Geometry>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
@@ -89,6 +90,24 @@ TEST(LabelWriter, SaysHowToGetAFont) {
                  "fonts-dejavu-core or set KIRIREEL_FONT to a TrueType file");
   }
   ::unsetenv("KIRIREEL_FONT");
+}
+
+TEST(Font, IsFoundByItsFamily) {
+  setFont("dejavu sans");
+  EXPECT_EQ(findFont().filename(), "DejaVuSans.ttf");
+  EXPECT_EQ(fontFamily(), "DejaVu Sans");
+  setFont("");
+}
+
+TEST(Font, ThatIsMissingIsNamedWithTheNearest) {
+  try {
+    setFont("No Such Font");
+    ADD_FAILURE();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(),
+                ::testing::StartsWith("error: this machine has no font \"No Such Font\"; install "
+                                      "it, or give a family that fc-list names, the nearest is "));
+  }
 }
 
 }  // namespace

@@ -1,5 +1,9 @@
 #include "render/grid/scale.h"
 
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 namespace kirireel {
@@ -36,15 +40,59 @@ TEST(ScaleDrawer, DrawsABarOfTheExactLength) {
 TEST(ScaleDrawer, DrawsAllColoursOfAScaleInOrder) {
   Frame frame = makeFrame({600, 40}, kWhite);
   FrameSurface surface(frame);
+  constexpr int kRow = 10;  // of the bar, which stands above its ticks
   ColourScale scale;
   scale.title = "gap, m";
   ScaleDrawer(14, kBlack).drawColourBar(surface, scale, 300, 20, 600);
   int x = 0;
-  while (frame.at(x, 20) != mapColour(scale.map, 0)) ASSERT_LT(++x, 599);
+  while (frame.at(x, kRow) != mapColour(scale.map, 0)) ASSERT_LT(++x, 599);
   int length = 0;
-  while (frame.at(x + length, 20) != mapColour(scale.map, 1)) ASSERT_LT(x + ++length, 599);
+  while (frame.at(x + length, kRow) != mapColour(scale.map, 1)) ASSERT_LT(x + ++length, 599);
   EXPECT_EQ(length, 14 * 14 - 1);
-  EXPECT_EQ(frame.at(x + length / 2, 20), mapColour(scale.map, double(length / 2) / length));
+  EXPECT_EQ(frame.at(x + length / 2, kRow), mapColour(scale.map, double(length / 2) / length));
+}
+
+// The oracle is the place of each round value on the bar.
+TEST(ScaleDrawer, DrawsTicksAtRoundValues) {
+  Frame frame = makeFrame({600, 40}, kWhite);
+  FrameSurface surface(frame);
+  const ColourScale scale{ColourMap::Viridis, 0, 3.1, ""};
+  ScaleDrawer(14, kBlack).drawColourBar(surface, scale, 300, 20, 600);
+  int left = 0;
+  while (frame.at(left, 10) != mapColour(scale.map, 0)) ASSERT_LT(++left, 599);
+  std::vector<int> ticks;
+  for (int x = 0; x < 600; ++x) {
+    if (frame.at(x, 18) == kBlack) ticks.push_back(x - left);
+  }
+  const int last = 14 * 14 - 1;
+  const auto place = [last](double value) {
+    return static_cast<int>(std::lround(value / 3.1 * last));
+  };
+  EXPECT_EQ(ticks, (std::vector<int>{0, place(1), place(2), place(3)}));
+}
+
+TEST(ScaleDrawer, DrawsALegendAsWideAsThereIsRoom) {
+  for (const int width : {600, 150}) {
+    Frame frame = makeFrame({600, 40}, kWhite);
+    FrameSurface surface(frame);
+    const Colour red = {200, 10, 10}, green = {10, 150, 10};
+    ScaleDrawer(14, kBlack)
+        .drawLegend(surface, {{red, "36 triangles"}, {green, "48 hexagons"}}, 300, 20, width);
+    int least = 600, most = 0, reds = 0, greens = 0;
+    for (int x = 0; x < 600; ++x) {
+      for (int y = 0; y < 40; ++y) {
+        if (frame.at(x, y) == kWhite) continue;
+        least = std::min(least, x);
+        most = std::max(most, x);
+        reds += frame.at(x, y) == red;
+        greens += frame.at(x, y) == green;
+      }
+    }
+    EXPECT_EQ(reds, greens);
+    EXPECT_GT(reds, 20);
+    EXPECT_GE(least, 300 - width / 2 - 2);
+    EXPECT_LE(most, 300 + width / 2 + 2);
+  }
 }
 
 TEST(ScaleDrawer, KeepsWithinANarrowPicture) {

@@ -267,17 +267,24 @@ TEST(Painter, DrawsEachBrickInItsOwnColours) {
   EXPECT_EQ(frame.at(70, 50), faceColour(Vector3::UnitZ(), {200, 10, 30}, {}));
 }
 
-TEST(Painter, LaysLinesOverEverything) {
+TEST(Painter, DashesLinesWhereBricksHideThem) {
   const SampleBricks sample = sampleBricks({rectangleTile(0, 0, 2, 2)}, 1);
   Style style;
   style.overlayWidth = 0.1;
   Shot shot{sample.poses};
   shot.overlay = {rectangleTile(0.5, 0.5, 1, 1)};  // on the brick's far side
   const Camera camera = parallelCamera(Vector3(1, 1, 0), kTopView, 2);
-  const Frame frame = Painter({100, 100}, sample.bricks, style).paint(shot, camera);
-  EXPECT_EQ(frame.at(25, 50), style.overlay);
-  EXPECT_EQ(frame.at(21, 21), style.overlay);  // the corner is closed
-  EXPECT_EQ(frame.at(50, 50), faceColour(Vector3::UnitZ(), style.brick.top, style));
+  const Colour face = faceColour(Vector3::UnitZ(), style.brick.top, style);
+  const Frame hidden = Painter({100, 100}, sample.bricks, style).paint(shot, camera);
+  EXPECT_EQ(hidden.at(25, 30), style.overlay);
+  EXPECT_EQ(hidden.at(25, 50), face);           // between two dashes
+  EXPECT_EQ(hidden.at(21, 21), style.overlay);  // the corner is closed
+  EXPECT_EQ(hidden.at(50, 50), face);
+  for (Vector3& corner : shot.overlay[0].vertices) corner.z() = 1;  // on its near side
+  const Frame seen = Painter({100, 100}, sample.bricks, style).paint(shot, camera);
+  EXPECT_EQ(seen.at(25, 50), style.overlay);
+  EXPECT_EQ(seen.at(21, 21), style.overlay);
+  EXPECT_EQ(seen.at(50, 50), face);
 }
 
 TEST(Painter, MarksPointsByWholeDots) {

@@ -133,5 +133,24 @@ TEST(Colourist, NeedsATargetForItsError) {
   }
 }
 
+TEST(Colourist, SaysWhatColoursOfKindsMean) {
+  Motif motif;
+  const std::vector<Tile> tiles = {polygon({{0, 0}, {3, 0}, {0, 1}}),
+                                   polygon({{0, 0}, {1, 0}, {1, 1}, {0, 1}}),
+                                   polygon({{5, 5}, {6, 5}, {6, 8}})};
+  motif.bricks = bricksOf(tiles);
+  motif.start = startPoses(tiles, motif.bricks);
+  const auto textsOf = [](const Colourist& colourist) {
+    std::vector<std::string> texts;
+    for (const LegendEntry& entry : colourist.legend()) texts.push_back(entry.text);
+    return texts;
+  };
+  EXPECT_EQ(textsOf(Colourist(coloured(Colouring::Shape), motif)),
+            (std::vector<std::string>{"2 triangles", "1 quadrilateral"}));
+  EXPECT_EQ(textsOf(Colourist(coloured(Colouring::State), motif)),
+            (std::vector<std::string>{"at its start", "on its way"}));
+  EXPECT_TRUE(Colourist(coloured(Colouring::Plain), motif).legend().empty());
+}
+
 }  // namespace
 }  // namespace kirireel

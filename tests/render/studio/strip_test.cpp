@@ -14,7 +14,7 @@ Frame framed(const StripParts& parts, const StripText& text,
              const std::optional<double>& metresPerPixel = {}) {
   const Strip strip(kWhole, parts, {});
   Frame frame = makeFrame(strip.picture(), kSheet);
-  strip.append(frame, text, colours, metresPerPixel);
+  strip.append(frame, text, colours, {}, metresPerPixel);
   return frame;
 }
 

@@ -294,7 +294,7 @@ TEST(Video, PlaysAsFarAsItGotWhenItsProcessIsKilled) {
 
 TEST(Video, HasTheSameBytesWhateverIsInMemory) {
   for (const FrameSize size : {FrameSize{384, 216}, {320, 180}, {144, 96}, {600, 600}}) {
-    for (const char* preset : {"veryfast", "medium"}) {
+    for (const char* preset : {"auto", "veryfast", "medium"}) {
       SCOPED_TRACE(std::to_string(size.width) + " " + preset);
       const std::string zeros = bytesWithMemoryOf(255, size, preset);
       EXPECT_TRUE(zeros == bytesWithMemoryOf(85, size, preset));
@@ -329,9 +329,10 @@ TEST(Video, RefusesSettingsOutOfRange) {
             "error: 0 frames a second are not possible; give 1 to 1000");
   EXPECT_EQ(refusal([](VideoSettings& s) { s.crf = 52; }),
             "error: the video's crf is 52; give 0 (best) to 51 (worst), for example 18");
-  EXPECT_EQ(refusal([](VideoSettings& s) { s.preset = "quick"; }),
-            "error: x264 has no preset \"quick\"; give one of ultrafast, superfast, veryfast, "
-            "faster, fast, medium, slow, slower, veryslow, placebo");
+  EXPECT_EQ(
+      refusal([](VideoSettings& s) { s.preset = "quick"; }),
+      "error: x264 has no preset \"quick\"; give auto, or one of ultrafast, superfast, veryfast, "
+      "faster, fast, medium, slow, slower, veryslow, placebo");
   EXPECT_THAT(refusal([](VideoSettings& s) { s.size = {0, 480}; }), HasSubstr("0 x 480"));
   EXPECT_THAT(refusal([](VideoSettings& s) { s.size = {100000, 480}; }), HasSubstr("100000 x 480"));
 }

@@ -1,4 +1,4 @@
-#include "render/curves/ticks.h"
+#include "render/grid/ticks.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -22,6 +22,9 @@ struct Axis {
 /// or 5 times a power of ten; a constant stands in its middle.
 Axis makeAxis(const std::vector<double>& values, int mostTicks);
 
+/// An axis of this range, high at low or above, with such ticks within it.
+Axis makeAxisWithin(double low, double high, int mostTicks);
+
 /// The same with ticks at powers of ten; values of 0 and below have no place on it. With none above
 /// 0, an axis from 0.1 to 10.
 Axis makeLogarithmicAxis(const std::vector<double>& values, int mostTicks);

@@ -1,4 +1,4 @@
-#include "render/curves/ticks.h"
+#include "render/grid/ticks.h"
 
 #include <algorithm>
 #include <cmath>
@@ -50,9 +50,15 @@ Axis makeAxis(const std::vector<double>& values, int mostTicks) {
     axis.low -= room;
     axis.high += room;
   }
-  const double step = roundStep((axis.high - axis.low) / mostTicks);
+  return makeAxisWithin(axis.low, axis.high, mostTicks);
+}
+
+Axis makeAxisWithin(double low, double high, int mostTicks) {
+  Axis axis{low, high, false, {}, {}};
+  if (high <= low) return axis;
+  const double step = roundStep((high - low) / mostTicks);
   const int decimals = static_cast<int>(std::ceil(-std::log10(step) - kConstant));
-  for (double k = std::ceil(axis.low / step - kConstant); k * step <= axis.high; ++k) {
+  for (double k = std::ceil(low / step - kConstant); k * step <= high * (1 + kConstant); ++k) {
     axis.ticks.push_back(k * step);
     axis.texts.push_back(numberText(k == 0 ? 0 : k * step, decimals));
   }

@@ -1,0 +1,91 @@
+#include "render/record/figure.h"
+
+#include <array>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/base/error.h"
+#include "sim/model/tessellation.h"
+#include "tests/support/files.h"
+
+namespace kirireel {
+namespace {
+
+namespace fs = std::filesystem;
+
+class FigureTest : public testing::Test {
+ protected:
+  /// Records a sheet of squares; returns its trajectory.
+  fs::path recorded(const std::string& name, int side) {
+    Scene scene;
+    scene.model = makeTessellation({.columns = side, .rows = side});
+    scene.model.name = name;
+    scene.stop.duration = 0.5;
+    RecordSettings settings;
+    settings.folder = folder_.path() / name;
+    settings.video = settings.snapshots = settings.meshes = false;
+    record(scene, settings, [](const Progress&) { return Interruption(); });
+    return settings.folder / "trajectory.h5";
+  }
+
+  PictureSettings settings() const {
+    PictureSettings wanted;
+    wanted.folder = folder_.path() / "figure";
+    wanted.size = {160, 120};
+    wanted.grid.columns = 3;
+    return wanted;
+  }
+
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(FigureTest, ShowsARowOfStatesOfEachRunAtOneScale) {
+  const TrajectoryReader small(recorded("small", 2)), large(recorded("large", 4));
+  const std::array<const TrajectoryReader*, 2> runs = {&small, &large};
+  const std::vector<PanelRow> rows = figureRows(runs, settings());
+  ASSERT_EQ(rows.size(), 2);
+  std::vector<double> scales;
+  for (const PanelRow& row : rows) {
+    EXPECT_EQ(row.states.size(), 3);
+    scales.push_back(Stage(row.look, row.motif, {160, 120}).metresPerPixel());
+  }
+  // 1e-16: zoomed by the ratio of the two.
+  EXPECT_NEAR(scales[0] / scales[1], 1, 1e-12);
+  EXPECT_EQ(rows[0].captions, (std::vector<std::string>{"small: 0%", "50%", "100%"}));
+  EXPECT_EQ(rows[1].captions.front(), "large: 0%");
+}
+
+TEST_F(FigureTest, LeavesPictureAndPages) {
+  PictureSettings wanted = settings();
+  wanted.gridWidth = 100;
+  wanted.fontPoints = 7;
+  wanted.dotsPerInch = 100;
+  wanted.pages = {PageFormat::Svg, PageFormat::Pdf};
+  renderFigure({recorded("small", 2), recorded("large", 3)}, wanted);
+  const std::string svg = test::bytesOf(wanted.folder / "snapshots.svg");
+  EXPECT_THAT(svg, testing::HasSubstr("large: 0%"));
+  EXPECT_THAT(svg, testing::HasSubstr("picture_06"));
+  EXPECT_THAT(svg, testing::HasSubstr("model small, large"));
+  EXPECT_TRUE(fs::exists(wanted.folder / "snapshots.png"));
+  EXPECT_TRUE(fs::exists(wanted.folder / "snapshots.pdf"));
+}
+
+TEST_F(FigureTest, RefusesWhatHasNoOneScale) {
+  PictureSettings wanted = settings();
+  wanted.look.camera.orbit = 1;
+  const TrajectoryReader run(recorded("small", 2));
+  const std::array<const TrajectoryReader*, 2> runs = {&run, &run};
+  try {
+    figureRows(runs, wanted);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "error: pictures of several runs share one scale, which needs a parallel "
+                 "projection and a camera that stands still; leave --projection perspective, "
+                 "--orbit and --camera-keys away");
+  }
+}
+
+}  // namespace
+}  // namespace kirireel
