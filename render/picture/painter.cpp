@@ -16,10 +16,10 @@
 namespace kirireel {
 namespace {
 
-/// Largest part of a picture drawn at once, pixels: its samples stay in the processor's cache until
-/// they are averaged, and a painter's memory does not grow with its pictures.
+/// Largest part of a picture drawn at once, pixels: a painter's memory does not grow with its
+/// pictures. Smaller parts cost more than they gain by staying in the processor's cache.
 constexpr int kMostPartWidth = 2048;
-constexpr int kMostPartHeight = 128;
+constexpr int kMostPartHeight = 1024;
 
 /// Rows of pixels whose samples are read back at once: few enough to stay in the processor's cache
 /// until they are averaged.
