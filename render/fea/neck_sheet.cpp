@@ -7,9 +7,15 @@
 //
 // and at a distance d from their corners, where stresses are singular, at most h_neck / 8 + 0.25 d;
 // all in proportion to the number of elements per edge, for linear elements half as much.
+//
+// Shells are finer along the straight ends of the sheet too, h_tile / 4 + 0.25 d, where they are
+// clamped: CalculiX expands a shell to solids, whose thickness cannot change with bending where all
+// of an edge is held, and it recovers over one element. A strip as wide as that element is too
+// stiff, by which a clamped square plate of 8 elements per edge sinks 5% too little.
 #include "render/fea/neck_sheet.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <sstream>
 
@@ -26,6 +32,7 @@ namespace {
 constexpr double kUsualPerEdge = 8;
 constexpr double kAcrossNeck = 6;  ///< elements, at the usual number per edge
 constexpr double kFinerAtCorners = 8;
+constexpr double kFinerAtEnds = 4;  ///< of shells
 constexpr double kGrowth = 0.25;
 
 /// Quadrilaterals by region: tiles first, then necks.
@@ -73,38 +80,93 @@ std::vector<Vector2> pointsOnNecks(const NeckOutline& outline) {
   return points;
 }
 
-/// Two fields of Gmsh, from this number on: the distance to some points, and sizes that grow with
-/// it beyond a distance. Gmsh halves sizes when it divides the cells.
-void appendField(std::string& text, int number, int firstPoint, std::size_t count, double least,
-                 double most, double from) {
-  append(text, "Field[{}] = Distance;\nField[{}].PointsList = {{", number, number);
-  for (std::size_t k = 0; k < count; ++k) {
-    append(text, "{}{}", k > 0 ? "," : "", firstPoint + static_cast<int>(k));
+/// Points along those lines of the outline that lie on a side of the box round it, so far apart.
+std::vector<Vector2> pointsOnEnds(const NeckOutline& outline, double spacing) {
+  constexpr double kSamePlane = 1e-6;  // of the sheet's size
+  Eigen::AlignedBox2d box;
+  for (const Vector2& point : outline.points) box.extend(point);
+  const double tolerance = kSamePlane * box.sizes().norm();
+  const auto isOnSide = [&](const Vector2& a, const Vector2& b) {
+    for (int axis = 0; axis < 2; ++axis) {
+      for (const double side : {box.min()[axis], box.max()[axis]}) {
+        const double farthest = std::max(std::abs(a[axis] - side), std::abs(b[axis] - side));
+        if (farthest <= tolerance) return true;
+      }
+    }
+    return false;
+  };
+  std::vector<Vector2> points;
+  for (const std::vector<int>& tile : outline.tiles) {
+    for (std::size_t k = 0; k < tile.size(); ++k) {
+      const Vector2& from = outline.points[tile[k]];
+      const Vector2& to = outline.points[tile[(k + 1) % tile.size()]];
+      if (!isOnSide(from, to)) continue;
+      const int count = std::max(1, static_cast<int>(std::ceil((to - from).norm() / spacing)));
+      for (int j = 0; j <= count; ++j) points.emplace_back(from + (to - from) * j / count);
+    }
   }
-  append(text,
-         "}};\nField[{0}] = Threshold;\nField[{0}].InField = {1};\nField[{0}].SizeMin = {2};\n"
-         "Field[{0}].SizeMax = {3};\nField[{0}].DistMin = {4};\nField[{0}].DistMax = {5};\n",
-         number + 1, number, 2 * least, 2 * most, from,
-         from + std::max(most - least, 1e-9) / kGrowth);
+  return points;
 }
 
-void appendSizes(std::string& text, const NeckOutline& outline, const ElementRule& rule,
-                 double tileSize, int firstSample, std::size_t samples) {
+/// Points near which elements are smaller than elsewhere.
+struct FineZone {
+  std::vector<Vector2> points;
+  double size = 0;  ///< of elements at the points, metres
+  double from = 0;  ///< the distance from which on elements grow, metres
+};
+
+/// How large elements are, in metres.
+struct CellSizes {
+  double most = 0;  ///< far from all zones
+  std::vector<FineZone> zones;
+};
+
+CellSizes cellSizes(const NeckOutline& outline, const ElementRule& rule, double tileSize) {
   const double perEdge = rule.perEdge > 0 ? rule.perEdge
                          : rule.size > 0  ? tileSize / rule.size
                                           : kUsualPerEdge;
   const double linear = rule.quadratic ? 1 : 0.5;
-  const double finest = linear * outline.neckWidth / kAcrossNeck * kUsualPerEdge / perEdge;
-  const double coarsest = std::max(linear * tileSize / perEdge, finest);
+  const double atNecks = linear * outline.neckWidth / kAcrossNeck * kUsualPerEdge / perEdge;
+  CellSizes sizes;
+  sizes.most = std::max(linear * tileSize / perEdge, atNecks);
   // Corners where a neck begins and ends of slits are singular: much finer there.
-  std::size_t corners = 0;
-  for (const bool isAtNeck : outline.isAtNeck) corners += isAtNeck ? 1 : 0;
-  if (corners > 0) {
-    appendField(text, 1, firstSample, corners, finest / kFinerAtCorners, coarsest, 0);
-    appendField(text, 3, firstSample, samples, finest, coarsest, 0.5 * outline.neckWidth);
-    text += "Field[5] = Min;\nField[5].FieldsList = {2, 4};\nBackground Field = 5;\n";
+  FineZone corners{{}, atNecks / kFinerAtCorners, 0};
+  for (std::size_t k = 0; k < outline.points.size(); ++k) {
+    if (outline.isAtNeck[k]) corners.points.push_back(outline.points[k]);
   }
-  append(text, "Mesh.MeshSizeMax = {};\n", 2 * coarsest);
+  if (!corners.points.empty()) {
+    sizes.zones.push_back(corners);
+    sizes.zones.push_back({pointsOnNecks(outline), atNecks, 0.5 * outline.neckWidth});
+  }
+  if (rule.family == ElementFamily::Shell) {
+    const double atEnds = sizes.most / kFinerAtEnds;
+    sizes.zones.push_back({pointsOnEnds(outline, atEnds), atEnds, 0});
+  }
+  return sizes;
+}
+
+/// Gmsh's fields: for each zone the distance to its points, which count from `firstPoint`, and
+/// sizes that grow with it; the least of them holds. Gmsh halves sizes when it divides the cells.
+void appendSizes(std::string& text, const CellSizes& sizes, std::size_t firstPoint) {
+  int field = 0;
+  std::string thresholds;
+  for (const FineZone& zone : sizes.zones) {
+    append(text, "Field[{0}] = Distance;\nField[{0}].PointsList = {{", ++field);
+    for (std::size_t k = 0; k < zone.points.size(); ++k) {
+      append(text, "{}{}", k > 0 ? "," : "", firstPoint++);
+    }
+    append(text,
+           "}};\nField[{0}] = Threshold;\nField[{0}].InField = {1};\nField[{0}].SizeMin = {2};\n"
+           "Field[{0}].SizeMax = {3};\nField[{0}].DistMin = {4};\nField[{0}].DistMax = {5};\n",
+           field + 1, field, 2 * zone.size, 2 * sizes.most, zone.from,
+           zone.from + std::max(sizes.most - zone.size, 1e-9) / kGrowth);
+    append(thresholds, "{}{}", thresholds.empty() ? "" : ", ", ++field);
+  }
+  if (!sizes.zones.empty()) {
+    append(text, "Field[{0}] = Min;\nField[{0}].FieldsList = {{{1}}};\nBackground Field = {0};\n",
+           field + 1, thresholds);
+  }
+  append(text, "Mesh.MeshSizeMax = {};\n", 2 * sizes.most);
   text +=
       "Mesh.MeshSizeFromPoints = 0;\nMesh.MeshSizeExtendFromBoundary = 0;\n"
       "Mesh.Algorithm = 6;\nMesh.RecombineAll = 1;\nMesh.RecombinationAlgorithm = 1;\n"
@@ -223,9 +285,12 @@ std::string neckGeometry(const NeckOutline& outline, const ElementRule& rule, do
     append(text, "Point({}) = {{{}, {}, 0, 1}};\n", number, at.x(), at.y());
   };
   for (std::size_t k = 0; k < outline.points.size(); ++k) appendPoint(k + 1, outline.points[k]);
-  const std::vector<Vector2> samples = pointsOnNecks(outline);
+  const CellSizes sizes = cellSizes(outline, rule, tileSize);
   const std::size_t firstSample = outline.points.size() + 1;
-  for (std::size_t k = 0; k < samples.size(); ++k) appendPoint(firstSample + k, samples[k]);
+  std::size_t sample = firstSample;
+  for (const FineZone& zone : sizes.zones) {
+    for (const Vector2& point : zone.points) appendPoint(sample++, point);
+  }
   OutlineLines lines;
   std::string surfaces;
   int region = 0;
@@ -245,7 +310,7 @@ std::string neckGeometry(const NeckOutline& outline, const ElementRule& rule, do
            lines.ends()[k].second + 1);
   }
   text += surfaces;
-  appendSizes(text, outline, rule, tileSize, static_cast<int>(firstSample), samples.size());
+  appendSizes(text, sizes, firstSample);
   return text;
 }
 
