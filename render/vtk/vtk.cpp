@@ -1,14 +1,22 @@
 #include "render/vtk/vtk.h"
 
 #include <array>
+#include <bit>
+#include <cstdint>
 #include <iterator>
+#include <span>
 
 #include <fmt/format.h>
 
+#include "sim/base/compression.h"
 #include "sim/measure/brick_measures.h"
 
 namespace kirireel {
 namespace {
+
+static_assert(std::endian::native == std::endian::little,
+              "arrays are written as they lie in memory");
+static_assert(sizeof(Vector3) == 3 * sizeof(double));
 
 // VTK's numbers for kinds of cells.
 constexpr int kHexahedron = 12;
@@ -25,31 +33,30 @@ void append(std::string& text, fmt::format_string<Arguments...> format, Argument
   fmt::format_to(std::back_inserter(text), format, std::forward<Arguments>(arguments)...);
 }
 
-std::string words(const Vector3& v) {
-  return fmt::format("{} {} {}", v.x(), v.y(), v.z());
-}
-
-template <typename T>
-std::string words(const T& number) {
-  return fmt::format("{}", number);
-}
-
 template <typename T>
 constexpr const char* kTypeName = "Float64";
 template <>
-constexpr const char* kTypeName<int> = "Int64";
+constexpr const char* kTypeName<int> = "Int32";
 
 template <typename T>
 constexpr int kComponents = 1;
 template <>
 constexpr int kComponents<Vector3> = 3;
 
+/// An array as VTK compresses it: how many blocks there are, their size, that of a last one that is
+/// not full, and the compressed size of each; then the blocks. Ours is one full block.
 template <typename T>
 void appendArray(std::string& text, const char* name, const std::vector<T>& values) {
-  append(text, "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"ascii\">\n",
+  append(text, "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"binary\">\n",
          kTypeName<T>, name, kComponents<T>);
-  for (const T& value : values) text.append(words(value)).append("\n");
-  text += "</DataArray>\n";
+  const std::span<const std::byte> bytes = std::as_bytes(std::span(values));
+  const std::string block = compressed(bytes);
+  std::array<std::uint64_t, 4> header = {1, bytes.size(), 0, block.size()};
+  if (bytes.empty()) header = {};
+  const std::size_t sizes = bytes.empty() ? 3 : 4;
+  text += base64(std::as_bytes(std::span(header).first(sizes)));
+  if (!bytes.empty()) text += base64(std::as_bytes(std::span(block)));
+  text += "\n</DataArray>\n";
 }
 
 void appendNumber(std::string& text, const char* name, double value) {
@@ -206,7 +213,8 @@ std::string vtuText(const Subject& subject, const Poses& start, const Sample& sa
   for (const Brick& brick : subject.bricks) points += 2 * brick.bottom.size();
   std::string text =
       "<?xml version=\"1.0\"?>\n"
-      "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\">\n"
+      "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
+      "header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n"
       "<UnstructuredGrid>\n";
   appendMeasures(text, subject, sample);
   const Cells cells = cellsOf(subject.bricks);

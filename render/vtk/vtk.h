@@ -12,7 +12,8 @@ namespace kirireel {
 
 /// The text of an unstructured grid (.vtu): one solid cell a brick (a wedge where the tile has three
 /// vertices, a hexahedron where it has four, a polyhedron elsewhere), of a concave brick one wedge
-/// for each triangle that it falls into. Coordinates in metres, to the last bit. Fields:
+/// for each triangle that it falls into. Coordinates in metres, to the last bit;
+/// arrays are compressed by zlib. Fields:
 /// - of cells: `tile` (its number), `joint_gap` (the largest at the tile, metres), `turn` (the angle
 ///   from the start, radians);
 /// - of points: `displacement` from the start (metres) and, with a target, `target_distance` (of the
