@@ -1,7 +1,10 @@
 #include "render/fea/gmsh.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <map>
+#include <set>
 
 namespace kirireel {
 namespace {
@@ -58,6 +61,9 @@ class GmshText {
   GmshText(const ElementMesh& mesh, SetChoice sets) : mesh_(mesh), sets_(sets) {
     for (const TileElements& tile : mesh.tiles) parts_.push_back(&tile);
     for (const TileElements& neck : mesh.necks) parts_.push_back(&neck);
+    Eigen::AlignedBox3d box;
+    for (const Vector3& node : mesh.nodes) box.extend(node);
+    placeStep_ = 1e-6 * box.sizes().norm();
     addGroup(bodyDimension(), "TILES");
     if (!mesh.necks.empty()) addGroup(bodyDimension(), "NECKS");
     if (isSolid()) {
@@ -107,8 +113,18 @@ class GmshText {
     }
     int entity = 0;
     for (const auto& [node, groups] : pointGroups_) {
-      blocks_.push_back({0, ++entity, kPoint, {{node}}});
+      ++entity;
+      // Where slits are shut, joints lie in one place; only a joint's own group needs its point
+      // then.
+      const bool isNew = places_.insert(placeOf(node)).second;
+      if (isNew || groups.size() > 1) blocks_.push_back({0, entity, kPoint, {{node}}});
     }
+  }
+
+  /// A node's place, rounded to a millionth of the sheet's size: Gmsh tells apart what is farther.
+  std::array<long, 3> placeOf(int node) const {
+    const Vector3 steps = mesh_.nodes[node] / placeStep_;
+    return {std::lround(steps.x()), std::lround(steps.y()), std::lround(steps.z())};
   }
 
   bool isSolid() const { return mesh_.rule.family == ElementFamily::Solid; }
@@ -242,6 +258,8 @@ class GmshText {
   std::vector<int> surfaceGroups_;               ///< of single faces, in order of entities
   std::vector<int> bodyGroups_;                  ///< of single tiles and necks
   std::vector<Block> blocks_;
+  double placeStep_ = 1;                  ///< metres
+  std::set<std::array<long, 3>> places_;  ///< that a point stands in
 };
 
 }  // namespace
