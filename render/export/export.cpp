@@ -56,7 +56,9 @@ struct ExportFile {
   const char* name;
 };
 
+constexpr const char* kMeshFile = "_mesh.inp";
 constexpr const char* kDriveFile = "_drive.inp";
+constexpr const char* kDriveMesh = "_drive_mesh.inp";
 constexpr const char* kBucklingFile = "_buckle.inp";
 
 constexpr auto kFiles = std::to_array<ExportFile>({
@@ -65,9 +67,10 @@ constexpr auto kFiles = std::to_array<ExportFile>({
     {ExportFormat::Stl, true, ".stl"},
     {ExportFormat::Planar, true, "_planar.obj"},
     {ExportFormat::Vertices, true, "_vertices.txt"},
-    {ExportFormat::Inp, true, "_mesh.inp"},
+    {ExportFormat::Inp, true, kMeshFile},
     {ExportFormat::Inp, true, "_job.inp"},
     {ExportFormat::Inp, true, kDriveFile},
+    {ExportFormat::Inp, true, kDriveMesh},
     {ExportFormat::Inp, true, kBucklingFile},
     {ExportFormat::Msh, true, ".msh"},
     {ExportFormat::Vtu, true, ".vtu"},
@@ -94,9 +97,23 @@ bool isOfSheet(ExportFormat format, const ExportSettings& settings) {
 /// Whether an export may write such files.
 bool wants(const ExportSettings& settings, const ExportFile& file) {
   const std::string_view name = file.name;
-  if (name == kDriveFile && settings.decks.drive.kind == DriveChoice::None) return false;
+  const bool isOfDrive = name == kDriveFile || name == kDriveMesh;
+  if (isOfDrive && settings.decks.drive.kind == DriveChoice::None) return false;
   if (name == kBucklingFile && !settings.decks.buckling) return false;
   return wants(settings, file.format);
+}
+
+/// The rule with tiles numbered as the model's file numbers them.
+ElementRule numbered(ElementRule rule, const Model& model) {
+  rule.countsFrom = model.fileOrder.countsFrom;
+  return rule;
+}
+
+/// Whether a drive has a mesh of its own: nobody chose elements, and tiles on ideal hinges are
+/// rigid on the way. Coarse ones turn in a tenth of the increments and a hundredth of the time.
+bool hasDriveMesh(const ElementRule& rule) {
+  const bool isHinged = rule.joints == JointStyle::Shared || rule.joints == JointStyle::Equation;
+  return isHinged && rule.family == ElementFamily::Solid && rule.perEdge == 0 && rule.size == 0;
 }
 
 /// The files that were written into a folder; without keep() they are removed.
@@ -130,6 +147,7 @@ class Exporter {
       : trajectory_(trajectory),
         subject_(trajectory.subject()),
         settings_(settings),
+        elements_(numbered(settings.elements, subject_.model)),
         states_(chooseStates(trajectory, settings.states)),
         files_(files) {
     requireFuture();
@@ -148,8 +166,13 @@ class Exporter {
     const std::string name = fileStem(state.label);
     if (wantsElements() && !isNecked()) {
       const ElementMesh mesh =
-          makeElementMesh(subject_.bricks, subject_.model.joints, sample.poses, settings_.elements);
-      writeElements(mesh, name, originOf(state.label, sample), state.sample);
+          makeElementMesh(subject_.bricks, subject_.model.joints, sample.poses, elements_);
+      const DeckOrigin origin = originOf(state.label, sample);
+      std::string sets;
+      if (isDriven(state.sample)) {
+        sets = writeDrive(mesh, name, origin, state.sample, sample.poses);
+      }
+      writeElements(mesh, name, origin, sets);
     }
     for (const auto& [format, ending] : {std::pair{ExportFormat::Obj, ".obj"},
                                          {ExportFormat::Ply, ".ply"},
@@ -190,27 +213,50 @@ class Exporter {
   void writeNeckSheet() {
     if (!wantsElements()) return;
     const double thickness = subject_.brickRule.thickness;
-    const ElementMesh mesh = makeNeckMesh(subject_.model, thickness, settings_.elements);
-    writeElements(mesh, kSheet, originOf("flat sheet", trajectory_.sample(0)), 0);
+    const ElementMesh mesh = makeNeckMesh(subject_.model, thickness, elements_);
+    const DeckOrigin origin = originOf("flat sheet", trajectory_.sample(0));
+    std::string sets;
+    if (isDriven(0)) sets = writeDrive(mesh, kSheet, origin, 0, {});
+    writeElements(mesh, kSheet, origin, sets);
   }
 
+  /// `driveSets` are those of a drive on this mesh.
   void writeElements(const ElementMesh& mesh, const std::string& name, const DeckOrigin& origin,
-                     std::size_t sample) {
+                     const std::string& driveSets) {
     if (wants(ExportFormat::Msh)) {
       writeTextFile(files_.add(name + ".msh"), gmshMesh(mesh, settings_.decks.sets));
     }
     if (!wants(ExportFormat::Inp)) return;
-    writeTextFile(files_.add(name + "_mesh.inp"), meshDeck(mesh, settings_.decks, origin));
-    writeTextFile(files_.add(name + "_job.inp"),
-                  staticJob(mesh, settings_.decks, origin, name + "_mesh.inp"));
-    if (settings_.decks.buckling) {
-      writeTextFile(files_.add(name + kBucklingFile),
-                    bucklingJob(mesh, settings_.decks, origin, name + "_mesh.inp"));
-    }
+    const DeckJob job = staticJob(mesh, settings_.decks, origin, name + kMeshFile);
+    writeTextFile(files_.add(name + kMeshFile),
+                  meshDeck(mesh, settings_.decks, origin) + job.sets + driveSets);
+    writeTextFile(files_.add(name + "_job.inp"), job.text);
+    if (!settings_.decks.buckling) return;
+    writeTextFile(files_.add(name + kBucklingFile),
+                  bucklingJob(mesh, settings_.decks, origin, name + kMeshFile).text);
+  }
+
+  bool isDriven(std::size_t sample) const {
     const bool hasFuture = sample + 1 < trajectory_.times().size();
-    if (settings_.decks.drive.kind == DriveChoice::None || !hasFuture) return;
-    writeTextFile(files_.add(name + kDriveFile),
-                  driveJob(mesh, settings_.decks, origin, name + "_mesh.inp", historyFrom(sample)));
+    return wants(ExportFormat::Inp) && settings_.decks.drive.kind != DriveChoice::None && hasFuture;
+  }
+
+  /// Writes the drive's job, and its mesh where it has one of its own. Returns the sets that the
+  /// sheet's mesh needs for it.
+  std::string writeDrive(const ElementMesh& mesh, const std::string& name, const DeckOrigin& origin,
+                         std::size_t sample, const Poses& poses) {
+    const bool hasOwn = hasDriveMesh(elements_);
+    const std::string meshFile = name + (hasOwn ? kDriveMesh : kMeshFile);
+    const auto jobOn = [&](const ElementMesh& driven) {
+      const DeckJob job = driveJob(driven, settings_.decks, origin, meshFile, historyFrom(sample));
+      writeTextFile(files_.add(name + kDriveFile), job.text);
+      return job.sets;
+    };
+    if (!hasOwn) return jobOn(mesh);
+    const ElementMesh own =
+        makeElementMesh(subject_.bricks, subject_.model.joints, poses, coarsest(elements_));
+    writeTextFile(files_.add(meshFile), meshDeck(own, settings_.decks, origin) + jobOn(own));
+    return {};
   }
 
   TileHistory historyFrom(std::size_t first) const {
@@ -279,6 +325,7 @@ class Exporter {
   const TrajectoryReader& trajectory_;
   const Subject& subject_;
   const ExportSettings& settings_;
+  ElementRule elements_;
   std::vector<ChosenState> states_;
   WrittenFiles& files_;
   Poses start_;
@@ -301,7 +348,7 @@ const std::vector<std::pair<std::string, ExportFormat>>& exportFormatNames() {
 void requireExportable(const Model& model, const BrickRule& rule, const ExportSettings& settings) {
   requireDifferent(settings.formats);
   requireValidRule(settings.elements);
-  requireDrivable(settings.decks.drive, model.tiles.size());
+  requireDrivable(settings.decks.drive, model.tiles.size(), model.fileOrder.countsFrom);
   const bool isPattern = wants(settings, ExportFormat::Svg) || wants(settings, ExportFormat::Dxf);
   if (isPattern) patternOf(model, settings);
   const bool isDivided = wants(settings, ExportFormat::Inp) || wants(settings, ExportFormat::Msh);
@@ -310,7 +357,7 @@ void requireExportable(const Model& model, const BrickRule& rule, const ExportSe
     neckOutline(model, settings.elements.neck);
     return;
   }
-  ElementRule elements = settings.elements;
+  ElementRule elements = numbered(settings.elements, model);
   // How well corners meet that share a node is known of the run's own states alone.
   if (elements.joints == JointStyle::Shared) elements.joints = JointStyle::Equation;
   const std::vector<Brick> bricks = makeBricks(model.tiles, rule);

@@ -21,7 +21,8 @@ enum class ExportFormat {
   Planar,    ///< state_####_planar.obj: the tiles as polygons, as PyKirigami has them
   Vertices,  ///< state_####_vertices.txt: the tiles in the format of vertices.txt
   Inp,       ///< state_####_mesh.inp and _job.inp: a CalculiX or Abaqus deck and a job on it; with
-             ///< a drive or buckling, _drive.inp and _buckle.inp too; with necks, sheet_*.inp
+             ///< a drive or buckling, _drive.inp (with _drive_mesh.inp, of coarse elements,
+             ///< unless elements were chosen) and _buckle.inp too; with necks, sheet_*.inp
   Msh,       ///< state_####.msh (sheet.msh): a Gmsh 4.1 mesh of the same elements
   Vtu,       ///< state_####.vtu and deployment.pvd: ParaView, measures as fields
   Glb,       ///< deployment.glb: the whole deployment, animated

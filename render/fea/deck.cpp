@@ -13,9 +13,10 @@ namespace {
 /// Above this number of tiles, sets are left out unless they are asked for.
 constexpr std::size_t kMostTilesWithSets = 1000;
 
-const char* jointWord(JointStyle style) {
-  switch (style) {
+const char* jointWord(const ElementMesh& mesh) {
+  switch (mesh.rule.joints) {
     case JointStyle::Shared:
+      if (hasEquations(mesh)) return "*EQUATION of displacements where they lie on one face";
       return "shared nodes, each at the mean of its corners";
     case JointStyle::Equation:
       return "*EQUATION, the lowest node leads; corners keep their gaps";
@@ -48,7 +49,11 @@ void appendHeader(std::string& text, const ElementMesh& mesh, const DeckSettings
          "** Keywords of {}. Joints: {}.\n",
          mesh.tiles.size(), mesh.nodes.size(), mesh.elements.size(),
          mesh.rule.quadratic ? "quadratic" : "linear",
-         settings.solver == Solver::Abaqus ? "Abaqus" : "CalculiX", jointWord(mesh.rule.joints));
+         settings.solver == Solver::Abaqus ? "Abaqus" : "CalculiX", jointWord(mesh));
+  if (mesh.rule.countsFrom != 0) {
+    append(text, "** Sets count from 0: TILE_00000 is tile {} of the model's file.\n",
+           mesh.rule.countsFrom);
+  }
   text +=
       "** Slits that are shut have nodes in one place on both sides: never merge duplicate "
       "nodes.\n";
@@ -118,6 +123,18 @@ void appendPart(std::string& text, const ElementMesh& mesh, const std::string& n
   checkInterruption();
   append(text, "*ELEMENT, TYPE={}, ELSET={}\n", elementType(tile, mesh.rule), name);
   for (int k = 0; k < tile.elementCount; ++k) appendElement(text, mesh, tile.firstElement + k);
+}
+
+void appendOffsetSets(std::string& text, const ElementMesh& mesh) {
+  for (const ShellOffset& shells : shellOffsets(mesh)) {
+    append(text, "*ELSET, ELSET={}\n", shells.set);
+    std::vector<int> elements;
+    for (const int tile : shells.tiles) {
+      const TileElements& own = mesh.tiles[tile];
+      for (int k = 0; k < own.elementCount; ++k) elements.push_back(own.firstElement + k);
+    }
+    appendNumbers(text, elements.data(), elements.size());
+  }
 }
 
 /// All elements of one type in one block without a set of their own.
@@ -252,6 +269,20 @@ SetChoice chosenSets(SetChoice choice, std::size_t tiles) {
 
 }  // namespace
 
+std::vector<ShellOffset> shellOffsets(const ElementMesh& mesh) {
+  std::vector<ShellOffset> groups;
+  for (const auto& [level, set] :
+       {std::pair{0.0, "SHELLS_BOTTOM"}, {0.5, "SHELLS_MIDDLE"}, {1.0, "SHELLS_TOP"}}) {
+    ShellOffset group{set, level - 0.5, {}};
+    for (std::size_t t = 0; t < mesh.tiles.size(); ++t) {
+      if (mesh.tiles[t].level == level) group.tiles.push_back(static_cast<int>(t));
+    }
+    if (!group.tiles.empty()) groups.push_back(std::move(group));
+  }
+  const bool isAlone = groups.size() == 1 && groups[0].offset == 0;
+  return isAlone ? std::vector<ShellOffset>() : groups;
+}
+
 const char* elementType(const TileElements& tile, const ElementRule& rule) {
   if (rule.family == ElementFamily::Shell) return rule.quadratic ? "S8R" : "S4";
   if (rule.family == ElementFamily::Plane) return rule.quadratic ? "CPS8R" : "CPS4";
@@ -284,7 +315,8 @@ std::string meshDeck(const ElementMesh& mesh, const DeckSettings& settings,
   appendNodeSet(text, "NJOINT", allJointNodes(mesh));
   for (const NamedNodes& set : boundarySets(mesh)) appendNodeSet(text, set.name, set.nodes);
   appendNodeSet(text, "NREFERENCE", countedFrom(mesh.nodes.size(), references.size()));
-  if (mesh.rule.joints == JointStyle::Equation) appendEquations(text, mesh);
+  if (mesh.rule.family == ElementFamily::Shell) appendOffsetSets(text, mesh);
+  if (hasEquations(mesh)) appendEquations(text, mesh);
   if (isPatched) patches.append(text);
   return text;
 }

@@ -12,11 +12,22 @@ namespace kirireel {
 /// C3D8I when linear; shells S8R or S4, plane elements CPS8R or CPS4), sets, surfaces and what
 /// holds the joints together, but no material and no step.
 ///
-/// Names count from 0 in the model's order: element sets TILE_00000, NECK_00000 and EALL; node sets
-/// TILE_00000_N, _BOT, _TOP, JOINT_00000_A and _B, NJOINT, NALL and those of boundarySets; surfaces
-/// TILE_00000_SBOT, _STOP, _SIDE and, on each edge of the tile, _S0, _S1 and so on.
+/// Names count from 0 in the model's order, as those in other exports do: element sets TILE_00000,
+/// NECK_00000 and EALL; node sets TILE_00000_N, _BOT, _TOP, JOINT_00000_A and _B, NJOINT, NALL and
+/// those of boundarySets; surfaces TILE_00000_SBOT, _STOP, _SIDE and, on each edge of the tile,
+/// _S0, _S1 and so on.
 std::string meshDeck(const ElementMesh& mesh, const DeckSettings& settings,
                      const DeckOrigin& origin);
+
+/// Shells that lie on one face, with the set that names them.
+struct ShellOffset {
+  const char* set;
+  double offset = 0;       ///< of OFFSET: from the middle to the nodes, in thicknesses
+  std::vector<int> tiles;  ///< from 0
+};
+
+/// The shells by their offset; none where all lie in the middle.
+std::vector<ShellOffset> shellOffsets(const ElementMesh& mesh);
 
 /// What a deck names an element.
 const char* elementType(const TileElements& tile, const ElementRule& rule);

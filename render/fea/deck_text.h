@@ -51,7 +51,7 @@ struct DriveChoice {
     Some,  ///< those listed
   };
   Kind kind = None;
-  std::vector<int> tiles;  ///< of Some, from 0
+  std::vector<int> tiles;  ///< of Some, as the model's file numbers them
 };
 
 /// How decks are written.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -14,7 +15,6 @@
 namespace kirireel {
 namespace {
 
-constexpr int kMostUsualPerEdge = 8;
 constexpr int kLeastUsualPerEdge = 2;
 constexpr int kMostElements = 64;
 /// More would fill memory, and no program reads them.
@@ -105,23 +105,25 @@ void requireReasonableCount(const std::vector<Division>& divisions, const Elemen
                   count, kMostElementsInAll));
 }
 
-Footprint footprintOf(const Division& division) {
+Footprint footprintOf(const Division& division, const ElementRule& rule) {
   if (!division.triangles.empty()) {
     return triangleFootprint(division.triangles, division.sides, division.first);
   }
-  return division.second > 0 ? gridFootprint(division.first, division.second)
+  const bool isGraded = rule.family == ElementFamily::Shell;
+  return division.second > 0 ? gridFootprint(division.first, division.second, isGraded)
                              : fanFootprint(division.sides, division.first);
 }
 
-/// The points of a brick's footprint at each level, in world axes.
+/// The points of a brick's footprint at each level, in world axes; a single level lies at this
+/// share of the thickness.
 std::vector<std::vector<Vector3>> levelsOf(const Brick& brick, const Pose& pose,
-                                           const Footprint& footprint, int count) {
+                                           const Footprint& footprint, int count, double single) {
   std::vector<Vector3> bases = brick.bottom;
   // The centre of mass is the origin of brick axes, the bottom's half a thickness below it.
   bases.emplace_back(-0.5 * brick.thickness * brick.normal);
   std::vector<std::vector<Vector3>> levels(count);
   for (int level = 0; level < count; ++level) {
-    const double share = static_cast<double>(level) / (count - 1);
+    const double share = count > 1 ? static_cast<double>(level) / (count - 1) : single;
     const Vector3 up = share * brick.thickness * brick.normal;
     for (const FootprintPoint& point : footprint.points) {
       levels[level].push_back(pose.apply(point.at(bases) + up));
@@ -131,11 +133,12 @@ std::vector<std::vector<Vector3>> levelsOf(const Brick& brick, const Pose& pose,
 }
 
 void appendBrick(ElementMesh& mesh, const Brick& brick, const Pose& pose,
-                 const Footprint& footprint) {
-  const int levels = PrismLayers::levelCount(mesh.rule);
-  PrismLayers layers(mesh, footprint.cells, levelsOf(brick, pose, footprint, levels));
+                 const Footprint& footprint, double level) {
+  const int count = PrismLayers::levelCount(mesh.rule);
+  PrismLayers layers(mesh, footprint.cells, levelsOf(brick, pose, footprint, count, level));
   TileElements tile = layers.append(0, footprint.cells.size(), footprint.sides);
   tile.isRow = footprint.isRow;
+  tile.level = level;
   for (const int corner : footprint.corners) tile.edges.push_back(layers.nodesAt(corner));
   mesh.tiles.push_back(std::move(tile));
 }
@@ -186,24 +189,68 @@ void checkCorners(const ElementMesh& mesh, const Element& element, int tile) {
 void checkElements(const ElementMesh& mesh, const std::vector<Brick>& bricks) {
   for (std::size_t t = 0; t < mesh.tiles.size(); ++t) {
     const TileElements& tile = mesh.tiles[t];
+    const int number = static_cast<int>(t) + mesh.rule.countsFrom;
     for (int k = 0; k < tile.elementCount; ++k) {
       const Element& element = mesh.elements[tile.firstElement + k];
-      checkAspect(mesh, element, static_cast<int>(t), bricks[t].thickness);
-      checkCorners(mesh, element, static_cast<int>(t));
+      checkAspect(mesh, element, number, bricks[t].thickness);
+      checkCorners(mesh, element, number);
     }
   }
 }
 
+/// Where in the thickness the shells of each tile lie: where its joints do.
+std::vector<double> shellLevels(std::size_t tiles, const std::vector<Joint>& joints,
+                                const ElementRule& rule) {
+  std::vector<std::optional<JointFace>> faces(tiles);
+  for (const Joint& joint : joints) {
+    for (const int tile : {joint.a.tile, joint.b.tile}) {
+      if (faces[tile].value_or(joint.face) != joint.face) {
+        throw InputError(
+            fmt::format("error: tile {} has joints on different faces, and a shell has nodes on "
+                        "one; leave --shells out",
+                        tile + rule.countsFrom));
+      }
+      faces[tile] = joint.face;
+    }
+  }
+  std::vector<double> levels;
+  for (const auto& face : faces) {
+    const JointFace own = face.value_or(JointFace::Both);
+    levels.push_back(own == JointFace::Both ? 0.5 : own == JointFace::Top ? 1 : 0);
+  }
+  return levels;
+}
+
 /// Divides every brick by itself; the rule's patch radius is known.
-void divideBricks(const std::vector<Brick>& bricks, const Poses& poses, ElementMesh& mesh) {
+void divideBricks(const std::vector<Brick>& bricks, const std::vector<Joint>& joints,
+                  const Poses& poses, ElementMesh& mesh) {
+  std::vector<double> levels(bricks.size(), 0.5);
+  if (mesh.rule.family == ElementFamily::Shell) {
+    levels = shellLevels(bricks.size(), joints, mesh.rule);
+  }
   const std::vector<Division> divisions =
       divisionsOf(bricks, mesh.rule, usualPerEdge(bricks, mesh.rule));
   requireReasonableCount(divisions, mesh.rule);
   std::map<Division, Footprint> footprints;
   for (std::size_t t = 0; t < bricks.size(); ++t) {
     const auto [place, isNew] = footprints.try_emplace(divisions[t]);
-    if (isNew) place->second = footprintOf(divisions[t]);
-    appendBrick(mesh, bricks[t], poses[t], place->second);
+    if (isNew) place->second = footprintOf(divisions[t], mesh.rule);
+    appendBrick(mesh, bricks[t], poses[t], place->second, levels[t]);
+  }
+}
+
+/// Throws InputError for elements that hinged tiles cannot have.
+void requireBuildable(const ElementRule& rule) {
+  if (rule.family == ElementFamily::Plane || rule.joints == JointStyle::Neck) {
+    throw InputError(
+        "error: plane elements are made of one sheet with necks alone; give --joints neck with a "
+        "--neck-width, or leave --plane-stress out");
+  }
+  if (rule.family == ElementFamily::Shell && rule.joints != JointStyle::Shared) {
+    throw InputError(
+        "error: shells of hinged tiles share nodes or have equations as their joints ask for; "
+        "leave "
+        "--joints out, or choose neck");
   }
 }
 
@@ -217,6 +264,14 @@ int leastPerEdge(const std::vector<Brick>& bricks, const ElementRule& rule) {
 }
 
 }  // namespace
+
+ElementRule coarsest(ElementRule rule) {
+  rule.perEdge = 1;
+  rule.through = 1;
+  rule.quadratic = false;
+  rule.size = 0;
+  return rule;
+}
 
 int nodeCount(const ElementRule& rule) {
   if (rule.family != ElementFamily::Solid) return rule.quadratic ? 8 : 4;
@@ -246,7 +301,7 @@ void requireValidRule(const ElementRule& rule) {
 }
 
 int usualPerEdge(const std::vector<Brick>& bricks, const ElementRule& rule) {
-  int usual = kMostUsualPerEdge;
+  int usual = kUsualPerEdge;
   while (usual > kLeastUsualPerEdge &&
          elementsIn(divisionsOf(bricks, rule, usual), rule) > kUsualElementsInAll) {
     --usual;
@@ -255,21 +310,17 @@ int usualPerEdge(const std::vector<Brick>& bricks, const ElementRule& rule) {
 }
 
 bool isCoarsened(const std::vector<Brick>& bricks, const ElementRule& rule) {
-  return rule.perEdge == 0 && rule.size == 0 && usualPerEdge(bricks, rule) < kMostUsualPerEdge;
+  return rule.perEdge == 0 && rule.size == 0 && usualPerEdge(bricks, rule) < kUsualPerEdge;
 }
 
 ElementMesh makeElementMesh(const std::vector<Brick>& bricks, const std::vector<Joint>& joints,
                             const Poses& poses, const ElementRule& rule) {
   requireValidRule(rule);
-  if (rule.family != ElementFamily::Solid || rule.joints == JointStyle::Neck) {
-    throw InputError(
-        "error: shells and plane elements are made of one sheet with necks alone; give --joints "
-        "neck with a --neck-width, or leave --shells and --plane-stress out");
-  }
+  requireBuildable(rule);
   ElementMesh mesh;
   mesh.rule = rule;
   if (rule.patchRadius == 0) mesh.rule.patchRadius = usualPatchRadius(bricks);
-  divideBricks(bricks, poses, mesh);
+  divideBricks(bricks, joints, poses, mesh);
   mesh.joints = jointNodes(joints, mesh.tiles);
   mesh.clusters = findClusters(mesh);
   for (const NodeCluster& cluster : mesh.clusters) {
@@ -277,14 +328,18 @@ ElementMesh makeElementMesh(const std::vector<Brick>& bricks, const std::vector<
   }
   if (rule.joints == JointStyle::Shared) mergeClusters(mesh);
   if (rule.joints == JointStyle::Patch) spreadPatches(mesh, leastPerEdge(bricks, mesh.rule));
-  checkElements(mesh, bricks);
+  if (rule.family == ElementFamily::Solid) checkElements(mesh, bricks);
   return mesh;
+}
+
+bool hasEquations(const ElementMesh& mesh) {
+  return mesh.rule.joints != JointStyle::Patch && !mesh.clusters.empty();
 }
 
 std::vector<bool> followers(const ElementMesh& mesh) {
   std::vector<bool> follows(mesh.nodes.size());
   for (const NodeCluster& cluster : mesh.clusters) {
-    if (mesh.rule.joints == JointStyle::Equation) {
+    if (hasEquations(mesh)) {
       for (std::size_t k = 1; k < cluster.nodes.size(); ++k) follows[cluster.nodes[k]] = true;
     }
     for (const std::vector<int>& patch : cluster.patches) {

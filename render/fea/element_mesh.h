@@ -22,7 +22,7 @@ enum class JointStyle {
 /// What kind of elements a sheet consists of.
 enum class ElementFamily {
   Solid,  ///< C3D20R or C3D8I
-  Shell,  ///< S8R or S4, of necks alone
+  Shell,  ///< S8R or S4: in the middle of the thickness, or on the face that a tile's joints lie on
   Plane,  ///< plane stress, CPS8R or CPS4, of necks alone
 };
 
@@ -37,8 +37,12 @@ struct ElementRule {
   double patchRadius = 0;  ///< of JointStyle::Patch, metres; 0 for a quarter of the shortest edge
   double size = 0;         ///< the longest that elements are along edges, metres; 0 for `perEdge`
   ElementFamily family = ElementFamily::Solid;
-  NeckShape neck;  ///< of JointStyle::Neck
+  NeckShape neck;      ///< of JointStyle::Neck
+  int countsFrom = 0;  ///< the first tile's number in messages: as the model's file counts
 };
+
+/// The fewest elements that tiles can consist of, 8 nodes each: enough where nothing strains them.
+ElementRule coarsest(ElementRule rule);
 
 /// A prism on a quadrilateral, or the quadrilateral alone. Nodes in the order of Abaqus: bottom
 /// corners, top corners, then of quadratic ones the middles of the bottom edges, of the top edges
@@ -63,6 +67,7 @@ struct TileElements {
   int elementCount = 0;
   int layerCount = 0;                   ///< elements in one layer; the bottom layer comes first
   bool isRow = false;                   ///< one element wide
+  double level = 0.5;                   ///< of shells: where nodes lie in the thickness, 0 to 1
   std::vector<int> nodes;               ///< all of them
   std::vector<int> bottom;              ///< on the bottom face
   std::vector<int> top;                 ///< on the top face
@@ -71,10 +76,11 @@ struct TileElements {
 };
 
 /// The nodes of a joint on its two tiles, pair by pair: the bottom node, the top node, or all nodes
-/// of the edge through the thickness.
+/// of the edge through the thickness; of shells the one node there is.
 struct JointNodes {
   int tileA = 0;
   int tileB = 0;
+  bool isHinge = false;  ///< it goes through the thickness: tiles turn about its line alone
   std::vector<int> a;
   std::vector<int> b;
 };
@@ -102,6 +108,9 @@ struct ElementMesh {
 /// other, whatever the bricks.
 void requireValidRule(const ElementRule& rule);
 
+/// Elements along an edge when nobody chose and there are not too many of them.
+inline constexpr int kUsualPerEdge = 8;
+
 /// How many elements lie along edges when nobody chose: 8, or as many as keep the sheet below
 /// 60,000 elements, at least 2.
 int usualPerEdge(const std::vector<Brick>& bricks, const ElementRule& rule);
@@ -114,11 +123,21 @@ bool isCoarsened(const std::vector<Brick>& bricks, const ElementRule& rule);
 /// quadrilaterals, because wedges bend badly. Corners of tiles lie where the bricks have them, to
 /// the last bit; with JointStyle::Shared, where corners meet, at their mean.
 ///
+/// Shells lie in the middle of tiles whose joints go through the thickness and share nodes there,
+/// since such tiles turn in their plane alone. Where all joints of a tile lie on one face, so do
+/// its shells, offset by half a thickness (S8R and S4 with OFFSET), and as shells that share a node
+/// would bend as one, each has its own: clusters stay, to be tied by equations. Elements are
+/// shorter towards the edges of four-sided tiles, see neck_sheet.cpp.
+///
 /// Throws InputError for a rule out of range, too many elements, bricks too thin for such elements,
 /// a tile that is not star-shaped round its centre, joints that would merge two corners of one
-/// tile, and patches that are too small for the elements or so large that they overlap.
+/// tile, patches that are too small for the elements or so large that they overlap, and shells of
+/// tiles with joints on different faces.
 ElementMesh makeElementMesh(const std::vector<Brick>& bricks, const std::vector<Joint>& joints,
                             const Poses& poses, const ElementRule& rule);
+
+/// Whether clusters are tied by *EQUATION: all that are left and have no patches.
+bool hasEquations(const ElementMesh& mesh);
 
 /// For each node whether it follows others, so that nothing else may hold it: of *EQUATION all but
 /// the first of a cluster, of rigid patches all.

@@ -1,7 +1,9 @@
 #include "render/fea/footprint.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <numbers>
 
 namespace kirireel {
 namespace {
@@ -86,13 +88,17 @@ Vector3 FootprintPoint::at(const std::vector<Vector3>& verticesAndCentre) const 
   return sum;
 }
 
-Footprint gridFootprint(int first, int second) {
+Footprint gridFootprint(int first, int second, bool isGraded) {
   Footprint footprint;
+  const auto share = [isGraded](int k, int count) {
+    const double even = static_cast<double>(k) / count;
+    return isGraded ? 0.5 * (1 - std::cos(std::numbers::pi * even)) : even;
+  };
   const auto point = [&](int i, int j) { return j * (first + 1) + i; };
   for (int j = 0; j <= second; ++j) {
     for (int i = 0; i <= first; ++i) {
-      const double u = static_cast<double>(i) / first;
-      const double v = static_cast<double>(j) / second;
+      const double u = share(i, first);
+      const double v = share(j, second);
       footprint.points.push_back(
           {{0, 1, 2, 3}, {(1 - u) * (1 - v), u * (1 - v), u * v, (1 - u) * v}});
       if (i == first || j == second) continue;

@@ -35,15 +35,17 @@ struct Footprint {
 };
 
 /// A four-sided tile as a grid of quadrilaterals: `first` along the edges 0 and 2, `second` along
-/// the edges 1 and 3, each at least 1. The points of an edge lie at equal shares of it.
-Footprint gridFootprint(int first, int second);
+/// the edges 1 and 3, each at least 1. The points of an edge lie at equal shares of it, or, graded,
+/// at (1 - cos(pi k / n)) / 2, closer to its ends.
+Footprint gridFootprint(int first, int second, bool isGraded = false);
 
 /// A tile of any number of sides as triangles (a triangle alone, others fanned round the centre),
 /// each cut through the middles of its sides into three quadrilaterals, and these into grids of
 /// halfPerEdge x halfPerEdge: 2 halfPerEdge cells along each edge of the tile.
 Footprint fanFootprint(int sides, int halfPerEdge);
 
-/// A concave tile as these triangles of its vertices, anticlockwise, each divided as those of a fan.
+/// A concave tile as these triangles of its vertices, anticlockwise, each divided as those of a
+/// fan.
 Footprint triangleFootprint(const std::vector<std::array<int, 3>>& triangles, int sides,
                             int halfPerEdge);
 

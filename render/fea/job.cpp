@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "render/fea/boundary_sets.h"
+#include "render/fea/deck.h"
 #include "render/fea/supports.h"
 #include "sim/base/error.h"
 
@@ -18,6 +19,13 @@ void appendSection(std::string& text, const ElementMesh& mesh, const DeckSetting
          deckNumber(scale.stress * settings.material.youngs), deckNumber(settings.material.poisson),
          deckNumber(scale.density * settings.material.density));
   const bool isShell = mesh.rule.family == ElementFamily::Shell;
+  const std::vector<ShellOffset> offsets =
+      isShell ? shellOffsets(mesh) : std::vector<ShellOffset>();
+  for (const ShellOffset& shells : offsets) {
+    append(text, "*SHELL SECTION, ELSET={}, MATERIAL=SHEET, OFFSET={}\n{}\n", shells.set,
+           deckNumber(shells.offset), deckNumber(scale.length * thickness));
+  }
+  if (!offsets.empty()) return;
   append(text, "*{} SECTION, ELSET=EALL, MATERIAL=SHEET\n", isShell ? "SHELL" : "SOLID");
   if (mesh.rule.family == ElementFamily::Solid) return;
   append(text, "{}\n", deckNumber(scale.length * thickness));
@@ -38,8 +46,27 @@ std::vector<int> nodesOf(const std::vector<NodeDisplacement>& supports) {
   return nodes;
 }
 
+/// The nodes farthest along an axis (`sign` 1) or against it (-1) that are neither held nor follow
+/// others.
+std::vector<int> outermost(const ElementMesh& mesh, const std::vector<int>& held, int axis,
+                           double sign) {
+  const std::vector<bool> follows = followers(mesh);
+  std::vector<std::pair<double, int>> free;
+  for (int k = 0; k < static_cast<int>(mesh.nodes.size()); ++k) {
+    const bool isFree = !follows[k] && !std::ranges::binary_search(held, k);
+    if (isFree) free.emplace_back(-sign * mesh.nodes[k][axis], k);
+  }
+  std::ranges::sort(free);
+  std::vector<int> nodes;
+  for (const auto& [place, node] : free) {
+    if (place == free.front().first) nodes.push_back(node);
+  }
+  return nodes;
+}
+
 /// GRIP_XMIN and GRIP_XMAX, or of another axis: the nodes at the sheet's two ends that are not
-/// held. Programs would count what is applied at held nodes among the reactions.
+/// held, or where all are, those next to them. Programs would count what is applied at held nodes
+/// among the reactions.
 std::vector<NamedNodes> gripSets(const ElementMesh& mesh, const std::vector<int>& held) {
   const std::vector<NamedNodes> ends = boundarySets(mesh);
   std::vector<NamedNodes> grips;
@@ -48,7 +75,9 @@ std::vector<NamedNodes> gripSets(const ElementMesh& mesh, const std::vector<int>
     NamedNodes& grip = grips.emplace_back();
     grip.name = "GRIP_" + ends[place].name;
     std::ranges::set_difference(ends[place].nodes, held, std::back_inserter(grip.nodes));
-    if (grip.nodes.empty()) grip.nodes = ends[place].nodes;
+    if (grip.nodes.empty()) {
+      grip.nodes = outermost(mesh, held, longestAxis(mesh), end == 0 ? -1 : 1);
+    }
   }
   return grips;
 }
@@ -82,7 +111,7 @@ void appendRequests(std::string& text, Solver solver, const char* set, const cha
 }
 
 void appendJointWarnings(std::string& text, const ElementMesh& mesh) {
-  if (mesh.rule.joints == JointStyle::Equation) {
+  if (hasEquations(mesh)) {
     text +=
         "** WARNING: nodes that follow in *EQUATION cannot be held, and CalculiX leaves the forces "
         "of\n"
@@ -93,13 +122,27 @@ void appendJointWarnings(std::string& text, const ElementMesh& mesh) {
   }
 }
 
-/// The mesh, a set of nodes that is held or driven, and the material.
+/// The mesh and the material.
 void appendModel(std::string& text, const ElementMesh& mesh, const DeckSettings& settings,
-                 const DeckOrigin& origin, const std::string& meshFile,
-                 const std::vector<int>& nodes, const std::string& set) {
+                 const DeckOrigin& origin, const std::string& meshFile) {
   append(text, "*INCLUDE, INPUT={}\n", meshFile);
-  appendNodeSet(text, set, nodes);
   appendSection(text, mesh, settings, origin.thickness);
+}
+
+/// What a sheet is held and gripped by.
+struct HeldSheet {
+  std::vector<NodeDisplacement> supports;
+  std::vector<NamedNodes> grips;
+  std::string sets;  ///< NHOLD and those of the grips
+};
+
+HeldSheet heldSheet(const ElementMesh& mesh) {
+  HeldSheet held{leastSupports(mesh), {}, {}};
+  held.grips = gripSets(mesh, nodesOf(held.supports));
+  held.sets = "** What the job holds and grips.\n";
+  appendNodeSet(held.sets, "NHOLD", nodesOf(held.supports));
+  for (const NamedNodes& grip : held.grips) appendNodeSet(held.sets, grip.name, grip.nodes);
+  return held;
 }
 
 /// Displacements from the mesh's state on, at each time, of the point that a node is of its tile.
@@ -191,24 +234,19 @@ std::vector<int> tilesAtEnds(const ElementMesh& mesh) {
   return tiles;
 }
 
-/// The model with what is gripped and held before its step. Returns the grips.
-std::vector<NamedNodes> appendHeldModel(std::string& text, const ElementMesh& mesh,
-                                        const DeckSettings& settings, const DeckOrigin& origin,
-                                        const std::string& meshFile,
-                                        const std::vector<NodeDisplacement>& supports) {
+/// The model with what is held before its step.
+void appendHeldModel(std::string& text, const ElementMesh& mesh, const DeckSettings& settings,
+                     const DeckOrigin& origin, const std::string& meshFile, const HeldSheet& held) {
   appendJointWarnings(text, mesh);
-  appendModel(text, mesh, settings, origin, meshFile, nodesOf(supports), "NHOLD");
-  std::vector<NamedNodes> grips = gripSets(mesh, nodesOf(supports));
-  for (const NamedNodes& grip : grips) appendNodeSet(text, grip.name, grip.nodes);
-  appendSupports(text, supports);
-  return grips;
+  appendModel(text, mesh, settings, origin, meshFile);
+  appendSupports(text, held.supports);
 }
 
 }  // namespace
 
-std::string staticJob(const ElementMesh& mesh, const DeckSettings& settings,
-                      const DeckOrigin& origin, const std::string& meshFile) {
-  const std::vector<NodeDisplacement> supports = leastSupports(mesh);
+DeckJob staticJob(const ElementMesh& mesh, const DeckSettings& settings, const DeckOrigin& origin,
+                  const std::string& meshFile) {
+  const HeldSheet held = heldSheet(mesh);
   std::string text = heading(origin, "pulled at both ends");
   appendOrigin(text, origin, settings.unit);
   const std::size_t rigid = mesh.rule.family == ElementFamily::Plane ? 3 : 6;
@@ -223,41 +261,40 @@ std::string staticJob(const ElementMesh& mesh, const DeckSettings& settings,
          "largest |U|.\n"
          "** Replace material, supports and loads by yours. Its weight would be\n"
          "**   *DLOAD\n**   EALL, GRAV, {}, 0., 0., -1.\n",
-         supports.size(), rigid, supports.size() - rigid,
+         held.supports.size(), rigid, held.supports.size() - rigid,
          deckNumber(9.81 * unitScale(settings.unit).length));
-  const std::vector<NamedNodes> grips =
-      appendHeldModel(text, mesh, settings, origin, meshFile, supports);
+  appendHeldModel(text, mesh, settings, origin, meshFile, held);
   text += "*STEP\n*STATIC\n";
-  appendGripForces(text, grips, longestAxis(mesh), 1);
+  appendGripForces(text, held.grips, longestAxis(mesh), 1);
   appendRequests(text, settings.solver, "NHOLD", "RF");
-  return text + "*END STEP\n";
+  return {held.sets, text + "*END STEP\n"};
 }
 
-std::string bucklingJob(const ElementMesh& mesh, const DeckSettings& settings,
-                        const DeckOrigin& origin, const std::string& meshFile) {
-  const std::vector<NodeDisplacement> supports = leastSupports(mesh);
+DeckJob bucklingJob(const ElementMesh& mesh, const DeckSettings& settings, const DeckOrigin& origin,
+                    const std::string& meshFile) {
+  const HeldSheet held = heldSheet(mesh);
   std::string text = heading(origin, "buckling");
   appendOrigin(text, origin, settings.unit);
   text +=
       "** Both ends are pushed together by 1 N each; the buckling factors are forces in N. The "
       "supports\n"
       "** hold mechanisms of ideal hinges too: replace them by those of your test.\n";
-  const std::vector<NamedNodes> grips =
-      appendHeldModel(text, mesh, settings, origin, meshFile, supports);
+  appendHeldModel(text, mesh, settings, origin, meshFile, held);
   text += "*STEP\n*BUCKLE\n5\n";
-  appendGripForces(text, grips, longestAxis(mesh), -1);
+  appendGripForces(text, held.grips, longestAxis(mesh), -1);
   text +=
       settings.solver == Solver::Calculix ? "*NODE FILE\nU\n" : "*OUTPUT, FIELD\n*NODE OUTPUT\nU\n";
-  return text + "*END STEP\n";
+  return {held.sets, text + "*END STEP\n"};
 }
 
-void requireDrivable(const DriveChoice& choice, std::size_t tiles) {
+void requireDrivable(const DriveChoice& choice, std::size_t tiles, int countsFrom) {
   std::vector<int> named = choice.tiles;
   std::ranges::sort(named);
   for (std::size_t k = 0; k < named.size(); ++k) {
-    if (named[k] < 0 || static_cast<std::size_t>(named[k]) >= tiles) {
-      throw InputError(fmt::format("error: --drive names tile {}, but the model has tiles 0 to {}",
-                                   named[k], tiles - 1));
+    const int last = static_cast<int>(tiles) - 1 + countsFrom;
+    if (named[k] < countsFrom || named[k] > last) {
+      throw InputError(fmt::format("error: --drive names tile {}, but the model has tiles {} to {}",
+                                   named[k], countsFrom, last));
     }
     if (k > 0 && named[k] == named[k - 1]) {
       throw InputError(
@@ -269,9 +306,10 @@ void requireDrivable(const DriveChoice& choice, std::size_t tiles) {
 }
 
 std::vector<int> drivenTiles(const ElementMesh& mesh, const DriveChoice& choice) {
-  requireDrivable(choice, mesh.tiles.size());
+  requireDrivable(choice, mesh.tiles.size(), mesh.rule.countsFrom);
   if (choice.kind == DriveChoice::Edge) return tilesAtEnds(mesh);
   std::vector<int> tiles = choice.tiles;
+  for (int& tile : tiles) tile -= mesh.rule.countsFrom;
   if (choice.kind == DriveChoice::All) {
     tiles.resize(mesh.tiles.size());
     std::iota(tiles.begin(), tiles.end(), 0);
@@ -280,9 +318,8 @@ std::vector<int> drivenTiles(const ElementMesh& mesh, const DriveChoice& choice)
   return tiles;
 }
 
-std::string driveJob(const ElementMesh& mesh, const DeckSettings& settings,
-                     const DeckOrigin& origin, const std::string& meshFile,
-                     const TileHistory& allSamples) {
+DeckJob driveJob(const ElementMesh& mesh, const DeckSettings& settings, const DeckOrigin& origin,
+                 const std::string& meshFile, const TileHistory& allSamples) {
   const std::vector<int> tiles = drivenTiles(mesh, settings.drive);
   const TileHistory history = thinned(allSamples, 6 * tiles.size());
   std::vector<NodeDisplacement> driven;
@@ -305,7 +342,7 @@ std::string driveJob(const ElementMesh& mesh, const DeckSettings& settings,
       "** a node is a straight line. Time is that of the deployment.\n",
       tiles.size(), rest.size());
   appendJointWarnings(text, mesh);
-  appendModel(text, mesh, settings, origin, meshFile, nodesOf(driven), "NDRIVE");
+  appendModel(text, mesh, settings, origin, meshFile);
   const double scale = unitScale(settings.unit).length;
   for (const NodeDisplacement& one : driven) {
     appendAmplitude(text, amplitudeName(one), history.times, displacementsOf(one, mesh, history),
@@ -321,7 +358,9 @@ std::string driveJob(const ElementMesh& mesh, const DeckSettings& settings,
   }
   appendRequests(text, settings.solver, "NDRIVE", "U, RF");
   if (settings.solver == Solver::Calculix) text += "*EL PRINT, ELSET=EALL, TOTALS=ONLY\nELSE\n";
-  return text + "*END STEP\n";
+  std::string sets = "** What the drive moves.\n";
+  appendNodeSet(sets, "NDRIVE", nodesOf(driven));
+  return {sets, text + "*END STEP\n"};
 }
 
 }  // namespace kirireel

@@ -29,7 +29,6 @@
 namespace kirireel {
 namespace {
 
-constexpr double kUsualPerEdge = 8;
 constexpr double kAcrossNeck = 6;  ///< elements, at the usual number per edge
 constexpr double kFinerAtCorners = 8;
 constexpr double kFinerAtEnds = 4;  ///< of shells

@@ -67,7 +67,8 @@ double largestDistance(const std::vector<int>& nodes, const std::vector<Vector3>
   return largest;
 }
 
-void requireDifferentTiles(const NodeCluster& cluster, const std::vector<int>& owner) {
+void requireDifferentTiles(const NodeCluster& cluster, const std::vector<int>& owner,
+                           int countsFrom) {
   std::vector<int> tiles;
   for (const int node : cluster.nodes) tiles.push_back(owner[node]);
   std::ranges::sort(tiles);
@@ -76,7 +77,7 @@ void requireDifferentTiles(const NodeCluster& cluster, const std::vector<int>& o
   throw InputError(
       fmt::format("error: the joints tie two corners of tile {} together, {:.3g} m apart; a mesh "
                   "can hold only different tiles together: remove one of these joints",
-                  *twice, cluster.gap));
+                  *twice + countsFrom, cluster.gap));
 }
 
 void renumber(std::vector<int>& nodes, const std::vector<int>& numbers) {
@@ -99,6 +100,7 @@ void renumberAll(ElementMesh& mesh, const std::vector<int>& numbers) {
     renumber(joint.a, numbers);
     renumber(joint.b, numbers);
   }
+  for (NodeCluster& cluster : mesh.clusters) renumber(cluster.nodes, numbers);
 }
 
 Vector3 meanOf(const std::vector<int>& nodes, const std::vector<Vector3>& positions) {
@@ -126,7 +128,7 @@ void requireEnough(const std::vector<int>& patch, int tile, const ElementMesh& m
   throw InputError(
       fmt::format("error: a joint patch of radius {:.4g} m holds {} nodes of tile {}, at least 3 "
                   "are needed; use {} elements per edge or a larger radius",
-                  mesh.rule.patchRadius, patch.size(), tile, leastPerEdge));
+                  mesh.rule.patchRadius, patch.size(), tile + mesh.rule.countsFrom, leastPerEdge));
 }
 
 void requireApart(const std::vector<int>& patch, int tile, const ElementMesh& mesh,
@@ -135,10 +137,10 @@ void requireApart(const std::vector<int>& patch, int tile, const ElementMesh& me
     if (isTaken[node]) {
       std::vector<Vector3> corners;
       for (const auto& edge : mesh.tiles[tile].edges) corners.push_back(mesh.nodes[edge.front()]);
-      throw InputError(
-          fmt::format("error: joint patches of radius {:.4g} m overlap on tile {}; choose one "
-                      "below {:.4g} m, half the distance of its nearest corners",
-                      mesh.rule.patchRadius, tile, 0.5 * leastDistance(corners)));
+      throw InputError(fmt::format(
+          "error: joint patches of radius {:.4g} m overlap on tile {}; choose one "
+          "below {:.4g} m, half the distance of its nearest corners",
+          mesh.rule.patchRadius, tile + mesh.rule.countsFrom, 0.5 * leastDistance(corners)));
     }
     isTaken[node] = true;
   }
@@ -164,7 +166,7 @@ std::vector<JointNodes> jointNodes(const std::vector<Joint>& joints,
                       "hold pivots alone",
                       nodes.size()));
     }
-    nodes.push_back({joint.a.tile, joint.b.tile,
+    nodes.push_back({joint.a.tile, joint.b.tile, joint.face == JointFace::Both,
                      nodesAt(tiles[joint.a.tile].edges[joint.a.vertex], joint.face),
                      nodesAt(tiles[joint.b.tile].edges[joint.b.vertex], joint.face)});
   }
@@ -189,7 +191,7 @@ std::vector<NodeCluster> findClusters(const ElementMesh& mesh) {
   const std::vector<int> owner = tilesOfNodes(mesh);
   for (NodeCluster& cluster : clusters) {
     cluster.gap = largestDistance(cluster.nodes, mesh.nodes);
-    requireDifferentTiles(cluster, owner);
+    requireDifferentTiles(cluster, owner, mesh.rule.countsFrom);
   }
   return clusters;
 }
@@ -197,20 +199,24 @@ std::vector<NodeCluster> findClusters(const ElementMesh& mesh) {
 void mergeClusters(ElementMesh& mesh) {
   std::vector<int> lowest(mesh.nodes.size());
   std::iota(lowest.begin(), lowest.end(), 0);
-  for (const NodeCluster& cluster : mesh.clusters) {
-    for (const int node : cluster.nodes) lowest[node] = cluster.nodes[0];
-    mesh.nodes[cluster.nodes[0]] = meanOf(cluster.nodes, mesh.nodes);
+  const std::vector<int> owner = tilesOfNodes(mesh);
+  const auto kept = std::ranges::stable_partition(mesh.clusters, [&](const NodeCluster& cluster) {
+    return mesh.tiles[owner[cluster.nodes[0]]].level == 0.5;
+  });
+  for (auto cluster = mesh.clusters.begin(); cluster != kept.begin(); ++cluster) {
+    for (const int node : cluster->nodes) lowest[node] = cluster->nodes[0];
+    mesh.nodes[cluster->nodes[0]] = meanOf(cluster->nodes, mesh.nodes);
   }
+  mesh.clusters.erase(mesh.clusters.begin(), kept.begin());
   std::vector<int> numbers(mesh.nodes.size());
-  std::vector<Vector3> kept;
+  std::vector<Vector3> positions;
   for (std::size_t node = 0; node < lowest.size(); ++node) {
     const bool isLowest = lowest[node] == static_cast<int>(node);
-    numbers[node] = isLowest ? static_cast<int>(kept.size()) : numbers[lowest[node]];
-    if (isLowest) kept.push_back(mesh.nodes[node]);
+    numbers[node] = isLowest ? static_cast<int>(positions.size()) : numbers[lowest[node]];
+    if (isLowest) positions.push_back(mesh.nodes[node]);
   }
-  mesh.nodes = std::move(kept);
+  mesh.nodes = std::move(positions);
   renumberAll(mesh, numbers);
-  mesh.clusters.clear();
 }
 
 void spreadPatches(ElementMesh& mesh, int leastPerEdge) {

@@ -19,7 +19,7 @@ std::vector<JointNodes> jointNodes(const std::vector<Joint>& joints,
 std::vector<NodeCluster> findClusters(const ElementMesh& mesh);
 
 /// Makes one node of each cluster, at the mean of its corners, and numbers the nodes anew without
-/// gaps. The mesh has no clusters afterwards.
+/// gaps. What is left are clusters of shells on one face, which must not share nodes.
 void mergeClusters(ElementMesh& mesh);
 
 /// Gives each node of each cluster its patch. Throws InputError when a patch holds fewer than three

@@ -102,7 +102,7 @@ class MotionFinder {
     throw InputError(
         fmt::format("error: all nodes of tile {} follow joints, so nothing can hold or drive it; "
                     "use more elements per edge",
-                    tile));
+                    tile + mesh_.rule.countsFrom));
   }
 
  private:
@@ -208,6 +208,12 @@ class MotionFinder {
   std::vector<bool> follows_;
 };
 
+/// The normal of a tile's bottom, by its first element.
+Vector3 normalOf(const ElementMesh& mesh, const TileElements& tile) {
+  const auto at = [&](int k) { return mesh.nodes[mesh.elements[tile.firstElement].nodes[k]]; };
+  return (at(2) - at(0)).cross(at(3) - at(1)).normalized();
+}
+
 /// What a joint asks of two tiles.
 PairEquations equationsOf(const ElementMesh& mesh, const JointNodes& joint,
                           const std::vector<TileMotion>& motions) {
@@ -216,13 +222,13 @@ PairEquations equationsOf(const ElementMesh& mesh, const JointNodes& joint,
   };
   const Vector3 bottom = at(0);
   const Vector3 top = at(joint.a.size() - 1);
-  const bool isHinge = joint.a.size() > 1;
+  const Vector3 line = joint.a.size() > 1 ? Vector3((top - bottom).normalized())
+                                          : normalOf(mesh, mesh.tiles[joint.tileA]);
   const double size = 0.5 * (motions[joint.tileA].size + motions[joint.tileB].size);
   const auto rowsOf = [&](const TileMotion& motion, double sign) {
-    PairEquations::Rows rows = PairEquations::Rows::Zero(isHinge ? 6 : 3, 6);
+    PairEquations::Rows rows = PairEquations::Rows::Zero(joint.isHinge ? 6 : 3, 6);
     rows.topRows<3>() = motion.motionOf(0.5 * (bottom + top));
-    if (isHinge) {
-      const Vector3 line = (top - bottom).normalized();
+    if (joint.isHinge) {
       rows.bottomRightCorner<3, 3>() = -size / motion.size * crossMatrix(line);
     }
     return PairEquations::Rows(sign * rows * motion.fromDisplacements);

@@ -126,6 +126,22 @@ TEST_F(Export, WritesJobsThatFollowTheDeployment) {
   EXPECT_THROW(exportStates(*reader_, settings, out()), InputError);
 }
 
+TEST_F(Export, DrivesCoarseElementsUnlessTheyWereChosen) {
+  ExportSettings settings;
+  settings.formats = {ExportFormat::Inp};
+  settings.decks.drive = {DriveChoice::All, {}};
+  settings.states = {"initial"};
+  for (const std::string& name : exportStates(*reader_, settings, out())) {
+    EXPECT_TRUE(isExported(name, settings)) << name;
+  }
+  EXPECT_THAT(filesOut(), ElementsAre("contents.json", "state_initial_drive.inp",
+                                      "state_initial_drive_mesh.inp", "state_initial_job.inp",
+                                      "state_initial_mesh.inp"));
+  EXPECT_THAT(test::bytesOf(out() / "state_initial_drive.inp"),
+              HasSubstr("INPUT=state_initial_drive_mesh.inp"));
+  EXPECT_THAT(test::bytesOf(out() / "state_initial_drive_mesh.inp"), HasSubstr("TYPE=C3D8I"));
+}
+
 TEST_F(Export, WritesEveryFormat) {
   ExportSettings settings;
   for (const auto& [name, format] : exportFormatNames()) settings.formats.push_back(format);

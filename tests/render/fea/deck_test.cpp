@@ -247,7 +247,8 @@ TEST(Deck, WritesMillimetresToo) {
   const DeckSettings settings{.material = {2e9, 0.3, 1200}, .unit = DeckUnit::MillimetresNewtons};
   const Deck deck = test::readDeck(textOf(mesh, settings));
   EXPECT_LT((deck.nodes.at(1) - 1000 * mesh.nodes[0]).norm(), 1e-9);
-  const std::string job = staticJob(mesh, settings, kOrigin, "a_mesh.inp");
+  const DeckJob parts = staticJob(mesh, settings, kOrigin, "a_mesh.inp");
+  const std::string job = parts.sets + parts.text;
   EXPECT_THAT(job, HasSubstr("*ELASTIC\n2000, 0.3\n*DENSITY\n1.2e-09\n"));
   EXPECT_THAT(job, HasSubstr("mm, N, t, s, MPa"));
 }
@@ -300,15 +301,15 @@ TEST(Deck, SaysWhereItComesFromAndWhatIdealHingesDo) {
               HasSubstr("WARNING: bricks overlap by 0.5 of their thickness"));
   EXPECT_THAT(textOf(mesh), HasSubstr("WARNING: joints are ideal hinges"));
   EXPECT_THAT(textOf(mesh), HasSubstr("WARNING: forces through a single node"));
-  const std::string job = staticJob(mesh, {}, kOrigin, "a_mesh.inp");
+  const std::string job = staticJob(mesh, {}, kOrigin, "a_mesh.inp").text;
   EXPECT_THAT(job, testing::StartsWith("*HEADING\nsquares, state final, pulled at both ends"));
   EXPECT_THAT(job, HasSubstr("*INCLUDE, INPUT=a_mesh.inp\n"));
   EXPECT_THAT(job, Not(HasSubstr("*EQUATION")));
   EXPECT_THAT(job, HasSubstr("*NODE FILE\nU, RF\n*EL FILE\nS, E\n"));
-  EXPECT_THAT(staticJob(mesh, {.solver = Solver::Abaqus}, kOrigin, ""),
+  EXPECT_THAT(staticJob(mesh, {.solver = Solver::Abaqus}, kOrigin, "").text,
               HasSubstr("*ELEMENT OUTPUT\nS, E, MISES\n"));
   const ElementMesh tied = meshOf(test::hingedSquares(), {.joints = JointStyle::Equation});
-  EXPECT_THAT(staticJob(tied, {}, kOrigin, ""),
+  EXPECT_THAT(staticJob(tied, {}, kOrigin, "").text,
               HasSubstr("WARNING: nodes that follow in *EQUATION"));
 }
 
@@ -379,7 +380,7 @@ TEST(Supports, AreThoseOfTheMobilityOnEveryModel) {
 }
 
 TEST(Drive, RefusesTilesThatAreNotThereOrTwice) {
-  const ElementMesh mesh = meshOf(test::hingedSquares());
+  ElementMesh mesh = meshOf(test::hingedSquares());
   const auto refusal = [&](const std::vector<int>& tiles) -> std::string {
     try {
       drivenTiles(mesh, {DriveChoice::Some, tiles});
@@ -390,6 +391,10 @@ TEST(Drive, RefusesTilesThatAreNotThereOrTwice) {
   };
   EXPECT_EQ(refusal({0, 3}), "accepted");
   EXPECT_EQ(refusal({4}), "error: --drive names tile 4, but the model has tiles 0 to 3");
+  mesh.rule.countsFrom = 1;
+  EXPECT_EQ(refusal({0}), "error: --drive names tile 0, but the model has tiles 1 to 4");
+  EXPECT_EQ(drivenTiles(mesh, {DriveChoice::Some, {4, 1}}), (std::vector<int>{0, 3}));
+  mesh.rule.countsFrom = 0;
   EXPECT_EQ(refusal({2, 0, 2}),
             "error: --drive names tile 2 twice, which would prescribe its displacements twice; "
             "leave one out");

@@ -79,9 +79,18 @@ TEST(ElementMesh, RefusesImpossibleRules) {
   EXPECT_EQ(refusal(layout, {.patchRadius = -1}),
             "error: elements of 0 m and patches of radius -1 m are not possible; give positive "
             "lengths");
-  EXPECT_EQ(refusal(layout, {.family = ElementFamily::Shell}),
-            "error: shells and plane elements are made of one sheet with necks alone; give "
-            "--joints neck with a --neck-width, or leave --shells and --plane-stress out");
+  EXPECT_EQ(
+      refusal(layout, {.family = ElementFamily::Plane}),
+      "error: plane elements are made of one sheet with necks alone; give --joints neck with a "
+      "--neck-width, or leave --plane-stress out");
+  EXPECT_EQ(refusal(layout, {.joints = JointStyle::Patch, .family = ElementFamily::Shell}),
+            "error: shells of hinged tiles share nodes or have equations as their joints ask for; "
+            "leave --joints out, or choose neck");
+  test::Layout mixed = test::hingedSquares();
+  mixed.joints[0].face = JointFace::Top;
+  EXPECT_EQ(refusal(mixed, {.family = ElementFamily::Shell}),
+            "error: tile 0 has joints on different faces, and a shell has nodes on one; leave "
+            "--shells out");
 }
 
 TEST(ElementMesh, RefusesMoreElementsThanFit) {
