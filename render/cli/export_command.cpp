@@ -7,6 +7,7 @@
 
 #include "render/cli/exit_codes.h"
 #include "render/cli/option_group.h"
+#include "render/export/sensitivity.h"
 #include "render/export/state_choice.h"
 #include "render/folder/output_folder.h"
 
@@ -88,7 +89,7 @@ void addElementOptions(CLI::App& command, ElementRule& elements) {
   length("--neck-length", "the kerf", "of necks, from tile to tile", elements.neck.length);
   length("--neck-radius", "0", "of the fillets at the ends of necks", elements.neck.radius);
   length("--kerf", "0", "width of the cuts of a sheet with necks", elements.neck.kerf);
-  group.flag("--shells", "shells in the middle of a sheet with necks (S8R, S4)",
+  group.flag("--shells", "shells (S8R, S4), offset where joints lie on one face",
              [&elements] { elements.family = ElementFamily::Shell; });
   group.flag("--plane-stress", "plane elements of a sheet with necks (CPS8R, CPS4)",
              [&elements] { elements.family = ElementFamily::Plane; });
@@ -125,7 +126,8 @@ void addDeckOptions(CLI::App& command, DeckSettings& decks, bool isAlone) {
                          {{"m", DeckUnit::Model}, {"mm-N", DeckUnit::MillimetresNewtons}},
                          "metres with Pa and kg/m3, or millimetres with MPa and t/mm3");
   group.value("--drive", "TILES", "",
-              "a second job whose tiles move as in the trajectory: all, edge, or tiles (0,5,12)",
+              "a second job whose tiles move as in the trajectory: all, edge, or tiles (0,5,12), "
+              "numbered as in the model's file, planar ones from 1",
               [&decks](const OptionValue& typed) { decks.drive = parseDrive(typed); });
   group.flag("--buckle", "a further job, for buckling loads", [&decks] { decks.buckling = true; });
 }
@@ -174,6 +176,12 @@ CLI::App* addExportCommand(CLI::App& program, ExportOrder& order) {
   group.value("--out", "FOLDER", "where the trajectory is", "where the files go",
               [&order](const OptionValue& typed) { order.folder = typed.text; });
   addExportOptions(*command, "--format", order.settings);
+  OptionGroup(*command, "Check (inp)")
+      .flag(
+          "--check",
+          "runs the job of each deck in CalculiX, which must be installed, and again with elements "
+          "half as long, and says what changes",
+          [&order] { order.isChecked = true; });
   command->footer(
       "Examples:\n"
       "  kirireel export out/tessellation_4x4 --format obj,stl --states 0%,25%,50%,100%\n"
@@ -202,6 +210,10 @@ int carryOut(const ExportOrder& order) {
   }
   for (const std::string& name : exportStates(trajectory, order.settings, folder)) {
     fmt::print("{}\n", (folder / name).string());
+  }
+  if (!order.isChecked) return kExitDone;
+  for (const std::string& line : meshSensitivity(trajectory, order.settings)) {
+    fmt::print("{}\n", line);
   }
   return kExitDone;
 }

@@ -16,6 +16,7 @@ struct ExportOrder {
   std::filesystem::path trajectory;  ///< a trajectory.h5, or the folder that it is in
   std::filesystem::path folder;      ///< empty for the trajectory's own
   ExportSettings settings;
+  bool isChecked = false;  ///< whether jobs are run with two sizes of elements
 };
 
 /// Adds the options that say which states are exported as what; `formatOption` is the name of the

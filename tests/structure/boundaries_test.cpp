@@ -171,7 +171,7 @@ TEST(Boundaries, NoOtherProgramIsStartedButGmshOnRequest) {
     const std::string text = readText(fs::path(KIRIREEL_SOURCE_DIR) / file.path);
     if (std::regex_search(text, start)) starters.push_back(file.path);
   }
-  EXPECT_THAT(starters, testing::ElementsAre("render/fea/gmsh_program.cpp"));
+  EXPECT_THAT(starters, testing::ElementsAre("render/fea/outside_program.cpp"));
 }
 
 // A run is known again by the files that it read, so that none may be read unnoticed.

@@ -1,0 +1,80 @@
+#include "render/export/sensitivity.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "render/export/state_choice.h"
+#include "render/fea/boundary_sets.h"
+#include "render/fea/calculix_program.h"
+#include "render/fea/deck.h"
+#include "render/fea/job.h"
+#include "render/fea/neck_sheet.h"
+#include "sim/base/error.h"
+
+namespace kirireel {
+namespace {
+
+/// The rule with elements half as long; `usual` lie along edges where the rule does not say.
+ElementRule halved(ElementRule rule, int usual) {
+  if (rule.size > 0) {
+    rule.size /= 2;
+  } else {
+    rule.perEdge = 2 * (rule.perEdge > 0 ? rule.perEdge : usual);
+  }
+  return rule;
+}
+
+Response responseOf(const ElementMesh& mesh, DeckSettings settings, const DeckOrigin& origin) {
+  settings.solver = Solver::Calculix;
+  settings.sets = SetChoice::None;
+  settings.unit = DeckUnit::Model;
+  const DeckJob job = staticJob(mesh, settings, origin, "mesh.inp");
+  return responseByCalculix(meshDeck(mesh, settings, origin) + job.sets, job.text,
+                            longestAxis(mesh));
+}
+
+std::string lineOf(const std::string& name, const Response& own, const Response& finer) {
+  const double change = finer.opening / own.opening - 1;
+  return fmt::format(
+      "check: {}: 1 N at both ends moves them apart by {:.4g} m, {:.4g} m with elements half as "
+      "long ({:+.2f}%); the largest displacement is {:.4g} m, {:.4g} m",
+      name, own.opening, finer.opening, 100 * change, own.largestDisplacement,
+      finer.largestDisplacement);
+}
+
+}  // namespace
+
+std::vector<std::string> meshSensitivity(const TrajectoryReader& trajectory,
+                                         const ExportSettings& settings) {
+  if (std::ranges::find(settings.formats, ExportFormat::Inp) == settings.formats.end()) {
+    throw InputError("error: --check runs the jobs of decks; add inp to --format");
+  }
+  const Subject& subject = trajectory.subject();
+  DeckOrigin origin;
+  origin.thickness = subject.brickRule.thickness;
+  std::vector<std::string> lines;
+  const auto check = [&](const std::string& name, const auto& meshBy, int usual) {
+    const Response own = responseOf(meshBy(settings.elements), settings.decks, origin);
+    const Response finer =
+        responseOf(meshBy(halved(settings.elements, usual)), settings.decks, origin);
+    lines.push_back(lineOf(name, own, finer));
+  };
+  if (settings.elements.joints == JointStyle::Neck) {
+    const auto meshBy = [&](const ElementRule& rule) {
+      return makeNeckMesh(subject.model, origin.thickness, rule);
+    };
+    check("flat sheet", meshBy, kUsualPerEdge);
+    return lines;
+  }
+  for (const ChosenState& state : chooseStates(trajectory, settings.states)) {
+    const Poses poses = trajectory.sample(state.sample).poses;
+    const auto meshBy = [&](const ElementRule& rule) {
+      return makeElementMesh(subject.bricks, subject.model.joints, poses, rule);
+    };
+    check(state.label, meshBy, usualPerEdge(subject.bricks, settings.elements));
+  }
+  return lines;
+}
+
+}  // namespace kirireel
