@@ -1,7 +1,14 @@
 // Decks of end states, run by CalculiX as they are: skipped where ccx is not installed.
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <sstream>
+#include <vector>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "sim/base/geometry.h"
 #include "tests/cli/run_program.h"
 #include "tests/support/program.h"
 
@@ -40,6 +47,79 @@ TEST_P(ShippedEndStates, RunInCalculix) {
 INSTANTIATE_TEST_SUITE_P(Command, ShippedEndStates,
                          testing::Values("tessellation_4x4", "cap", "cylinder", "moebius",
                                          "hexagons", "penrose_expanded"));
+
+/// The nodes of a deck, by number.
+std::map<int, Vector3> nodesOf(const std::filesystem::path& file) {
+  std::map<int, Vector3> nodes;
+  std::istringstream lines(readText(file));
+  bool isNode = false;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("**")) continue;
+    if (line.starts_with("*")) isNode = line.starts_with("*NODE,");
+    int number = 0;
+    Vector3 at;
+    if (isNode &&
+        std::sscanf(line.c_str(), "%d, %lf, %lf, %lf", &number, &at.x(), &at.y(), &at.z()) == 4) {
+      nodes[number] = at;
+    }
+  }
+  return nodes;
+}
+
+/// By how much nodes miss their places in the final state, in metres, where CalculiX follows the
+/// whole deployment by default options.
+double missAtTheEnd(const std::string& model) {
+  const ScratchFolder scratch;
+  const std::string out = scratch.path().string();
+  runKirireel({"simulate", shippedModel(model).string(), "--out", out});
+  runKirireel({"export", out, "--format", "inp", "--states", "initial", "--drive", "all"});
+  runKirireel({"export", out, "--format", "inp", "--states", "final", "--out", out + "/final",
+               "--elements-per-edge", "1", "--elements-through", "1", "--linear"});
+  std::string job = readText(scratch / "state_initial_drive.inp");
+  job.insert(job.find("*END STEP"), "*NODE PRINT, NSET=NALL, FREQUENCY=100000\nU\n");
+  writeText(scratch / "state_initial_drive.inp", job);
+  test::outputOf("cd '" + out + "' && OMP_NUM_THREADS=1 ccx -i state_initial_drive");
+  const std::map<int, Vector3> start = nodesOf(scratch / "state_initial_drive_mesh.inp");
+  const std::map<int, Vector3> end = nodesOf(scratch / "final/state_final_mesh.inp");
+  const std::string data = readText(scratch / "state_initial_drive.dat");
+  const std::size_t last = data.rfind("for set NALL");
+  if (start.empty() || start.size() != end.size() || last == std::string::npos) return INFINITY;
+  std::istringstream rows(data.substr(data.find('\n', last)));
+  double most = 0;
+  std::size_t count = 0;
+  int number = 0;
+  for (Vector3 u; rows >> number >> u.x() >> u.y() >> u.z(); ++count) {
+    most = std::max(most, (start.at(number) + u - end.at(number)).norm());
+  }
+  return count == start.size() ? most : INFINITY;
+}
+
+TEST(ProgramDrive, EndsWhereTheDeploymentDoes) {
+  if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to judge decks by it";
+  EXPECT_LT(missAtTheEnd("tessellation_4x4"), 1e-6);  // measured: 3.5e-7
+  // 500 increments: the default path of the cap opens it first and then leads its tiles.
+  EXPECT_LT(missAtTheEnd("cap"), 1e-6);  // measured: 7.2e-8
+}
+
+TEST(ProgramCheck, SaysHowMuchElementsMatter) {
+  if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to judge decks by it";
+  const ScratchFolder scratch;
+  const std::string out = scratch.path().string();
+  runKirireel({"simulate", shippedModel("tessellation_4x4").string(), "--out", out});
+  const std::vector<std::string> order = {
+      "export", out, "--states", "final", "--check", "--elements-per-edge", "2", "--format"};
+  std::vector<std::string> decks = order;
+  decks.push_back("inp");
+  const ProgramEnd end = runKirireel(decks);
+  EXPECT_EQ(end.exitCode, 0) << end.err;
+  EXPECT_THAT(end.out, testing::ContainsRegex(
+                           "check: final: 1 N at both ends moves them apart by [0-9.e-]+ m, "
+                           "[0-9.e-]+ m with elements half as long \\([+-][0-9.]+%\\)"));
+  std::vector<std::string> meshes = order;
+  meshes.push_back("obj");
+  EXPECT_THAT(runKirireel(meshes).err,
+              HasSubstr("error: --check runs the jobs of decks; add inp to --format"));
+}
 
 TEST(ProgramDeck, KeepsTheLimitsOfItsReaders) {
   const ScratchFolder scratch;

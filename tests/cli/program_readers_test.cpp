@@ -1,0 +1,77 @@
+// What other programs say of decks, meshes and facets: skipped where they are not installed.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/cli/run_program.h"
+#include "tests/support/program.h"
+
+namespace kirireel {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr const char* kPython = "/usr/bin/python3";  ///< that Debian's packages are for
+
+/// Exports states of a run, its tiles joined in this style.
+void exportAs(const std::string& run, const std::string& style, const std::string& out) {
+  const ProgramEnd end = runKirireel({"export", run, "--format", "inp,msh,stl", "--states",
+                                      "initial,final", "--joints", style, "--drive", "all",
+                                      "--buckle", "--elements-per-edge", "6", "--out", out});
+  ASSERT_EQ(end.exitCode, 0) << end.err;
+}
+
+/// What a shell loop over files of this ending says.
+std::string saidOfAll(const std::string& folder, const std::string& ending,
+                      const std::string& command) {
+  return test::outputOf("cd '" + folder + "' && for file in *" + ending + "; do " + command +
+                        " 2>&1; done; true");
+}
+
+/// That meshio opens every deck, jobs included, and finds elements in it.
+void expectMeshioToOpen(const std::string& folder) {
+  const std::string script =
+      "import meshio, sys; mesh = meshio.read(sys.argv[1]); "
+      "print(\"cells\" if sum(len(c.data) for c in mesh.cells) > 0 else \"none\")";
+  const std::string said = saidOfAll(
+      folder, ".inp", std::string(kPython) + " -c '" + script + "' $file | grep -v \"^$\"");
+  EXPECT_THAT(said, HasSubstr("cells"));
+  EXPECT_THAT(said, Not(HasSubstr("none")));
+  EXPECT_THAT(said, Not(HasSubstr("Error"))) << said;
+}
+
+class Readers : public testing::TestWithParam<const char*> {};
+
+TEST_P(Readers, FindNothingToMend) {
+  for (const char* program : {"gmsh", "admesh"}) {
+    if (!test::hasProgram(program)) GTEST_SKIP() << "install " << program;
+  }
+  const bool hasMeshio =
+      !test::outputOf(std::string(kPython) + " -c 'import meshio; print(1)'").empty();
+  const ScratchFolder scratch;
+  const std::string run = scratch / "run";
+  runKirireel({"simulate", shippedModel(GetParam()).string(), "--out", run, "--fps", "10",
+               "--duration", "2", "--path", "straight"});
+  for (const std::string style : {"shared", "equation", "patch"}) {
+    const std::string out = scratch / style;
+    exportAs(run, style, out);
+    const std::string meshes = saidOfAll(out, ".msh", "gmsh -check $file");
+    EXPECT_THAT(meshes, HasSubstr("Done checking mesh coherence"));
+    // Nodes are: shut slits have some in one place on both sides, which is what keeps them open.
+    EXPECT_THAT(meshes, Not(testing::ContainsRegex("[0-9] duplicate elements"))) << meshes;
+    const std::string facets = saidOfAll(out, ".stl", "admesh $file");
+    EXPECT_THAT(facets, HasSubstr("Normals fixed         :     0"));
+    for (const char* mended : {"Edges fixed", "Facets removed", "Facets added", "Facets reversed",
+                               "Backwards edges", "Normals fixed"}) {
+      EXPECT_THAT(facets, Not(testing::ContainsRegex(std::string(mended) + " *: *[1-9]")));
+    }
+    if (hasMeshio) expectMeshioToOpen(out);
+  }
+  if (!hasMeshio) GTEST_SKIP() << "install python3-meshio to judge decks by it";
+}
+
+INSTANTIATE_TEST_SUITE_P(Program, Readers,
+                         testing::Values("tessellation_4x4", "cap", "hexagons", "stars"));
+
+}  // namespace
+}  // namespace kirireel

@@ -1,0 +1,172 @@
+// Decks for Abaqus against docs/abaqus_keywords.csv, a table made from its manual: which keywords
+// there are, in the model or in a step, with which parameters and how many fields in a row of data.
+#include <algorithm>
+#include <map>
+#include <numbers>
+#include <set>
+#include <sstream>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "render/fea/deck.h"
+#include "render/fea/job.h"
+#include "tests/support/files.h"
+#include "tests/support/layouts.h"
+
+namespace kirireel {
+namespace {
+
+std::vector<std::string> split(const std::string& text, char at) {
+  std::vector<std::string> words;
+  std::istringstream stream(text);
+  for (std::string word; std::getline(stream, word, at);) {
+    const std::size_t first = word.find_first_not_of(' ');
+    words.push_back(first == std::string::npos ? "" : word.substr(first));
+  }
+  return words;
+}
+
+/// What the manual says of a keyword.
+struct Keyword {
+  std::string place;                                        ///< model, step or both
+  std::map<std::string, std::set<std::string>> parameters;  ///< with their values, if these are few
+  std::set<std::string> required;
+  std::size_t leastFields = 0;
+  std::size_t mostFields = 0;
+};
+
+/// Reads a cell: parameters separated by "|", each with its one value if it has one, or a single
+/// parameter with all its values, as in TYPE=S4|S8R.
+void addParameters(const std::string& cell, Keyword& keyword, bool isRequired) {
+  std::string last;
+  for (const std::string& word : split(cell, '|')) {
+    const std::size_t equals = word.find('=');
+    const bool isValue = equals == std::string::npos && !last.empty() &&
+                         !keyword.parameters[last].empty() && cell.find(last + "=") == 0;
+    if (isValue) {
+      keyword.parameters[last].insert(word);
+      continue;
+    }
+    last = word.substr(0, equals);
+    keyword.parameters[last];
+    if (equals != std::string::npos) keyword.parameters[last].insert(word.substr(equals + 1));
+    if (isRequired) keyword.required.insert(last);
+  }
+}
+
+std::map<std::string, Keyword> manual() {
+  std::map<std::string, Keyword> table;
+  std::istringstream lines(test::bytesOf(KIRIREEL_SOURCE_DIR "/docs/abaqus_keywords.csv"));
+  std::string line;
+  std::getline(lines, line);
+  while (std::getline(lines, line)) {
+    const std::vector<std::string> cells = split(line, ',');
+    Keyword& keyword = table[cells.at(0)];
+    keyword.place = cells.at(1);
+    addParameters(cells.at(2), keyword, true);
+    addParameters(cells.at(3), keyword, false);
+    if (cells.at(4) == "text") {
+      keyword.mostFields = 100;
+    } else {
+      const std::vector<std::string> bounds = split(cells.at(4), '-');
+      keyword.leastFields = std::stoul(bounds.front());
+      keyword.mostFields = std::stoul(bounds.back());
+    }
+    EXPECT_TRUE(cells.at(5).starts_with("simakey-r-")) << line;
+  }
+  return table;
+}
+
+/// Judges decks line by line, and remembers which keywords they used.
+class Judge {
+ public:
+  void read(const std::string& deck) {
+    isInStep_ = false;
+    std::istringstream lines(deck);
+    for (std::string line; std::getline(lines, line);) {
+      EXPECT_LE(line.size(), 256U);
+      if (line.starts_with("**")) continue;
+      line.starts_with("*") ? readKeyword(line) : readData(line);
+    }
+    EXPECT_FALSE(isInStep_);
+  }
+
+  std::vector<std::string> unused() const {
+    std::vector<std::string> names;
+    for (const auto& [name, keyword] : table_) {
+      if (!used_.contains(name)) names.push_back(name);
+    }
+    return names;
+  }
+
+ private:
+  void readKeyword(const std::string& line) {
+    const std::vector<std::string> words = split(line, ',');
+    const std::string name = words.at(0).substr(1);
+    ASSERT_TRUE(table_.contains(name)) << line;
+    keyword_ = &table_.at(name);
+    used_.insert(name);
+    if (name == "STEP") isInStep_ = true;
+    const bool isForBoth = keyword_->place == "both";
+    EXPECT_TRUE(isForBoth || (keyword_->place == "step") == isInStep_) << line;
+    if (name == "END STEP") isInStep_ = false;
+    std::set<std::string> missing = keyword_->required;
+    for (std::size_t k = 1; k < words.size(); ++k) {
+      const std::vector<std::string> parts = split(words[k], '=');
+      missing.erase(parts.at(0));
+      const auto found = keyword_->parameters.find(parts.at(0));
+      ASSERT_NE(found, keyword_->parameters.end()) << line;
+      if (found->second.empty()) continue;
+      EXPECT_TRUE(parts.size() == 2 && found->second.contains(parts[1])) << line;
+    }
+    EXPECT_TRUE(missing.empty()) << line;
+  }
+
+  void readData(const std::string& line) const {
+    ASSERT_NE(keyword_, nullptr) << line;
+    const std::size_t fields = split(line, ',').size();
+    EXPECT_GE(fields, keyword_->leastFields) << line;
+    EXPECT_LE(fields, keyword_->mostFields) << line;
+  }
+
+  std::map<std::string, Keyword> table_ = manual();
+  std::set<std::string> used_;
+  const Keyword* keyword_ = nullptr;
+  bool isInStep_ = false;
+};
+
+/// All decks and jobs of squares with these elements.
+void judge(Judge& judge, const ElementRule& rule, JointFace face = JointFace::Both) {
+  Model model = makeTessellation(test::squares(2, 2, 0.7));
+  for (Joint& joint : model.joints) joint.face = face;
+  const test::Layout layout = test::layoutOf(model.tiles, model.joints);
+  const ElementMesh mesh = makeElementMesh(layout.bricks, layout.joints, layout.poses, rule);
+  const DeckOrigin origin = {"squares", "final", 0.5, 0.02, 0, "Kirireel", "a run"};
+  DeckSettings settings;
+  settings.solver = Solver::Abaqus;
+  settings.drive = {DriveChoice::All, {}};
+  judge.read(meshDeck(mesh, settings, origin));
+  for (const DeckJob& job :
+       {staticJob(mesh, settings, origin, "x_mesh.inp"),
+        bucklingJob(mesh, settings, origin, "x_mesh.inp"),
+        driveJob(mesh, settings, origin, "x_mesh.inp", {{0, 1}, {layout.poses, layout.poses}})}) {
+    judge.read(job.sets);
+    judge.read(job.text);
+  }
+}
+
+TEST(AbaqusDecks, HaveTheKeywordsOfTheManual) {
+  Judge abaqus;
+  for (const JointStyle style : {JointStyle::Shared, JointStyle::Equation, JointStyle::Patch}) {
+    judge(abaqus, {.perEdge = 4, .joints = style});
+    judge(abaqus, {.perEdge = 4, .quadratic = false, .joints = style});
+  }
+  judge(abaqus, {.family = ElementFamily::Shell});
+  judge(abaqus, {.quadratic = false, .family = ElementFamily::Shell}, JointFace::Top);
+  // Nothing stands in the table that no deck has.
+  EXPECT_EQ(abaqus.unused(), std::vector<std::string>());
+}
+
+}  // namespace
+}  // namespace kirireel
