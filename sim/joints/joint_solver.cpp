@@ -82,6 +82,7 @@ void Stepper<D>::advanceHalving(Motion& motion, double step, int level, bool war
   } else {
     standstill_.noteMoving();
     keepMultipliers(step);
+    countLosses(step);
   }
   finishStep(motion);
 }
@@ -292,6 +293,21 @@ void Stepper<D>::keepMultipliers(double step) {
   }
 }
 
+/// What dampers take along the step, and contacts: their impulse times the mean of the velocities
+/// before and after (Kelvin).
+template <int D>
+void Stepper<D>::countLosses(double step) {
+  for (std::size_t i = 0; i < bricks_.size(); ++i) {
+    const typename Space::Vector velocity = program_.x.template segment<D>(D * i);
+    report_.damped += step * velocity.dot(Space::restrict(loads_[i].damping) * velocity);
+  }
+  const Vector mean = 0.5 * (startSpeed_ + program_.x);
+  for (const Row& row : program_.contacts) {
+    if (row.hasNormal) report_.impacted -= row.multiplier * row.normalVelocity(mean);
+    report_.impacted -= row.slipMultiplier.dot(row.slipVelocity(mean));
+  }
+}
+
 /// Writes the new state; angular momentum, not angular velocity, is carried across the turn.
 template <int D>
 void Stepper<D>::finishStep(Motion& motion) const {
@@ -329,6 +345,29 @@ std::vector<ContactLoad> Stepper<D>::contactLoads() const {
   for (const auto& [pair, force] : forces) loads.push_back({pair.first, pair.second, force});
   std::ranges::stable_sort(loads, std::greater{}, &ContactLoad::force);
   return loads;
+}
+
+template <int D>
+std::vector<TouchForce> Stepper<D>::touchForces(const Poses& poses) const {
+  std::vector<TouchForce> forces;
+  for (const auto* rows : {&kept_, &supports_}) {
+    for (Row row : *rows) {
+      placeRow(row, poses);
+      // The velocity of A's point along a direction begins with that direction.
+      constexpr int kAxes = D == 6 ? 3 : 2;
+      TouchForce touch = {row.contact.brickA, row.contact.brickB,
+                          poses[row.contact.brickA].apply(row.contact.pointA), Vector3::Zero(), 0};
+      touch.force.template head<kAxes>() =
+          row.tangentA.template leftCols<kAxes>().transpose() * row.slipMultiplier / keptStep_;
+      if (row.hasNormal) {
+        touch.push = row.multiplier / keptStep_;
+        touch.force.template head<kAxes>() +=
+            touch.push * row.normalA.template head<kAxes>().transpose();
+      }
+      forces.push_back(touch);
+    }
+  }
+  return forces;
 }
 
 /// Adds the momentum that the loads give in a step with the program's velocities.
@@ -477,6 +516,8 @@ StepReport& StepReport::operator+=(const StepReport& other) {
   timeError += other.timeError;
   touchingTime += other.touchingTime;
   singularTime += other.singularTime;
+  damped += other.damped;
+  impacted += other.impacted;
   work += other.work;
   return *this;
 }

@@ -50,6 +50,9 @@ struct StepReport {
   /// crowded ...
   double touchingTime = 0;
   double singularTime = 0;  ///< ... or the joints were singular
+  /// Energy that dampers took, and that contacts took by impacts and friction, joules.
+  double damped = 0;
+  double impacted = 0;
   /// What the call cost, in multiplications with an addition: counted from the plan of elimination
   /// and the pairs examined, so that it is the same on every machine.
   double work = 0;
@@ -68,6 +71,15 @@ struct ContactLoad {
   int brickA = 0;
   int brickB = kFixed;  ///< above brickA, or kFixed
   double force = 0;     ///< newtons, the sum over the pair's points
+};
+
+/// The force at one point where two bricks, or a brick and the ground, touch.
+struct TouchForce {
+  int brickA = 0;
+  int brickB = kFixed;  ///< or kFixed
+  Vector3 point;        ///< world axes
+  Vector3 force;        ///< on brick A, friction included, newtons; brick B gets the opposite
+  double push = 0;      ///< of that along the normal, newtons, from 0
 };
 
 /// The direct solver: an implicit Euler step whose velocities satisfy all joints exactly,
@@ -129,6 +141,13 @@ class JointSolver {
 
   /// The contacts that carried load in the last step, the strongest first; supports excluded.
   virtual std::vector<ContactLoad> contactLoads() const = 0;
+
+  /// What the contacts of the last step and the supports push with, its mean over the step, at the
+  /// poses where they are now.
+  virtual std::vector<TouchForce> touchForces(const Poses& poses) const = 0;
+
+  /// The joints' stiffness at present, N/m; infinity: exact.
+  virtual double jointStiffness() const = 0;
 
   /// Closes the joints of an open state, moving the bricks as little as their masses allow. Returns
   /// the largest gap left, metres.

@@ -41,6 +41,8 @@ class Stepper : public JointSolver {
   void setPinned(const std::vector<bool>& pinned) override;
   void setJointStiffness(double stiffness) override;
   std::vector<ContactLoad> contactLoads() const override;
+  std::vector<TouchForce> touchForces(const Poses& poses) const override;
+  double jointStiffness() const override { return jointStiffness_; }
   double assemble(Poses& poses) override;
   void transfer(StateTape& tape) override;
 
@@ -58,6 +60,7 @@ class Stepper : public JointSolver {
   bool projectVelocities(Motion& motion, bool withFriction);
   double closeGaps(Poses& poses, std::vector<Row> held);
   double largestGap(const std::vector<Row>& held) const;
+  void countLosses(double step);
   void addImpulses(const Poses& poses, double step, Momentum& given) const;
   StepOutcome tryStep(const Motion& start, double step, bool warm);
   StepOutcome solveContactRounds(const Poses& start, double step);
