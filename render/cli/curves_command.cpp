@@ -52,8 +52,11 @@ CLI::App* addCurvesCommand(CLI::App& program, CurvesOrder& order) {
       "area and perimeter of its convex outline and the area that tiles cover (seen along z),\n"
       "porosity, Poisson's ratio since the start, the least, mean and largest opening of the "
       "joints,\n"
-      "kinetic energy, target error, joint gap and overlap. Fields are empty where there is no "
-      "value.\n\n"
+      "kinetic energy, target error, joint gap and overlap, and each joint's opening. Runs with\n"
+      "dynamics also have the energy in springs, the work of the drives, what dampers, contacts "
+      "and\n"
+      "the integrator took, and the forces of joints, pins, grips and contacts; a path of the\n"
+      "mechanism is geometry and has none. Fields are empty where there is no value.\n\n"
       "Examples:\n"
       "  kirireel curves out/tessellation_4x4 --plot pdf\n"
       "  kirireel curves out/tessellation_4x4 --plot svg,png --against opening --width 85");
@@ -69,9 +72,11 @@ int carryOut(const CurvesOrder& order) {
   CurvesSettings settings = order.settings;
   if (settings.folder.empty()) settings.folder = order.run.parent_path();
   if (settings.folder.empty()) settings.folder = ".";
-  for (const std::string& name : writeCurves(TrajectoryReader(order.run), settings)) {
+  const TrajectoryReader run(order.run);
+  for (const std::string& name : writeCurves(run, settings)) {
     fmt::print("{}\n", (settings.folder / name).string());
   }
+  if (!run.hasMechanics()) fmt::print(stderr, "note: {}\n", kNoMechanics);
   return kExitDone;
 }
 

@@ -39,6 +39,7 @@ std::vector<const Curve*> allCurves(const RunCurves& curves) {
   for (const CurveGroup& group : curves.groups) {
     for (const Curve& curve : group.curves) all.push_back(&curve);
   }
+  for (const Curve& curve : curves.joints) all.push_back(&curve);
   return all;
 }
 

@@ -26,8 +26,9 @@ struct CurvesSettings {
   PlotSettings plot;
 };
 
-/// The table: a row a sample, first time_s and progress, then every curve's column; numbers read
-/// back to the last bit, and empty fields are where a value does not exist.
+/// The table: a row a sample, first time_s and progress, then every curve's column, those of each
+/// joint last; numbers read back to the last bit, and empty fields are where a value does not
+/// exist.
 std::string curvesTable(const RunCurves& curves, const std::vector<double>& progress);
 
 /// Writes curves.csv and the figures into the folder, all of them or none, and lists them in

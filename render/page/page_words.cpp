@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "render/page/packed_array.h"
+#include "sim/measure/run_curves.h"
 #include "sim/model/model.h"
 
 namespace kirireel {
@@ -74,6 +75,7 @@ Facts factsOf(const TrajectoryReader& run) {
   }
   addErrors(run, tile, facts);
   addAccuracy(run, tile, facts);
+  if (!run.hasMechanics()) facts.emplace_back("Energies and forces", kNoMechanics);
   std::erase_if(facts, [](const auto& fact) { return fact.second.empty(); });
   return facts;
 }

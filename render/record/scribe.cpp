@@ -1,8 +1,13 @@
 #include "render/record/scribe.h"
 
+#include "sim/measure/run_curves.h"
+
 namespace kirireel {
+
 Scribe::Scribe(const std::filesystem::path& path, const Subject& subject)
-    : writer_(path, subject), samples_(kWaitingSamples), crew_([this] { samples_.stop(); }) {
+    : writer_(path, subject, makeCurveMeter(subject)),
+      samples_(kWaitingSamples),
+      crew_([this] { samples_.stop(); }) {
   crew_.start([this] { writeAll(); });
 }
 

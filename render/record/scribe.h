@@ -14,7 +14,8 @@ namespace kirireel {
 /// Owns the file and the thread. A scribe that goes without finish() leaves no file.
 class Scribe {
  public:
-  /// Throws OutputError when the file cannot be made.
+  /// The file gets the curves' channels (makeCurveMeter). `subject` must outlive this. Throws
+  /// OutputError when the file cannot be made.
   Scribe(const std::filesystem::path& path, const Subject& subject);
 
   /// Hands over a sample. False once writing has failed; finish() says why.

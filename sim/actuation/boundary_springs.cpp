@@ -49,4 +49,12 @@ Load BoundarySprings::load(int brick, const Pose& pose) const {
   return load;
 }
 
+double BoundarySprings::energy(const Poses& poses) const {
+  double sum = 0;
+  for (std::size_t i = 0; i < springs_.size(); ++i) {
+    for (const PointSpring& spring : springs_[i]) sum += pointSpringEnergy(spring, poses[i]);
+  }
+  return sum;
+}
+
 }  // namespace kirireel

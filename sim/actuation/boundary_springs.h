@@ -24,6 +24,9 @@ class BoundarySprings {
   /// The load on one brick at a pose: its springs, and the settings' damping.
   Load load(int brick, const Pose& pose) const;
 
+  /// Energy stored in all springs, joules.
+  double energy(const Poses& poses) const;
+
   /// The point of the curve that corner k of the hull is pulled to.
   const Vector3& anchor(int k) const { return anchors_[k]; }
 

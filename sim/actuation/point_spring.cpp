@@ -16,4 +16,8 @@ void addPointSpring(const PointSpring& spring, const Pose& pose, Load& load) {
   load.damping += spring.damping * outer;
 }
 
+double pointSpringEnergy(const PointSpring& spring, const Pose& pose) {
+  return 0.5 * spring.stiffness * (spring.anchor - pose.apply(spring.point)).squaredNorm();
+}
+
 }  // namespace kirireel

@@ -16,4 +16,7 @@ struct PointSpring {
 /// Adds the spring's force and its torque about the centre of mass to the brick's load.
 void addPointSpring(const PointSpring& spring, const Pose& pose, Load& load);
 
+/// Energy that the spring stores, joules.
+double pointSpringEnergy(const PointSpring& spring, const Pose& pose);
+
 }  // namespace kirireel

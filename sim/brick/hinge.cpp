@@ -147,6 +147,12 @@ double hingeAngle(const Hinge& hinge, const Poses& poses) {
   return nearest(hinge.start + turn, 0.5 * (hinge.least + hinge.most));
 }
 
+double hingeRate(const Hinge& hinge, const Motion& motion) {
+  const auto a = static_cast<std::size_t>(hinge.brickA), b = static_cast<std::size_t>(hinge.brickB);
+  const Vector3 axis = motion.poses[a].rotation * hinge.axis;
+  return axis.dot(motion.velocities[b].angular - motion.velocities[a].angular);
+}
+
 std::vector<double> hingeMoments(std::span<const HingeSpring> springs, const Poses& poses) {
   std::vector<double> moments;
   for (const HingeSpring& spring : springs) {

@@ -54,6 +54,9 @@ FoundHinges findHinges(const std::vector<Brick>& bricks, std::span<const Pivot> 
 /// The hinge's angle at these poses, radians.
 double hingeAngle(const Hinge& hinge, const Poses& poses);
 
+/// The rate at which the hinge's angle grows while the bricks move so, rad/s.
+double hingeRate(const Hinge& hinge, const Motion& motion);
+
 /// The moment of each spring at rest at these poses, N m: above 0 where it pulls to larger angles.
 std::vector<double> hingeMoments(std::span<const HingeSpring> springs, const Poses& poses);
 

@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "sim/actuation/environment_load.h"
 #include "sim/base/error.h"
 #include "sim/base/interruption.h"
+#include "sim/measure/measures.h"
 #include "sim/scene/hinge_springs.h"
 
 namespace kirireel {
@@ -59,6 +62,42 @@ std::vector<Brick> bodiesOf(const std::vector<Brick>& bricks,
   return bodies;
 }
 
+/// The forces of all points in which two things touch.
+struct PairSum {
+  Vector3 force = Vector3::Zero();
+  Vector3 moment = Vector3::Zero();  // about the origin
+  Vector3 pointSum = Vector3::Zero();
+  double weight = 0;
+
+  void add(const TouchForce& touch, double sign) {
+    force += sign * touch.force;
+    moment += sign * touch.point.cross(touch.force);
+    const double share = touch.push > 0 ? touch.push : touch.force.norm();
+    pointSum += share * touch.point;
+    weight += share;
+  }
+
+  /// About the middle of what pushes; points that only rub count by that.
+  Hold resultant(int tile, int other) const {
+    const Vector3 point = pointSum / weight;
+    return {HoldKind::Contact, tile, other, force, moment - point.cross(force), point};
+  }
+};
+
+/// The motion halfway between two that are so many seconds apart, on the cubic through them.
+Motion middleOf(const Motion& from, const Motion& to, double seconds) {
+  constexpr double kStep = 1e-3;  // of the way, for a difference: its error is below that of cubics
+  Motion middle{interpolate(from, to, seconds, 0.5), {}};
+  const Poses before = interpolate(from, to, seconds, 0.5 - kStep);
+  const Poses after = interpolate(from, to, seconds, 0.5 + kStep);
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    middle.velocities.push_back(
+        {(after[i].position - before[i].position) / (2 * kStep * seconds),
+         turnBetween(before[i].rotation, after[i].rotation) / (2 * kStep * seconds)});
+  }
+  return middle;
+}
+
 void requireSpace(const Scene& scene, const Needs& needs) {
   if (!needs.planar.on || scene.environment.obstacles.empty()) return;
   throw InputError(
@@ -74,11 +113,12 @@ DirectDynamics::DirectDynamics(const Scene& scene, const Needs& needs,
       tileSize_(tileSize(scene.model)),
       contactTolerance_(std::min(kTilePart * tileSize_, kThicknessPart * scene.brick.thickness)),
       environment_(scene.environment),
+      hingeSprings_(hingeSprings(scene, bricks)),
       obstacles_(obstacleParts(scene.environment.obstacles)),
       bodies_(bodiesOf(bricks, obstacles_)),
-      solver_(makeJointSolver(bodies_, makePivots(scene.model.joints, bricks),
-                              {needs.planar.on, tileSize_, groundSupports(scene, needs, bricks),
-                               hingeSprings(scene, bricks)})),
+      solver_(makeJointSolver(
+          bodies_, makePivots(scene.model.joints, bricks),
+          {needs.planar.on, tileSize_, groundSupports(scene, needs, bricks), hingeSprings_})),
       substeps_(scene.solver.substeps.value_or(1)),
       isRubbing_(!groundSupports(scene, needs, bricks).empty()) {
   requireSpace(scene, needs);
@@ -212,17 +252,20 @@ void DirectDynamics::holdTouching(const Poses& poses) {
 }
 
 /// The impact on those of these contacts that have closed, at this moment of the call. From now on
-/// they are held too. The motion before and after it are both passed.
-void DirectDynamics::collide(double now, const std::vector<Contact>& closing, Motion& motion) {
+/// they are held too. The motion before and after it are both passed. Returns the energy that is
+/// lost.
+double DirectDynamics::collide(double now, const std::vector<Contact>& closing, Motion& motion) {
   std::vector<Contact> held = solver_->heldContacts();
   for (const Contact& contact : closing) {
     const bool isHeld = std::ranges::find(held, contact) != held.end();
     if (!isHeld && contactGap(contact, motion.poses) <= touching_) held.push_back(contact);
   }
   setHeld(std::move(held));
+  const double energy = kineticEnergy(bodies_, motion);
   passed_.push_back({now, motion});
   solver_->collide(motion);
   passed_.push_back({now, motion});
+  return energy - kineticEnergy(bodies_, motion);
 }
 
 /// Goes on in steps that keep the tolerance, from impact to impact, until the end of the call or
@@ -243,8 +286,10 @@ double DirectDynamics::advanceByOrders(Motion& motion, double seconds, const Tim
   int impacts = 0;
   while (done < seconds - shortest) {
     meeting_.reset();
+    const Motion before = motion;
     const auto taken = extrapolation_->step(motion, goal - done, fromHere, isFree, report);
     if (taken) {
+      countLosses(before, motion, *taken, fromHere, report);
       done += *taken;
       holdTouching(motion.poses);
       if (done < goal - shortest) passed_.push_back({done, motion});
@@ -255,7 +300,7 @@ double DirectDynamics::advanceByOrders(Motion& motion, double seconds, const Tim
       closing = meeting_->contacts;
     }
     if (closing.empty() || done < goal - shortest) continue;
-    collide(done, closing, motion);
+    report.impacted += collide(done, closing, motion);
     goal = seconds;
     closing.clear();
   }
@@ -309,6 +354,75 @@ StepReport DirectDynamics::advanceToTolerance(Motion& motion, double seconds,
   leaveObstacles(motion);
   for (PassedState& state : passed_) leaveObstacles(state.motion);
   return report;
+}
+
+/// What dampers take from bricks that move so, in watts.
+double DirectDynamics::dampingPower(const Motion& motion, const std::vector<Load>& loads) const {
+  double sum = 0;
+  for (std::size_t i = 0; i < brickCount_; ++i) {
+    Vector6 velocity;
+    velocity << motion.velocities[i].linear, motion.velocities[i].angular;
+    sum += velocity.dot(loads[i].damping * velocity);
+  }
+  for (const HingeSpring& spring : hingeSprings_) {
+    sum += spring.damping * std::pow(hingeRate(spring.hinge, motion), 2);
+  }
+  return sum;
+}
+
+/// What friction takes by the forces of the last step, in watts.
+double DirectDynamics::rubbingPower(const Motion& motion) const {
+  const auto velocityAt = [&](int brick, const Vector3& point) -> Vector3 {
+    if (brick == kFixed) return Vector3::Zero();
+    const Velocity& velocity = motion.velocities[static_cast<std::size_t>(brick)];
+    const Vector3 arm = point - motion.poses[static_cast<std::size_t>(brick)].position;
+    return velocity.linear + velocity.angular.cross(arm);
+  };
+  double sum = 0;
+  for (const TouchForce& touch : solver_->touchForces(motion.poses)) {
+    sum -= touch.force.dot(velocityAt(touch.brickA, touch.point) -
+                           velocityAt(touch.brickB, touch.point));
+  }
+  return sum;
+}
+
+/// What dampers and friction take in a step to a tolerance, by Simpson's rule along the cubic
+/// through its ends; forces of friction are those at its end.
+void DirectDynamics::countLosses(const Motion& from, const Motion& to, double seconds,
+                                 const TimedLoads& loads, StepReport& report) const {
+  const Motion middle = middleOf(from, to, seconds);
+  std::vector<Load> at(bodies_.size());
+  const auto damping = [&](double share, const Motion& motion) {
+    loads(share * seconds, motion.poses, at);
+    return dampingPower(motion, at);
+  };
+  report.damped += seconds / 6 * (damping(0, from) + 4 * damping(0.5, middle) + damping(1, to));
+  if (solver_->heldContacts().empty() && !isRubbing_) return;
+  report.impacted +=
+      seconds / 6 * (rubbingPower(from) + 4 * rubbingPower(middle) + rubbingPower(to));
+}
+
+std::vector<Hold> DirectDynamics::contacts(const Poses& poses) const {
+  Poses all = poses;
+  appendObstacles(all);
+  std::map<std::pair<int, int>, PairSum> pairs;
+  for (const TouchForce& touch : solver_->touchForces(all)) {
+    const bool isSwapped = touch.brickB != kFixed && touch.brickB < touch.brickA;
+    const int tile = isSwapped ? touch.brickB : touch.brickA;
+    const int body = isSwapped ? touch.brickA : touch.brickB;
+    const auto obstacle = static_cast<std::size_t>(body) - brickCount_;
+    const bool isBrick = body < static_cast<int>(brickCount_);
+    const int other = body == kFixed ? Hold::kGround
+                      : isBrick      ? body
+                                     : Hold::kFirstObstacle - obstacles_[obstacle].obstacle;
+    pairs[{tile, other}].add(touch, isSwapped ? -1 : 1);
+  }
+  std::vector<Hold> holds;
+  for (const auto& [pair, sum] : pairs) {
+    if (sum.force.isZero(0)) continue;
+    holds.push_back(sum.resultant(pair.first, pair.second));
+  }
+  return holds;
 }
 
 std::string DirectDynamics::nameOf(const ContactLoad& load) const {

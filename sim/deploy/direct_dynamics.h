@@ -16,6 +16,8 @@ class DirectDynamics : public Dynamics {
   void fitVelocities(Motion& motion) override;
   void setPinned(const std::vector<bool>& pinned) override;
   void setJointStiffness(double stiffness) override { solver_->setJointStiffness(stiffness); }
+  double jointStiffness() const override { return solver_->jointStiffness(); }
+  std::vector<Hold> contacts(const Poses& poses) const override;
   std::vector<std::string> loadedContacts() const override;
   StepReport advance(Motion& motion, double step, const LoadSource& actuation) override;
   void setTolerance(const TimeTolerance& tolerance) override;
@@ -43,7 +45,11 @@ class DirectDynamics : public Dynamics {
   std::optional<double> momentOfImpact() const;
   void setHeld(std::vector<Contact> contacts);
   void holdTouching(const Poses& poses);
-  void collide(double now, const std::vector<Contact>& closing, Motion& motion);
+  double collide(double now, const std::vector<Contact>& closing, Motion& motion);
+  double dampingPower(const Motion& motion, const std::vector<Load>& loads) const;
+  double rubbingPower(const Motion& motion) const;
+  void countLosses(const Motion& from, const Motion& to, double seconds, const TimedLoads& loads,
+                   StepReport& report) const;
   double advanceByOrders(Motion& motion, double seconds, const TimedLoads& loads,
                          StepReport& report);
   StepReport goOnByFirstOrder(Motion& motion, double begin, double end, const TimedLoads& loads);
@@ -53,6 +59,7 @@ class DirectDynamics : public Dynamics {
   double tileSize_;          // metres
   double contactTolerance_;  // overlap that counts as none, metres
   Environment environment_;
+  std::vector<HingeSpring> hingeSprings_;
   std::vector<ObstaclePart> obstacles_;
   std::vector<Brick> bodies_;  // the bricks, then pinned ones that stand for obstacles
   std::unique_ptr<JointSolver> solver_;

@@ -10,6 +10,7 @@
 #include "sim/joints/extrapolation.h"
 #include "sim/joints/joint_solver.h"
 #include "sim/scene/scene.h"
+#include "sim/trajectory/trajectory.h"
 
 namespace kirireel {
 
@@ -48,6 +49,13 @@ class Dynamics {
   virtual void setPinned(const std::vector<bool>& pinned) = 0;
   /// Makes joints springs, or exact again; see JointSolver::setJointStiffness.
   virtual void setJointStiffness(double stiffness) = 0;
+
+  /// The joints' stiffness at present, N/m; infinity: exact.
+  virtual double jointStiffness() const = 0;
+
+  /// The resultants of the contacts of the last step at the poses where the bricks are now, each
+  /// pair once, in order of tiles; none where the solver does not tell.
+  virtual std::vector<Hold> contacts(const Poses& poses) const = 0;
 
   /// The contacts that carried load in the last step, the strongest first, as in "tiles 3 and 4",
   /// "tile 3 and the ground", "tile 3 and obstacle 0"; none where the solver does not tell.

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/actuation/environment_load.h"
 #include "sim/actuation/expansion.h"
 #include "sim/base/cpu_time.h"
 #include "sim/base/interruption.h"
@@ -67,6 +68,10 @@ Run::Run(const Scene& scene, const AssembledState& nearest, const RunObservers& 
     if (timeline_.forcesAreOn()) pull(poses, loads);
     timeline_.addDrags(time() + seconds, poses, loads);
   };
+  if (observers_.sample && scene.solver.kind == SolverKind::Direct) {
+    mechanics_.emplace(bricks_, pivots_, scene.model.joints.size(), needs_.planar.on, tileSize_,
+                       static_cast<const ActingForces&>(*this));
+  }
 }
 
 std::unique_ptr<Dynamics> Run::makeSolver() const {
@@ -92,19 +97,100 @@ void Run::holdJoints() {
   }
 }
 
+const TargetSprings* Run::targetSprings() const {
+  if (follower_) return &follower_->springs();
+  return springs_ ? &*springs_ : nullptr;
+}
+
 /// What drives the bricks.
 void Run::pull(const Poses& poses, std::vector<Load>& loads) const {
-  const Drive drive = isOpening() ? Drive::Expansion : scene_.actuation.drive;
+  const Drive drive = presentDrive();
   const Vector3 centre = drive == Drive::Expansion ? centreOfMass(bricks_, poses) : Vector3::Zero();
-  const TargetSprings* springs = follower_  ? &follower_->springs()
-                                 : springs_ ? &*springs_
-                                            : nullptr;
+  const TargetSprings* springs = targetSprings();
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const int brick = static_cast<int>(i);
     if (springs) loads[i] = springs->load(brick, poses[i], stiffness_.factor());
     if (boundary_) loads[i] = boundary_->load(brick, poses[i]);
     if (drive == Drive::Expansion) loads[i] = expansionLoad(springSettings_, centre, poses[i]);
   }
+}
+
+double Run::springEnergy(double time, const Poses& poses) const {
+  double sum = 0;
+  if (timeline_.forcesAreOn() && presentDrive() != Drive::Expansion) {
+    const TargetSprings* springs = targetSprings();
+    if (springs && !boundary_) sum += springs->energy(poses, stiffness_.factor());
+    if (boundary_) sum += boundary_->energy(poses);
+  }
+  for (const Grip& grip : timeline_.grips(time)) {
+    sum += pointSpringEnergy(grip.spring, poses[grip.tile]);
+  }
+  const double stiffness = jointStiffness();
+  if (!std::isfinite(stiffness)) return sum;
+  for (const Pivot& pivot : pivots_) {
+    // In the plane both faces' pivots are one.
+    if (needs_.planar.on && pivot.isUpper) continue;
+    sum += 0.5 * stiffness * std::pow(pivotGap(pivot, poses), 2);
+  }
+  return sum;
+}
+
+std::vector<Vector3> Run::freeForces(const Poses& poses) const {
+  std::vector<Vector3> forces;
+  for (const Brick& brick : bricks_) forces.push_back(brick.mass * scene_.environment.gravity);
+  if (!timeline_.forcesAreOn() || presentDrive() != Drive::Expansion) return forces;
+  const Vector3 centre = centreOfMass(bricks_, poses);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    forces[i] += expansionLoad(springSettings_, centre, poses[i]).force.head<3>();
+  }
+  return forces;
+}
+
+std::vector<Vector6> Run::appliedForces(double time, const Motion& motion) const {
+  std::vector<Load> loads(bricks_.size());
+  actuation_(time - this->time(), motion.poses, loads);
+  std::vector<Vector6> forces;
+  for (std::size_t i = 0; i < bricks_.size(); ++i) {
+    addEnvironmentLoad(scene_.environment, bricks_[i], motion.poses[i], loads[i]);
+    Vector6 velocity;
+    velocity << motion.velocities[i].linear, motion.velocities[i].angular;
+    forces.push_back(loads[i].force - loads[i].damping * velocity);
+  }
+  const std::vector<HingeSpring>& springs = result_.trajectory.hingeSprings;
+  const std::vector<double> moments = hingeMoments(springs, motion.poses);
+  for (std::size_t s = 0; s < springs.size(); ++s) {
+    const Hinge& hinge = springs[s].hinge;
+    const double moment = moments[s] - springs[s].damping * hingeRate(hinge, motion);
+    const Vector3 onB = moment * (motion.poses[hinge.brickA].rotation * hinge.axis);
+    forces[hinge.brickA].tail<3>() -= onB;
+    forces[hinge.brickB].tail<3>() += onB;
+  }
+  return forces;
+}
+
+std::vector<bool> Run::pinned() const {
+  std::vector<bool> pinned(bricks_.size(), false);
+  for (const int tile : timeline_.pinnedTiles()) pinned[static_cast<std::size_t>(tile)] = true;
+  return pinned;
+}
+
+std::vector<Hold> Run::holds(double time, const Motion& motion) const {
+  std::vector<Hold> holds;
+  for (const Grip& grip : timeline_.grips(time)) {
+    const Pose& pose = motion.poses[grip.tile];
+    Load load;
+    addPointSpring(grip.spring, pose, load);
+    Vector6 velocity;
+    velocity << motion.velocities[grip.tile].linear, motion.velocities[grip.tile].angular;
+    holds.push_back({HoldKind::Grip, grip.tile, Hold::kGround,
+                     (load.force - load.damping * velocity).head<3>(), Vector3::Zero(),
+                     pose.apply(grip.spring.point)});
+  }
+  std::ranges::stable_sort(holds, {}, &Hold::tile);
+  const std::vector<Hold> contacts =
+      stepCount_ > 0 ? dynamics_->contacts(motion.poses) : std::vector<Hold>{};
+  holds.insert(holds.end(), contacts.begin(), contacts.end());
+  return holds;
 }
 
 void Run::goTo(const std::vector<Tile>* target) {
@@ -176,6 +262,7 @@ void Run::start() {
   static_cast<Subject&>(result_.trajectory) = subjectOf(scene_);
   startPoses_ = motion_.poses;
   figures_.begin(motion_.poses, jointsGiveNow());
+  if (mechanics_) mechanics_->begin(0, motion_);
   showStep();
 }
 
@@ -198,10 +285,27 @@ void Run::takeLastSample() {
   if (lastSampleTime_ < time()) takeSample(time(), motion_.poses);
 }
 
+/// How the bricks move in these poses at a time within the last step.
+Motion Run::motionAt(double time, const Poses& poses) const {
+  const double share = 1 - (this->time() - time) / step_;
+  Motion motion{poses, motion_.velocities};
+  if (time == this->time()) return motion;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const Velocity &from = before_.velocities[i], &to = motion_.velocities[i];
+    motion.velocities[i] = {from.linear + share * (to.linear - from.linear),
+                            from.angular + share * (to.angular - from.angular)};
+  }
+  return motion;
+}
+
 void Run::takeSample(double time, Poses poses) {
   ++sampleCount_;
   lastSampleTime_ = time;
   Sample sample = figures_.sampleAt(time, std::move(poses));
+  if (mechanics_) {
+    const double share = 1 - (this->time() - time) / step_;
+    sample.mechanics = mechanics_->at(time, motionAt(time, sample.poses), share);
+  }
   sample.pinned = timeline_.pinnedTiles();
   if (checkpoints_) note(sample);
   if (observers_.sample && !observers_.sample(sample)) isAskedToEnd_ = true;
@@ -224,9 +328,7 @@ Poses Run::posesAt(double time) {
     alone.environment = Environment{};
     projection_ = makeDynamics(alone, Needs{.planar = needs_.planar}, bricks_, startPoses_);
   }
-  std::vector<bool> pinned(bricks_.size(), false);
-  for (const int tile : timeline_.pinnedTiles()) pinned[static_cast<std::size_t>(tile)] = true;
-  projection_->setPinned(pinned);
+  projection_->setPinned(pinned());
   projection_->assemble(poses);
   return poses;
 }
@@ -257,6 +359,7 @@ void Run::transfer(StateTape& tape) {
                 openedAt_, isLed, stiffness_, timeline_, restTime_, restNeeded_, misfit_, heldOpen_,
                 jamStart_, result_.trajectory.events, before_, spent, *dynamics_);
   figures_.transferStates(tape);
+  if (mechanics_) tape.transfer(*mechanics_);
   if (!tape.isPlaying()) return;
   earlierSeconds_ = spent;
   target_ = targets.at(static_cast<std::size_t>(number));
@@ -356,8 +459,14 @@ StepReport Run::advanceByFixedSteps() {
 StepReport Run::advanceStep() {
   followPath();
   const bool isExact = hasTolerance_ && !misfit_;
+  if (mechanics_) mechanics_->begin(time(), motion_);
   const StepReport report =
       isExact ? dynamics_->advanceToTolerance(motion_, step_, actuation_) : advanceByFixedSteps();
+  if (mechanics_) {
+    mechanics_->end({time(), step_, before_, motion_, dynamics_->passed(), isExact, report.damped,
+                     report.impacted});
+  }
+  wasSmooth_ = isExact && report.touchingTime == 0 && report.singularTime == 0;
   ++stepCount_;
   watchJam(report);
   return report;
@@ -505,7 +614,9 @@ std::string Run::jointTrouble() const {
 void Run::takeStep() {
   before_ = motion_;
   const long stepsBefore = stepCount_;
+  const auto account = mechanics_ ? mechanics_->account() : RunMechanics::Account{};
   const auto takeBack = [&] {
+    if (mechanics_) mechanics_->goBackTo(account);
     motion_ = before_;
     stepCount_ = stepsBefore;
   };

@@ -15,6 +15,7 @@
 #include "sim/deploy/dynamics.h"
 #include "sim/deploy/path_follower.h"
 #include "sim/deploy/run_figures.h"
+#include "sim/deploy/run_mechanics.h"
 #include "sim/deploy/timeline_runner.h"
 #include "sim/measure/measures.h"
 
@@ -33,7 +34,7 @@ struct RunObservers {
 /// Steps a scene from its start until it rests, locks, diverges, or its time is up. All that it
 /// does and measures depends on the steps alone, not on who looks at it and how often: a sample
 /// between two steps is made from their poses, its joints closed where theirs are.
-class Run : private TimelineStage {
+class Run : private TimelineStage, private ActingForces {
  public:
   /// `nearest`: see assembleAtTarget(). The scene's path must be chosen (not Auto). Scene
   /// and checkpoints must outlive the run; the latter may be null.
@@ -61,6 +62,17 @@ class Run : private TimelineStage {
   void start();
   std::unique_ptr<Dynamics> makeSolver() const;
   void pull(const Poses& poses, std::vector<Load>& loads) const;
+  Drive presentDrive() const { return isOpening() ? Drive::Expansion : scene_.actuation.drive; }
+  const TargetSprings* targetSprings() const;
+  double springEnergy(double time, const Poses& poses) const override;
+  double hingeEnergy(const Poses& poses) const override {
+    return elasticEnergy(result_.trajectory.hingeSprings, poses);
+  }
+  std::vector<Vector3> freeForces(const Poses& poses) const override;
+  std::vector<Vector6> appliedForces(double time, const Motion& motion) const override;
+  double jointStiffness() const override { return dynamics_->jointStiffness(); }
+  std::vector<bool> pinned() const override;
+  std::vector<Hold> holds(double time, const Motion& motion) const override;
   void setPinned(const std::vector<bool>& pinned) override { dynamics_->setPinned(pinned); }
   void goTo(const std::vector<Tile>* target) override;
   void tieSprings();
@@ -75,6 +87,7 @@ class Run : private TimelineStage {
   LoadSource loadsNow() const {
     return [this](const Poses& poses, std::vector<Load>& loads) { actuation_(0, poses, loads); };
   }
+  Motion motionAt(double time, const Poses& poses) const;
   StepReport advanceByFixedSteps();
   StepReport advanceStep();
   void followPath();
@@ -167,12 +180,13 @@ class Run : private TimelineStage {
   TargetSpringSettings springSettings_;
   AssembledState nearest_;
   RunFigures figures_;
-  long stepCount_ = 0;                    // pauses included
-  long sampleCount_ = 0;                  // samples taken
-  double lastSampleTime_ = 0;             // seconds
-  Motion before_;                         // at the start of the step
-  bool wasSmooth_ = false;                // the last step kept its tolerance throughout
-  std::unique_ptr<Dynamics> projection_;  // closes joints of states between steps
+  std::optional<RunMechanics> mechanics_;  // where samples are taken that can have them
+  long stepCount_ = 0;                     // pauses included
+  long sampleCount_ = 0;                   // samples taken
+  double lastSampleTime_ = 0;              // seconds
+  Motion before_;                          // at the start of the step
+  bool wasSmooth_ = false;                 // the last step kept its tolerance throughout
+  std::unique_ptr<Dynamics> projection_;   // closes joints of states between steps
   double restTime_ = 0;
   double restNeeded_;  // seconds of rest that count; longer after each that was no rest
   bool isTrial_ = false;

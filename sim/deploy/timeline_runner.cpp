@@ -6,8 +6,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "sim/actuation/point_spring.h"
-
 namespace kirireel {
 namespace {
 
@@ -170,14 +168,20 @@ void TimelineRunner::reset(TimelineStage& stage) {
   stage.reset();
 }
 
-void TimelineRunner::addDrags(double time, const Poses& poses, std::vector<Load>& loads) const {
+std::vector<Grip> TimelineRunner::grips(double time) const {
+  std::vector<Grip> grips;
   for (const ActiveDrag& active : drags_) {
     const timeline::Drag& drag = dragOf(active);
     const double share = (time - active.from) / drag.seconds;
-    const PointSpring spring = {active.point, pointOnPath(active.path, share), drag.stiffness,
-                                drag.damping};
-    addPointSpring(spring, poses[drag.tile], loads[drag.tile]);
+    grips.push_back(
+        {drag.tile, {active.point, pointOnPath(active.path, share), drag.stiffness, drag.damping}});
   }
+  return grips;
+}
+
+void TimelineRunner::addDrags(double time, const Poses& poses, std::vector<Load>& loads) const {
+  for (const Grip& grip : grips(time))
+    addPointSpring(grip.spring, poses[grip.tile], loads[grip.tile]);
 }
 
 void TimelineRunner::transfer(StateTape& tape) {

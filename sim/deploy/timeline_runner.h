@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/actuation/point_spring.h"
 #include "sim/base/state_tape.h"
 #include "sim/brick/brick.h"
 #include "sim/brick/load.h"
@@ -34,6 +35,12 @@ class TimelineStage {
   virtual void quit() = 0;
 };
 
+/// A tile that is dragged along, and the spring that it hangs on.
+struct Grip {
+  int tile = 0;
+  PointSpring spring;
+};
+
 /// Watches a run and does what is due. Drags are loads, asked for in each step.
 class TimelineRunner {
  public:
@@ -45,6 +52,9 @@ class TimelineRunner {
 
   /// Adds what drags pull with at this time.
   void addDrags(double time, const Poses& poses, std::vector<Load>& loads) const;
+
+  /// The drags under way at this time, as the springs that they pull with.
+  std::vector<Grip> grips(double time) const;
 
   bool forcesAreOn() const { return forcesOn_; }
   bool isPaused(double time) const { return time < pausedUntil_; }

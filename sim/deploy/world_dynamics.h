@@ -16,7 +16,9 @@ class WorldDynamics : public Dynamics {
     return true;  // engines pull open joints together as they go
   }
   void setPinned(const std::vector<bool>& pinned) override;
-  void setJointStiffness(double /*stiffness*/) override {}  // they give as it is
+  void setJointStiffness(double /*stiffness*/) override {}         // they give as it is
+  double jointStiffness() const override { return kExactJoints; }  // as far as engines tell
+  std::vector<Hold> contacts(const Poses& /*poses*/) const override { return {}; }
   std::vector<std::string> loadedContacts() const override { return {}; }
   StepReport advance(Motion& motion, double step, const LoadSource& actuation) override;
   void setTolerance(const TimeTolerance& /*tolerance*/) override {}  // engines step by fixed steps

@@ -301,6 +301,7 @@ void Stepper<D>::countLosses(double step) {
     const typename Space::Vector velocity = program_.x.template segment<D>(D * i);
     report_.damped += step * velocity.dot(Space::restrict(loads_[i].damping) * velocity);
   }
+  report_.damped += system_.dampedBySprings(step, program_.x);
   const Vector mean = 0.5 * (startSpeed_ + program_.x);
   for (const Row& row : program_.contacts) {
     if (row.hasNormal) report_.impacted -= row.multiplier * row.normalVelocity(mean);

@@ -265,6 +265,15 @@ double StepSystem<D>::workAgainst(const std::vector<Load>& loads, const Vector& 
 }
 
 template <int D>
+double StepSystem<D>::dampedBySprings(double step, const Vector& x) const {
+  double energy = 0;
+  for (std::size_t s = 0; s < springs_.size(); ++s) {
+    energy += step * springs_[s].damping * std::pow(springRate(s, x), 2);
+  }
+  return energy;
+}
+
+template <int D>
 Eigen::VectorXd StepSystem<D>::timesA(const Vector& x) const {
   Vector result(x.size());
   for (int i = 0; i < brickCount(); ++i) {

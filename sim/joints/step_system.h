@@ -61,6 +61,8 @@ class StepSystem {
   /// last, after a first one, joules.
   double workAgainst(const std::vector<Load>& loads, const Vector& first,
                      const Vector& further) const;
+  /// What the hinges' dashpots take in a step with velocities x, joules.
+  double dampedBySprings(double step, const Vector& x) const;
   /// A x.
   Vector timesA(const Vector& x) const;
   /// f.

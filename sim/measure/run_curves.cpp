@@ -4,6 +4,9 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
+#include <span>
+#include <string>
 
 #include "sim/measure/measures.h"
 #include "sim/measure/shape.h"
@@ -13,28 +16,67 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-/// The groups with curves that have no values yet.
+/// A curve that is measured from poses alone: as it is tabled, and as a channel.
+struct ShapeCurve {
+  const char* column;
+  const char* channel;
+  const char* unit;
+  const char* description;
+};
+constexpr ShapeCurve kShapeCurves[] = {
+    {"width_m", "width", "m", "of the box around the tiles along x"},
+    {"height_m", "height", "m", "of the box around the tiles along y"},
+    {"depth_m", "depth", "m", "of the box around the tiles along z"},
+    {"hull_area_m2", "hull_area", "m^2", "within the tiles' convex outline seen along z"},
+    {"covered_area_m2", "covered_area", "m^2", "of tiles that lie in one horizontal plane"},
+    {"hull_perimeter_m", "hull_perimeter", "m", "of the convex outline"},
+    {"porosity", "porosity", "1", "1 - covered / hull"},
+    {"poissons_ratio", "poissons_ratio", "1", "since the start, of logarithmic strains"},
+    {"opening_least_deg", "opening_least", "degree", "least turn of joined tiles since the start"},
+    {"opening_mean_deg", "opening_mean", "degree", "mean turn of joined tiles since the start"},
+    {"opening_largest_deg", "opening_largest", "degree",
+     "largest turn of joined tiles since the start"}};
+
+/// The groups with curves that have no values yet: the shape's first, in the order above.
 std::vector<CurveGroup> emptyGroups() {
-  return {
-      {"Size",
-       "m",
+  std::vector<CurveGroup> groups = {
+      {"Size", "m", false, {{"width"}, {"height"}, {"depth"}}},
+      {"Area", "m²", false, {{"hull"}, {"covered"}}},
+      {"Hull perimeter", "m", false, {{"hull perimeter"}}},
+      {"Porosity", "", false, {{"porosity"}}},
+      {"Poisson's ratio", "", false, {{"Poisson's ratio"}}},
+      {"Opening", "degrees", false, {{"least"}, {"mean"}, {"largest"}}}};
+  const ShapeCurve* shape = kShapeCurves;
+  for (CurveGroup& group : groups) {
+    for (Curve& curve : group.curves) curve.column = (shape++)->column;
+  }
+  const std::vector<CurveGroup> more = {
+      {"Energy",
+       "J",
        false,
-       {{"width", "width_m", {}}, {"height", "height_m", {}}, {"depth", "depth_m", {}}}},
-      {"Area", "m²", false, {{"hull", "hull_area_m2", {}}, {"covered", "covered_area_m2", {}}}},
-      {"Hull perimeter", "m", false, {{"hull perimeter", "hull_perimeter_m", {}}}},
-      {"Porosity", "", false, {{"porosity", "porosity", {}}}},
-      {"Poisson's ratio", "", false, {{"Poisson's ratio", "poissons_ratio", {}}}},
-      {"Opening",
-       "degrees",
+       {{"kinetic", "kinetic_energy_J"},
+        {"springs", "spring_energy_J"},
+        {"hinges", "elastic_energy_J"}}},
+      {"Work of the drives", "J", false, {{"work", "work_J"}}},
+      {"Lost energy",
+       "J",
        false,
-       {{"least", "opening_least_deg", {}},
-        {"mean", "opening_mean_deg", {}},
-        {"largest", "opening_largest_deg", {}}}},
-      {"Kinetic energy", "J", false, {{"kinetic energy", "kinetic_energy_J", {}}}},
-      {"Target error", "m", true, {{"target error", "target_error_m", {}}}},
-      {"Joint gap", "m", true, {{"joint gap", "joint_gap_m", {}}}},
-      {"Overlap", "m", true, {{"overlap", "penetration_m", {}}}},
-  };
+       {{"dampers", "damped_J"}, {"contacts", "impacted_J"}, {"integrator", "integrated_J"}}},
+      {"Joint force",
+       "N",
+       false,
+       {{"mean", "joint_force_mean_N"},
+        {"largest", "joint_force_largest_N"},
+        {"largest indeterminate", "joint_force_indeterminate_N"}}},
+      {"Force on held tiles",
+       "N",
+       false,
+       {{"pins", "pin_force_N"}, {"grips", "grip_force_N"}, {"contacts", "contact_force_N"}}},
+      {"Target error", "m", true, {{"target error", "target_error_m"}}},
+      {"Joint gap", "m", true, {{"joint gap", "joint_gap_m"}}},
+      {"Overlap", "m", true, {{"overlap", "penetration_m"}}}};
+  groups.insert(groups.end(), more.begin(), more.end());
+  return groups;
 }
 
 /// The kinetic energy of the way from one sample to a later one.
@@ -51,14 +93,26 @@ double kineticEnergyBetween(const std::vector<Brick>& bricks, const Sample& from
   return kineticEnergy(bricks, motion);
 }
 
-/// Measures one sample after the other.
-class CurveMeter {
+/// Measures the shape of one sample after the other.
+class ShapeMeter final : public SampleMeter {
  public:
-  explicit CurveMeter(const Subject& subject)
+  explicit ShapeMeter(const Subject& subject)
       : subject_(subject), sidesAtStart_(boxSides(subject.model.tiles)) {}
 
-  /// The values of all curves, group by group.
-  std::vector<double> at(const Sample& sample, double energy) const {
+  std::vector<Channel> channels() const override {
+    std::vector<Channel> channels;
+    for (const ShapeCurve& curve : kShapeCurves) {
+      channels.push_back({curve.channel, curve.unit, curve.description, 0});
+    }
+    const std::size_t joints = subject_.model.joints.size();
+    if (joints > 0) {
+      channels.push_back(
+          {"opening", "degree", "turn of each joint's tiles since the start", joints});
+    }
+    return channels;
+  }
+
+  std::vector<double> measure(const Sample& sample) override {
     const std::vector<Tile> tiles = bottomTiles(subject_.bricks, sample.poses);
     const Vector3 sides = boxSides(tiles);
     const HullSize hull = hullSize(tiles);
@@ -71,26 +125,90 @@ class CurveMeter {
                                   hull.perimeter,
                                   1 - covered / hull.area,
                                   poissonsRatio(sidesAtStart_, sides).value_or(kNone)};
-    for (const double angle : openings(sample)) values.push_back(angle / kDegree);
-    values.insert(values.end(),
-                  {energy, subject_.model.target ? sample.targetError : kNone,
-                   subject_.model.joints.empty() ? kNone : sample.jointGap, sample.penetration});
+    const std::vector<double> angles = openingAngles(subject_.model.joints, sample.poses);
+    for (const double angle : spread(angles)) values.push_back(angle / kDegree);
+    for (const double angle : angles) values.push_back(angle / kDegree);
     return values;
   }
 
  private:
-  /// Least, mean and largest, radians.
-  std::vector<double> openings(const Sample& sample) const {
-    const std::vector<double> angles = openingAngles(subject_.model.joints, sample.poses);
-    if (angles.empty()) return {kNone, kNone, kNone};
-    const auto [least, largest] = std::ranges::minmax_element(angles);
-    const double sum = std::accumulate(angles.begin(), angles.end(), 0.0);
-    return {*least, sum / static_cast<double>(angles.size()), *largest};
+  /// Least, mean and largest.
+  static std::vector<double> spread(const std::vector<double>& values) {
+    if (values.empty()) return {kNone, kNone, kNone};
+    const auto [least, largest] = std::ranges::minmax_element(values);
+    const double sum = std::accumulate(values.begin(), values.end(), 0.0);
+    return {*least, sum / static_cast<double>(values.size()), *largest};
   }
 
   const Subject& subject_;
   Vector3 sidesAtStart_;
 };
+
+/// Mean and largest force of the joints, and the largest of those that are indeterminate.
+std::vector<double> jointForceValues(const Mechanics& mechanics) {
+  if (mechanics.jointForces.empty()) return {kNone, kNone, kNone};
+  double sum = 0, largest = 0, uncertain = kNone;
+  for (std::size_t j = 0; j < mechanics.jointForces.size(); ++j) {
+    const double force = mechanics.jointForces[j].norm();
+    sum += force;
+    largest = std::max(largest, force);
+    if (mechanics.isIndeterminate[j]) uncertain = std::fmax(uncertain, force);
+  }
+  return {sum / static_cast<double>(mechanics.jointForces.size()), largest, uncertain};
+}
+
+/// The largest force of pins, of grips and of contacts.
+std::vector<double> holdValues(const Mechanics& mechanics) {
+  std::vector<double> largest(3, kNone);
+  for (const Hold& hold : mechanics.holds) {
+    double& value = largest[static_cast<std::size_t>(hold.kind)];
+    value = std::fmax(value, hold.force.norm());
+  }
+  return largest;
+}
+
+/// The curves from energies to forces, in order; NaN where a run has none.
+std::vector<double> mechanicsValues(const std::optional<Mechanics>& mechanics, double kinetic,
+                                    bool haveHingeSprings) {
+  std::vector<double> values(13, kNone);
+  values[0] = kinetic;
+  if (!mechanics) return values;
+  const Energies& energies = mechanics->energies;
+  const double elastic = haveHingeSprings ? energies.elastic : kNone;
+  values = {energies.kinetic,  energies.spring,      elastic, energies.work, energies.damped,
+            energies.impacted, energies.integrated()};
+  for (const auto& more : {jointForceValues(*mechanics), holdValues(*mechanics)}) {
+    values.insert(values.end(), more.begin(), more.end());
+  }
+  return values;
+}
+
+std::vector<Curve> emptyJointCurves(const Model& model, bool haveForces) {
+  std::vector<Curve> curves;
+  for (std::size_t j = 0; j < model.joints.size(); ++j) {
+    const std::string number = std::to_string(model.fileOrder.countsFrom + static_cast<int>(j));
+    curves.push_back({"opening of joint " + number, "opening_" + number + "_deg", {}});
+  }
+  for (std::size_t j = 0; haveForces && j < model.joints.size(); ++j) {
+    const std::string number = std::to_string(model.fileOrder.countsFrom + static_cast<int>(j));
+    curves.push_back({"force of joint " + number, "joint_force_" + number + "_N", {}});
+    curves.push_back(
+        {"whether that force is indeterminate", "joint_force_" + number + "_indeterminate", {}});
+  }
+  return curves;
+}
+
+/// Appends a sample's values to the curves of each joint: openings, then forces.
+void appendJoints(std::span<const double> openings, const std::optional<Mechanics>& mechanics,
+                  std::vector<Curve>& curves) {
+  auto curve = curves.begin();
+  for (const double opening : openings) (curve++)->values.push_back(opening);
+  if (!mechanics) return;
+  for (std::size_t j = 0; j < openings.size(); ++j) {
+    (curve++)->values.push_back(mechanics->jointForces[j].norm());
+    (curve++)->values.push_back(mechanics->isIndeterminate[j] ? 1 : 0);
+  }
+}
 
 double valueAt(const std::vector<double>& times, const std::vector<double>& values, double time) {
   const auto above = std::ranges::lower_bound(times, time);
@@ -112,19 +230,32 @@ bool CurveGroup::hasValues() const {
   return std::ranges::any_of(curves, &Curve::hasValues);
 }
 
+std::unique_ptr<SampleMeter> makeCurveMeter(const Subject& subject) {
+  return std::make_unique<ShapeMeter>(subject);
+}
+
 RunCurves curvesOf(const TrajectoryReader& run) {
-  RunCurves result{run.times(), emptyGroups()};
-  const CurveMeter meter(run.subject());
+  const Subject& subject = run.subject();
+  RunCurves result{run.times(), emptyGroups(), emptyJointCurves(subject.model, run.hasMechanics())};
+  ShapeMeter meter(subject);
   const std::size_t last = run.times().size() - 1;
   Sample before = run.sample(0), at = before;
   for (std::size_t k = 0; k <= last; ++k) {
     Sample after = k < last ? run.sample(k + 1) : at;
-    const double energy = kineticEnergyBetween(run.subject().bricks, before, at, after);
-    const std::vector<double> values = meter.at(at, energy);
+    const std::vector<double> shape = meter.measure(at);
+    const auto joints = shape.begin() + std::size(kShapeCurves);
+    std::vector<double> values(shape.begin(), joints);
+    const double kinetic = kineticEnergyBetween(subject.bricks, before, at, after);
+    for (const double value : mechanicsValues(at.mechanics, kinetic, !subject.hingeSprings.empty()))
+      values.push_back(value);
+    values.insert(values.end(),
+                  {subject.model.target ? at.targetError : kNone,
+                   subject.model.joints.empty() ? kNone : at.jointGap, at.penetration});
     auto value = values.begin();
     for (CurveGroup& group : result.groups) {
       for (Curve& curve : group.curves) curve.values.push_back(*value++);
     }
+    appendJoints({joints, shape.end()}, at.mechanics, result.joints);
     before = std::move(at);
     at = std::move(after);
   }
@@ -132,8 +263,7 @@ RunCurves curvesOf(const TrajectoryReader& run) {
 }
 
 RunCurves curvesAt(const RunCurves& curves, const std::vector<double>& times) {
-  RunCurves result = curves;
-  result.times = times;
+  RunCurves result{times, curves.groups, {}};
   for (CurveGroup& group : result.groups) {
     for (Curve& curve : group.curves) {
       std::vector<double> values;

@@ -18,6 +18,7 @@ void SampleTable::append(const Sample& sample) {
   penetrations_.push_back(sample.penetration);
   pinned_.push_back(sample.pinned);
   steps_.push_back(sample.steps);
+  mechanics_.push_back(sample.mechanics);
 }
 
 Poses SampleTable::poses(std::size_t index) const {
@@ -32,7 +33,7 @@ Poses SampleTable::poses(std::size_t index) const {
 
 Sample SampleTable::sample(std::size_t index) const {
   return {times_[index],        poses(index),   jointGaps_[index], targetErrors_[index],
-          penetrations_[index], pinned_[index], steps_[index]};
+          penetrations_[index], pinned_[index], steps_[index],     mechanics_[index]};
 }
 
 std::vector<double> SampleTable::velocities() const {

@@ -49,6 +49,7 @@ class SampleTable {
   std::vector<double> penetrations_;
   std::vector<std::vector<int>> pinned_;
   std::vector<std::vector<StepRecord>> steps_;
+  std::vector<std::optional<Mechanics>> mechanics_;
 };
 
 /// All samples of a trajectory. Throws InputError as the reader does.

@@ -4,6 +4,15 @@
 
 namespace kirireel {
 
+void Sample::transfer(StateTape& tape) {
+  tape.transfer(time, poses, jointGap, targetError, penetration, pinned, steps);
+  bool known = mechanics.has_value();
+  tape.transfer(known);
+  if (!known) return mechanics.reset();
+  if (!mechanics) mechanics.emplace();
+  tape.transfer(*mechanics);
+}
+
 Subject subjectOf(const Scene& scene) {
   std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
   std::vector<HingeSpring> springs = hingeSprings(scene, bricks);

@@ -36,6 +36,66 @@ struct StepRecord {
   }
 };
 
+/// Where the energy of a run with dynamics is at one time, joules. What was put in is what there is
+/// and what was lost:
+///   work = kinetic + spring + elastic + damped + impacted + integrated.
+struct Energies {
+  double kinetic = 0;  ///< of the bricks, from 0
+  /// Stored in the springs of the drive and of drags, and in joints that give; from 0.
+  double spring = 0;
+  double elastic = 0;  ///< stored in springs at hinges, see HingeSpring; from 0
+  /// What drives have put in since before the start: they tighten and move springs, stiffen them
+  /// and the joints, expand the bricks; and gravity.
+  double work = 0;
+  double damped = 0;    ///< what dampers have taken, from 0
+  double impacted = 0;  ///< what contacts have taken, by impacts and friction
+
+  /// What the integrator, and pins that caught moving tiles, have taken: the rest.
+  double integrated() const { return work - kinetic - spring - elastic - damped - impacted; }
+
+  void transfer(StateTape& tape) {
+    tape.transfer(kinetic, spring, elastic, work, damped, impacted);
+  }
+};
+
+/// What holds a tile from outside the joints.
+enum class HoldKind {
+  Pin,      ///< fixed to the world
+  Grip,     ///< dragged along
+  Contact,  ///< pushed by another tile, the ground or an obstacle
+};
+
+/// The resultant of one pin or grip, or of all points in which a tile and another thing touch.
+/// World axes.
+struct Hold {
+  /// What a tile touches when that is no tile; obstacle k is kFirstObstacle - k.
+  static constexpr int kGround = -1;
+  static constexpr int kFirstObstacle = -2;
+
+  HoldKind kind = HoldKind::Contact;
+  int tile = 0;
+  int other = kGround;  ///< the tile (above the first), ground or obstacle of a contact
+  Vector3 force;        ///< on the tile, newtons
+  Vector3 moment;       ///< on the tile about the point, N m
+  Vector3 point;        ///< a pinned tile's centre of mass, where it is gripped, or the middle of
+                        ///< the push, metres
+
+  void transfer(StateTape& tape) { tape.transfer(kind, tile, other, force, moment, point); }
+};
+
+/// What a run with dynamics knows of a state beyond its poses.
+struct Mechanics {
+  Energies energies;
+  /// One a joint of the model: the resultant of its pivots on the joint's tile a, newtons, world
+  /// axes; of all forces that keep the balance of the state those of least norm.
+  std::vector<Vector3> jointForces;
+  /// One a joint: whether others keep the balance too, in which its force is another.
+  std::vector<bool> isIndeterminate;
+  std::vector<Hold> holds;  ///< pins and grips by tile, then contacts by tiles
+
+  void transfer(StateTape& tape) { tape.transfer(energies, jointForces, isIndeterminate, holds); }
+};
+
 /// The state at one time, with its measures. Lengths in metres.
 struct Sample {
   double time = 0;          ///< simulated seconds from the start
@@ -46,10 +106,10 @@ struct Sample {
   std::vector<int> pinned;  ///< tiles fixed to the world at this time, ascending
   /// The steps since the sample before, this one's included; the start counts as one.
   std::vector<StepRecord> steps;
+  /// Of runs with dynamics by the direct solver; a path is geometry, and engines do not tell.
+  std::optional<Mechanics> mechanics;
 
-  void transfer(StateTape& tape) {
-    tape.transfer(time, poses, jointGap, targetError, penetration, pinned, steps);
-  }
+  void transfer(StateTape& tape);
 };
 
 /// The state in which a figure of the summary was reached, so that it can be computed again.

@@ -26,21 +26,53 @@
 ///                                              what the step took: solver_steps, halved_steps, ...
 ///                                              (files before 0.3 have none of rejected_steps to
 ///                                              singular_time)
+///     energy/NAME             samples          J; kinetic, spring, elastic, work, damped,
+///                                              impacted
+///     forces/joint            samples x joints x 3   N, on the joint's tile a, world axes
+///     forces/joint_indeterminate   samples x joints  1 where other forces keep the balance too
+///     holds/time              holds            s, of the sample; rows of what holds tiles there
+///     holds/kind              holds            0 pin, 1 grip, 2 contact
+///     holds/tiles             holds x 2        the tile; for a contact what it touches: a tile,
+///                                              -1 the ground, -2 - k obstacle k
+///     holds/force, moment     holds x 3        N, N m: on the tile, about the point
+///     holds/point             holds x 3        m
+///     curves/NAME             samples (x joints)   what a run was told to measure, with attributes
+///                                              unit and description; see curveChannels()
 ///     events/time, text       events           s
 ///     figures/name, time      figures          s; figures of summary.json that one state decides
 ///     figures/position        figures x bricks x 3   m, that state, as above
 ///     figures/rotation        figures x bricks x 4
 ///     findings                what the run found out about its scene, JSON (one text)
 ///
-/// Files of version 1 have no steps, figures and findings.
+/// Files of version 1 have no steps, figures and findings. energy, forces and holds are there for
+/// runs with dynamics by the direct solver alone.
 #pragma once
 
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "sim/trajectory/trajectory.h"
 
 namespace kirireel {
+
+/// What is measured of each sample beside what it has.
+struct Channel {
+  std::string name;         ///< of its array, such as "width"
+  std::string unit;         ///< "m", "1", ...
+  std::string description;  ///< one short phrase
+  std::size_t width = 0;    ///< values in each sample's row; 0: one value, no row
+};
+
+/// Measures the channels of one sample after the other, which may depend on those before.
+class SampleMeter {
+ public:
+  virtual ~SampleMeter() = default;
+  virtual std::vector<Channel> channels() const = 0;
+  /// The values of all channels, one channel after the other.
+  virtual std::vector<double> measure(const Sample& sample) = 0;
+};
 
 /// Writes a trajectory sample by sample; what it keeps in memory does not grow with their number.
 /// The file appears under its final name in finish(), whole after any number of samples; a writer
@@ -48,7 +80,9 @@ namespace kirireel {
 /// bytes. Throws OutputError when the file cannot be written.
 class TrajectoryWriter {
  public:
-  TrajectoryWriter(const std::filesystem::path& path, const Subject& subject);
+  /// `meter` may be null; else its channels become curves/NAME.
+  TrajectoryWriter(const std::filesystem::path& path, const Subject& subject,
+                   std::unique_ptr<SampleMeter> meter = nullptr);
   ~TrajectoryWriter();
   TrajectoryWriter(const TrajectoryWriter&) = delete;
   TrajectoryWriter& operator=(const TrajectoryWriter&) = delete;
@@ -83,6 +117,9 @@ class TrajectoryReader {
   const std::vector<double>& times() const;      ///< of all samples, rising, seconds; at least one
   const std::vector<StepRecord>& steps() const;  ///< of the whole run; none in version 1
   const TrajectoryEnd& end() const;              ///< events alone in version 1
+
+  /// Whether samples have mechanics: energies and forces.
+  bool hasMechanics() const;
 
   /// One sample, its index from 0 to times().size() - 1, with its steps. Files do not say which
   /// tiles were pinned.

@@ -61,4 +61,35 @@ inline constexpr std::array kStepColumns = {
     StepColumn{"steps/touching_time", &StepRecord::touchingTime, "s", true},
     StepColumn{"steps/singular_time", &StepRecord::singularTime, "s", true}};
 
+/// Energies that each sample of a run with dynamics has.
+struct EnergyChannel {
+  const char* name;  ///< of its array
+  double Energies::*field;
+  const char* description;
+};
+inline constexpr std::array kEnergies = {
+    EnergyChannel{"energy/kinetic", &Energies::kinetic, "of the bricks"},
+    EnergyChannel{"energy/spring", &Energies::spring,
+                  "stored in springs that pull tiles, and in joints that give"},
+    EnergyChannel{"energy/elastic", &Energies::elastic, "stored in springs at hinges"},
+    EnergyChannel{"energy/work", &Energies::work, "put in so far by drives and gravity"},
+    EnergyChannel{"energy/damped", &Energies::damped, "taken so far by dampers"},
+    EnergyChannel{"energy/impacted", &Energies::impacted,
+                  "taken so far by impacts and friction of contacts"}};
+
+inline constexpr const char* kJointForces = "forces/joint";
+inline constexpr const char* kIndeterminate = "forces/joint_indeterminate";
+inline constexpr const char* kHoldTimes = "holds/time";
+inline constexpr const char* kHoldKinds = "holds/kind";
+inline constexpr const char* kHoldTiles = "holds/tiles";
+/// Vectors of a hold.
+struct HoldChannel {
+  const char* name;  ///< of its array
+  Vector3 Hold::*field;
+  const char* unit;
+};
+inline constexpr std::array kHolds = {HoldChannel{"holds/force", &Hold::force, "N"},
+                                      HoldChannel{"holds/moment", &Hold::moment, "N m"},
+                                      HoldChannel{"holds/point", &Hold::point, "m"}};
+
 }  // namespace kirireel::layout

@@ -17,6 +17,7 @@
 namespace kirireel {
 namespace {
 
+using layout::kEnergies;
 using layout::kMeasures;
 using layout::kStepColumns;
 
@@ -264,6 +265,7 @@ class SubjectReader {
 struct TrajectoryReader::Internals {
   virtual ~Internals() = default;
   virtual Sample sample(std::size_t index) const = 0;
+  virtual bool hasMechanics() const = 0;
 
   Subject subject;
   std::vector<double> times;
@@ -277,6 +279,7 @@ struct TrajectoryReader::FileRun final : Internals {
     readTimes();
     readMeasures();
     readEvents();
+    if (file.has("energy")) readMechanics();
     if (file.numberAttribute("/", "format_version") == layout::kFirstVersion) return;
     readSteps();
     readFigureStates();
@@ -306,6 +309,72 @@ struct TrajectoryReader::FileRun final : Internals {
       requireShape(kMeasures[k].name, {times.size()});
       measures[k] = file.doubles(kMeasures[k].name);
     }
+  }
+
+  /// Everything but the joints' forces, which are read with each sample.
+  void readMechanics() {
+    for (std::size_t k = 0; k < kEnergies.size(); ++k) {
+      requireShape(kEnergies[k].name, {times.size()});
+      energies[k] = file.doubles(kEnergies[k].name);
+    }
+    const std::size_t joints = subject.model.joints.size();
+    if (joints > 0) {
+      requireShape(layout::kJointForces, {times.size(), joints, 3});
+      requireShape(layout::kIndeterminate, {times.size(), joints});
+    }
+    holdTimes = file.doubles(layout::kHoldTimes);
+    if (!std::ranges::is_sorted(holdTimes)) file.refuse("the holds' times fall");
+    const std::size_t count = holdTimes.size();
+    const std::vector<double> kinds = file.doubles(layout::kHoldKinds);
+    const std::vector<double> tiles = file.doubles(layout::kHoldTiles);
+    std::array<std::vector<double>, layout::kHolds.size()> vectors;
+    bool isWhole = kinds.size() == count && tiles.size() == 2 * count;
+    for (std::size_t c = 0; c < vectors.size(); ++c) {
+      vectors[c] = file.doubles(layout::kHolds[c].name);
+      isWhole = isWhole && vectors[c].size() == 3 * count;
+    }
+    if (!isWhole) file.refuse("the arrays in holds differ in length");
+    for (std::size_t h = 0; h < count; ++h) {
+      holds.push_back(hold(kinds[h], tiles[2 * h], tiles[2 * h + 1]));
+      for (std::size_t c = 0; c < vectors.size(); ++c) {
+        holds.back().*layout::kHolds[c].field = Vector3(&vectors[c][3 * h]);
+      }
+    }
+  }
+
+  Hold hold(double kind, double tile, double other) const {
+    const auto count = static_cast<double>(subject.bricks.size());
+    // Written so that NaN fails.
+    const bool makesSense = (kind == 0 || kind == 1 || kind == 2) && tile >= 0 && tile < count &&
+                            other < count && other > -1e9;
+    if (!makesSense) file.refuse("a row of holds has an unknown kind, or a tile that is not there");
+    return {static_cast<HoldKind>(kind),
+            static_cast<int>(tile),
+            static_cast<int>(other),
+            Vector3::Zero(),
+            Vector3::Zero(),
+            Vector3::Zero()};
+  }
+
+  bool hasMechanics() const override { return !energies.front().empty(); }
+
+  Mechanics mechanics(std::size_t index) const {
+    Mechanics result;
+    for (std::size_t k = 0; k < kEnergies.size(); ++k) {
+      result.energies.*kEnergies[k].field = energies[k][index];
+    }
+    const std::size_t joints = subject.model.joints.size();
+    if (joints > 0) {
+      const std::vector<double> forces = file.row(layout::kJointForces, index);
+      for (std::size_t j = 0; j < joints; ++j) result.jointForces.emplace_back(&forces[3 * j]);
+      for (const double mark : file.row(layout::kIndeterminate, index)) {
+        result.isIndeterminate.push_back(mark != 0);
+      }
+    }
+    const auto [first, last] = std::ranges::equal_range(holdTimes, times[index]);
+    result.holds.assign(holds.begin() + (first - holdTimes.begin()),
+                        holds.begin() + (last - holdTimes.begin()));
+    return result;
   }
 
   void readEvents() {
@@ -388,11 +457,15 @@ struct TrajectoryReader::FileRun final : Internals {
     }
     sample.poses = poses("", index);
     sample.steps = stepsOf(index);
+    if (hasMechanics()) sample.mechanics = mechanics(index);
     return sample;
   }
 
   ArrayReader file;
   std::array<std::vector<double>, kMeasures.size()> measures;
+  std::array<std::vector<double>, kEnergies.size()> energies;  // empty without mechanics
+  std::vector<double> holdTimes;                               // one a hold
+  std::vector<Hold> holds;
 };
 
 struct TrajectoryReader::MemoryRun final : Internals {
@@ -408,6 +481,7 @@ struct TrajectoryReader::MemoryRun final : Internals {
   }
 
   Sample sample(std::size_t index) const override { return samples->sample(index); }
+  bool hasMechanics() const override { return sample(0).mechanics.has_value(); }
 
   std::shared_ptr<const SampleTable> samples;
 };
@@ -436,6 +510,10 @@ const std::vector<StepRecord>& TrajectoryReader::steps() const {
 
 const TrajectoryEnd& TrajectoryReader::end() const {
   return internals_->end;
+}
+
+bool TrajectoryReader::hasMechanics() const {
+  return internals_->hasMechanics();
 }
 
 Sample TrajectoryReader::sample(std::size_t index) const {

@@ -195,16 +195,108 @@ void addSeries(ArrayWriter& file, const std::string& name, const Shape& rowShape
 }  // namespace
 
 struct TrajectoryWriter::Internals {
-  Internals(const std::filesystem::path& path, std::size_t bricks)
-      : pending(path), file(pending.path(), path), brickCount(bricks) {}
+  Internals(const std::filesystem::path& path, const Subject& subject,
+            std::unique_ptr<SampleMeter> measuring)
+      : pending(path),
+        file(pending.path(), path),
+        brickCount(subject.bricks.size()),
+        jointCount(subject.model.joints.size()),
+        meter(std::move(measuring)) {
+    if (meter) channels = meter->channels();
+  }
+
+  void addCurves();
+  void addMechanics();
+  void append(double time, const Mechanics& mechanics);
+  void appendCurves(const Sample& sample);
 
   PendingFile pending;
   ArrayWriter file;
   std::size_t brickCount;
+  std::size_t jointCount;
+  std::unique_ptr<SampleMeter> meter;
+  std::vector<Channel> channels;
+  std::size_t samples = 0;
 };
 
-TrajectoryWriter::TrajectoryWriter(const std::filesystem::path& path, const Subject& subject)
-    : internals_(std::make_unique<Internals>(path, subject.bricks.size())) {
+void TrajectoryWriter::Internals::addCurves() {
+  if (channels.empty()) return;
+  file.addGroup("curves");
+  for (const Channel& channel : channels) {
+    const std::string name = "curves/" + channel.name;
+    addSeries(file, name, channel.width > 0 ? Shape{channel.width} : Shape{}, channel.unit.c_str());
+    file.setAttribute(name, "description", channel.description);
+  }
+}
+
+/// Made with the first sample that has mechanics: whether a run has any shows there.
+void TrajectoryWriter::Internals::addMechanics() {
+  file.addGroup("energy");
+  for (const layout::EnergyChannel& channel : layout::kEnergies) {
+    addSeries(file, channel.name, {}, "J");
+    file.setAttribute(channel.name, "description", std::string(channel.description));
+  }
+  if (jointCount > 0) {
+    file.addGroup("forces");
+    addSeries(file, layout::kJointForces, {jointCount, 3}, "N");
+    file.setAttribute(layout::kJointForces, "description",
+                      std::string("on tile a of each joint, of least norm"));
+    addSeries(file, layout::kIndeterminate, {jointCount}, "1");
+    file.setAttribute(layout::kIndeterminate, "description",
+                      std::string("1 where other forces of the joint keep the balance too"));
+  }
+  file.addGroup("holds");
+  addSeries(file, layout::kHoldTimes, {}, "s");
+  addSeries(file, layout::kHoldKinds, {}, "1");
+  file.setAttribute(layout::kHoldKinds, "description", std::string("0 pin, 1 grip, 2 contact"));
+  addSeries(file, layout::kHoldTiles, {2}, "1");
+  file.setAttribute(
+      layout::kHoldTiles, "description",
+      std::string("tile, and for a contact the other: a tile, -1 ground, -2 - k obstacle k"));
+  for (const layout::HoldChannel& channel : layout::kHolds)
+    addSeries(file, channel.name, {3}, channel.unit);
+}
+
+void TrajectoryWriter::Internals::append(double time, const Mechanics& mechanics) {
+  for (const layout::EnergyChannel& channel : layout::kEnergies)
+    file.append(channel.name, {&(mechanics.energies.*channel.field), 1});
+  if (jointCount > 0) {
+    std::vector<double> forces;
+    for (const Vector3& force : mechanics.jointForces) kirireel::append(forces, force);
+    file.append(layout::kJointForces, forces);
+    const std::vector<double> marks(mechanics.isIndeterminate.begin(),
+                                    mechanics.isIndeterminate.end());
+    file.append(layout::kIndeterminate, marks);
+  }
+  std::vector<double> kinds, tiles;
+  for (const Hold& hold : mechanics.holds) {
+    kinds.push_back(static_cast<double>(hold.kind));
+    tiles.insert(tiles.end(), {static_cast<double>(hold.tile), static_cast<double>(hold.other)});
+  }
+  file.append(layout::kHoldTimes, std::vector<double>(kinds.size(), time));
+  file.append(layout::kHoldKinds, kinds);
+  file.append(layout::kHoldTiles, tiles);
+  for (const layout::HoldChannel& channel : layout::kHolds) {
+    std::vector<double> entries;
+    for (const Hold& hold : mechanics.holds) kirireel::append(entries, hold.*channel.field);
+    file.append(channel.name, entries);
+  }
+}
+
+void TrajectoryWriter::Internals::appendCurves(const Sample& sample) {
+  if (!meter) return;
+  const std::vector<double> values = meter->measure(sample);
+  const double* next = values.data();
+  for (const Channel& channel : channels) {
+    const std::size_t count = channel.width > 0 ? channel.width : 1;
+    file.append("curves/" + channel.name, {next, count});
+    next += count;
+  }
+}
+
+TrajectoryWriter::TrajectoryWriter(const std::filesystem::path& path, const Subject& subject,
+                                   std::unique_ptr<SampleMeter> meter)
+    : internals_(std::make_unique<Internals>(path, subject, std::move(meter))) {
   ArrayWriter& file = internals_->file;
   file.setAttribute("/", "format", std::string(layout::kFormat));
   file.setAttribute("/", "format_version", layout::kFormatVersion);
@@ -227,6 +319,7 @@ TrajectoryWriter::TrajectoryWriter(const std::filesystem::path& path, const Subj
   file.addGroup("steps");
   for (const layout::StepColumn& column : layout::kStepColumns)
     addSeries(file, column.name, {}, column.unit);
+  internals_->addCurves();
 }
 
 TrajectoryWriter::~TrajectoryWriter() = default;
@@ -248,6 +341,10 @@ void TrajectoryWriter::append(const Sample& sample) {
     for (const StepRecord& step : sample.steps) entries.push_back(step.*column.field);
     file.append(column.name, entries);
   }
+  if (sample.mechanics && internals_->samples == 0) internals_->addMechanics();
+  if (sample.mechanics) internals_->append(sample.time, *sample.mechanics);
+  internals_->appendCurves(sample);
+  ++internals_->samples;
 }
 
 void TrajectoryWriter::finish(const TrajectoryEnd& end) {

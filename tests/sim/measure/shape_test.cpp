@@ -7,6 +7,7 @@
 
 #include "sim/measure/run_curves.h"
 #include "sim/model/tessellation.h"
+#include "sim/trajectory/array_file.h"
 #include "tests/support/files.h"
 #include "tests/support/layouts.h"
 
@@ -118,6 +119,9 @@ TEST_F(RunCurvesOfSquares, AreThoseOfTheirClosedForms) {
     EXPECT_NEAR(at("hull_area_m2", k), squares.hullArea(), kTolerance);
     EXPECT_NEAR(at("hull_perimeter_m", k), squares.hullPerimeter(), kTolerance);
     EXPECT_NEAR(at("covered_area_m2", k), kColumns * kRows, kTolerance);
+    for (const Curve& joint : curves_.joints) {
+      EXPECT_NEAR(joint.values.at(k) * kDegree, opening, kTolerance);  // measured 1e-15
+    }
     EXPECT_NEAR(at("porosity", k), 1 - kColumns * kRows / squares.hullArea(), kTolerance);
     for (const char* column : {"opening_least_deg", "opening_mean_deg", "opening_largest_deg"}) {
       EXPECT_NEAR(at(column, k) * kDegree, opening, kTolerance);  // measured 1e-15
@@ -129,6 +133,65 @@ TEST_F(RunCurvesOfSquares, AreThoseOfTheirClosedForms) {
       EXPECT_TRUE(std::isnan(at("poissons_ratio", k)));
     }
   }
+}
+
+TEST_F(RunCurvesOfSquares, AreChannelsOfTheTrajectory) {
+  const Trajectory run = openingSquares(kEnd, kSamples);
+  const std::filesystem::path path = folder_ / "curves.h5";
+  TrajectoryWriter writer(path, run, makeCurveMeter(run));
+  for (const Sample& sample : run.samples) writer.append(sample);
+  writer.finish(run);
+  const ArrayReader file(path);
+  EXPECT_EQ(file.doubles("curves/width"), curveNamed(curves_, "width_m").values);
+  EXPECT_EQ(file.doubles("curves/opening_mean"), curveNamed(curves_, "opening_mean_deg").values);
+  EXPECT_EQ(file.textAttribute("curves/hull_area", "unit"), "m^2");
+  EXPECT_EQ(file.textAttribute("curves/porosity", "description"), "1 - covered / hull");
+  EXPECT_EQ(file.shape("curves/opening"), (Shape{kSamples, run.model.joints.size()}));
+  for (std::size_t j = 0; j < run.model.joints.size(); ++j) {
+    EXPECT_EQ(file.row("curves/opening", 7).at(j), curves_.joints.at(j).values.at(7));
+  }
+  // A path has neither energies nor forces.
+  EXPECT_FALSE(TrajectoryReader(path).hasMechanics());
+  EXPECT_FALSE(file.has("energy"));
+  EXPECT_EQ(curves_.joints.size(), run.model.joints.size());
+}
+
+TEST(RunCurves, TellEnergiesAndForces) {
+  Trajectory run = openingSquares(1, 2);
+  const std::size_t joints = run.model.joints.size();
+  for (Sample& sample : run.samples) {
+    Mechanics& mechanics = sample.mechanics.emplace();
+    mechanics.energies = {1, 2, 0, 10, 3, 1.5};
+    mechanics.jointForces.assign(joints, Vector3(3, 4, 0));
+    mechanics.jointForces[0] = {0, 0, 30};
+    mechanics.isIndeterminate.assign(joints, false);
+    mechanics.isIndeterminate[1] = true;
+    mechanics.holds = {{HoldKind::Pin, 0, -1, Vector3(0, 6, 8), Vector3::Zero(), Vector3::Zero()},
+                       {HoldKind::Pin, 1, -1, Vector3(1, 0, 0), Vector3::Zero(), Vector3::Zero()},
+                       {HoldKind::Contact, 0, 3, Vector3(2, 0, 0), Vector3(), Vector3()}};
+  }
+  const test::TemporaryFolder folder;
+  writeTrajectory(run, folder / "trajectory.h5");
+  const RunCurves curves = curvesOf(TrajectoryReader(folder / "trajectory.h5"));
+  const auto last = [&](const char* column) { return curveNamed(curves, column).values.back(); };
+  EXPECT_EQ(last("kinetic_energy_J"), 1);
+  EXPECT_EQ(last("spring_energy_J"), 2);
+  EXPECT_EQ(last("work_J"), 10);
+  EXPECT_EQ(last("damped_J"), 3);
+  EXPECT_EQ(last("impacted_J"), 1.5);
+  EXPECT_EQ(last("integrated_J"), 2.5);
+  EXPECT_EQ(last("joint_force_largest_N"), 30);
+  EXPECT_NEAR(last("joint_force_mean_N"), 5 + 25.0 / static_cast<double>(joints), 1e-14);
+  EXPECT_EQ(last("joint_force_indeterminate_N"), 5);
+  EXPECT_EQ(last("pin_force_N"), 10);
+  EXPECT_TRUE(std::isnan(last("grip_force_N")));
+  EXPECT_EQ(last("contact_force_N"), 2);
+  // Openings first, then a force and its mark for each joint.
+  ASSERT_EQ(curves.joints.size(), 3 * joints);
+  EXPECT_EQ(curves.joints[joints + 2].column, "joint_force_1_N");
+  EXPECT_EQ(curves.joints[joints + 2].values.back(), 5);
+  EXPECT_EQ(curves.joints[joints + 3].column, "joint_force_1_indeterminate");
+  EXPECT_EQ(curves.joints[joints + 3].values.back(), 1);
 }
 
 // Each square moves as its box grows, and turns by half of what the joints open.
@@ -156,7 +219,7 @@ TEST_F(RunCurvesOfSquares, AreStraightBetweenSamples) {
   EXPECT_NEAR(width.values[1], 0.5 * (at("width_m", 0) + at("width_m", 1)), 1e-14);
   EXPECT_EQ(width.values[3], at("width_m", kSamples - 1));
   EXPECT_TRUE(std::isnan(curveNamed(between, "target_error_m").values[1]));
-  EXPECT_FALSE(between.groups[7].hasValues());
+  EXPECT_FALSE(between.groups[11].hasValues());
 }
 
 }  // namespace

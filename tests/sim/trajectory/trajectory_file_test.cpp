@@ -51,6 +51,16 @@ Trajectory randomTrajectory(int samples) {
       sample.steps.push_back({step == 4 * k ? sample.time : step / 240.0, uniform(generator),
                               uniform(generator), uniform(generator), 2, 1, 0, 7});
     }
+    const auto vector = [&] { return Vector3(uniform(generator), uniform(generator), 1e300); };
+    Mechanics& mechanics = sample.mechanics.emplace();
+    mechanics.energies = {uniform(generator), 1, 3, uniform(generator), 2, uniform(generator)};
+    for (std::size_t j = 0; j < trajectory.model.joints.size(); ++j) {
+      mechanics.jointForces.push_back(vector());
+      mechanics.isIndeterminate.push_back((k + j) % 3 == 0);
+    }
+    for (int h = 0; h < k % 3; ++h) {
+      mechanics.holds.push_back({static_cast<HoldKind>(h), 2, h - 3, vector(), vector(), vector()});
+    }
     trajectory.samples.push_back(sample);
   }
   for (const char* name : {"joint_gap_max", "penetration_max"}) {
@@ -106,7 +116,26 @@ void expectSameBricks(const std::vector<Brick>& a, const std::vector<Brick>& b) 
   }
 }
 
+void expectSameMechanics(const Mechanics& a, const Mechanics& b) {
+  for (const layout::EnergyChannel& channel : layout::kEnergies) {
+    EXPECT_EQ(a.energies.*channel.field, b.energies.*channel.field) << channel.name;
+  }
+  EXPECT_EQ(a.jointForces, b.jointForces);
+  EXPECT_EQ(a.isIndeterminate, b.isIndeterminate);
+  ASSERT_EQ(a.holds.size(), b.holds.size());
+  for (std::size_t h = 0; h < a.holds.size(); ++h) {
+    EXPECT_EQ(a.holds[h].kind, b.holds[h].kind);
+    EXPECT_EQ(a.holds[h].tile, b.holds[h].tile);
+    EXPECT_EQ(a.holds[h].other, b.holds[h].other);
+    for (const layout::HoldChannel& channel : layout::kHolds) {
+      EXPECT_EQ(a.holds[h].*channel.field, b.holds[h].*channel.field) << channel.name;
+    }
+  }
+}
+
 void expectSameSample(const Sample& a, const Sample& b) {
+  ASSERT_EQ(a.mechanics.has_value(), b.mechanics.has_value());
+  if (a.mechanics) expectSameMechanics(*a.mechanics, *b.mechanics);
   EXPECT_EQ(a.time, b.time);
   EXPECT_EQ(a.jointGap, b.jointGap);
   EXPECT_EQ(a.targetError, b.targetError);

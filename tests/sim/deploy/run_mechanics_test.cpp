@@ -1,0 +1,209 @@
+// Energies and forces of whole runs, against mechanics and statics.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "sim/deploy/deployment.h"
+#include "sim/model/tessellation.h"
+
+namespace kirireel {
+namespace {
+
+using namespace timeline;
+
+constexpr double kGravity = 9.81;
+
+/// A sheet of squares that opens under its springs, by dynamics.
+Scene openingSheet() {
+  Scene scene;
+  TessellationShape shape;
+  shape.columns = shape.rows = 4;
+  shape.startAngle = 20 * kDegree;
+  scene.model = makeTessellation(shape);
+  scene.environment.contacts = ContactFilter::None;
+  scene.path.kind = PathKind::Straight;
+  scene.springs.adaptive = false;
+  scene.stop.duration = 1;
+  return scene;
+}
+
+/// Squares without joints, target and damping, `height` above a ground without friction.
+Scene fallingBricks(double height) {
+  Scene scene;
+  scene.model.tiles = {{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}};
+  scene.brick.thickness = 0.2;
+  scene.environment.contacts = ContactFilter::All;
+  scene.environment.linearDamping = scene.environment.angularDamping = 0;
+  scene.environment.gravity = {0, 0, -kGravity};
+  scene.environment.ground = Ground{-height, 0};
+  scene.actuation.drive = Drive::None;
+  scene.solver.planar = false;
+  scene.stop.duration = 1;
+  return scene;
+}
+
+std::vector<Sample> samplesOf(const Scene& scene, double interval = 1.0 / 30) {
+  return deploy(scene, interval, nullptr).trajectory.samples;
+}
+
+/// Of all samples, the largest energy that the integrator has taken, as a part of all work.
+double worstBalance(const std::vector<Sample>& samples) {
+  double worst = 0;
+  for (const Sample& sample : samples) {
+    const Energies& energies = sample.mechanics->energies;
+    worst = std::max(worst, std::abs(energies.integrated()) / energies.work);
+  }
+  return worst;
+}
+
+TEST(Energies, BalanceToTheTolerance) {
+  for (const auto& [tolerance, allowed] :
+       {std::pair{1e-3, 1e-3}, std::pair{1e-5, 1e-5}, std::pair{1e-7, 1e-6}}) {
+    Scene scene = openingSheet();
+    scene.solver.tolerance = tolerance;
+    const std::vector<Sample> samples = samplesOf(scene, 1.0 / 97);
+    EXPECT_LT(worstBalance(samples), allowed) << tolerance;  // measured MEASURED
+    // Most of the work goes into dampers.
+    const Energies& end = samples.back().mechanics->energies;
+    EXPECT_GT(end.damped, 0.5 * end.work);
+    RecordProperty("balance", std::to_string(worstBalance(samples)));
+    std::cout << tolerance << " balance " << worstBalance(samples) << "\n";
+  }
+}
+
+TEST(Energies, BalanceToFirstOrderInFixedSteps) {
+  double before = 0;
+  for (const double step : {1.0 / 240, 1.0 / 480, 1.0 / 960}) {
+    Scene scene = openingSheet();
+    scene.solver.timestep = step;
+    const double worst = worstBalance(samplesOf(scene));
+    std::cout << step << " balance " << worst << "\n";
+    if (before > 0) EXPECT_NEAR(worst / before, 0.5, 0.06);  // measured
+    before = worst;
+  }
+  EXPECT_LT(before, 0.01);
+}
+
+TEST(Energies, OfAFallAreThoseOfGravity) {
+  Scene scene = fallingBricks(10);
+  scene.stop.duration = 0.5;
+  for (const double tolerance : {0.0, 1e-6}) {
+    scene.solver.tolerance = tolerance;
+    const std::vector<Sample> samples = samplesOf(scene);
+    const Sample &first = samples.front(), &last = samples.back();
+    const double fallen = first.poses[0].position.z() - last.poses[0].position.z();
+    const Energies& end = last.mechanics->energies;
+    EXPECT_NEAR(end.work, kGravity * fallen, 1e-9 * end.work);  // mass 1
+    EXPECT_EQ(end.damped, 0);
+    EXPECT_EQ(end.impacted, 0);
+    EXPECT_NEAR(end.kinetic, end.work, (tolerance > 0 ? 1e-9 : 0.01) * end.work);
+  }
+}
+
+TEST(Energies, GoInAnImpact) {
+  Scene scene = fallingBricks(0.5);
+  const Energies end = samplesOf(scene).back().mechanics->energies;
+  // The bottom falls by half a metre, and all of that energy is lost.
+  EXPECT_NEAR(end.work, 0.5 * kGravity, 1e-4);
+  EXPECT_NEAR(end.kinetic, 0, 1e-9);
+  EXPECT_NEAR(end.impacted, end.work, 0.02 * end.work);  // the rest is the integrator's
+  std::cout << "impact " << end.impacted << " of " << end.work << " integrated " << end.integrated()
+            << "\n";
+}
+
+TEST(Energies, CountTheWorkOfAGrip) {
+  Scene scene = openingSheet();
+  scene.actuation.drive = Drive::None;
+  scene.timeline = {{Occasion{}, Drag{.tile = 0, .path = {{-2, -1, 0}}, .seconds = 0.8}}};
+  scene.solver.tolerance = 1e-5;
+  const std::vector<Sample> samples = samplesOf(scene, 1.0 / 60);
+  EXPECT_LT(worstBalance(std::vector<Sample>(samples.begin() + 5, samples.end())), 1e-4);
+  std::cout << "grip " << worstBalance(std::vector<Sample>(samples.begin() + 5, samples.end()))
+            << "\n";
+  // A grip pulls with its spring, as its hold says, along the path.
+  bool isGripped = false;
+  for (const Sample& sample : samples) {
+    for (const Hold& hold : sample.mechanics->holds) {
+      EXPECT_EQ(hold.kind, HoldKind::Grip);
+      EXPECT_EQ(hold.tile, 0);
+      isGripped = isGripped || hold.force.x() < 0;
+    }
+  }
+  EXPECT_TRUE(isGripped);
+}
+
+TEST(Holds, CarryWhatRestsOnTheGround) {
+  Scene scene = fallingBricks(0);
+  const Mechanics end = *samplesOf(scene).back().mechanics;
+  ASSERT_EQ(end.holds.size(), 1U);  // four corners, one resultant
+  EXPECT_EQ(end.holds[0].kind, HoldKind::Contact);
+  EXPECT_EQ(end.holds[0].tile, 0);
+  EXPECT_EQ(end.holds[0].other, Hold::kGround);
+  EXPECT_LT((end.holds[0].force - Vector3(0, 0, kGravity)).norm(), 1e-6);  // measured
+  EXPECT_LT((end.holds[0].point - Vector3(0.5, 0.5, 0)).norm(), 1e-5);
+  EXPECT_LT(end.holds[0].moment.norm(), 1e-6);
+}
+
+/// Squares hung corner to corner between two pinned ones, by gravity along -y in the plane.
+Scene hangingChain(int count) {
+  Scene scene;
+  const double r = std::sqrt(0.5);
+  for (int i = 0; i < count; ++i) {
+    const double x = 2 * r * i;
+    scene.model.tiles.push_back({{{x, -r, 0}, {x + r, 0, 0}, {x, r, 0}, {x - r, 0, 0}}});
+    if (i > 0) scene.model.joints.push_back({{i - 1, 1}, {i, 3}});
+  }
+  scene.environment.contacts = ContactFilter::None;
+  scene.environment.gravity = {0, -kGravity, 0};
+  scene.environment.linearDamping = scene.environment.angularDamping = 0.95;
+  scene.actuation.drive = Drive::None;
+  scene.stop.duration = 60;
+  scene.timeline = {{Occasion{}, Pin{{0}}}};
+  return scene;
+}
+
+TEST(Holds, OfAHangingChainCarryItsWeight) {
+  const int count = 6;
+  const Scene scene = hangingChain(count);
+  const DeploymentResult result = deploy(scene, 1.0, nullptr);
+  const Sample& end = result.trajectory.samples.back();
+  ASSERT_EQ(end.mechanics->holds.size(), 1U);
+  const Hold& pin = end.mechanics->holds[0];
+  EXPECT_EQ(pin.kind, HoldKind::Pin);
+  EXPECT_EQ(pin.tile, 0);
+  const Vector3 weight(0, kGravity, 0);  // that a tile needs
+  EXPECT_LT((pin.force - count * weight).norm(), 1e-6 * count * kGravity)
+      << pin.force.transpose() << " " << result.reason;
+  for (int j = 0; j + 1 < count; ++j) {
+    // On the tile nearer to the pin pull all those beyond the joint.
+    EXPECT_LT((end.mechanics->jointForces[j] + (count - 1 - j) * weight).norm(),
+              1e-6 * count * kGravity)
+        << j;
+  }
+  std::cout << "chain " << (pin.force - count * weight).norm() << " at " << end.time << "\n";
+}
+
+TEST(Mechanics, AreTheSameWithMoreSamples) {
+  const Scene scene = openingSheet();
+  const std::vector<Sample> coarse = samplesOf(scene, 1.0 / 24);
+  const std::vector<Sample> fine = samplesOf(scene, 1.0 / 240);
+  for (std::size_t k = 0; k < coarse.size(); ++k) {
+    const Sample& same = fine.at(10 * k);
+    EXPECT_EQ(coarse[k].mechanics->energies.damped, same.mechanics->energies.damped);
+    EXPECT_EQ(coarse[k].mechanics->jointForces, same.mechanics->jointForces);
+  }
+}
+
+TEST(Mechanics, ArePartOfNoPathAndNoEngine) {
+  Scene scene = openingSheet();
+  scene.path.kind = PathKind::Continuation;
+  scene.springs = {};
+  for (const Sample& sample : samplesOf(scene)) EXPECT_FALSE(sample.mechanics);
+  scene = openingSheet();
+  scene.solver.kind = SolverKind::Bullet;
+  scene.stop.duration = 0.1;
+  for (const Sample& sample : samplesOf(scene)) EXPECT_FALSE(sample.mechanics);
+}
+
+}  // namespace
+}  // namespace kirireel
