@@ -10,6 +10,9 @@ namespace {
 
 /// Differences below this part of the values are rounding.
 constexpr double kConstant = 1e-9;
+/// A range below this part of its values is drawn as a constant: numbers along it could not be told
+/// apart.
+constexpr double kUnreadable = 1e-5;
 /// Free above and below what is drawn, in parts of the range.
 constexpr double kRoom = 0.05;
 
@@ -41,7 +44,7 @@ Axis makeAxis(const std::vector<double>& values, int mostTicks) {
   const auto [least, largest] = std::ranges::minmax_element(values);
   Axis axis{*least, *largest, false, {}, {}};
   const double size = std::max(std::abs(axis.low), std::abs(axis.high));
-  if (axis.high - axis.low <= kConstant * size) {
+  if (axis.high - axis.low <= kUnreadable * size) {
     const double room = size > 0 ? 0.5 * size : 1;
     axis.low -= room;
     axis.high += room;

@@ -19,7 +19,8 @@ struct Axis {
 };
 
 /// An axis that holds finite values, at least one, with at most so many ticks at multiples of 1, 2
-/// or 5 times a power of ten; a constant stands in its middle.
+/// or 5 times a power of ten; a constant (to 1e-5 of itself)
+/// stands in its middle.
 Axis makeAxis(const std::vector<double>& values, int mostTicks);
 
 /// An axis of this range, high at low or above, with such ticks within it.

@@ -57,7 +57,7 @@ std::vector<CurveGroup> emptyGroups() {
        {{"kinetic", "kinetic_energy_J"},
         {"springs", "spring_energy_J"},
         {"hinges", "elastic_energy_J"}}},
-      {"Work of the drives", "J", false, {{"work", "work_J"}}},
+      {"Work of the drives", "J", false, {{"work of the drives", "work_J"}}},
       {"Lost energy",
        "J",
        false,

@@ -14,7 +14,7 @@ except ImportError:
     webdriver = None
 
 WIDE = (1400, 1000)
-NARROW = (390, 844)
+PHONE = (390, 844)
 OUTLINE = (38, 50, 66)
 
 
@@ -29,7 +29,7 @@ def missing_tool():
 class Browser:
     """A window with one page."""
 
-    def __init__(self, page, size=WIDE, without_webgl=False):
+    def __init__(self, page, size=WIDE, without_webgl=False, on_phone=False):
         options = webdriver.ChromeOptions()
         options.binary_location = shutil.which("chromium")
         arguments = ["--headless=new", "--no-sandbox", "--hide-scrollbars",
@@ -44,6 +44,12 @@ class Browser:
         self.driver = webdriver.Chrome(service=Service(shutil.which("chromedriver")),
                                        options=options)
         self.driver.set_script_timeout(120)
+        if on_phone:
+            # Windows are at least 500 pixels wide; what is emulated may be narrower.
+            self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
+                "width": PHONE[0], "height": PHONE[1], "deviceScaleFactor": 2, "mobile": True})
+            self.driver.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {
+                "enabled": True, "maxTouchPoints": 5})
         self.page = page
 
     def __enter__(self):
@@ -100,6 +106,15 @@ class Browser:
             if message["method"] == "Network.requestWillBeSent":
                 addresses.append(message["params"]["request"]["url"])
         return [a for a in addresses if not a.startswith(("file://", "data:", "blob:"))]
+
+    def touch(self, *moments):
+        """Fingers on the page: at each moment a list of their places, as (x, y). Then none."""
+        kind = "touchStart"
+        for places in moments + ([],):
+            points = [{"x": x, "y": y, "id": k} for k, (x, y) in enumerate(places)]
+            self.driver.execute_cdp_cmd("Input.dispatchTouchEvent", {
+                "type": kind if places else "touchEnd", "touchPoints": points})
+            kind = "touchMove"
 
     def set_canvas(self, width, height):
         self.run("for (const {canvas} of kirireel.stages) {"

@@ -13,6 +13,8 @@ from browser import Browser
 SOURCES = pathlib.Path(__file__).resolve().parents[2]
 PROGRAM = os.environ["KIRIREEL_PROGRAM"]
 MODELS = ("tessellation_4x4", "cylinder", "cube_to_sphere", "stampfli_108")
+# With obstacles, energies and forces, from a corner.
+DRAPE = ("quad_tessellation", "--scene", SOURCES / "data" / "scenes" / "drape.toml")
 SIZE = (800, 600)
 POSITIONS = (0, 0.5, 1)
 
@@ -31,6 +33,9 @@ class Pages(unittest.TestCase):
         for model in MODELS:
             run_program("simulate", SOURCES / "data" / model, "--out", cls.folder / model)
             run_program("page", cls.folder / model)
+        model, *words = DRAPE
+        run_program("simulate", SOURCES / "data" / model, *words, "--out", cls.folder / "drape")
+        run_program("page", cls.folder / "drape")
 
     @classmethod
     def tearDownClass(cls):
@@ -42,7 +47,8 @@ class Pages(unittest.TestCase):
     def painted(self, model):
         """Our own frames at the start, half way and at the end of the motion."""
         run = self.folder / model
-        run_program("render", run, "--size", "%dx%d" % SIZE, "--frames", "--format", "apng",
+        view = ("--view", "iso") if model == "drape" else ()
+        run_program("render", run, *view, "--size", "%dx%d" % SIZE, "--frames", "--format", "apng",
                     "--no-snapshots", "--fps", "10", "--length", "2.1", "--hold", "0",
                     "--occlusion", "0",
                     "--out", run / "pictures")
@@ -50,15 +56,19 @@ class Pages(unittest.TestCase):
         return [browser.picture_of(name.read_bytes()) for name in names]
 
     def test_pictures_are_ours(self):
-        for model in MODELS:
+        for model in MODELS + ("drape",):
             painted = self.painted(model)
             self.assertGreater(browser.lines_of(painted[0], 25).sum(), 300)
             with Browser(self.page(model)) as window:
                 window.set_canvas(*SIZE)
+                if model == "drape":
+                    window.run("kirireel.showView(4)")
                 for position, ours in zip(POSITIONS, painted):
                     with self.subTest(model=model, position=position):
                         window.move_slider(position)
                         shown = window.canvas_picture()
+                        print("%s at %g%%: %.1f dB" % (
+                            model, 100 * position, browser.likeness(shown, ours)))
                         self.assertGreater(browser.likeness(shown, ours), 30)
                         self.assert_lines_near(shown, ours)
                         self.assert_lines_near(ours, shown)
@@ -133,10 +143,41 @@ class Pages(unittest.TestCase):
             body.send_keys(" ")
             self.assertFalse(window.run("return kirireel.player.isPlaying"))
 
-    def test_nothing_is_wider_than_a_narrow_screen(self):
-        with Browser(self.page("cylinder"), browser.NARROW) as window:
+    def test_a_phone_is_wide_enough_and_fingers_do_all(self):
+        with Browser(self.page("cylinder"), on_phone=True) as window:
+            self.assertEqual(window.run("return window.innerWidth"), browser.PHONE[0])
             self.assertLessEqual(window.run("return document.documentElement.scrollWidth"),
-                                 window.run("return window.innerWidth"))
+                                 browser.PHONE[0])
+            window.move_slider(0.6)
+            window.wait_until_fine()
+            box = window.run("const box = kirireel.stages[0].canvas.getBoundingClientRect();"
+                             "return [box.left + box.width / 2, box.top + box.height / 2];")
+            x, y = map(round, box)
+            eye = lambda: window.run(
+                "const {camera} = kirireel.stages[0].viewpoint;"
+                "return [...camera.position.toArray(), camera.zoom];")
+            reach = lambda: window.run("return kirireel.stages[0].viewpoint.heightAtCentre()")
+            # A tap names the tile under it.
+            tile = window.run("return kirireel.stages[0].brickAt(arguments[0], arguments[1])", x, y)
+            self.assertGreaterEqual(tile, 0)
+            window.touch([(x, y)])
+            window.wait_until("!document.querySelector('.tip').hidden")
+            self.assertIn("Tile %d," % tile, window.run(
+                "return document.querySelector('.tip').textContent"))
+            # One finger turns, two come nearer.
+            before, far = eye(), reach()
+            window.touch(*[[(x + 10 * k, y)] for k in range(6)])
+            self.assertNotEqual(eye(), before)
+            window.touch(*[[(x - 20 - 8 * k, y), (x + 20 + 8 * k, y)] for k in range(8)])
+            self.assertLess(reach(), 0.8 * far)
+            # A curve is a slider too.
+            box = window.run("const svg = document.querySelector('.curve svg');"
+                             "svg.scrollIntoView({block: 'center'});"
+                             "const box = svg.getBoundingClientRect();"
+                             "return [box.left + 0.25 * box.width, box.top + box.height / 2];")
+            window.touch([tuple(map(round, box))])
+            window.wait_until("kirireel.player.position < 0.3")
+            self.assertEqual(window.messages(), [])
 
     def test_without_webgl_there_is_a_picture(self):
         with Browser(self.page("cylinder"), without_webgl=True) as window:
@@ -147,6 +188,17 @@ class Pages(unittest.TestCase):
             window.move_slider(0.5)
             self.assertIn("50.0%", window.run(
                 "return document.getElementById('where').textContent"))
+
+    def test_curves_have_energies_and_forces(self):
+        with Browser(self.page("drape")) as window:
+            window.move_slider(1)
+            words = window.run("return document.querySelector('.curves').textContent")
+            for name in ("Work of the drives, J", "Joint force, N", "contacts"):
+                self.assertIn(name, words)
+            self.assertEqual(window.messages(), [])
+        with Browser(self.page("cylinder")) as window:
+            self.assertIn("no energies and forces: a path of the mechanism is geometry",
+                          window.run("return document.body.textContent"))
 
     def test_measures_have_their_scale(self):
         with Browser(self.page("tessellation_4x4")) as window:

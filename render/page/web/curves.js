@@ -126,7 +126,8 @@ class Diagram {
       const from = values[sample], to = values[Math.min(sample + 1, values.length - 1)];
       const isBetween = share > 0 && from !== null && to !== null;
       const text = numberText(isBetween ? from + share * (to - from) : from);
-      this.values[k].textContent = this.values.length > 1 ? `${label} ${text}` : text;
+      const isNamed = label.toLowerCase() !== this.curve.name.toLowerCase();
+      this.values[k].textContent = isNamed ? `${label} ${text}` : text;
     });
   }
 }

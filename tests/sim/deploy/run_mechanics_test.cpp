@@ -78,7 +78,9 @@ TEST(Energies, BalanceToFirstOrderInFixedSteps) {
     scene.solver.timestep = step;
     const double worst = worstBalance(samplesOf(scene));
     std::cout << step << " balance " << worst << "\n";
-    if (before > 0) EXPECT_NEAR(worst / before, 0.5, 0.06);  // measured
+    if (before > 0) {
+      EXPECT_NEAR(worst / before, 0.5, 0.06);  // measured
+    }
     before = worst;
   }
   EXPECT_LT(before, 0.01);
