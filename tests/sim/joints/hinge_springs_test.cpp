@@ -39,7 +39,7 @@ class SprungMotion {
 
   void pin(const std::vector<bool>& pinned) {
     solver_->setPinned(pinned);
-    extrapolation_.setPinned(true);
+    extrapolation_.setSupported(true);
   }
 
   void advance(double seconds) {

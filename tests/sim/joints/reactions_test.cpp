@@ -114,7 +114,7 @@ TEST(Reactions, OfAThreeHingedArchAreThoseOfStatics) {
     const auto solver = reactionSolver(arch, planar);
     const Reactions found = solver->solve(arch.motion, loads, {true, false, false, true}, kExact);
     const Vector3 pinLeft = found.pinForces[0].head<3>(), pinRight = found.pinForces[3].head<3>();
-    EXPECT_LT((pinLeft - Vector3(thrust, left, 0)).norm(), 1e-9) << planar;  // measured
+    EXPECT_LT((pinLeft - Vector3(thrust, left, 0)).norm(), 1e-9) << planar;
     EXPECT_LT((pinRight - Vector3(Q - thrust, right, 0)).norm(), 1e-9) << planar;
     // The pinned tile's centre is half an edge beside and below the hinge.
     const Vector3 arm = -arch.motion.poses[0].position;
@@ -133,7 +133,7 @@ TEST(Reactions, TurnAPendulum) {
         reactionSolver(pendulum, planar)
             ->solve(pendulum.motion, evenLoads(pendulum, Vector3::Zero()), {true, false}, kExact);
     const Vector3 pull = found.pinForces[0].head<3>();
-    EXPECT_LT((pull - Vector3(0, turn * turn * radius, 0)).norm(), 1e-9);  // measured
+    EXPECT_LT((pull - Vector3(0, turn * turn * radius, 0)).norm(), 1e-9);
   }
 }
 
@@ -245,7 +245,6 @@ TEST_P(RedundantSheet, HasTheLeastForces) {
   }
   EXPECT_LT(difference, 1e-7 * wanted.lpNorm<Eigen::Infinity>());
   EXPECT_LT(found.imbalance, 1e-7 * wanted.lpNorm<Eigen::Infinity>());
-  RecordProperty("difference", std::to_string(difference));
 }
 
 /// The joints in whose rows some state of self-stress has a resultant, by the projector on the left
@@ -315,7 +314,7 @@ TEST_P(RedundantSheet, CarriesWhatEquallyStiffJointsDo) {
   pinned[0] = true;
   const Vector3 pull(3, 2, planar ? 0 : 1);
   double before = 0;
-  for (const double stiffness : {1e5, 1e6, 1e7}) {
+  for (const double stiffness : {1e6, 1e7, 1e8}) {
     const auto dynamics = sheet.solver(planar);
     dynamics->setPinned(pinned);
     dynamics->setJointStiffness(stiffness);
@@ -349,11 +348,13 @@ TEST_P(RedundantSheet, CarriesWhatEquallyStiffJointsDo) {
       largest = std::max(largest, springs.pivotForces[p].norm());
       difference = std::max(difference, (springs.pivotForces[p] - exact.pivotForces[p]).norm());
     }
-    std::cout << "planar " << planar << " stiffness " << stiffness << ": " << difference / largest
-              << "\n";
+    // The rest falls with the stiffness.
+    if (before > 0) {
+      EXPECT_LT(difference / largest, 0.2 * before);
+    }
     before = difference / largest;
   }
-  EXPECT_LT(before, 1e-4);
+  EXPECT_LT(before, 1e-4);  // measured 1.1e-6 in the plane, 4.6e-5 in space
 }
 
 INSTANTIATE_TEST_SUITE_P(Reactions, RedundantSheet, testing::Bool(),
