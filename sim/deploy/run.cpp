@@ -122,7 +122,7 @@ double Run::springEnergy(double time, const Poses& poses) const {
     if (springs && !boundary_) sum += springs->energy(poses, stiffness_.factor());
     if (boundary_) sum += boundary_->energy(poses);
   }
-  for (const Grip& grip : timeline_.grips(time)) {
+  for (const DragSpring& grip : timeline_.dragSprings(time)) {
     sum += pointSpringEnergy(grip.spring, poses[grip.tile]);
   }
   const double stiffness = jointStiffness();
@@ -176,7 +176,7 @@ std::vector<bool> Run::pinned() const {
 
 std::vector<Hold> Run::holds(double time, const Motion& motion) const {
   std::vector<Hold> holds;
-  for (const Grip& grip : timeline_.grips(time)) {
+  for (const DragSpring& grip : timeline_.dragSprings(time)) {
     const Pose& pose = motion.poses[grip.tile];
     Load load;
     addPointSpring(grip.spring, pose, load);

@@ -168,8 +168,8 @@ void TimelineRunner::reset(TimelineStage& stage) {
   stage.reset();
 }
 
-std::vector<Grip> TimelineRunner::grips(double time) const {
-  std::vector<Grip> grips;
+std::vector<DragSpring> TimelineRunner::dragSprings(double time) const {
+  std::vector<DragSpring> grips;
   for (const ActiveDrag& active : drags_) {
     const timeline::Drag& drag = dragOf(active);
     const double share = (time - active.from) / drag.seconds;
@@ -180,7 +180,7 @@ std::vector<Grip> TimelineRunner::grips(double time) const {
 }
 
 void TimelineRunner::addDrags(double time, const Poses& poses, std::vector<Load>& loads) const {
-  for (const Grip& grip : grips(time))
+  for (const DragSpring& grip : dragSprings(time))
     addPointSpring(grip.spring, poses[grip.tile], loads[grip.tile]);
 }
 

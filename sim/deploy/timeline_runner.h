@@ -36,7 +36,7 @@ class TimelineStage {
 };
 
 /// A tile that is dragged along, and the spring that it hangs on.
-struct Grip {
+struct DragSpring {
   int tile = 0;
   PointSpring spring;
 };
@@ -54,7 +54,7 @@ class TimelineRunner {
   void addDrags(double time, const Poses& poses, std::vector<Load>& loads) const;
 
   /// The drags under way at this time, as the springs that they pull with.
-  std::vector<Grip> grips(double time) const;
+  std::vector<DragSpring> dragSprings(double time) const;
 
   bool forcesAreOn() const { return forcesOn_; }
   bool isPaused(double time) const { return time < pausedUntil_; }
