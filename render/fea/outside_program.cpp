@@ -47,6 +47,8 @@ int runProgram(std::vector<std::string> words, const std::string& log, const std
   ::posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
   ::posix_spawn_file_actions_addopen(&actions, 1, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
   ::posix_spawn_file_actions_adddup2(&actions, 1, 2);
+  const std::string folder = std::filesystem::path(log).parent_path().string();
+  ::posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
   pid_t process = 0;
   const int failure =
       ::posix_spawnp(&process, arguments[0], &actions, nullptr, arguments.data(), environ);

@@ -25,7 +25,8 @@ class WorkFolder {
 /// What a program has written into a file; empty where it has written nothing.
 std::string writtenText(const std::string& file);
 
-/// Runs a program, looked for on the path, with its output in the file `log`, and waits for it.
+/// Runs a program, looked for on the path, with its output in the file `log`, and waits for it. It
+/// runs in the folder of that file, where it may leave files of its own.
 /// Returns how it ended, as waitpid says: 0 when all is well. Throws InputError when there is no
 /// such program; `advice` says how to mend that.
 int runProgram(std::vector<std::string> words, const std::string& log, const std::string& advice);
