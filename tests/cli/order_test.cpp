@@ -234,7 +234,7 @@ TEST(Orders, AreTheSameHoweverTheyAreSpelled) {
   // PyKirigami's spellings bring its defaults with them.
   Words peer = plain;
   peer.insert(peer.end(), {"--torque-damping", "2", "--path", "dynamic", "--search", "60",
-                           "--actuation", "target"});
+                           "--actuation", "target", "--tolerance", "0"});
   for (const Words& words :
        {Words{"-bt", "0.030", "--no_collision"},
         Words{"--like", "pykirigami", "--thickness", "0.03", "--contacts", "unjoined"},
