@@ -69,7 +69,7 @@ TEST(Energies, BalanceToTheTolerance) {
   EXPECT_GT(end.damped, 0.5 * end.work);
   scene.solver.timestep /= 4;
   scene.solver.tolerance = 1e-7;
-  EXPECT_LT(worstBalance(samplesOf(scene, 1.0 / 97)), 1e-6);  // measured MEASURED
+  EXPECT_LT(worstBalance(samplesOf(scene, 1.0 / 97)), 1e-6);
 }
 
 TEST(Energies, BalanceToFirstOrderInFixedSteps) {
