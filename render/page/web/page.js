@@ -3,6 +3,7 @@
 
 const TURN = Math.PI / 24; // of one key
 const NEARER = 1.15; // likewise
+const TAP = 6; // pixels: a finger or button that goes up nearer to where it came down has not dragged
 const STILL_AFTER = 150; // milliseconds without a change: then pictures are drawn finely
 const byId = (id) => document.getElementById(id);
 
@@ -203,7 +204,15 @@ class Page {
     canvas.addEventListener("pointermove", (event) => {
       if (event.buttons === 0 && event.pointerType === "mouse") at(event);
     });
-    canvas.addEventListener("click", at);
+    // No clicks: OrbitControls keeps a touch from becoming one.
+    let down = null;
+    canvas.addEventListener("pointerdown", (event) => { down = event.isPrimary ? event : null; });
+    canvas.addEventListener("pointerup", (event) => {
+      if (!down) return;
+      const moved = Math.hypot(event.clientX - down.clientX, event.clientY - down.clientY);
+      down = null;
+      if (moved < TAP) at(event);
+    });
     canvas.addEventListener("pointerleave", (event) => {
       if (event.pointerType === "mouse") section.point(-1);
     });

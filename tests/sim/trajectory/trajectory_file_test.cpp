@@ -186,6 +186,10 @@ TEST(TrajectoryFile, KeepsEveryBit) {
   Trajectory written = randomTrajectory(7);
   written.model.pulledTiles = {0, 3};
   written.model.joints.push_back(makeFixedJoint(written.model.tiles, 0, 5));
+  for (Sample& sample : written.samples) {
+    sample.mechanics->jointForces.emplace_back(1, 2, 3);
+    sample.mechanics->isIndeterminate.push_back(true);
+  }
   writeTrajectory(written, folder / "run.h5");
   const Trajectory read = readTrajectory(folder / "run.h5");
   expectSameSubject(read, written);
