@@ -1,0 +1,129 @@
+// What acts on the bricks of a run: springs, expansion, drags, gravity, hinges, contacts.
+#include <algorithm>
+#include <cmath>
+
+#include "sim/actuation/environment_load.h"
+#include "sim/actuation/expansion.h"
+#include "sim/deploy/run.h"
+
+namespace kirireel {
+
+/// To the target headed for at present, from where that was set or the way to it was opened.
+void Run::tieSprings() {
+  follower_.reset();
+  if (scene_.path.kind == PathKind::Led && !isOpening()) {
+    follower_.emplace(scene_, bricks_, departure_, *target_, departureTime_);
+  }
+  springs_.emplace(bricks_, *target_, scene_.model.pulledTiles, springSettings_);
+}
+
+const TargetSprings* Run::targetSprings() const {
+  if (follower_) return &follower_->springs();
+  return springs_ ? &*springs_ : nullptr;
+}
+
+/// What drives the bricks.
+void Run::pull(const Poses& poses, std::vector<Load>& loads) const {
+  const Drive drive = presentDrive();
+  const Vector3 centre = drive == Drive::Expansion ? centreOfMass(bricks_, poses) : Vector3::Zero();
+  const TargetSprings* springs = targetSprings();
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const int brick = static_cast<int>(i);
+    if (springs) loads[i] = springs->load(brick, poses[i], stiffness_.factor());
+    if (boundary_) loads[i] = boundary_->load(brick, poses[i]);
+    if (drive == Drive::Expansion) loads[i] = expansionLoad(springSettings_, centre, poses[i]);
+  }
+}
+
+double Run::springEnergy(double time, const Poses& poses) const {
+  double sum = 0;
+  if (timeline_.forcesAreOn() && presentDrive() != Drive::Expansion) {
+    const TargetSprings* springs = targetSprings();
+    if (springs && !boundary_) sum += springs->energy(poses, stiffness_.factor());
+    if (boundary_) sum += boundary_->energy(poses);
+  }
+  for (const DragSpring& grip : timeline_.dragSprings(time)) {
+    sum += pointSpringEnergy(grip.spring, poses[grip.tile]);
+  }
+  const double stiffness = jointStiffness();
+  if (!std::isfinite(stiffness)) return sum;
+  for (const Pivot& pivot : pivots_) {
+    // In the plane both faces' pivots are one.
+    if (needs_.planar.on && pivot.isUpper) continue;
+    sum += 0.5 * stiffness * std::pow(pivotGap(pivot, poses), 2);
+  }
+  return sum;
+}
+
+std::vector<Vector3> Run::freeForces(const Poses& poses) const {
+  std::vector<Vector3> forces;
+  for (const Brick& brick : bricks_) forces.push_back(brick.mass * scene_.environment.gravity);
+  if (!timeline_.forcesAreOn() || presentDrive() != Drive::Expansion) return forces;
+  const Vector3 centre = centreOfMass(bricks_, poses);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    forces[i] += expansionLoad(springSettings_, centre, poses[i]).force.head<3>();
+  }
+  return forces;
+}
+
+std::vector<Vector6> Run::appliedForces(double time, const Motion& motion) const {
+  std::vector<Load> loads(bricks_.size());
+  actuation_(time - this->time(), motion.poses, loads);
+  std::vector<Vector6> forces;
+  for (std::size_t i = 0; i < bricks_.size(); ++i) {
+    addEnvironmentLoad(scene_.environment, bricks_[i], motion.poses[i], loads[i]);
+    Vector6 velocity;
+    velocity << motion.velocities[i].linear, motion.velocities[i].angular;
+    forces.push_back(loads[i].force - loads[i].damping * velocity);
+  }
+  const std::vector<HingeSpring>& springs = result_.trajectory.hingeSprings;
+  const std::vector<double> moments = hingeMoments(springs, motion.poses);
+  for (std::size_t s = 0; s < springs.size(); ++s) {
+    const Hinge& hinge = springs[s].hinge;
+    const double moment = moments[s] - springs[s].damping * hingeRate(hinge, motion);
+    const Vector3 onB = moment * (motion.poses[hinge.brickA].rotation * hinge.axis);
+    forces[hinge.brickA].tail<3>() -= onB;
+    forces[hinge.brickB].tail<3>() += onB;
+  }
+  return forces;
+}
+
+std::vector<bool> Run::pinned() const {
+  std::vector<bool> pinned(bricks_.size(), false);
+  for (const int tile : timeline_.pinnedTiles()) pinned[static_cast<std::size_t>(tile)] = true;
+  return pinned;
+}
+
+std::vector<Hold> Run::holds(double time, const Motion& motion) const {
+  std::vector<Hold> holds;
+  for (const DragSpring& grip : timeline_.dragSprings(time)) {
+    const Pose& pose = motion.poses[grip.tile];
+    Load load;
+    addPointSpring(grip.spring, pose, load);
+    Vector6 velocity;
+    velocity << motion.velocities[grip.tile].linear, motion.velocities[grip.tile].angular;
+    holds.push_back({HoldKind::Grip, grip.tile, Hold::kGround,
+                     (load.force - load.damping * velocity).head<3>(), Vector3::Zero(),
+                     pose.apply(grip.spring.point)});
+  }
+  std::ranges::stable_sort(holds, {}, &Hold::tile);
+  const std::vector<Hold> contacts =
+      stepCount_ > 0 ? dynamics_->contacts(motion.poses) : std::vector<Hold>{};
+  holds.insert(holds.end(), contacts.begin(), contacts.end());
+  return holds;
+}
+
+/// How the bricks move in these poses at a time within the last step.
+Motion Run::motionAt(double time, const Poses& poses) const {
+  const double share = 1 - (this->time() - time) / step_;
+  Motion motion{poses, motion_.velocities};
+  if (time == this->time()) return motion;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const Velocity &from = before_.velocities[i], &to = motion_.velocities[i];
+    motion.velocities[i] = {from.linear + share * (to.linear - from.linear),
+                            from.angular + share * (to.angular - from.angular)};
+  }
+  return motion;
+}
+
+}  // namespace kirireel
