@@ -149,7 +149,7 @@ TEST_F(SceneFileTest, UnknownTablesSuggestTheNearest) {
       refusal("[enviroment]\nground = true\n"),
       "scene.toml:1:2: error: unknown table enviroment, did you mean environment?; there are "
       "model, environment, actuation, solver, stop, camera, style, recording, timeline, obstacle, "
-      "velocity");
+      "velocity, grip");
 }
 
 TEST_F(SceneFileTest, UnknownTimelineKeysSuggestTheNearest) {
