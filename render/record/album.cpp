@@ -202,9 +202,10 @@ Frame Album::takeFrame(Studio& studio, const FrameState& state) const {
   return studio.take(stillOf(state), {captions_.inVideo(state), state.moment.progress});
 }
 
-Frame Album::takeFrame(const FrameState& state) {
+Frame Album::takeStill(const FrameState& state) {
   const CpuTimer timer(report_.recordCost.cpuSecondsRender);
-  return takeFrame(frames_, state);
+  if (!stills_) stills_.emplace(frames_, Smoothness::Still);
+  return takeFrame(*stills_, state);
 }
 
 void Album::writeGrid(const TrajectoryReader& run, const MotionCurve& motion) {
@@ -222,7 +223,7 @@ void Album::writeChosenFrames(const TrajectoryReader& run, const MotionCurve& mo
   makeFolder(settings_.folder / output::kFrames);
   for (const int number : chooseFrames(run.times(), motion, settings_.chosenFrames)) {
     const Sample sample = run.sample(static_cast<std::size_t>(number));
-    const Frame frame = takeFrame({momentAt(motion, settings_.pace, sample.time), sample});
+    const Frame frame = takeStill({momentAt(motion, settings_.pace, sample.time), sample});
     writePng(frame, settings_.folder / frameFile(number), pngSettings(settings_));
     report_.files.push_back(frameFile(number).string());
   }
@@ -234,7 +235,7 @@ void Album::writeMoments(const TrajectoryReader& run, const MotionCurve& motion)
   for (const std::size_t index : samplesOf("snapshot", run)) {
     const Sample sample = run.sample(index);
     report_.files.push_back(momentFile(output::kSnapshotMoment, ++number, ".png"));
-    writePng(takeFrame({momentAt(motion, settings_.pace, sample.time), sample}),
+    writePng(takeStill({momentAt(motion, settings_.pace, sample.time), sample}),
              settings_.folder / report_.files.back(), pngSettings(settings_));
   }
 }

@@ -3,6 +3,7 @@
 
 #include <future>
 #include <mutex>
+#include <optional>
 
 #include "render/record/bounded_queue.h"
 #include "render/record/pace.h"
@@ -76,7 +77,7 @@ class Album {
   void paint(Studio& studio, OrderQueue& orders);
   void encode(FrameQueue& frames);
   Frame takeFrame(Studio& studio, const FrameState& state) const;
-  Frame takeFrame(const FrameState& state);
+  Frame takeStill(const FrameState& state);
   void writeGrid(const TrajectoryReader& run, const MotionCurve& motion);
   void writeMoments(const TrajectoryReader& run, const MotionCurve& motion);
   void writeChosenFrames(const TrajectoryReader& run, const MotionCurve& motion);
@@ -85,7 +86,8 @@ class Album {
   PictureReport& report_;
   std::mutex reporting_;  ///< held by the painter that adds to the report
   CaptionWriter captions_;
-  Studio frames_;  ///< with a strip under its pictures
+  Studio frames_;                 ///< with a strip under its pictures
+  std::optional<Studio> stills_;  ///< the same, smoother: of frames that stand alone
 };
 
 }  // namespace kirireel

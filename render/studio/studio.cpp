@@ -189,10 +189,10 @@ Studio::Studio(FrameSize size, const Look& look, Motif motif, const StripParts& 
   show(look, std::move(motif));
 }
 
-Studio::Studio(const Studio& other)
+Studio::Studio(const Studio& other, Smoothness smoothness)
     : size_(other.size_),
       parts_(other.parts_),
-      smoothness_(other.smoothness_),
+      smoothness_(smoothness),
       stage_(other.stage_),
       metresPerPixel_(other.metresPerPixel_) {
   makeStrip(stage_->style(), stage_->colouring());

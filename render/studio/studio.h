@@ -104,7 +104,9 @@ class Studio {
 
   /// Another studio with the same stage, for the thread that makes it. A moment's picture is the
   /// same from both. Throws OutputError when no graphics context can be made.
-  explicit Studio(const Studio& other);
+  explicit Studio(const Studio& other) : Studio(other, other.smoothness_) {}
+  /// The same with pictures of another smoothness.
+  Studio(const Studio& other, Smoothness smoothness);
   Studio& operator=(const Studio&) = delete;
 
   /// Photographs this motif from now on, in pictures of the same size; quicker than a new studio.
