@@ -78,7 +78,7 @@ class Pages(unittest.TestCase):
     def assert_lines_near(self, picture, other):
         """Full lines of a picture are within two pixels of lines of the other, full or smoothed."""
         lines = browser.lines_of(picture, 25)
-        self.assertFalse((lines & ~browser.grown(browser.lines_of(other, 75), 2)).any())
+        self.assertFalse((lines & ~browser.grown(browser.lines_of(other, 90), 2)).any())
 
     # Second method: every brick in a colour of its own, read off the picture.
     def test_tiles_are_found_under_a_finger(self):
