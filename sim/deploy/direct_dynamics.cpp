@@ -98,6 +98,31 @@ Motion middleOf(const Motion& from, const Motion& to, double seconds) {
   return middle;
 }
 
+/// The bricks of a contact alone.
+Motion motionOf(const Contact& contact, const Motion& all) {
+  Motion motion{{all.poses[contact.brickA]}, {all.velocities[contact.brickA]}};
+  if (contact.brickB == kFixed) return motion;
+  motion.poses.push_back(all.poses[contact.brickB]);
+  motion.velocities.push_back(all.velocities[contact.brickB]);
+  return motion;
+}
+
+/// When a contact closes that does so in a step, seconds after its start and at most `latest`: the
+/// last moment at which it is open.
+double momentOfClosing(Contact contact, const Motion& from, const Motion& to, double seconds,
+                       double latest) {
+  const Motion start = motionOf(contact, from), end = motionOf(contact, to);
+  contact.brickA = 0;
+  if (contact.brickB != kFixed) contact.brickB = 1;
+  double open = 0, closed = latest;
+  for (int k = 0; k < kBisections && contactGap(contact, start.poses) > 0; ++k) {
+    const double middle = 0.5 * (open + closed);
+    const Poses poses = posesBetween(start, {}, end, seconds, middle);
+    (contactGap(contact, poses) > 0 ? open : closed) = middle;
+  }
+  return open;
+}
+
 void requireSpace(const Scene& scene, const Needs& needs) {
   if (!needs.planar.on || scene.environment.obstacles.empty()) return;
   throw InputError(
@@ -222,13 +247,7 @@ std::optional<double> DirectDynamics::momentOfImpact() const {
   std::optional<double> first;
   for (const Contact& contact : contacts) {
     if (contactGap(contact, to.poses) >= -0.5 * touching_) continue;  // touches, no more
-    double open = 0, closed = first.value_or(seconds);
-    for (int k = 0; k < kBisections && contactGap(contact, from.poses) > 0; ++k) {
-      const double middle = 0.5 * (open + closed);
-      const Poses poses = posesBetween(from, {}, to, seconds, middle);
-      (contactGap(contact, poses) > 0 ? open : closed) = middle;
-    }
-    first = open;
+    first = momentOfClosing(contact, from, to, seconds, first.value_or(seconds));
   }
   return first;
 }
