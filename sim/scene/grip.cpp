@@ -1,11 +1,11 @@
 #include "sim/scene/grip.h"
 
-#include <limits>
 #include <string>
 
 #include <fmt/format.h>
 
 #include "sim/base/geometry.h"
+#include "sim/scene/tile_numbers.h"
 
 namespace kirireel {
 namespace {
@@ -13,22 +13,6 @@ namespace {
 constexpr double kMost = 1e12;  // of any amount
 const std::vector<std::string> kGripKeys = {"tile", "tiles", "vertex", "edge", "move", "force"};
 const std::vector<std::string> kAmountKeys = {"x", "y", "turn"};
-
-int numberOf(const TomlValue& value, const std::string& wanted) {
-  const std::int64_t* number = value.whole();
-  if (!number || *number < 0 || *number > std::numeric_limits<int>::max()) {
-    refuseValue(value, wanted);
-  }
-  return static_cast<int>(*number);
-}
-
-std::vector<int> numbersOf(const TomlValue& value, const std::string& wanted) {
-  const std::vector<TomlValue>* array = value.array();
-  if (!array || array->empty()) refuseValue(value, wanted);
-  std::vector<int> numbers;
-  for (const TomlValue& element : *array) numbers.push_back(numberOf(element, wanted));
-  return numbers;
-}
 
 void readAmounts(const TomlEntry& entry, GripSetting& grip) {
   const TomlTable* table = entry.value.table();
@@ -55,13 +39,15 @@ void readAmounts(const TomlEntry& entry, GripSetting& grip) {
 
 void readGripKey(const TomlEntry& entry, GripSetting& grip) {
   if (entry.key == "tile") {
-    grip.tiles = {numberOf(entry.value, "a tile number")};
+    grip.tiles = {readIndex(entry.value, "a tile number")};
   } else if (entry.key == "tiles") {
-    grip.tiles = numbersOf(entry.value, "a list of tile numbers, [0, 1]");
+    grip.tiles = readIndices(entry.value, "a list of tile numbers, [0, 1]",
+                             "a list of tile numbers, [0, 1]");
   } else if (entry.key == "vertex") {
-    grip.vertices = {numberOf(entry.value, "a vertex number")};
+    grip.vertices = {readIndex(entry.value, "a vertex number")};
   } else if (entry.key == "edge") {
-    grip.vertices = numbersOf(entry.value, "two vertex numbers, [0, 1]");
+    grip.vertices =
+        readIndices(entry.value, "two vertex numbers, [0, 1]", "two vertex numbers, [0, 1]");
     if (grip.vertices.size() != 2) refuseValue(entry.value, "two vertex numbers, [0, 1]");
   } else if (entry.key == "move" || entry.key == "force") {
     readAmounts(entry, grip);

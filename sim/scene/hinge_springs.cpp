@@ -10,6 +10,7 @@
 #include "sim/base/error.h"
 #include "sim/model/neck_stiffness.h"
 #include "sim/model/text_table.h"
+#include "sim/scene/tile_numbers.h"
 
 namespace kirireel {
 namespace {
@@ -25,11 +26,7 @@ using TilePair = std::pair<int, int>;
 int readTile(const TextTable& table, const TextLine& line, std::size_t column, const Model& model) {
   const FileLocation where = table.at(line, line.fields[column]);
   const int tile = parseWholeNumber(line.fields[column], where, "a tile number");
-  const int first = model.fileOrder.countsFrom;
-  const int end = first + static_cast<int>(model.tiles.size());
-  if (tile >= first && tile < end) return tile - first;
-  throw inputErrorAt(where, fmt::format("the model has tiles {}-{}, not {}; correct this number",
-                                        first, end - 1, tile));
+  return tileOfModel(tile, model, where);
 }
 
 /// A number of a line that need not be there.

@@ -2,7 +2,7 @@
 
 #include <numeric>
 
-#include <fmt/format.h>
+#include "sim/scene/tile_numbers.h"
 
 namespace kirireel {
 namespace {
@@ -17,17 +17,8 @@ std::vector<int> tilesOf(const InitialVelocity& velocity, std::size_t count) {
 }  // namespace
 
 void numberAsModel(std::vector<InitialVelocity>& velocities, const Model& model) {
-  const int first = model.fileOrder.countsFrom;
-  const int end = first + static_cast<int>(model.tiles.size());
   for (InitialVelocity& velocity : velocities) {
-    for (int& tile : velocity.tiles) {
-      if (tile < first || tile >= end) {
-        throw inputErrorAt(velocity.where,
-                           fmt::format("the model has tiles {}-{}, not {}; correct this number",
-                                       first, end - 1, tile));
-      }
-      tile -= first;
-    }
+    for (int& tile : velocity.tiles) tile = tileOfModel(tile, model, velocity.where);
   }
 }
 

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <map>
 
 #include <fmt/format.h>
 
 #include "sim/base/geometry.h"
 #include "sim/model/obj_pair.h"
+#include "sim/scene/tile_numbers.h"
 #include "sim/scene/toml_file.h"
 
 namespace kirireel {
@@ -23,20 +23,8 @@ const std::vector<std::string> kTables = {"model",    "environment", "actuation"
 constexpr std::string_view kOwnTarget = "model";
 
 /// Tile and vertex numbers are checked against the model later.
-int readIndex(const TomlValue& value, const std::string& wanted) {
-  const std::int64_t* number = value.whole();
-  if (!number || *number < 0 || *number > std::numeric_limits<int>::max()) {
-    refuseValue(value, wanted);
-  }
-  return static_cast<int>(*number);
-}
-
 std::vector<int> readTiles(const TomlValue& value, const std::string& wanted) {
-  const std::vector<TomlValue>* array = value.array();
-  if (!array || array->empty()) refuseValue(value, wanted);
-  std::vector<int> numbers;
-  for (const TomlValue& element : *array) numbers.push_back(readIndex(element, "a tile number"));
-  return numbers;
+  return readIndices(value, wanted, "a tile number");
 }
 
 Vector3 readPoint(const TomlValue& value) {

@@ -4,19 +4,13 @@
 
 #include <fmt/format.h>
 
+#include "sim/scene/tile_numbers.h"
+
 namespace kirireel {
 namespace {
 
-void requireTile(int tile, const Model& model, const FileLocation& where) {
-  const int first = model.fileOrder.countsFrom;
-  const int end = first + static_cast<int>(model.tiles.size());
-  if (tile >= first && tile < end) return;
-  throw inputErrorAt(where, fmt::format("the model has tiles {}-{}, not {}; correct this number",
-                                        first, end - 1, tile));
-}
-
 void requireTiles(const std::vector<int>& tiles, const Model& model, const FileLocation& where) {
-  for (const int tile : tiles) requireTile(tile, model, where);
+  for (const int tile : tiles) tileOfModel(tile, model, where);
 }
 
 void requireVertex(const timeline::Drag& drag, const Model& model, const FileLocation& where) {
@@ -34,7 +28,7 @@ void check(const TimelineEntry& entry, const Model& model) {
   } else if (const auto* unpin = std::get_if<timeline::Unpin>(&entry.action)) {
     requireTiles(unpin->tiles, model, entry.where);
   } else if (const auto* drag = std::get_if<timeline::Drag>(&entry.action)) {
-    requireTile(drag->tile, model, entry.where);
+    tileOfModel(drag->tile, model, entry.where);
     requireVertex(*drag, model, entry.where);
   }
 }

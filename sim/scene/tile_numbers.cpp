@@ -1,0 +1,34 @@
+#include "sim/scene/tile_numbers.h"
+
+#include <limits>
+
+#include <fmt/format.h>
+
+namespace kirireel {
+
+int readIndex(const TomlValue& value, const std::string& wanted) {
+  const std::int64_t* number = value.whole();
+  if (!number || *number < 0 || *number > std::numeric_limits<int>::max()) {
+    refuseValue(value, wanted);
+  }
+  return static_cast<int>(*number);
+}
+
+std::vector<int> readIndices(const TomlValue& value, const std::string& wanted,
+                             const std::string& wantedElement) {
+  const std::vector<TomlValue>* array = value.array();
+  if (!array || array->empty()) refuseValue(value, wanted);
+  std::vector<int> numbers;
+  for (const TomlValue& element : *array) numbers.push_back(readIndex(element, wantedElement));
+  return numbers;
+}
+
+int tileOfModel(int number, const Model& model, const FileLocation& where) {
+  const int first = model.fileOrder.countsFrom;
+  const int end = first + static_cast<int>(model.tiles.size());
+  if (number >= first && number < end) return number - first;
+  throw inputErrorAt(where, fmt::format("the model has tiles {}-{}, not {}; correct this number",
+                                        first, end - 1, number));
+}
+
+}  // namespace kirireel
