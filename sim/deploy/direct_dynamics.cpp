@@ -84,20 +84,6 @@ struct PairSum {
   }
 };
 
-/// The motion halfway between two that are so many seconds apart, on the cubic through them.
-Motion middleOf(const Motion& from, const Motion& to, double seconds) {
-  constexpr double kStep = 1e-3;  // of the way, for a difference: its error is below that of cubics
-  Motion middle{interpolate(from, to, seconds, 0.5), {}};
-  const Poses before = interpolate(from, to, seconds, 0.5 - kStep);
-  const Poses after = interpolate(from, to, seconds, 0.5 + kStep);
-  for (std::size_t i = 0; i < before.size(); ++i) {
-    middle.velocities.push_back(
-        {(after[i].position - before[i].position) / (2 * kStep * seconds),
-         turnBetween(before[i].rotation, after[i].rotation) / (2 * kStep * seconds)});
-  }
-  return middle;
-}
-
 /// The bricks of a contact alone.
 Motion motionOf(const Contact& contact, const Motion& all) {
   Motion motion{{all.poses[contact.brickA]}, {all.velocities[contact.brickA]}};
@@ -138,12 +124,11 @@ DirectDynamics::DirectDynamics(const Scene& scene, const Needs& needs,
       tileSize_(tileSize(scene.model)),
       contactTolerance_(std::min(kTilePart * tileSize_, kThicknessPart * scene.brick.thickness)),
       environment_(scene.environment),
-      hingeSprings_(hingeSprings(scene, bricks)),
       obstacles_(obstacleParts(scene.environment.obstacles)),
       bodies_(bodiesOf(bricks, obstacles_)),
-      solver_(makeJointSolver(
-          bodies_, makePivots(scene.model.joints, bricks),
-          {needs.planar.on, tileSize_, groundSupports(scene, needs, bricks), hingeSprings_})),
+      solver_(makeJointSolver(bodies_, makePivots(scene.model.joints, bricks),
+                              {needs.planar.on, tileSize_, groundSupports(scene, needs, bricks),
+                               hingeSprings(scene, bricks)})),
       substeps_(scene.solver.substeps.value_or(1)),
       isRubbing_(!groundSupports(scene, needs, bricks).empty()) {
   requireSpace(scene, needs);
@@ -305,10 +290,8 @@ double DirectDynamics::advanceByOrders(Motion& motion, double seconds, const Tim
   int impacts = 0;
   while (done < seconds - shortest) {
     meeting_.reset();
-    const Motion before = motion;
     const auto taken = extrapolation_->step(motion, goal - done, fromHere, isFree, report);
     if (taken) {
-      countLosses(before, motion, *taken, fromHere, report);
       done += *taken;
       holdTouching(motion.poses);
       if (done < goal - shortest) passed_.push_back({done, motion});
@@ -373,52 +356,6 @@ StepReport DirectDynamics::advanceToTolerance(Motion& motion, double seconds,
   leaveObstacles(motion);
   for (PassedState& state : passed_) leaveObstacles(state.motion);
   return report;
-}
-
-/// What dampers take from bricks that move so, in watts.
-double DirectDynamics::dampingPower(const Motion& motion, const std::vector<Load>& loads) const {
-  double sum = 0;
-  for (std::size_t i = 0; i < brickCount_; ++i) {
-    Vector6 velocity;
-    velocity << motion.velocities[i].linear, motion.velocities[i].angular;
-    sum += velocity.dot(loads[i].damping * velocity);
-  }
-  for (const HingeSpring& spring : hingeSprings_) {
-    sum += spring.damping * std::pow(hingeRate(spring.hinge, motion), 2);
-  }
-  return sum;
-}
-
-/// What friction takes by the forces of the last step, in watts.
-double DirectDynamics::rubbingPower(const Motion& motion) const {
-  const auto velocityAt = [&](int brick, const Vector3& point) -> Vector3 {
-    if (brick == kFixed) return Vector3::Zero();
-    const Velocity& velocity = motion.velocities[static_cast<std::size_t>(brick)];
-    const Vector3 arm = point - motion.poses[static_cast<std::size_t>(brick)].position;
-    return velocity.linear + velocity.angular.cross(arm);
-  };
-  double sum = 0;
-  for (const TouchForce& touch : solver_->touchForces(motion.poses)) {
-    sum -= touch.force.dot(velocityAt(touch.brickA, touch.point) -
-                           velocityAt(touch.brickB, touch.point));
-  }
-  return sum;
-}
-
-/// What dampers and friction take in a step to a tolerance, by Simpson's rule along the cubic
-/// through its ends; forces of friction are those at its end.
-void DirectDynamics::countLosses(const Motion& from, const Motion& to, double seconds,
-                                 const TimedLoads& loads, StepReport& report) const {
-  const Motion middle = middleOf(from, to, seconds);
-  std::vector<Load> at(bodies_.size());
-  const auto damping = [&](double share, const Motion& motion) {
-    loads(share * seconds, motion.poses, at);
-    return dampingPower(motion, at);
-  };
-  report.damped += seconds / 6 * (damping(0, from) + 4 * damping(0.5, middle) + damping(1, to));
-  if (solver_->heldContacts().empty() && !isRubbing_) return;
-  report.impacted +=
-      seconds / 6 * (rubbingPower(from) + 4 * rubbingPower(middle) + rubbingPower(to));
 }
 
 std::vector<Hold> DirectDynamics::contacts(const Poses& poses) const {

@@ -46,10 +46,6 @@ class DirectDynamics : public Dynamics {
   void setHeld(std::vector<Contact> contacts);
   void holdTouching(const Poses& poses);
   double collide(double now, const std::vector<Contact>& closing, Motion& motion);
-  double dampingPower(const Motion& motion, const std::vector<Load>& loads) const;
-  double rubbingPower(const Motion& motion) const;
-  void countLosses(const Motion& from, const Motion& to, double seconds, const TimedLoads& loads,
-                   StepReport& report) const;
   double advanceByOrders(Motion& motion, double seconds, const TimedLoads& loads,
                          StepReport& report);
   StepReport goOnByFirstOrder(Motion& motion, double begin, double end, const TimedLoads& loads);
@@ -59,7 +55,6 @@ class DirectDynamics : public Dynamics {
   double tileSize_;          // metres
   double contactTolerance_;  // overlap that counts as none, metres
   Environment environment_;
-  std::vector<HingeSpring> hingeSprings_;
   std::vector<ObstaclePart> obstacles_;
   std::vector<Brick> bodies_;  // the bricks, then pinned ones that stand for obstacles
   std::unique_ptr<JointSolver> solver_;

@@ -3,16 +3,17 @@
 //   T_k = sum_j c_j row_j,   c_j = prod_{i != j} n_j / (n_j - n_i),
 // over the rows 1 to k is of order k, and over the rows 2 to k of order k - 1. The difference of
 // the two estimates the error of the latter; the former is taken. Positions, rotation vectors from
-// the step's start and velocities are combined; then joints are closed, and velocities made to fit,
-// in the metric of the masses. The whole keeps its momentum to rounding, but for what the loads
-// give. After each row the step is taken, given up or goes on by the rules of SEULEX, and the next
-// one has the length and order that cost least a second.
-// Hairer and Wanner, Solving Ordinary Differential Equations II, 1996, IV.9; constraints: Lubich,
+// the step's start, velocities and the energy lost to dampers are combined; then joints are closed,
+// and velocities made to fit, in the metric of the masses. The whole keeps its momentum to
+// rounding, but for what the loads give. After each row the step is taken, given up or goes on by
+// the rules of SEULEX, and the next one has the length and order that cost least a second. Hairer
+// and Wanner, Solving Ordinary Differential Equations II, 1996, IV.9; constraints: Lubich,
 // Extrapolation integrators for constrained multibody systems, 1991.
 #include "sim/joints/extrapolation.h"
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace kirireel {
 namespace {
@@ -70,11 +71,18 @@ Momentum momentumOf(const std::vector<Brick>& bricks, const Motion& motion) {
 
 /// A step that was tried: its rows, and what its orders tell.
 struct Extrapolation::Trial {
+  /// The step, crossed in so many Euler steps.
+  struct Row {
+    Motion end;
+    Momentum given;       // by the loads
+    double damped = 0;    // energy that dampers took, joules
+    double impacted = 0;  // and contacts
+  };
+
   const Motion& start;
-  double length;                // seconds
-  std::vector<Motion> rows;     // where they end
-  std::vector<Momentum> given;  // by the loads in each row
-  Motion end;                   // extrapolated from all rows; at last its joints closed
+  double length;  // seconds
+  std::vector<Row> rows;
+  Motion end;  // extrapolated from all rows; at last its joints closed
   // Of the orders tried so far, the first two unused.
   std::vector<double> errors = {0, 0};   // estimates, in tolerances
   std::vector<double> lengths = {0, 0};  // that the next step could have, seconds
@@ -103,18 +111,18 @@ Extrapolation::Extrapolation(const std::vector<Brick>& bricks, JointSolver& solv
 bool Extrapolation::addRow(Trial& trial, const TimedLoads& loads, StepReport& report) {
   const int count = trial.order() + 1;
   const double step = trial.length / count;
-  Motion motion = trial.start;
-  Momentum given;
+  Trial::Row row{.end = trial.start};
   for (int k = 0; k < count; ++k) {
     const LoadSource now = [&](const Poses& poses, std::vector<Load>& out) {
       loads((k + 1) * step, poses, out);
     };
-    const StepReport taken = solver_.eulerStep(motion, step, now, given);
+    StepReport taken = solver_.eulerStep(row.end, step, now, row.given);
+    row.damped += std::exchange(taken.damped, 0);
+    row.impacted += std::exchange(taken.impacted, 0);
     report += taken;
     if (taken.unconverged > 0) return false;
   }
-  trial.given.push_back(given);
-  trial.rows.push_back(std::move(motion));
+  trial.rows.push_back(std::move(row));
   return true;
 }
 
@@ -128,7 +136,7 @@ Motion Extrapolation::combine(const Trial& trial, int first, int last) const {
     Velocity velocity;
     for (int j = first; j <= last; ++j) {
       const double share = shares[static_cast<std::size_t>(j - first)];
-      const Motion& row = trial.rows[static_cast<std::size_t>(j - 1)];
+      const Motion& row = trial.rows[static_cast<std::size_t>(j - 1)].end;
       move += share * (row.poses[i].position - start.position);
       turn += share * turnBetween(start.rotation, row.poses[i].rotation);
       velocity.linear += share * row.velocities[i].linear;
@@ -201,8 +209,8 @@ void Extrapolation::keepMomentum(const Trial& trial, Motion& motion) const {
   const std::vector<double> shares = weights(1, trial.order());
   Momentum wanted = momentumOf(bricks_, trial.start);
   for (std::size_t j = 0; j < shares.size(); ++j) {
-    wanted.linear += shares[j] * trial.given[j].linear;
-    wanted.angular += shares[j] * trial.given[j].angular;
+    wanted.linear += shares[j] * trial.rows[j].given.linear;
+    wanted.angular += shares[j] * trial.rows[j].given.angular;
   }
   double mass = 0;
   Vector3 centre = Vector3::Zero();
@@ -224,6 +232,15 @@ void Extrapolation::keepMomentum(const Trial& trial, Motion& motion) const {
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
     motion.velocities[i].linear += shift + spin.cross(motion.poses[i].position - centre);
     motion.velocities[i].angular += spin;
+  }
+}
+
+/// Adds what the step lost to dampers and contacts, extrapolated as its end is.
+void Extrapolation::countLosses(const Trial& trial, StepReport& report) const {
+  const std::vector<double> shares = weights(1, trial.order());
+  for (std::size_t j = 0; j < shares.size(); ++j) {
+    report.damped += shares[j] * trial.rows[j].damped;
+    report.impacted += shares[j] * trial.rows[j].impacted;
   }
 }
 
@@ -270,12 +287,13 @@ std::optional<double> Extrapolation::step(Motion& motion, double seconds, const 
                                           const StepFilter& mayTake, StepReport& report) {
   for (int tries = 0; tries < kRejections; ++tries) {
     const double parts = std::ceil(seconds / std::min(length_, settings_.longestStep) - kSameTime);
-    Trial trial{motion, seconds / std::max(1.0, parts), {}, {}, {}};
+    Trial trial{motion, seconds / std::max(1.0, parts), {}, {}};
     const bool isSmooth = tryOrders(trial, loads, report);
     const double caught = isSmooth ? caughtError(trial) : 0;
     if (isSmooth && caught <= 1) {
       if (!finish(trial, mayTake)) break;
       chooseNext(trial, tries > 0);
+      countLosses(trial, report);
       report.timeError += settings_.tolerance * (trial.remainingError() + caught);
       motion = std::move(trial.end);
       return trial.length;

@@ -62,6 +62,7 @@ class Extrapolation {
   bool tryOrders(Trial& trial, const TimedLoads& loads, StepReport& report);
   bool finish(Trial& trial, const StepFilter& mayTake);
   double caughtError(const Trial& trial) const;
+  void countLosses(const Trial& trial, StepReport& report) const;
   void keepMomentum(const Trial& trial, Motion& motion) const;
   void chooseNext(const Trial& trial, bool wasRejected);
   void chooseAgain(const Trial& trial);

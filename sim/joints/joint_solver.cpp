@@ -484,17 +484,19 @@ StepReport Stepper<D>::eulerStep(Motion& motion, double step, const LoadSource& 
   program_.multipliers *= step / multiplierStep_;
   multiplierStep_ = step;
   beginStep(motion, step);
+  startSpeed_ = program_.x;
   placeHeldRows(motion.poses, step);
-  StepReport report{.steps = 1};
-  if (!solveWithFriction(motion.poses)) report.unconverged = 1;
+  report_ = {.steps = 1};
+  if (!solveWithFriction(motion.poses)) report_.unconverged = 1;
   keepHeldRows(step);
+  countLosses(step);
   addImpulses(motion.poses, step, given);
   poses_ = motion.poses;
   displace(step * program_.x);
   finishStep(motion);
-  report.factorizations = system_.factorizations() - before;
-  report.work = system_.work() - workBefore;
-  return report;
+  report_.factorizations = system_.factorizations() - before;
+  report_.work = system_.work() - workBefore;
+  return report_;
 }
 
 template <int D>

@@ -57,19 +57,20 @@ double worstBalance(const std::vector<Sample>& samples) {
 }
 
 TEST(Energies, BalanceToTheTolerance) {
-  Scene scene = openingSheet();
-  scene.solver.tolerance = 1e-3;
-  EXPECT_LT(worstBalance(samplesOf(scene, 1.0 / 97)), 1e-3);  // measured 9.9e-5
-  scene.solver.tolerance = 1e-5;
-  const std::vector<Sample> samples = samplesOf(scene, 1.0 / 97);
-  const double worst = worstBalance(samples);
-  EXPECT_LT(worst, 1e-4);  // measured 3.5e-5: what dampers take is integrated to fourth order
-  // Most of the work goes into dampers.
-  const Energies& end = samples.back().mechanics->energies;
-  EXPECT_GT(end.damped, 0.5 * end.work);
-  scene.solver.timestep /= 4;
-  scene.solver.tolerance = 1e-7;
-  EXPECT_LT(worstBalance(samplesOf(scene, 1.0 / 97)), 1e-6);
+  for (const double damping : {1.0, 0.1}) {
+    Scene scene = openingSheet();
+    scene.springs.forceDamping *= damping;
+    scene.springs.torqueDamping *= damping;
+    for (const double tolerance : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6}) {
+      scene.solver.tolerance = tolerance;
+      const std::vector<Sample> samples = samplesOf(scene, 1.0 / 97);
+      // Measured: 0.24 to 1.2 times the tolerance, and 0.9 to 6.2 times with less damping.
+      EXPECT_LT(worstBalance(samples), 10 * tolerance) << tolerance << " " << damping;
+      // Most of the work goes into dampers.
+      const Energies& end = samples.back().mechanics->energies;
+      EXPECT_GT(end.damped, 0.5 * end.work);
+    }
+  }
 }
 
 TEST(Energies, BalanceToFirstOrderInFixedSteps) {
