@@ -7,74 +7,24 @@
 #include <fmt/format.h>
 
 #include "sim/base/error.h"
-#include "sim/scene/scene.h"
+#include "sim/scene/settings.h"
 
 namespace kirireel {
 namespace {
 
-/// An option, and what must hold for it to mean anything.
-struct Rule {
-  const char* option;
-  bool (*holds)(const Scene&);
-  const char* needed;
-};
-
-bool isLed(const Scene& scene) {
-  return scene.path.kind == PathKind::Led;
-}
 bool isDirect(const Scene& scene) {
   return scene.solver.kind == SolverKind::Direct;
 }
-bool isBullet(const Scene& scene) {
-  return scene.solver.kind == SolverKind::Bullet;
-}
-bool hasHingeSprings(const Scene& scene) {
-  return scene.hinges.stiffness > 0 || scene.hinges.neck || !scene.hinges.file.empty();
-}
-bool hasNecks(const Scene& scene) {
-  return scene.hinges.neck.has_value();
-}
-/// Whether no tolerance in time was given that steps of a given length would not keep.
-bool mayHaveFixedSteps(const Scene& scene) {
-  return scene.solver.tolerance == 0 || scene.solver.tolerance == kUsualTolerance;
-}
-bool isDirectOrFixed(const Scene& scene) {
-  return isDirect(scene) || mayHaveFixedSteps(scene);
-}
-bool pullsToTarget(const Scene& scene) {
-  return scene.actuation.drive == Drive::Target || scene.actuation.drive == Drive::Auto;
-}
-bool pullsToCurve(const Scene& scene) {
-  return scene.actuation.drive == Drive::Boundary;
-}
-bool weighsByVolume(const Scene& scene) {
-  return scene.brick.mass == MassRule::Prism;
-}
 
-/// The first that does not hold is reported.
-const std::vector<Rule>& rules() {
-  static const std::vector<Rule> all = {
-      {"--joint-stiffness", isDirect, "--solver direct"},
-      {"--pin", isDirect, "--solver direct"},
-      {"--link", isDirect, "--solver direct"},
-      {"--hinge-stiffness", isDirect, "--solver direct"},
-      {"--hinge-neck", isDirect, "--solver direct"},
-      {"--hinge-damping", isDirect, "--solver direct"},
-      {"--hinge-file", isDirect, "--solver direct"},
-      {"--ligaments", hasNecks, "--hinge-neck"},
-      {"--hinge-rest", hasHingeSprings, "--hinge-stiffness, --hinge-neck or --hinge-file"},
-      {"--iterations", isBullet, "--solver bullet"},
-      {"--tolerance", isDirectOrFixed, "--solver direct"},
-      {"--substeps", mayHaveFixedSteps, "--tolerance 0"},
-      {"--open-time", isLed, "--path led"},
-      {"--led-time", isLed, "--path led"},
-      {"--led-stiffness", isLed, "--path led"},
-      {"--joint-stiffness", isLed, "--path led"},
-      {"--boundary-size", pullsToCurve, "--actuation boundary"},
-      {"--boundary-aspect", pullsToCurve, "--actuation boundary"},
-      {"--density", weighsByVolume, "--mass prism"},
-  };
-  return all;
+/// What must hold for an option of this command to mean anything.
+std::vector<Condition> conditionsOf(const std::string& option) {
+  // Of a model's parts, which are no settings.
+  if (option == "--pin" || option == "--link") return {{isDirect, "--solver direct"}};
+  for (const SettingGroup& group : sceneSettings()) {
+    const auto found = std::ranges::find(group.settings, option, &Setting::option);
+    if (found != group.settings.end()) return found->conditions;
+  }
+  return {};
 }
 
 bool isGiven(const CLI::App& command, const char* option) {
@@ -82,7 +32,7 @@ bool isGiven(const CLI::App& command, const char* option) {
   return found && found->count() > 0;
 }
 
-[[noreturn]] void refuse(const char* option, const char* needed) {
+[[noreturn]] void refuse(const std::string& option, const char* needed) {
   throw InputError(fmt::format("error: {} works with {} alone; give that too, or leave {} away",
                                option, needed, option));
 }
@@ -94,8 +44,8 @@ bool isChosen(const CLI::App& command, const char* option, const char* word) {
 }  // namespace
 
 bool hasEffect(const std::string& option, const Scene& scene) {
-  return std::ranges::all_of(
-      rules(), [&](const Rule& rule) { return rule.option != option || rule.holds(scene); });
+  return std::ranges::all_of(conditionsOf(option),
+                             [&](const Condition& condition) { return condition.holds(scene); });
 }
 
 void requireConsistentPace(const CLI::App& command) {
@@ -113,12 +63,18 @@ void requireConsistentPace(const CLI::App& command) {
 
 void requireConsistent(const CLI::App& command, const Scene& scene) {
   requireConsistentPace(command);
-  for (const Rule& rule : rules()) {
-    if (isGiven(command, rule.option) && !rule.holds(scene)) refuse(rule.option, rule.needed);
+  for (const CLI::Option* option : command.get_options()) {
+    if (option->count() == 0) continue;
+    for (const Condition& condition : conditionsOf(option->get_name())) {
+      if (!condition.holds(scene)) refuse(option->get_name(), condition.needed);
+    }
   }
-  if (isLed(scene) && !isDirect(scene)) refuse("--path led", "--solver direct");
-  if (isLed(scene) && !pullsToTarget(scene)) refuse("--path led", "--actuation target");
-  if (isLed(scene) && !mayHaveFixedSteps(scene)) {
+  const bool isLed = scene.path.kind == PathKind::Led;
+  const Drive drive = scene.actuation.drive;
+  const bool pullsToTarget = drive == Drive::Target || drive == Drive::Auto;
+  if (isLed && !isDirect(scene)) refuse("--path led", "--solver direct");
+  if (isLed && !pullsToTarget) refuse("--path led", "--actuation target");
+  if (isLed && scene.solver.isToleranceGiven()) {
     throw InputError(
         "error: --path led moves tiles in fixed steps, which keep no --tolerance; leave one of "
         "them away");

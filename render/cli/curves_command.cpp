@@ -13,7 +13,7 @@
 namespace kirireel {
 namespace {
 
-std::vector<PageFormat> parsePlots(const OptionValue& typed) {
+std::vector<PageFormat> parsePlots(const TypedValue& typed) {
   std::vector<PageFormat> plots;
   std::istringstream words(typed.text);
   for (std::string word; std::getline(words, word, ',');) {
@@ -33,10 +33,10 @@ CLI::App* addCurvesCommand(CLI::App& program, CurvesOrder& order) {
   addPlace(*command, "RUN", order.run, "a trajectory.h5, or the folder it is in");
   OptionGroup output(*command, "Output");
   output.value("--out", "FOLDER", "that of RUN", "where the files go",
-               [&order](const OptionValue& typed) { order.settings.folder = typed.text; });
+               [&order](const TypedValue& typed) { order.settings.folder = typed.text; });
   OptionGroup figures(*command, "Figures");
   figures.value("--plot", "LIST", "none", "the curves as figures: png, svg, pdf",
-                [&order](const OptionValue& typed) { order.settings.plots = parsePlots(typed); });
+                [&order](const TypedValue& typed) { order.settings.plots = parsePlots(typed); });
   figures.choice<CurvesAgainst>("--against", order.settings.against,
                                 {{"time", CurvesAgainst::Time},
                                  {"progress", CurvesAgainst::Progress},

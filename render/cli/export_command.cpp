@@ -14,7 +14,7 @@
 namespace kirireel {
 namespace {
 
-std::vector<std::string> splitAtCommas(const OptionValue& value) {
+std::vector<std::string> splitAtCommas(const TypedValue& value) {
   std::vector<std::string> words;
   std::size_t begin = 0;
   while (begin <= value.text.size()) {
@@ -38,13 +38,13 @@ void addStateOptions(OptionGroup& group, ExportSettings& settings) {
       .values("--states", "LIST",
               "initial, final, all, shares (25%), times (1.5s), angles that some tile has turned "
               "(30deg), separated by commas (initial,final)",
-              [append](const OptionValue& typed) {
+              [append](const TypedValue& typed) {
                 for (const std::string& name : splitAtCommas(typed)) append(name);
               })
       .decidesNothing();  // --state says it
   group
       .values("--state", "NAME", "one of them, or event:TEXT",
-              [append](const OptionValue& typed) { append(typed.text); })
+              [append](const TypedValue& typed) { append(typed.text); })
       .saidAs([&settings] {
         std::vector<std::string> names;
         for (const std::string& name : settings.states) names.push_back(quotedText(name));
@@ -53,19 +53,19 @@ void addStateOptions(OptionGroup& group, ExportSettings& settings) {
 }
 
 void addElementOptions(CLI::App& command, ElementRule& elements) {
-  OptionGroup group(command, "Elements (inp, msh)");
+  OptionGroup group(command, "Elements (inp, msh)", "recording");
   const auto length = [&group](const char* name, const char* usual, const char* help,
                                double& target) {
     group
         .value(name, "METRES", usual, help,
-               [&target](const OptionValue& typed) {
+               [&target](const TypedValue& typed) {
                  target = parseNumber(typed, {1e-12, 1e9});
                })
         .saidAs([&target] { return target > 0 ? numberText(target) : ""; });
   };
   group
       .value("--elements-per-edge", "COUNT", "8", "along each edge of a tile",
-             [&elements](const OptionValue& typed) {
+             [&elements](const TypedValue& typed) {
                elements.perEdge = static_cast<int>(parseInteger(typed, {1, 64}));
              })
       .saidAs([&elements] { return elements.perEdge > 0 ? numberText(elements.perEdge) : ""; });
@@ -95,7 +95,7 @@ void addElementOptions(CLI::App& command, ElementRule& elements) {
              [&elements] { elements.family = ElementFamily::Plane; });
 }
 
-DriveChoice parseDrive(const OptionValue& typed) {
+DriveChoice parseDrive(const TypedValue& typed) {
   if (typed.text == "all") return {DriveChoice::All, {}};
   if (typed.text == "edge") return {DriveChoice::Edge, {}};
   DriveChoice drive{DriveChoice::Some, {}};
@@ -107,13 +107,13 @@ DriveChoice parseDrive(const OptionValue& typed) {
 
 /// `isAlone` tells the command whose options are these alone: names may be short there.
 void addDeckOptions(CLI::App& command, DeckSettings& decks, bool isAlone) {
-  OptionGroup group(command, "Decks (inp)");
+  OptionGroup group(command, "Decks (inp)", "recording");
   group.choice<Solver>(isAlone ? "--solver,--deck-solver" : "--deck-solver", decks.solver,
                        {{"calculix", Solver::Calculix}, {"abaqus", Solver::Abaqus}},
                        "whose keywords are written where they differ");
   group.value(
       "--sets", "WORD", "all up to 1000 tiles",
-      "named sets of each tile and joint: none, joints, all", [&decks](const OptionValue& typed) {
+      "named sets of each tile and joint: none, joints, all", [&decks](const TypedValue& typed) {
         decks.sets = parseChoice<SetChoice>(
             typed,
             {{"none", SetChoice::None}, {"joints", SetChoice::Joints}, {"all", SetChoice::All}});
@@ -128,7 +128,7 @@ void addDeckOptions(CLI::App& command, DeckSettings& decks, bool isAlone) {
   group.value("--drive", "TILES", "",
               "a second job whose tiles move as in the trajectory: all, edge, or tiles (0,5,12), "
               "numbered as in the model's file, planar ones from 1",
-              [&decks](const OptionValue& typed) { decks.drive = parseDrive(typed); });
+              [&decks](const TypedValue& typed) { decks.drive = parseDrive(typed); });
   group.flag("--buckle", "a further job, for buckling loads", [&decks] { decks.buckling = true; });
 }
 
@@ -140,11 +140,11 @@ std::filesystem::path trajectoryFile(const std::filesystem::path& given) {
 
 void addExportOptions(CLI::App& command, const std::string& formatOption,
                       ExportSettings& settings) {
-  OptionGroup group(command, "Export");
+  OptionGroup group(command, "Export", "recording");
   std::string help = "formats, separated by commas: " + listWords(choiceNames(exportFormatNames()));
   group
       .value(formatOption, "LIST", "", help,
-             [&settings](const OptionValue& typed) {
+             [&settings](const TypedValue& typed) {
                for (const std::string& word : splitAtCommas(typed)) {
                  settings.formats.push_back(parseChoice({typed.name, word}, exportFormatNames()));
                }
@@ -159,7 +159,7 @@ void addExportOptions(CLI::App& command, const std::string& formatOption,
   addStateOptions(group, settings);
   group
       .value("--hinge-width", "METRES", "tile size / 20", "of the necks in cut patterns (svg, dxf)",
-             [&settings](const OptionValue& typed) {
+             [&settings](const TypedValue& typed) {
                settings.hingeWidth = parseNumber(typed, {1e-12, 1e9});
              })
       .saidAs(
@@ -174,7 +174,7 @@ CLI::App* addExportCommand(CLI::App& program, ExportOrder& order) {
   addPlace(*command, "TRAJECTORY", order.trajectory, "a trajectory.h5, or the folder it is in");
   OptionGroup group(*command, "Output");
   group.value("--out", "FOLDER", "where the trajectory is", "where the files go",
-              [&order](const OptionValue& typed) { order.folder = typed.text; });
+              [&order](const TypedValue& typed) { order.folder = typed.text; });
   addExportOptions(*command, "--format", order.settings);
   OptionGroup(*command, "Check (inp)")
       .flag(

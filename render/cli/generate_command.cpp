@@ -13,7 +13,7 @@ namespace {
 void addParameter(OptionGroup& group, const FamilyParameter& parameter, GenerateOrder& order) {
   const Range range{parameter.least, parameter.most};
   const auto read = [&order, range, name = parameter.name,
-                     whole = parameter.whole](const OptionValue& typed) {
+                     whole = parameter.whole](const TypedValue& typed) {
     order.values[name] =
         whole ? static_cast<double>(parseInteger(typed, range)) : parseNumber(typed, range);
   };

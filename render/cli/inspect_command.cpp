@@ -6,7 +6,6 @@
 #include "render/cli/model_place.h"
 #include "render/cli/option_group.h"
 #include "render/cli/report.h"
-#include "render/cli/run_options.h"
 #include "render/inspect/inspection.h"
 #include "render/inspect/numbered_picture.h"
 #include "render/png/png.h"
@@ -45,13 +44,13 @@ CLI::App* addInspectCommand(CLI::App& program, InspectOrder& order) {
   addTargetOption(group, order.target);
   addReadOptions(group, order.reading);
   order.scene.brick.thickness = openScene().brick.thickness;
-  addThicknessOption(group, order.scene.brick);
+  group.setting(sceneSetting("thickness"), order.scene);
   OptionGroup output(*command, "Output");
   output.flag("--json", "print as JSON", [&order] { order.printJson = true; });
   output.value("--picture", "FILE", "",
                "paint both states with numbers into a PNG file, what was mended marked; or a tile "
                "that crosses itself",
-               [&order](const OptionValue& typed) { order.picture = typed.text; });
+               [&order](const TypedValue& typed) { order.picture = typed.text; });
   command->footer("Example:\n  kirireel inspect data/tessellation_4x4 --picture numbers.png");
   return command;
 }

@@ -34,31 +34,31 @@ void addColourOptions(OptionGroup& group, Look& look) {
   group
       .value("--colour-most", "VALUE", "the largest of the run",
              "value at the bright end of the scale, metres or degrees",
-             [&look](const OptionValue& typed) {
+             [&look](const TypedValue& typed) {
                look.colourMost = parseNumber(typed, {1e-15, 1e12});
              })
       .saidAs([&look] { return look.colourMost ? numberText(*look.colourMost) : ""; });
   group
       .value("--brick-colour", "COLOUR", "80AEDC",
              "of all bricks, with --colour plain; a name such as teal, or RRGGBB",
-             [&look](const OptionValue& typed) { look.brickColour = parseColour(typed); })
+             [&look](const TypedValue& typed) { look.brickColour = parseColour(typed); })
       .saidAs([&look] { return saidColour(look.brickColour); });
   group
       .value("--back-colour", "COLOUR", "F4BE74", "of their other side, with --colour plain",
-             [&look](const OptionValue& typed) { look.backColour = parseColour(typed); })
+             [&look](const TypedValue& typed) { look.backColour = parseColour(typed); })
       .saidAs([&look] { return saidColour(look.backColour); });
   group
       .value("--outline-colour", "COLOUR", "263242", "of the lines on the edges of tiles",
-             [&look](const OptionValue& typed) { look.outlineColour = parseColour(typed); })
+             [&look](const TypedValue& typed) { look.outlineColour = parseColour(typed); })
       .saidAs([&look] { return saidColour(look.outlineColour); });
   group
       .value("--background", "COLOUR", "that of --theme", "of the page",
-             [&look](const OptionValue& typed) { look.background = parseColour(typed); })
+             [&look](const TypedValue& typed) { look.background = parseColour(typed); })
       .saidAs([&look] { return saidColour(look.background); });
 }
 
 void addDrawingOptions(CLI::App& command, Look& look) {
-  OptionGroup group(command, "Look");
+  OptionGroup group(command, "Look", "style");
   group.choice<Theme>("--theme", look.theme, {{"light", Theme::Light}, {"dark", Theme::Dark}},
                       "page that the pictures are for");
   addColourOptions(group, look);
@@ -78,14 +78,14 @@ void addDrawingOptions(CLI::App& command, Look& look) {
       .value("--occlusion", "SHARE", "0.6",
              "brightness that creases and gaps between bricks lose, 0 to 1; in part where colours "
              "stand for values",
-             [&look](const OptionValue& typed) {
+             [&look](const TypedValue& typed) {
                look.occlusion = parseNumber(typed, {0, 1});
              })
       .saidAs([&look] { return look.occlusion ? numberText(*look.occlusion) : ""; });
 }
 
 /// One of the words, or "45,30".
-std::optional<ViewAngles> parseView(const OptionValue& value,
+std::optional<ViewAngles> parseView(const TypedValue& value,
                                     const Choices<std::optional<ViewAngles>>& views) {
   const std::size_t comma = value.text.find(',');
   if (comma == std::string::npos) return parseChoice(value, views);
@@ -107,7 +107,7 @@ void addViewOptions(OptionGroup& group, CameraChoice& camera) {
                          "azimuth and elevation in degrees, -90,0 is from the front, -90,90 from "
                          "above",
                          listWords(choiceNames(views))),
-             [&camera, views](const OptionValue& typed) { camera.view = parseView(typed, views); })
+             [&camera, views](const TypedValue& typed) { camera.view = parseView(typed, views); })
       .saidAs([&camera, views] { return quotedText(nameOfChoice(views, camera.view)); });
   // A view with a name is said by that.
   const auto angles = [&camera, views]() -> std::optional<TypedView> {
@@ -120,7 +120,7 @@ void addViewOptions(OptionGroup& group, CameraChoice& camera) {
   group
       .value("--yaw", "DEGREES", "50 with --pitch",
              "turns the camera about z, 0 is from the front, as in PyKirigami",
-             [&camera, usual](const OptionValue& typed) {
+             [&camera, usual](const TypedValue& typed) {
                usual();
                const double yaw = parseNumber(typed, {-3600, 3600}) * kDegree;
                camera.view->azimuth = viewFromYawPitch(yaw, 0).azimuth;
@@ -129,7 +129,7 @@ void addViewOptions(OptionGroup& group, CameraChoice& camera) {
   group
       .value("--pitch", "DEGREES", "-35 with --yaw",
              "-90 is from above, 0 from the side, as in PyKirigami",
-             [&camera, usual](const OptionValue& typed) {
+             [&camera, usual](const TypedValue& typed) {
                usual();
                const double pitch = parseNumber(typed, {-90, 90}) * kDegree;
                camera.view->elevation = viewFromYawPitch(0, pitch).elevation;
@@ -138,7 +138,7 @@ void addViewOptions(OptionGroup& group, CameraChoice& camera) {
 }
 
 void addCameraOptions(CLI::App& command, Look& look) {
-  OptionGroup group(command, "Camera");
+  OptionGroup group(command, "Camera", "camera");
   CameraChoice& camera = look.camera;
   addViewOptions(group, camera);
   group.choice<std::optional<bool>>(
@@ -150,7 +150,7 @@ void addCameraOptions(CLI::App& command, Look& look) {
                "of the picture left free on each side");
   group
       .value("--distance", "METRES", "as it fits", "of the eye, in perspective",
-             [&camera](const OptionValue& typed) {
+             [&camera](const TypedValue& typed) {
                camera.distance = parseNumber(typed, {1e-9, 1e12});
              })
       .saidAs([&camera] { return camera.distance ? numberText(*camera.distance) : ""; });
@@ -160,7 +160,7 @@ void addCameraOptions(CLI::App& command, Look& look) {
       "what stays in sight, the whole run or its start and target");
   group
       .value("--orbit", "DEGREES", "0", "the camera turns about z over the run",
-             [&camera](const OptionValue& typed) {
+             [&camera](const TypedValue& typed) {
                camera.orbit = parseNumber(typed, {-36000, 36000}) * kDegree;
              })
       .saidAs([&camera] {
@@ -170,7 +170,7 @@ void addCameraOptions(CLI::App& command, Look& look) {
   group
       .value("--camera-keys", "TIME:YAW:PITCH:ZOOM,...", "",
              "the camera passes here at these times (seconds, degrees)",
-             [&camera](const OptionValue& typed) { camera.keys = parseCameraKeys(typed); })
+             [&camera](const TypedValue& typed) { camera.keys = parseCameraKeys(typed); })
       .saidAs([&camera] { return cameraKeysText(camera.keys); });
 }
 

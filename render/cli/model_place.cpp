@@ -36,14 +36,14 @@ std::filesystem::path findModel(const std::filesystem::path& named) {
 
 void addTargetOption(OptionGroup& group, std::filesystem::path& target) {
   group.value("--target", "MODEL", "the model's own", "another model whose start is the target",
-              [&target](const OptionValue& typed) { target = typed.text; });
+              [&target](const TypedValue& typed) { target = typed.text; });
 }
 
 void addReadOptions(OptionGroup& group, ReadSettings& settings) {
   group
       .value("--joints-file", "FILE", "the model's own",
              "list of joints to take in place of constraints.txt: a path, or a name beside it",
-             [&settings](const OptionValue& typed) { settings.jointsFile = typed.text; })
+             [&settings](const TypedValue& typed) { settings.jointsFile = typed.text; })
       .saidAs([&settings] {
         const std::string name = settings.jointsFile.string();
         return name.empty() ? "" : quotedText(name);

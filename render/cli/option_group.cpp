@@ -8,8 +8,27 @@
 namespace kirireel {
 namespace {
 
-/// CLI11's name for where the words stand that an option accepts.
+// Notes on an option: the words that it accepts, and its table of a scene file.
 constexpr const char* kWords = "words";
+constexpr const char* kTable = "table";
+
+/// Notes a text on an option, as a check that checks nothing: values are read, and refused, in one
+/// place for all options.
+void addNote(CLI::Option& option, const char* kind, const std::string& text) {
+  CLI::Validator validator([](std::string&) { return std::string(); }, text, kind);
+  option.check(validator.active(false));
+}
+
+/// What was noted; "" where nothing was.
+std::string noteOf(CLI::Option& option, const char* kind) {
+  try {
+    // CLI11 tells the text of a check only while it is active.
+    CLI::Validator validator = *option.get_validator(kind);
+    return validator.active().get_description();
+  } catch (const CLI::OptionNotFound&) {
+    return "";
+  }
+}
 
 /// As typed; all values of an option that takes several.
 std::string typedText(const CLI::Option& option) {
@@ -32,11 +51,14 @@ OptionGroup::Term& OptionGroup::Term::decidesNothing() {
 }
 
 OptionGroup::Term& OptionGroup::Term::accepts(const std::vector<std::string>& words) {
-  // A check that checks nothing: values are read, and refused, in one place for all options.
-  CLI::Validator note([](std::string&) { return std::string(); },
-                      fmt::format("{}", fmt::join(words, "\n")), kWords);
-  option_->check(note.active(false));
+  addNote(*option_, kWords, fmt::format("{}", fmt::join(words, "\n")));
   return *this;
+}
+
+OptionGroup::Term OptionGroup::added(CLI::Option* option) {
+  option->group(heading_);
+  if (!table_.empty()) addNote(*option, kTable, table_);
+  return Term(option);
 }
 
 OptionGroup::Term OptionGroup::value(const std::string& name, const std::string& unit,
@@ -46,9 +68,8 @@ OptionGroup::Term OptionGroup::value(const std::string& name, const std::string&
   const auto readText = [name, read](const std::string& typed) { read({name, typed}); };
   CLI::Option* option = command_.add_option_function<std::string>(name, readText, text)
                             ->type_name(unit)
-                            ->group(group_)
                             ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-  return Term(option).saidAs([option] { return typedText(*option); });
+  return added(option).saidAs([option] { return typedText(*option); });
 }
 
 OptionGroup::Term OptionGroup::values(const std::string& name, const std::string& unit,
@@ -59,17 +80,32 @@ OptionGroup::Term OptionGroup::values(const std::string& name, const std::string
   CLI::Option* option =
       command_.add_option_function<std::vector<std::string>>(name, readTexts, help)
           ->type_name(unit)
-          ->group(group_)
           ->expected(1)
           ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  return Term(option).saidAs([option] { return typedText(*option); });
+  return added(option).saidAs([option] { return typedText(*option); });
+}
+
+void OptionGroup::setting(const Setting& setting, Scene& scene) {
+  const std::string name = setting.option();
+  // Settings stand as long as the program runs.
+  const auto write = [&setting, &scene] { return setting.write(scene); };
+  if (setting.isSwitch) {
+    flag(name, setting.help, [&setting, &scene, name] {
+      setting.read(scene, {name, ""});
+    }).saidAs(write);
+    return;
+  }
+  Term term = value(name, setting.unit, setting.usual, setting.help,
+                    [&setting, &scene](const TypedValue& typed) { setting.read(scene, typed); });
+  term.saidAs(write);
+  if (!setting.words.empty()) term.accepts(setting.words);
 }
 
 void OptionGroup::number(const std::string& name, double& target, Range range,
                          const std::string& unit, const std::string& help) {
-  value(name, unit, fmt::format("{:.4g}", target), help,
-        [&target, range](const OptionValue& typed) { target = parseNumber(typed, range); })
-      .saidAs([&target] { return numberText(target); });
+  value(name, unit, fmt::format("{:.4g}", target), help, [&target, range](const TypedValue& typed) {
+    target = parseNumber(typed, range);
+  }).saidAs([&target] { return numberText(target); });
 }
 
 OptionGroup::Term OptionGroup::flag(const std::string& name, bool& target, const std::string& help,
@@ -81,8 +117,8 @@ OptionGroup::Term OptionGroup::flag(const std::string& name, bool& target, const
 
 OptionGroup::Term OptionGroup::flag(const std::string& name, const std::string& help,
                                     const std::function<void()>& action) {
-  CLI::Option* option = command_.add_flag_callback(name, action, help)->group(group_);
-  return Term(option).saidAs([option] { return fmt::format("{}", option->count() > 0); });
+  CLI::Option* option = command_.add_flag_callback(name, action, help);
+  return added(option).saidAs([option] { return fmt::format("{}", option->count() > 0); });
 }
 
 std::string saidBy(CLI::Option& option) {
@@ -91,15 +127,13 @@ std::string saidBy(CLI::Option& option) {
 
 std::vector<std::string> allowedWords(CLI::Option& option) {
   std::vector<std::string> words;
-  try {
-    // CLI11 tells the text of a check only while it is active.
-    CLI::Validator note = *option.get_validator(kWords);
-    std::istringstream lines(note.active().get_description());
-    for (std::string word; std::getline(lines, word);) words.push_back(word);
-  } catch (const CLI::OptionNotFound&) {
-    // Any value is read.
-  }
+  std::istringstream lines(noteOf(option, kWords));
+  for (std::string word; std::getline(lines, word);) words.push_back(word);
   return words;
+}
+
+std::string settingTable(CLI::Option& option) {
+  return noteOf(option, kTable);
 }
 
 void addPlace(CLI::App& command, const std::string& name, std::filesystem::path& target,

@@ -6,7 +6,10 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "render/cli/option_values.h"
+#include "sim/scene/settings.h"
 
 namespace CLI {
 class App;
@@ -19,10 +22,12 @@ namespace kirireel {
 /// value is reported in the same words.
 class OptionGroup {
  public:
-  /// `command` and every target given below must outlive the parsing.
-  OptionGroup(CLI::App& command, std::string group) : command_(command), group_(std::move(group)) {}
+  /// `table`: of a scene file that sets these options too; empty where none can. `command` and
+  /// every target given below must outlive the parsing.
+  OptionGroup(CLI::App& command, std::string heading, std::string table = "")
+      : command_(command), heading_(std::move(heading)), table_(std::move(table)) {}
 
-  using Reader = std::function<void(const OptionValue&)>;
+  using Reader = std::function<void(const TypedValue&)>;
   using Writer = std::function<std::string()>;
 
   /// What an option says about a run, beside what it does. Unless told otherwise an option decides
@@ -55,6 +60,9 @@ class OptionGroup {
   Term values(const std::string& name, const std::string& unit, const std::string& help,
               const Reader& read);
 
+  /// A setting of a scene.
+  void setting(const Setting& setting, Scene& scene);
+
   /// A number within a range; the target's value is the default.
   void number(const std::string& name, double& target, Range range, const std::string& unit,
               const std::string& help);
@@ -63,7 +71,7 @@ class OptionGroup {
   template <typename Integer>
   void integer(const std::string& name, Integer& target, Range range, const std::string& unit,
                const std::string& help) {
-    value(name, unit, fmt::format("{}", target), help, [&target, range](const OptionValue& typed) {
+    value(name, unit, fmt::format("{}", target), help, [&target, range](const TypedValue& typed) {
       target = static_cast<Integer>(parseInteger(typed, range));
     }).saidAs([&target] { return fmt::format("{}", target); });
   }
@@ -74,7 +82,7 @@ class OptionGroup {
               const std::string& help) {
     const std::vector<std::string> words = choiceNames(choices);
     return value(name, "WORD", words.front(), fmt::format("{}: {}", help, listWords(words)),
-                 [&target, choices](const OptionValue& typed) {
+                 [&target, choices](const TypedValue& typed) {
                    target = parseChoice(typed, choices);
                  })
         .accepts(words)
@@ -88,8 +96,11 @@ class OptionGroup {
   Term flag(const std::string& name, const std::string& help, const std::function<void()>& action);
 
  private:
+  Term added(CLI::Option* option);
+
   CLI::App& command_;
-  std::string group_;
+  std::string heading_;
+  std::string table_;
 };
 
 /// What an option is set to now, see OptionGroup::Term; "" where it says nothing about a run.
@@ -97,6 +108,9 @@ std::string saidBy(CLI::Option& option);
 
 /// The only values that an option accepts; empty where they are no list.
 std::vector<std::string> allowedWords(CLI::Option& option);
+
+/// The table of a scene file that an option belongs to; empty when a scene file cannot set it.
+std::string settingTable(CLI::Option& option);
 
 /// Adds the argument that stands without an option's name.
 void addPlace(CLI::App& command, const std::string& name, std::filesystem::path& target,

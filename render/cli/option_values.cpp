@@ -9,47 +9,17 @@
 #include <fmt/ranges.h>
 
 #include "sim/base/geometry.h"
-#include "sim/base/spelling.h"
-#include "sim/scene/toml_file.h"
 
 namespace kirireel {
 namespace {
 
 constexpr int kMostGridCells = 100;
 
-template <typename T>
-std::optional<T> readWhole(std::string_view text) {
-  // from_chars knows no plus sign, people do.
-  if (text.starts_with('+')) text.remove_prefix(1);
-  T number{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return number;
-}
-
-std::vector<std::string_view> split(std::string_view text, char separator) {
-  std::vector<std::string_view> parts;
-  for (;;) {
-    const std::size_t end = text.find(separator);
-    parts.push_back(text.substr(0, end));
-    if (end == std::string_view::npos) return parts;
-    text.remove_prefix(end + 1);
-  }
-}
-
-std::string describe(Range range, const char* kind) {
-  const Range all;
-  if (range.least == all.least && range.most == all.most) return kind;
-  if (range.most == all.most) return fmt::format("{} of at least {:g}", kind, range.least);
-  return fmt::format("{} from {:g} to {}{:g}", kind, range.least,
-                     range.isMostLeftOut ? "less than " : "", range.most);
-}
-
-std::optional<std::pair<int, int>> readPair(std::string_view text) {
+std::optional<std::pair<long, long>> readPair(std::string_view text) {
   const std::vector<std::string_view> parts = split(text, 'x');
   if (parts.size() != 2) return std::nullopt;
-  const std::optional<int> first = readWhole<int>(parts[0]);
-  const std::optional<int> second = readWhole<int>(parts[1]);
+  const std::optional<long> first = readWhole(parts[0]);
+  const std::optional<long> second = readWhole(parts[1]);
   if (!first || !second) return std::nullopt;
   return std::pair(*first, *second);
 }
@@ -64,7 +34,7 @@ const Choices<bool CaptionParts::*>& captionChoices() {
   return choices;
 }
 
-bool isBetween(int number, int least, int most) {
+bool isBetween(long number, long least, long most) {
   return number >= least && number <= most;
 }
 
@@ -88,20 +58,7 @@ const Choices<Colour>& namedColours() {
   return names;
 }
 
-HingeNeck parseNeck(const OptionValue& value) {
-  const std::vector<std::string_view> parts = split(value.text, ',');
-  if (parts.size() != 3 && parts.size() != 4) {
-    throw valueError(value, "width, length and Young's modulus, for example 0.1,0.3,2e9");
-  }
-  const auto part = [&](std::size_t k, const Range& range) {
-    return parseNumber({value.name, std::string(parts[k])}, range);
-  };
-  HingeNeck neck{part(0, {1e-9, 1e6}), part(1, {1e-9, 1e6}), part(2, {1e-9, 1e15})};
-  if (parts.size() == 4) neck.poisson = part(3, {0, 0.5, true});
-  return neck;
-}
-
-Colour parseColour(const OptionValue& value) {
+Colour parseColour(const TypedValue& value) {
   for (const auto& [name, colour] : namedColours()) {
     if (value.text == name) return colour;
   }
@@ -118,7 +75,7 @@ Colour parseColour(const OptionValue& value) {
   return {channel(16), channel(8), channel(0)};
 }
 
-std::vector<CameraKey> parseCameraKeys(const OptionValue& value) {
+std::vector<CameraKey> parseCameraKeys(const TypedValue& value) {
   std::vector<CameraKey> keys;
   for (const std::string_view text : split(value.text, ',')) {
     const std::vector<std::string_view> parts = split(text, ':');
@@ -136,7 +93,7 @@ std::vector<CameraKey> parseCameraKeys(const OptionValue& value) {
   return keys;
 }
 
-CaptionParts parseCaption(const OptionValue& value) {
+CaptionParts parseCaption(const TypedValue& value) {
   CaptionParts parts;
   if (value.text == "none") return parts;
   Choices<bool CaptionParts::*> choices = captionChoices();
@@ -149,11 +106,11 @@ CaptionParts parseCaption(const OptionValue& value) {
   return parts;
 }
 
-std::vector<FrameChoice> parseFrameChoices(const OptionValue& value) {
+std::vector<FrameChoice> parseFrameChoices(const TypedValue& value) {
   std::vector<FrameChoice> choices;
   for (const std::string_view text : split(value.text, ',')) {
     const bool isShare = text.ends_with('%');
-    const OptionValue number{value.name, std::string(text.substr(0, text.size() - isShare))};
+    const TypedValue number{value.name, std::string(text.substr(0, text.size() - isShare))};
     if (isShare) {
       choices.push_back({parseNumber(number, {0, 100}) / 100, FrameChoice::Unit::Share});
     } else {
@@ -163,26 +120,7 @@ std::vector<FrameChoice> parseFrameChoices(const OptionValue& value) {
   return choices;
 }
 
-InputError valueError(const OptionValue& value, const std::string& wanted) {
-  return InputError(fmt::format("error: {}: '{}' is not allowed; give {}", value.name,
-                                shown(value.text), wanted));
-}
-
-double parseNumber(const OptionValue& value, Range range) {
-  const std::optional<double> number = readWhole<double>(value.text);
-  const bool fits = number && std::isfinite(*number) && range.holds(*number);
-  if (!fits) throw valueError(value, describe(range, "a number"));
-  return *number;
-}
-
-long parseInteger(const OptionValue& value, Range range) {
-  const std::optional<long> number = readWhole<long>(value.text);
-  const bool fits = number && range.holds(static_cast<double>(*number));
-  if (!fits) throw valueError(value, describe(range, "a whole number"));
-  return *number;
-}
-
-FrameSize parseSize(const OptionValue& value) {
+FrameSize parseSize(const TypedValue& value) {
   const auto pair = readPair(value.text);
   const bool fits =
       pair && isBetween(pair->first, 1, kMaxFrameSide) && isBetween(pair->second, 1, kMaxFrameSide);
@@ -190,10 +128,10 @@ FrameSize parseSize(const OptionValue& value) {
     throw valueError(value, fmt::format("WIDTHxHEIGHT in pixels, each from 1 to {}, as in 1280x720",
                                         kMaxFrameSide));
   }
-  return {pair->first, pair->second};
+  return {static_cast<int>(pair->first), static_cast<int>(pair->second)};
 }
 
-GridShape parseGrid(const OptionValue& value) {
+GridShape parseGrid(const TypedValue& value) {
   const auto pair = readPair(value.text);
   const bool fits = pair && isBetween(pair->first, 1, kMostGridCells) &&
                     isBetween(pair->second, 1, kMostGridCells);
@@ -201,62 +139,19 @@ GridShape parseGrid(const OptionValue& value) {
     throw valueError(value,
                      fmt::format("ROWSxCOLUMNS, each from 1 to {}, as in 3x3", kMostGridCells));
   }
-  return {pair->first, pair->second};
+  return {static_cast<int>(pair->first), static_cast<int>(pair->second)};
 }
 
-Vector3 parseGravity(const OptionValue& value) {
-  const std::vector<std::string_view> parts = split(value.text, ',');
-  std::vector<double> numbers;
-  for (const std::string_view part : parts) {
-    const std::optional<double> number = readWhole<double>(part);
-    if (number && std::isfinite(*number)) numbers.push_back(*number);
-  }
-  const bool complete = numbers.size() == parts.size();
-  if (complete && numbers.size() == 1) return {0, 0, numbers[0]};
-  if (complete && numbers.size() == 3) return {numbers[0], numbers[1], numbers[2]};
-  throw valueError(value, "one number (along z) or three as X,Y,Z, in m/s^2, as in 0,0,-9.81");
-}
-
-std::vector<int> parseTiles(const OptionValue& value) {
+std::vector<int> parseTiles(const TypedValue& value) {
   std::vector<int> tiles;
   if (value.text == "all") return tiles;
   for (const std::string_view part : split(value.text, ',')) {
-    const std::optional<int> number = readWhole<int>(part);
-    if (!number || *number < 0) throw valueError(value, "all, or numbers of tiles, as in 3,7,8");
-    tiles.push_back(*number);
+    const std::optional<long> number = readWhole(part);
+    if (!number || !isBetween(*number, 0, std::numeric_limits<int>::max()))
+      throw valueError(value, "all, or numbers of tiles, as in 3,7,8");
+    tiles.push_back(static_cast<int>(*number));
   }
   return tiles;
-}
-
-std::string numberText(double number) {
-  return fmt::format("{}", number);
-}
-
-std::string quotedText(const std::string& text) {
-  return text.empty() ? "" : tomlText(text);
-}
-
-std::string quotedList(const std::vector<std::string>& values) {
-  if (values.size() < 2) return values.empty() ? "" : values.front();
-  return fmt::format("[{}]", fmt::join(values, ", "));
-}
-
-double numberReadAs(double wanted, double guess, const std::function<double(double)>& read) {
-  for (int digits = 6; digits <= 17; ++digits) {
-    const double shorter = std::stod(fmt::format("{:.{}g}", guess, digits));
-    if (read(shorter) == wanted) return shorter;
-  }
-  // The conversion rounds: a number next to the guess is the one.
-  constexpr int kNeighbours = 8;
-  double below = guess;
-  double above = guess;
-  for (int k = 0; k < kNeighbours; ++k) {
-    below = std::nextafter(below, -std::numeric_limits<double>::infinity());
-    above = std::nextafter(above, std::numeric_limits<double>::infinity());
-    if (read(below) == wanted) return below;
-    if (read(above) == wanted) return above;
-  }
-  return guess;
 }
 
 std::string sizeText(FrameSize size) {
@@ -277,10 +172,6 @@ std::string frameChoicesText(const std::vector<FrameChoice>& choices) {
                             : numberText(value));
   }
   return quotedText(fmt::format("{}", fmt::join(texts, ",")));
-}
-
-std::string vectorText(const Vector3& vector) {
-  return fmt::format("[{}, {}, {}]", vector.x(), vector.y(), vector.z());
 }
 
 std::string colourText(Colour colour) {
@@ -316,15 +207,6 @@ std::string captionText(const CaptionParts& parts) {
 
 std::string tilesText(const std::vector<int>& tiles) {
   return tiles.empty() ? "\"all\"" : fmt::format("\"{}\"", fmt::join(tiles, ","));
-}
-
-std::string listWords(const std::vector<std::string>& words) {
-  std::string list;
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    if (i > 0) list += i + 1 == words.size() ? " or " : ", ";
-    list += words[i];
-  }
-  return list;
 }
 
 }  // namespace kirireel

@@ -13,7 +13,7 @@
 namespace kirireel {
 namespace {
 
-int parseSamples(const OptionValue& typed) {
+int parseSamples(const TypedValue& typed) {
   return typed.text == "all" ? 0 : static_cast<int>(parseInteger(typed, {2, 1e6}));
 }
 
@@ -36,7 +36,7 @@ void addPageOptions(CLI::App& command, WebPageSettings& settings) {
       .value(
           "--samples", "COUNT", "201",
           "states that the page has, at equal steps of motion, or all: those of trajectory.h5",
-          [&settings](const OptionValue& typed) { settings.states.samples = parseSamples(typed); })
+          [&settings](const TypedValue& typed) { settings.states.samples = parseSamples(typed); })
       .decidesNothing();
   group
       .flag("--exact", settings.states.exact,
@@ -46,7 +46,7 @@ void addPageOptions(CLI::App& command, WebPageSettings& settings) {
       .value("--embed", "LIST", "none",
              "files of the run that go into the page: videos play, pictures show, others can be "
              "saved from it, such as deployment.mp4,final.obj",
-             [&settings](const OptionValue& typed) {
+             [&settings](const TypedValue& typed) {
                std::istringstream names(typed.text);
                for (std::string name; std::getline(names, name, ',');) {
                  settings.embedded.push_back(name);
@@ -55,7 +55,7 @@ void addPageOptions(CLI::App& command, WebPageSettings& settings) {
       .decidesNothing();
   group
       .value("--most-size", "MB", "25", "of a page; a larger one is refused",
-             [&settings](const OptionValue& typed) {
+             [&settings](const TypedValue& typed) {
                settings.mostMegabytes = parseNumber(typed, {0.1, 1e5});
              })
       .decidesNothing();
@@ -71,7 +71,7 @@ CLI::App* addPageCommand(CLI::App& program, PageOrder& order) {
       ->expected(1, -1);
   OptionGroup output(*command, "Output");
   output.value("--out", "FOLDER", "that of the first RUN", "where page.html goes",
-               [&order](const OptionValue& typed) { order.settings.folder = typed.text; });
+               [&order](const TypedValue& typed) { order.settings.folder = typed.text; });
   addPageOptions(*command, order.settings);
   command->footer(
       "The page has the model in 3-D with a slider, its curves, and the summary in words. It "

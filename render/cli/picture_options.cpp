@@ -13,13 +13,13 @@ namespace kirireel {
 namespace {
 
 /// "180mm" or "7pt": a positive number with its unit, or without.
-double parseLength(const OptionValue& value, const std::string& unit, Range range) {
+double parseLength(const TypedValue& value, const std::string& unit, Range range) {
   std::string digits = value.text;
   if (digits.ends_with(unit)) digits.resize(digits.size() - unit.size());
   return parseNumber({value.name, digits}, range);
 }
 
-std::vector<PageFormat> parsePages(const OptionValue& value) {
+std::vector<PageFormat> parsePages(const TypedValue& value) {
   std::vector<PageFormat> pages;
   std::istringstream words(value.text);
   for (std::string word; std::getline(words, word, ',');) {
@@ -41,51 +41,51 @@ std::string pagesText(const std::vector<PageFormat>& pages) {
 void addPrintOptions(OptionGroup& group, PictureSettings& settings) {
   group
       .value("--width", "MM", "as it comes", "of the grid in print, 180mm; at --dpi, else 300 dpi",
-             [&](const OptionValue& typed) {
+             [&](const TypedValue& typed) {
                settings.gridWidth = parseLength(typed, "mm", {1, 10000});
              })
       .saidAs([&] { return settings.gridWidth ? numberText(*settings.gridWidth) : ""; });
   group
       .value("--font-size", "PT", "by the pictures' size", "of the grid's text in print, 7pt",
-             [&](const OptionValue& typed) {
+             [&](const TypedValue& typed) {
                settings.fontPoints = parseLength(typed, "pt", {1, 200});
              })
       .saidAs([&] { return settings.fontPoints ? numberText(*settings.fontPoints) : ""; });
   group
       .value("--font", "NAME", "DejaVu Sans", "family of all text, as fc-list names it",
-             [&](const OptionValue& typed) { settings.font = typed.text; })
+             [&](const TypedValue& typed) { settings.font = typed.text; })
       .saidAs([&] { return quotedText(settings.font); });
   group.flag("--letters", settings.letters, "(a), (b), ... over the grid's pictures");
   group
       .value("--figure", "LIST", "none",
              "the whole grid as vector graphics too: svg, pdf, as snapshots.svg, snapshots.pdf",
-             [&](const OptionValue& typed) { settings.pages = parsePages(typed); })
+             [&](const TypedValue& typed) { settings.pages = parsePages(typed); })
       .saidAs([&] { return pagesText(settings.pages); });
 }
 
 }  // namespace
 
 void addPictureOptions(CLI::App& command, PictureSettings& settings) {
-  OptionGroup group(command, "Pictures");
+  OptionGroup group(command, "Pictures", "recording");
   group
       .value("--size", "WxH", "1280x720", "of each picture, pixels",
-             [&](const OptionValue& typed) { settings.size = parseSize(typed); })
+             [&](const TypedValue& typed) { settings.size = parseSize(typed); })
       .saidAs([&] { return sizeText(settings.size); });
   group
       .value("--grid", "RxC", "3x3", "rows and columns of the snapshot grid",
-             [&](const OptionValue& typed) { settings.grid = parseGrid(typed); })
+             [&](const TypedValue& typed) { settings.grid = parseGrid(typed); })
       .saidAs([&] { return gridText(settings.grid); });
   group
       .value("--captions", "PARTS", "progress, at real pace time",
              "under the grid's pictures, and where given under the video's frames: progress, time, "
              "angle, error, gap; or none",
-             [&](const OptionValue& typed) { settings.captions = parseCaption(typed); })
+             [&](const TypedValue& typed) { settings.captions = parseCaption(typed); })
       .saidAs([&] { return settings.captions ? captionText(*settings.captions) : ""; });
   group.flag("--scale-bar", settings.scaleBar,
              "a length under the grid and the video; needs a parallel projection");
   group
       .value("--dpi", "COUNT", "not noted", "dots per inch noted in PNG files, for print",
-             [&](const OptionValue& typed) {
+             [&](const TypedValue& typed) {
                settings.dotsPerInch = parseNumber(typed, {1, 100000});
              })
       .saidAs([&] { return settings.dotsPerInch ? numberText(*settings.dotsPerInch) : ""; });
@@ -98,14 +98,14 @@ void addPictureOptions(CLI::App& command, PictureSettings& settings) {
   group
       .value("--frames-at", "LIST", "none",
              "the same of these moments: seconds, or shares of the motion, such as 0,1.5,50%,100%",
-             [&](const OptionValue& typed) { settings.chosenFrames = parseFrameChoices(typed); })
+             [&](const TypedValue& typed) { settings.chosenFrames = parseFrameChoices(typed); })
       .saidAs([&] { return frameChoicesText(settings.chosenFrames); });
   group.flag("--no-snapshots", settings.snapshots, "no snapshots.png", false);
   group.flag("--svg", settings.svg,
              "the grid's pictures as snapshot_01.svg ..., hidden surfaces removed");
   group
       .value("--painters", "COUNT", "one for each core", "that paint frames at the same time",
-             [&](const OptionValue& typed) {
+             [&](const TypedValue& typed) {
                settings.painterCount = static_cast<int>(parseInteger(typed, {1, 64}));
              })
       .decidesNothing();

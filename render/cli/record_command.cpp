@@ -10,7 +10,7 @@
 #include "render/cli/option_group.h"
 #include "render/cli/picture_options.h"
 #include "render/cli/report.h"
-#include "render/cli/run_options.h"
+#include "render/cli/scene_options.h"
 #include "render/cli/video_options.h"
 #include "render/folder/file_set.h"
 #include "render/page/page.h"
@@ -24,10 +24,10 @@ namespace kirireel {
 namespace {
 
 void addFolderOptions(CLI::App& command, RecordOrder& order) {
-  OptionGroup group(command, "Output");
+  OptionGroup group(command, "Output", "recording");
   group
       .value("--out", "FOLDER", "out/NAME of the model", "where the files go",
-             [&order](const OptionValue& typed) { order.settings.folder = typed.text; })
+             [&order](const TypedValue& typed) { order.settings.folder = typed.text; })
       .decidesNothing();
   group
       .flag("--resume", order.settings.resume,
@@ -42,7 +42,7 @@ void addFolderOptions(CLI::App& command, RecordOrder& order) {
 }
 
 void addModelOptions(CLI::App& command, RecordOrder& order) {
-  OptionGroup group(command, "Model");
+  OptionGroup group(command, "Model", "model");
   addReadOptions(group, order.reading);
   group.choice<std::optional<FaceRule>>(
       "--faces", order.faces,
@@ -54,14 +54,14 @@ void addModelOptions(CLI::App& command, RecordOrder& order) {
       .decidesNothing();  // --faces says it
   group
       .value("--split-tiles", "LIST", "none", "tiles that bend, as hinged triangles: all, or 3,7,8",
-             [&order](const OptionValue& typed) { order.splitTiles = parseTiles(typed); })
+             [&order](const TypedValue& typed) { order.splitTiles = parseTiles(typed); })
       .saidAs([&order] { return order.splitTiles ? tilesText(*order.splitTiles) : ""; });
 }
 
 void addRunOptions(CLI::App& command, RecordOrder& order) {
   addPlace(command, "MODEL", order.model, kModelHelp);
   addFolderOptions(command, order);
-  OptionGroup(command, "Output")
+  OptionGroup(command, "Output", "recording")
       .integer("--fps", order.settings.framesPerSecond, {1, 240}, "COUNT",
                "frames in a second of video, and samples in a simulated second");
   addModelOptions(command, order);
@@ -175,7 +175,7 @@ CLI::App* addRecordCommand(CLI::App& program, RecordOrder& order) {
   addRunOptions(*command, order);
   addPictureOptions(*command, order.settings);
   addVideoOptions(*command, order.settings);
-  OptionGroup(*command, "Output")
+  OptionGroup(*command, "Output", "recording")
       .flag("--no-meshes", order.settings.meshes, "no OBJ and PLY files", false);
   command->footer(
       fmt::format("Examples:\n"

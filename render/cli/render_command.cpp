@@ -25,7 +25,7 @@ CLI::App* addRenderCommand(CLI::App& program, RenderOrder& order) {
       ->expected(1, -1);
   OptionGroup output(*command, "Output");
   output.value("--out", "FOLDER", "that of TRAJECTORY", "where the files go",
-               [&order](const OptionValue& typed) { order.settings.folder = typed.text; });
+               [&order](const TypedValue& typed) { order.settings.folder = typed.text; });
   output.integer("--fps", order.settings.framesPerSecond, {1, 240}, "COUNT",
                  "frames in a second of video");
   addPictureOptions(*command, order.settings);

@@ -85,8 +85,7 @@ std::string describeTime(const Scene& scene, const RunSummary& summary) {
   const DeployCost& cost = summary.deployCost;
   const double uncertified = accuracy.touchingTime + accuracy.singularTime;
   if (accuracy.timeError == 0 && uncertified == 0) {
-    const bool isGiven = scene.solver.tolerance > 0 && scene.solver.tolerance != kUsualTolerance;
-    const bool isLost = isGiven && summary.path.kind == PathKind::Led;
+    const bool isLost = scene.solver.isToleranceGiven() && summary.path.kind == PathKind::Led;
     return isLost ? "time: tiles are led in fixed steps, which keep no tolerance\n" : "";
   }
   std::string text = fmt::format(

@@ -13,7 +13,7 @@ namespace kirireel {
 namespace {
 
 /// "3,0,7": whole numbers from 0, as many as `count` when it is not 0.
-std::vector<int> parseIndices(const OptionValue& value, std::size_t count,
+std::vector<int> parseIndices(const TypedValue& value, std::size_t count,
                               const std::string& wanted) {
   std::vector<int> numbers;
   const char* at = value.text.data();
@@ -42,19 +42,26 @@ std::string listsText(const std::vector<List>& lists) {
 
 }  // namespace
 
+void addSceneOptions(CLI::App& command, Scene& scene) {
+  for (const SettingGroup& group : sceneSettings()) {
+    OptionGroup options(command, group.heading, group.table);
+    for (const Setting& setting : group.settings) options.setting(setting, scene);
+  }
+}
+
 void addSceneRequestOptions(CLI::App& command, SceneRequest& request, StartAlignment& alignment) {
   OptionGroup(command, "Scene")
       .value("--scene", "FILE", "scene.toml in MODEL, where there is one",
              "settings and timeline; options given here count more",
-             [&request](const OptionValue& typed) { request.file = typed.text; })
+             [&request](const TypedValue& typed) { request.file = typed.text; })
       .decidesNothing();  // what the file says does
-  OptionGroup group(command, "Model");
+  OptionGroup group(command, "Model", "model");
   SceneParts& parts = request.parts;
   group
       .values("--target", "MODEL",
               "target in place of the model's own: a file like target.txt, or another model whose "
               "start it is; given several times, each is reached before the next",
-              [&parts](const OptionValue& typed) { parts.targets.emplace_back(typed.text); })
+              [&parts](const TypedValue& typed) { parts.targets.emplace_back(typed.text); })
       .saidAs([&parts] {
         std::vector<std::string> names;
         for (const auto& target : parts.targets) names.push_back(quotedText(target.string()));
@@ -65,7 +72,7 @@ void addSceneRequestOptions(CLI::App& command, SceneRequest& request, StartAlign
               "tiles fixed to the world from the start, as in 3,0,7; tiles and vertices are "
               "numbered as in "
               "the model's file, planar ones from 1",
-              [&parts](const OptionValue& typed) {
+              [&parts](const TypedValue& typed) {
                 const auto tiles = parseIndices(typed, 0, "tile numbers, as in 3,0,7");
                 parts.pinned.insert(parts.pinned.end(), tiles.begin(), tiles.end());
               })
@@ -76,7 +83,7 @@ void addSceneRequestOptions(CLI::App& command, SceneRequest& request, StartAlign
              false);
   group
       .values("--fix", "TILE,TILE", "two tiles that move as one",
-              [&parts](const OptionValue& typed) {
+              [&parts](const TypedValue& typed) {
                 const auto pair = parseIndices(typed, 2, "two tile numbers, as in 3,4");
                 parts.fixed.push_back({pair[0], pair[1]});
               })
@@ -84,7 +91,7 @@ void addSceneRequestOptions(CLI::App& command, SceneRequest& request, StartAlign
   group
       .values("--link", "TILE,VERTEX,TILE,VERTEX",
               "two corners that keep the distance that they start with",
-              [&parts](const OptionValue& typed) {
+              [&parts](const TypedValue& typed) {
                 const auto link =
                     parseIndices(typed, 4, "tile, vertex, tile, vertex, as in 3,0,4,2");
                 parts.links.push_back({link[0], link[1], link[2], link[3]});

@@ -18,6 +18,9 @@ struct SceneRequest {
   SceneParts parts;
 };
 
+/// Adds all settings of a scene, see sceneSettings(). The scene must outlive the parsing.
+void addSceneOptions(CLI::App& command, Scene& scene);
+
 /// Adds --scene, --target, --pin, --fix and --link. The request must outlive the parsing.
 void addSceneRequestOptions(CLI::App& command, SceneRequest& request, StartAlignment& alignment);
 

@@ -1,46 +1,20 @@
 #include "render/cli/scene_settings.h"
 
 #include <algorithm>
-#include <map>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "render/cli/option_group.h"
 #include "sim/base/error.h"
 #include "sim/base/spelling.h"
 
 namespace kirireel {
 namespace {
 
-/// The table of each group of options that a scene file may set.
-const std::map<std::string, std::string>& tables() {
-  static const std::map<std::string, std::string> names = {
-      {"Model", "model"},
-      {"Bricks", "model"},
-      {"Joints", "model"},
-      {"Hinges", "model"},
-      {"Actuation", "actuation"},
-      {"Path to the target", "actuation"},
-      {"Springs to the target", "actuation"},
-      {"Solver", "solver"},
-      {"Environment", "environment"},
-      {"Camera", "camera"},
-      {"End of the run", "stop"},
-      {"Style", "style"},
-      {"Look", "style"},
-      {"Pictures", "recording"},
-      {"Output", "recording"},
-      {"Video", "recording"},
-      {"Export", "recording"},
-      {"Elements (inp, msh)", "recording"},
-      {"Decks (inp)", "recording"},
-  };
-  return names;
-}
-
-std::vector<std::string> keysOf(const CLI::App& command, const std::string& table) {
+std::vector<std::string> keysOf(CLI::App& command, const std::string& table) {
   std::vector<std::string> keys;
-  for (const CLI::Option* option : command.get_options()) {
+  for (CLI::Option* option : command.get_options()) {
     if (settingTable(*option) == table) keys.push_back(settingKey(*option));
   }
   return keys;
@@ -81,11 +55,6 @@ std::string settingKey(const CLI::Option& option) {
   std::string key = option.get_lnames().front();
   std::replace(key.begin(), key.end(), '-', '_');
   return key;
-}
-
-std::string settingTable(const CLI::Option& option) {
-  const auto found = tables().find(option.get_group());
-  return found == tables().end() ? "" : found->second;
 }
 
 void applySetting(CLI::Option& option, const SceneSetting& setting) {

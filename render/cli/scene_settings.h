@@ -22,9 +22,6 @@ SceneFile applySceneFile(CLI::App& command, const std::filesystem::path& file);
 /// The key of an option in a file, "brick_friction" for --brick-friction; empty for a place.
 std::string settingKey(const CLI::Option& option);
 
-/// The table of a scene file that an option belongs to; empty when a scene file cannot set it.
-std::string settingTable(const CLI::Option& option);
-
 /// Gives an option the values of a setting, unless the option was given before. To be called after
 /// parsing. Throws InputError with file:line:column for values that the option refuses.
 void applySetting(CLI::Option& option, const SceneSetting& setting);

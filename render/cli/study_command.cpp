@@ -89,7 +89,7 @@ CLI::App* addStudyCommand(CLI::App& program, StudyOrder& order) {
              [&order] { order.settings.resume = true; });
   group.value("--out", "FOLDER", order.settings.folder.string(),
               "where NAME.csv and NAME.json go; scripts/plot-study draws them",
-              [&order](const OptionValue& typed) { order.settings.folder = typed.text; });
+              [&order](const TypedValue& typed) { order.settings.folder = typed.text; });
   command->footer("Example:\n  kirireel study work-precision --quick");
   return command;
 }

@@ -46,7 +46,7 @@ WorkerLimits withMemoryLimit(WorkerLimits limits) {
 }
 
 /// "3/8".
-SweepShard parseShard(const OptionValue& value) {
+SweepShard parseShard(const TypedValue& value) {
   const std::string wanted = "I/N, as in 3/8: part I of N, counted from 1";
   const std::size_t slash = value.text.find('/');
   if (slash == std::string::npos) throw valueError(value, wanted);
@@ -67,14 +67,14 @@ void addWorkerOptions(CLI::App& command, WorkerLimits& limits) {
   OptionGroup group(command, "Workers");
   limits.count = coreCount();
   group.value("--jobs", "COUNT", "one for each core", "processes at a time",
-              [&limits](const OptionValue& typed) {
+              [&limits](const TypedValue& typed) {
                 limits.count = static_cast<int>(parseInteger(typed, {1, 4096}));
               });
   group.number("--run-limit", limits.seconds, {1e-3, 1e9}, "SECONDS",
                "a run that takes longer has failed");
   group.value("--memory-limit", "MEGABYTES", "the machine's memory over --jobs",
               "of each process; a run that needs more has failed",
-              [&limits](const OptionValue& typed) {
+              [&limits](const TypedValue& typed) {
                 limits.memoryBytes =
                     static_cast<std::int64_t>(kBytesInMegabyte * parseNumber(typed, {16, 1e9}));
               });
@@ -297,12 +297,12 @@ CLI::App* addSweepCommand(CLI::App& program, SweepOrder& order) {
   addPlace(*command, "SWEEP", order.sweep, "a file like sweep.toml, see docs/sweeps.md");
   OptionGroup group(*command, "Output");
   group.value("--out", "FOLDER", "out/NAME of the sweep file", "where the runs and the table go",
-              [&order](const OptionValue& typed) { order.folder = typed.text; });
+              [&order](const TypedValue& typed) { order.folder = typed.text; });
   group.flag("--collect", "make no runs, gather those that are there",
              [&order] { order.collectOnly = true; });
   OptionGroup which(*command, "Runs");
   which.value("--shard", "I/N", "1/1", "part I of N alone, without gathering",
-              [&order](const OptionValue& typed) { order.shard = parseShard(typed); });
+              [&order](const TypedValue& typed) { order.shard = parseShard(typed); });
   which.flag("--retry-failed", "make failed runs again", [&order] { order.retryFailed = true; });
   which.flag("--yes", "also when there are more than a million",
              [&order] { order.confirmed = true; });

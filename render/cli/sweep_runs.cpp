@@ -22,9 +22,9 @@ constexpr std::size_t kNameDigits = 20;
 const std::set<std::string> kNotForSweeps = {"out", "json", "page"};
 
 /// The keys of a run's options. "model" and "scene" are the sweep's own words.
-std::vector<std::string> runKeys(const CLI::App& command) {
+std::vector<std::string> runKeys(CLI::App& command) {
   std::vector<std::string> keys = {"model", "scene"};
-  for (const CLI::Option* option : command.get_options()) {
+  for (CLI::Option* option : command.get_options()) {
     const std::string key = settingKey(*option);
     if (!settingTable(*option).empty() && !kNotForSweeps.contains(key)) keys.push_back(key);
   }

@@ -9,7 +9,7 @@ namespace kirireel {
 namespace {
 
 /// A bare name: the folder is --out's.
-std::string parseFileName(const OptionValue& value) {
+std::string parseFileName(const TypedValue& value) {
   const std::filesystem::path name = value.text;
   const bool isName = name.has_filename() && !name.has_parent_path();
   if (isName && codePoints(value.text)) return value.text;
@@ -30,7 +30,7 @@ void addPaceOptions(OptionGroup& group, PictureSettings& settings) {
   group
       .value("--length", "SECONDS", numberText(settings.length),
              "of a video at an even pace, without its title",
-             [&](const OptionValue& typed) {
+             [&](const TypedValue& typed) {
                settings.length = parseNumber(typed, {0.1, 36000});
                settings.pace = Pace::Even;
              })
@@ -39,7 +39,7 @@ void addPaceOptions(OptionGroup& group, PictureSettings& settings) {
       .value("--speed", "FACTOR", numberText(settings.speed),
              "real pace, with so many simulated seconds in a second of video; below 1 is slow "
              "motion",
-             [&](const OptionValue& typed) {
+             [&](const TypedValue& typed) {
                settings.speed = parseNumber(typed, {1e-3, 1e3});
                settings.pace = Pace::Real;
              })
@@ -47,7 +47,7 @@ void addPaceOptions(OptionGroup& group, PictureSettings& settings) {
   group
       .value("--hold", "SECONDS", "0.5 at an even pace, else 0",
              "show the first and the last frame longer",
-             [&](const OptionValue& typed) {
+             [&](const TypedValue& typed) {
                settings.hold = parseNumber(typed, {0, 60});
              })
       .saidAs([&] { return numberText(settings.heldSeconds()); });
@@ -56,16 +56,16 @@ void addPaceOptions(OptionGroup& group, PictureSettings& settings) {
 }  // namespace
 
 void addVideoOptions(CLI::App& command, PictureSettings& settings) {
-  OptionGroup group(command, "Video");
+  OptionGroup group(command, "Video", "recording");
   group
       .value("--video", "NAME", settings.videoFile,
              "file name; its ending gives the format: .mp4 (H.264), .webm (VP9), .gif, .apng, .mkv "
              "(FFV1, lossless)",
-             [&](const OptionValue& typed) { settings.videoFile = parseFileName(typed); })
+             [&](const TypedValue& typed) { settings.videoFile = parseFileName(typed); })
       .saidAs([&] { return quotedText(settings.videoFile); });
   group
       .value("--format", "WORD", "mp4", "the same as --video deployment.WORD",
-             [&](const OptionValue& typed) {
+             [&](const TypedValue& typed) {
                settings.videoFile = parseFileName({typed.name, "deployment." + typed.text});
              })
       .decidesNothing();  // --video says it
@@ -73,28 +73,28 @@ void addVideoOptions(CLI::App& command, PictureSettings& settings) {
   addPaceOptions(group, settings);
   group
       .value("--title", "TEXT", "", "a card before the video, 2 s; \\n begins a new line",
-             [&](const OptionValue& typed) { settings.title = withLineFeeds(typed.text); })
+             [&](const TypedValue& typed) { settings.title = withLineFeeds(typed.text); })
       .saidAs([&] { return quotedText(settings.title); });
   group
       .value("--subtitle", "TEXT", "", "smaller lines below the title",
-             [&](const OptionValue& typed) { settings.subtitle = withLineFeeds(typed.text); })
+             [&](const TypedValue& typed) { settings.subtitle = withLineFeeds(typed.text); })
       .saidAs([&] { return quotedText(settings.subtitle); });
   group.flag("--progress-bar", settings.progressBar,
              "a bar under the frames that fills with the motion");
   group
       .value("--crf", "NUMBER", "18 H.264, 24 VP9", "quality, 0 is best, to 51 (H.264) or 63 (VP9)",
-             [&](const OptionValue& typed) {
+             [&](const TypedValue& typed) {
                settings.crf = static_cast<int>(parseInteger(typed, {0, 63}));
              })
       .saidAs([&] { return settings.crf ? fmt::format("{}", *settings.crf) : ""; });
   group
       .value("--preset", "WORD", settings.preset,
              "of x264: ultrafast to placebo (smallest file); auto is a quick veryfast",
-             [&](const OptionValue& typed) { settings.preset = typed.text; })
+             [&](const TypedValue& typed) { settings.preset = typed.text; })
       .saidAs([&] { return quotedText(settings.preset); });
   group
       .value("--encoder", "NAME", "that of the format", "another encoder of FFmpeg's libavcodec",
-             [&](const OptionValue& typed) { settings.encoder = typed.text; })
+             [&](const TypedValue& typed) { settings.encoder = typed.text; })
       .saidAs([&] { return quotedText(settings.encoder); });
 }
 

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "render/record/versions.h"
+#include "sim/scene/settings.h"
 
 namespace kirireel {
 namespace {
@@ -117,25 +118,6 @@ Json costJson(const RunSummary& summary) {
           {"peak_memory_bytes", summary.recordCost.peakMemoryBytes}};
 }
 
-const char* contactsWord(ContactFilter filter) {
-  switch (filter) {
-    case ContactFilter::Auto:
-      return "auto";
-    case ContactFilter::None:
-      return "none";
-    case ContactFilter::Unjoined:
-      return "unjoined";
-    case ContactFilter::All:
-      break;
-  }
-  return "all";
-}
-
-Json groundJson(const std::optional<Ground>& ground) {
-  if (!ground) return nullptr;
-  return {{"height", ground->height}, {"friction", ground->friction}};
-}
-
 Json vectorJson(const Vector3& vector) {
   return {vector.x(), vector.y(), vector.z()};
 }
@@ -174,80 +156,10 @@ Json velocitiesJson(const std::vector<InitialVelocity>& velocities, int countsFr
   return json;
 }
 
-Json environmentJson(const Environment& environment) {
-  return {{"gravity", vectorJson(environment.gravity)},
-          {"ground", groundJson(environment.ground)},
-          {"obstacles", obstaclesJson(environment.obstacles)},
-          {"contacts", contactsWord(environment.contacts)},
-          {"pivot_zone", environment.pivotZone},
-          {"brick_friction", environment.brickFriction},
-          {"linear_damping", environment.linearDamping},
-          {"angular_damping", environment.angularDamping}};
-}
-
-const char* driveWord(Drive drive) {
-  switch (drive) {
-    case Drive::Auto:
-      return "auto";
-    case Drive::Target:
-      return "target";
-    case Drive::Expansion:
-      return "expansion";
-    case Drive::Boundary:
-      return "boundary";
-    case Drive::None:
-      break;
-  }
-  return "none";
-}
-
-Json actuationJson(const Actuation& actuation) {
-  return {{"drive", driveWord(actuation.drive)},
-          {"boundary_size", actuation.boundary.size},
-          {"boundary_aspect", actuation.boundary.aspect}};
-}
-
 Json eventsJson(const std::vector<Event>& events) {
   Json json = Json::array();
   for (const Event& event : events) json.push_back({{"time", event.time}, {"what", event.text}});
   return json;
-}
-
-Json springsJson(const Scene& scene) {
-  const bool fromModel = scene.springs.dampsByArea;
-  const TargetSpringSettings springs = springsOf(scene);
-  return {{"spring_stiffness", springs.springStiffness},
-          {"torque_stiffness", springs.torqueStiffness},
-          {"force_damping", springs.forceDamping},
-          {"torque_damping", springs.torqueDamping},
-          {"torque_damping_from", fromModel ? "model" : "given"},
-          {"adaptive", springs.adaptive}};
-}
-
-Json hingesJson(const HingeSettings& hinges) {
-  Json neck = nullptr;
-  if (hinges.neck) {
-    neck = {{"width", hinges.neck->width},
-            {"length", hinges.neck->length},
-            {"youngs", hinges.neck->youngs},
-            {"poisson", hinges.neck->poisson},
-            {"ligaments", hinges.areLigaments}};
-  }
-  return {{"stiffness", hinges.stiffness},
-          {"neck", neck},
-          {"rest", hinges.rest ? Json(*hinges.rest) : Json(nullptr)},
-          {"damping", hinges.damping},
-          {"from_file", hinges.own.size()}};
-}
-
-Json solverJson(const SolverSettings& solver) {
-  return {{"solver", solver.kind == SolverKind::Direct ? "direct" : "bullet"},
-          {"timestep", solver.timestep},
-          {"tolerance", solver.tolerance},
-          {"substeps", solver.substeps ? Json(*solver.substeps) : Json(nullptr)},
-          {"iterations", solver.iterations},
-          {"planar", flagJson(solver.planar)},
-          {"seed", solver.seed}};
 }
 
 Json viewJson(const std::optional<ViewAngles>& view) {
@@ -300,21 +212,35 @@ Json pictureJson(const RecordSettings& settings) {
           {"snapshots", settings.spacing == SnapshotSpacing::Time ? "time" : "progress"}};
 }
 
+/// What a setting says, as scene.toml has it; null where it says nothing.
+Json settingJson(const Setting& setting, const Scene& scene) {
+  const std::string text = setting.write(scene);
+  if (text.empty()) return nullptr;
+  const Json json = Json::parse(text, nullptr, false);
+  return json.is_discarded() ? Json(text) : json;
+}
+
+/// The settings by table and key, and beside them what follows from the model or is fixed.
 Json settingsJson(const Scene& scene, const RecordSettings& settings) {
-  return {{"thickness", scene.brick.thickness},
-          {"mass", scene.brick.mass == MassRule::Unit ? "unit" : "prism"},
-          {"density", scene.brick.density},
-          {"environment", environmentJson(scene.environment)},
-          {"velocities", velocitiesJson(scene.velocities, scene.model.fileOrder.countsFrom)},
-          {"actuation", actuationJson(scene.actuation)},
-          {"springs", springsJson(scene)},
-          {"hinges", hingesJson(scene.hinges)},
-          {"solver", solverJson(scene.solver)},
-          {"duration", scene.stop.duration},
-          {"settle_speed", scene.stop.settleSpeed},
-          {"settle_time", scene.stop.settleTime},
-          {"pictures", pictureJson(settings)},
-          {"scene", settings.sceneText.empty() ? Json(nullptr) : Json(settings.sceneText)}};
+  Json json = Json::object();
+  for (const SettingGroup& group : sceneSettings()) {
+    for (const Setting& setting : group.settings) {
+      json[group.table][setting.key] = settingJson(setting, scene);
+    }
+  }
+  const Environment& environment = scene.environment;
+  const std::optional<Ground>& ground = environment.ground;
+  json["model"]["hinges_from_file"] = scene.hinges.own.size();
+  json["actuation"]["torque_damping_used"] = springsOf(scene).torqueDamping;
+  json["environment"]["ground_height"] = ground ? Json(ground->height) : Json(nullptr);
+  json["environment"]["obstacles"] = obstaclesJson(environment.obstacles);
+  json["environment"]["pivot_zone"] = environment.pivotZone;
+  json["stop"]["settle_speed"] = scene.stop.settleSpeed;
+  json["stop"]["settle_time"] = scene.stop.settleTime;
+  json["velocities"] = velocitiesJson(scene.velocities, scene.model.fileOrder.countsFrom);
+  json["pictures"] = pictureJson(settings);
+  json["scene"] = settings.sceneText.empty() ? Json(nullptr) : Json(settings.sceneText);
+  return json;
 }
 
 Json inputsJson(const std::vector<InputFile>& inputs) {

@@ -14,6 +14,7 @@
 #include "sim/deploy/run.h"
 #include "sim/deploy/target_warnings.h"
 #include "sim/scene/hinge_springs.h"
+#include "sim/scene/settings.h"
 
 namespace kirireel {
 namespace {
@@ -28,24 +29,6 @@ constexpr double kAssemblingShare = 0.3;
 // What is tried before any path.
 constexpr const char* kAssembling = "the state nearest to the target";
 
-void requirePositive(double value, const char* name) {
-  if (value > 0 && std::isfinite(value)) return;
-  throw InputError(fmt::format("{} is {}, but must be a positive number of seconds", name, value));
-}
-
-void requireFromZero(double value, const char* name) {
-  if (value >= 0 && std::isfinite(value)) return;
-  throw InputError(
-      fmt::format("{} is {}, but must be a number of seconds, at least 0", name, value));
-}
-
-void requireShare(double value, const char* name) {
-  if (value >= 0 && value < 1) return;
-  throw InputError(fmt::format(
-      "{} is {}, but must be the part of the velocity lost a second: from 0 to less than 1", name,
-      value));
-}
-
 /// An entry that could never happen is a mistake.
 void requireInTime(const Timeline& timeline, double duration) {
   for (const TimelineEntry& entry : timeline) {
@@ -58,13 +41,12 @@ void requireInTime(const Timeline& timeline, double duration) {
 }
 
 void requireSense(const Scene& scene, double sampleInterval) {
-  requirePositive(sampleInterval, "the time between samples");
-  requirePositive(scene.solver.timestep, "the timestep");
-  requirePositive(scene.stop.duration, "the duration");
-  requireFromZero(scene.path.openTime, "the time of opening");
-  requirePositive(scene.path.ledTime, "the time of being led");
-  requireShare(scene.environment.linearDamping, "the linear damping");
-  requireShare(scene.environment.angularDamping, "the angular damping");
+  if (!(sampleInterval > 0) || !std::isfinite(sampleInterval)) {
+    throw InputError(
+        fmt::format("the time between samples is {}, but must be a positive number of seconds",
+                    sampleInterval));
+  }
+  requireRanges(scene);
   requireInTime(scene.timeline, scene.stop.duration);
   if (scene.actuation.drive == Drive::Boundary && !scene.model.hullFault.empty()) {
     throw InputError(scene.model.hullFault +

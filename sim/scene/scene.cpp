@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "sim/scene/settings.h"
+
 namespace kirireel {
 namespace {
 
@@ -152,32 +154,14 @@ void fillFromModel(Scene& scene) {
 }
 
 bool isQuasiStatic(const Scene& scene, std::string& reason) {
-  const Environment& around = scene.environment;
-  const TargetSpringSettings usual;
-  const TargetSpringSettings& springs = scene.springs;
-  const bool usualSprings = springs.springStiffness == usual.springStiffness &&
-                            springs.torqueStiffness == usual.torqueStiffness &&
-                            springs.forceDamping == usual.forceDamping &&
-                            springs.dampsByArea == usual.dampsByArea &&
-                            springs.adaptive == usual.adaptive;
-  const bool usualDamping = around.linearDamping == Environment{}.linearDamping &&
-                            around.angularDamping == Environment{}.angularDamping;
   const bool fliesApart = !scene.model.target && !isOnePiece(scene.model);
-  const bool isPlainSolver =
-      scene.solver.kind == SolverKind::Direct && !scene.solver.substeps &&
-      (scene.solver.tolerance == 0 || scene.solver.tolerance == kUsualTolerance);
   reason = scene.actuation.drive != defaultDrive(scene.model) ? "the actuation was given"
            : !scene.timeline.empty()                          ? "the timeline leads"
            : !scene.velocities.empty()                        ? "tiles begin with a speed"
-           : !around.gravity.isZero(0)                        ? "there is gravity"
-           : around.ground || !around.obstacles.empty()       ? "there is ground or an obstacle"
-           : around.brickFriction > 0                         ? "there is friction"
-           : !usualSprings || !usualDamping                   ? "springs or damping were given"
+           : !scene.environment.obstacles.empty()             ? "there is ground or an obstacle"
            : scene.hinges.areOn()                             ? "hinges have springs"
-           : scene.brick.mass != MassRule::Unit               ? "masses were given"
-           : !isPlainSolver                                   ? "the solver was given"
            : fliesApart ? "tiles that no joint holds fly apart"
-                        : "";
+                        : whyDynamics(scene);
   return reason.empty();
 }
 

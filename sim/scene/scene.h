@@ -177,6 +177,9 @@ struct SolverSettings {
   int iterations = 50;          ///< of Bullet's solver in a substep
   std::optional<bool> planar;   ///< force 3 (true) or 6 (false) degrees of freedom a tile
   unsigned seed = 1;            ///< of the nudge that leaves a singular start
+
+  /// Whether a tolerance was asked for: one that is not the usual one, which gives way.
+  bool isToleranceGiven() const { return tolerance > 0 && tolerance != kUsualTolerance; }
 };
 
 /// When a run ends.

@@ -187,7 +187,7 @@ TEST_F(Resume, MakesTheRunOfAnotherOrderAgain) {
       runKirireel(recordInto(scratch_.path(), {"--resume", "--thickness", "0.03"}));
   EXPECT_EQ(end.exitCode, kEndedShort) << end.err;
   EXPECT_NE(lasting(scratch_.path())["order"], lasting(undisturbed_->path())["order"]);
-  EXPECT_EQ(lasting(scratch_.path())["settings"]["thickness"], 0.03);
+  EXPECT_EQ(lasting(scratch_.path())["settings"]["model"]["thickness"], 0.03);
 }
 
 }  // namespace

@@ -259,25 +259,21 @@ TEST(Deploy, RefusesTimesThatMakeNoSense) {
             "the time between samples is 0, but must be a positive number of seconds");
   Scene scene = smallScene();
   scene.solver.timestep = -0.5;
-  EXPECT_EQ(errorOf(scene, 0.1), "the timestep is -0.5, but must be a positive number of seconds");
+  EXPECT_EQ(errorOf(scene, 0.1), "error: timestep: '-0.5' is not allowed; give a number from 1e-07 to 1");
   scene = smallScene();
   scene.stop.duration = NAN;
-  EXPECT_EQ(errorOf(scene, 0.1), "the duration is nan, but must be a positive number of seconds");
+  EXPECT_EQ(errorOf(scene, 0.1), "error: duration: 'nan' is not allowed; give a number from 1e-06 to 1e+06");
 }
 
 TEST(Deploy, RefusesDampingThatTakesAll) {
   Scene scene = smallScene();
   scene.environment.linearDamping = 1;
-  EXPECT_EQ(
-      errorOf(scene, 0.1),
-      "the linear damping is 1, but must be the part of the velocity lost a second: from 0 to "
-      "less than 1");
+  EXPECT_EQ(errorOf(scene, 0.1),
+            "error: linear_damping: '1' is not allowed; give a number from 0 to less than 1");
   scene = smallScene();
   scene.environment.angularDamping = -0.1;
-  EXPECT_EQ(
-      errorOf(scene, 0.1),
-      "the angular damping is -0.1, but must be the part of the velocity lost a second: from 0 "
-      "to less than 1");
+  EXPECT_EQ(errorOf(scene, 0.1),
+            "error: angular_damping: '-0.1' is not allowed; give a number from 0 to less than 1");
 }
 
 TEST(Deploy, RefusesAModelWithoutTiles) {

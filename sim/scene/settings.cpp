@@ -1,0 +1,457 @@
+#include "sim/scene/settings.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+namespace kirireel {
+namespace {
+
+constexpr Range kFromZero{0, 1e12};
+
+bool isLed(const Scene& scene) {
+  return scene.path.kind == PathKind::Led;
+}
+bool isDirect(const Scene& scene) {
+  return scene.solver.kind == SolverKind::Direct;
+}
+bool isBullet(const Scene& scene) {
+  return scene.solver.kind == SolverKind::Bullet;
+}
+bool mayHaveFixedSteps(const Scene& scene) {
+  return !scene.solver.isToleranceGiven();
+}
+bool isDirectOrFixed(const Scene& scene) {
+  return isDirect(scene) || mayHaveFixedSteps(scene);
+}
+bool hasHingeSprings(const Scene& scene) {
+  return scene.hinges.stiffness > 0 || scene.hinges.neck || !scene.hinges.file.empty();
+}
+bool hasNecks(const Scene& scene) {
+  return scene.hinges.neck.has_value();
+}
+bool pullsToCurve(const Scene& scene) {
+  return scene.actuation.drive == Drive::Boundary;
+}
+bool weighsByVolume(const Scene& scene) {
+  return scene.brick.mass == MassRule::Prism;
+}
+
+constexpr const char* kDirect = "--solver direct";
+constexpr const char* kLed = "--path led";
+constexpr const char* kOtherSprings = "springs or damping were given";
+constexpr const char* kOtherSolver = "the solver was given";
+
+/// The field of a scene that a path of members leads to.
+template <auto... Path>
+auto& fieldOf(auto&& scene) {
+  return (scene.*....*Path);
+}
+
+/// A number, by default as in an open scene.
+template <auto... Path>
+Setting number(const std::string& key, Range range, const std::string& unit,
+               const std::string& help) {
+  Setting setting{key, unit, help};
+  setting.read = [range](Scene& scene, const TypedValue& typed) {
+    fieldOf<Path...>(scene) = parseNumber(typed, range);
+  };
+  setting.write = [](const Scene& scene) { return numberText(fieldOf<Path...>(scene)); };
+  setting.usual = fmt::format("{:.4g}", fieldOf<Path...>(openScene()));
+  setting.isNumber = true;
+  return setting;
+}
+
+/// A whole number.
+template <auto... Path>
+Setting whole(const std::string& key, Range range, const std::string& unit,
+              const std::string& help) {
+  Setting setting{key, unit, help};
+  setting.read = [range](Scene& scene, const TypedValue& typed) {
+    auto& field = fieldOf<Path...>(scene);
+    field = static_cast<std::remove_reference_t<decltype(field)>>(parseInteger(typed, range));
+  };
+  setting.write = [](const Scene& scene) { return fmt::format("{}", fieldOf<Path...>(scene)); };
+  setting.usual = setting.write(openScene());
+  setting.isNumber = true;
+  return setting;
+}
+
+/// One of several words, the first by default.
+template <auto... Path, typename T>
+Setting choice(const std::string& key, const Choices<T>& choices, const std::string& help) {
+  Setting setting{key, "WORD", help};
+  setting.words = choiceNames(choices);
+  setting.help = fmt::format("{}: {}", help, listWords(setting.words));
+  setting.read = [choices](Scene& scene, const TypedValue& typed) {
+    fieldOf<Path...>(scene) = parseChoice(typed, choices);
+  };
+  setting.write = [choices](const Scene& scene) {
+    return quotedText(nameOfChoice(choices, fieldOf<Path...>(scene)));
+  };
+  setting.usual = setting.words.front();
+  return setting;
+}
+
+/// What no pattern above serves.
+Setting special(const std::string& key, const std::string& unit, const std::string& usual,
+                const std::string& help, std::function<void(Scene&, const TypedValue&)> read,
+                std::function<std::string(const Scene&)> write) {
+  return {key, unit, help, std::move(read), std::move(write), usual};
+}
+
+/// The same for a number.
+Setting specialNumber(const std::string& key, const std::string& unit, const std::string& usual,
+                      const std::string& help, std::function<void(Scene&, const TypedValue&)> read,
+                      std::function<std::string(const Scene&)> write) {
+  Setting setting = special(key, unit, usual, help, std::move(read), std::move(write));
+  setting.isNumber = true;
+  return setting;
+}
+
+/// A switch, which sets a truth to `given`.
+template <auto... Path>
+Setting flag(const std::string& key, const std::string& help, bool given = true) {
+  Setting setting{key, "", help};
+  setting.read = [given](Scene& scene, const TypedValue&) { fieldOf<Path...>(scene) = given; };
+  setting.write = [given](const Scene& scene) {
+    return fmt::format("{}", fieldOf<Path...>(scene) == given);
+  };
+  setting.isSwitch = true;
+  return setting;
+}
+
+SettingGroup brickSettings() {
+  using enum MassRule;
+  return {"Bricks",
+          "model",
+          {specialNumber(
+               "thickness", "METRES", "0.02 of the mean edge", "thickness of the bricks",
+               [](Scene& scene, const TypedValue& typed) {
+                 scene.brick.thickness = parseNumber(typed, {1e-9, 1e9});
+               },
+               [](const Scene& scene) {
+                 return scene.brick.thickness > 0 ? numberText(scene.brick.thickness) : "";
+               }),
+           choice<&Scene::brick, &BrickRule::mass>(
+               "mass", Choices<MassRule>{{"unit", Unit}, {"prism", Prism}},
+               "mass of a brick, 1 kg whatever its size or by volume")
+               .needsDynamics("masses were given"),
+           number<&Scene::brick, &BrickRule::density>("density", {1e-9, 1e12}, "KG/M3",
+                                                      "density, with --mass prism")
+               .with(weighsByVolume, "--mass prism")}};
+}
+
+SettingGroup actuationSettings() {
+  using enum Drive;
+  return {"Actuation",
+          "actuation",
+          {choice<&Scene::actuation, &Actuation::drive>(
+               "actuation",
+               Choices<Drive>{{"auto", Auto},
+                              {"target", Target},
+                              {"expansion", Expansion},
+                              {"boundary", Boundary},
+                              {"none", None}},
+               "what drives the bricks: target or else expansion; springs to the target, away from "
+               "the centre, springs from the hull to a curve round it, nothing"),
+           number<&Scene::actuation, &Actuation::boundary, &BoundaryCurve::size>(
+               "boundary_size", {1e-3, 1e3}, "RATIO", "width of that curve over the hull's")
+               .with(pullsToCurve, "--actuation boundary"),
+           number<&Scene::actuation, &Actuation::boundary, &BoundaryCurve::aspect>(
+               "boundary_aspect", {1e-3, 1e3}, "RATIO",
+               "its length along x over its width, 1 for a circle")
+               .with(pullsToCurve, "--actuation boundary")}};
+}
+
+SettingGroup springSettings() {
+  using Springs = TargetSpringSettings;
+  return {
+      "Springs to the target",
+      "actuation",
+      {number<&Scene::springs, &Springs::springStiffness>("spring_stiffness", kFromZero, "N/M",
+                                                          "pull on each vertex towards its target")
+           .needsDynamics(kOtherSprings),
+       number<&Scene::springs, &Springs::torqueStiffness>(
+           "torque_stiffness", kFromZero, "N/M", "the same pull where it only turns the brick")
+           .needsDynamics(kOtherSprings),
+       number<&Scene::springs, &Springs::forceDamping>("force_damping", kFromZero, "N*S/M",
+                                                       "damping of a brick's velocity")
+           .needsDynamics(kOtherSprings),
+       specialNumber(
+           "torque_damping", "N*M*S", "2 times the square of the mean edge",
+           "damping of a brick's turning",
+           [](Scene& scene, const TypedValue& typed) {
+             scene.springs.torqueDamping = parseNumber(typed, kFromZero);
+             scene.springs.dampsByArea = false;
+           },
+           [](const Scene& scene) {
+             return scene.springs.dampsByArea ? "" : numberText(scene.springs.torqueDamping);
+           })
+           .needsDynamics(kOtherSprings),
+       flag<&Scene::springs, &Springs::adaptive>(
+           "no_adaptive", "keep the stiffness when the error stalls, instead of doubling it", false)
+           .needsDynamics(kOtherSprings)}};
+}
+
+Setting hingeRest() {
+  return specialNumber(
+      "hinge_rest", "DEGREES", "the angle at the start",
+      "angle at which they pull no more: at a corner between the tiles' edges, 0 where they lie "
+      "flush; at a fold from flat, valleys above 0",
+      [](Scene& scene, const TypedValue& typed) {
+        scene.hinges.rest = parseNumber(typed, {-360, 360}) * kDegree;
+      },
+      [](const Scene& scene) {
+        const std::optional<double>& rest = scene.hinges.rest;
+        if (!rest) return std::string();
+        return numberText(
+            numberReadAs(*rest, *rest / kDegree, [](double degrees) { return degrees * kDegree; }));
+      });
+}
+
+SettingGroup hingeSettings() {
+  return {
+      "Hinges",
+      "model",
+      {number<&Scene::hinges, &HingeSettings::stiffness>(
+           "hinge_stiffness", kFromZero, "N*M/RAD",
+           "torsional springs at all hinges: corners in the plane or joined on both faces, and "
+           "folds")
+           .with(isDirect, kDirect),
+       special(
+           "hinge_neck", "WIDTH,LENGTH,E[,NU]", "",
+           "necks at all corners in place of a stiffness: metres, metres, Young's modulus in "
+           "Pa and Poisson's ratio (0.3), as thick as the bricks",
+           [](Scene& scene, const TypedValue& typed) { scene.hinges.neck = parseNeck(typed); },
+           [](const Scene& scene) { return scene.hinges.neck ? neckText(*scene.hinges.neck) : ""; })
+           .with(isDirect, kDirect),
+       flag<&Scene::hinges, &HingeSettings::areLigaments>(
+           "ligaments",
+           "necks stretch, shear and bend, instead of bending about exact joints; with "
+           "[[grip]]")
+           .with(hasNecks, "--hinge-neck"),
+       hingeRest().with(hasHingeSprings, "--hinge-stiffness, --hinge-neck or --hinge-file"),
+       number<&Scene::hinges, &HingeSettings::damping>("hinge_damping", kFromZero, "N*M*S/RAD",
+                                                       "damping of the hinges' angles")
+           .with(isDirect, kDirect),
+       special(
+           "hinge_file", "FILE", "",
+           "springs of hinges one by one, by path or by name beside the model: a line has "
+           "tile, tile, stiffness, rest angle and damping, of which - or nothing means as for "
+           "all",
+           [](Scene& scene, const TypedValue& typed) { scene.hinges.file = typed.text; },
+           [](const Scene& scene) { return quotedText(scene.hinges.file.string()); })
+           .with(isDirect, kDirect)}};
+}
+
+SettingGroup pathSettings() {
+  return {
+      "Path to the target",
+      "actuation",
+      {choice<&Scene::path, &PathSettings::kind>(
+           "path",
+           Choices<PathKind>{{"auto", PathKind::Auto},
+                             {"continuation", PathKind::Continuation},
+                             {"dynamic", PathKind::Dynamic},
+                             {"straight", PathKind::Straight},
+                             {"led", PathKind::Led}},
+           "the mechanism is followed as geometry (continuation), or springs move masses "
+           "(dynamic, which tries a straight pull and then leads each tile along its own "
+           "motion); auto takes continuation where nothing given needs dynamics and that "
+           "arrives"),
+       number<&Scene::path, &PathSettings::walkTime>(
+           "walk_time", {1e-6, 1e6}, "SECONDS",
+           "in which a path of continuation is walked, at an even pace"),
+       number<&Scene::path, &PathSettings::openTime>(
+           "open_time", kFromZero, "SECONDS", "of expansion from the centre first, with --path led")
+           .with(isLed, kLed),
+       number<&Scene::path, &PathSettings::ledTime>("led_time", {1e-6, 1e6}, "SECONDS",
+                                                    "of leading, with --path led")
+           .with(isLed, kLed),
+       number<&Scene::path, &PathSettings::ledStiffness>("led_stiffness", kFromZero, "N/M",
+                                                         "pull on each vertex while led")
+           .with(isLed, kLed),
+       specialNumber(
+           "joint_stiffness", "N/M", "exact", "of joints while led; closed at the end",
+           [](Scene& scene, const TypedValue& typed) {
+             scene.path.jointStiffness = parseNumber(typed, {1e-6, 1e15});
+           },
+           [](const Scene& scene) {
+             return scene.path.jointsGive() ? numberText(scene.path.jointStiffness) : "";
+           })
+           .with(isDirect, kDirect)
+           .with(isLed, kLed),
+       number<&Scene::path, &PathSettings::searchTime>(
+           "search", {0, 1e9}, "SECONDS",
+           "that looking for a path may cost, of a reference core: work is counted, not timed, "
+           "so that every machine finds the same; at most 30 for each second of --duration")}};
+}
+
+/// The ground, put there if there is none yet.
+Ground& groundOf(Scene& scene) {
+  std::optional<Ground>& ground = scene.environment.ground;
+  return ground ? *ground : ground.emplace();
+}
+
+Setting groundSwitch() {
+  Setting setting{"ground", "",
+                  "put a horizontal plane under the lowest point of start and target"};
+  setting.read = [](Scene& scene, const TypedValue&) { groundOf(scene); };
+  setting.write = [](const Scene& scene) {
+    return fmt::format("{}", scene.environment.ground.has_value());
+  };
+  setting.isSwitch = true;
+  return setting;
+}
+
+Setting groundFriction() {
+  return specialNumber(
+      "ground_friction", "RATIO", "0.5", "Coulomb friction of the ground; implies --ground",
+      [](Scene& scene, const TypedValue& typed) {
+        groundOf(scene).friction = parseNumber(typed, {0, 1e3});
+      },
+      [](const Scene& scene) {
+        const std::optional<Ground>& ground = scene.environment.ground;
+        return ground ? numberText(ground->friction) : "";
+      });
+}
+
+SettingGroup environmentSettings() {
+  return {"Environment",
+          "environment",
+          {special(
+               "gravity", "M/S2", "0", "acceleration along z, or X,Y,Z",
+               [](Scene& scene, const TypedValue& typed) {
+                 scene.environment.gravity = parseGravity(typed);
+               },
+               [](const Scene& scene) { return vectorText(scene.environment.gravity); })
+               .needsDynamics("there is gravity"),
+           groundSwitch().needsDynamics("there is ground or an obstacle"), groundFriction(),
+           choice<&Scene::environment, &Environment::contacts>(
+               "contacts",
+               Choices<ContactFilter>{{"auto", ContactFilter::Auto},
+                                      {"none", ContactFilter::None},
+                                      {"unjoined", ContactFilter::Unjoined},
+                                      {"all", ContactFilter::All}},
+               "pairs of bricks that may touch, others pass through each other; auto: all where "
+               "bricks would meet on the way"),
+           number<&Scene::environment, &Environment::brickFriction>(
+               "brick_friction", {0, 1e3}, "RATIO", "Coulomb friction between bricks")
+               .needsDynamics("there is friction"),
+           number<&Scene::environment, &Environment::linearDamping>(
+               "linear_damping", {0, 1, true}, "SHARE", "part of the velocity lost a second")
+               .needsDynamics(kOtherSprings),
+           number<&Scene::environment, &Environment::angularDamping>(
+               "angular_damping", {0, 1, true}, "SHARE", "part of the turning lost a second")
+               .needsDynamics(kOtherSprings)}};
+}
+
+SettingGroup stopSettings() {
+  return {"End of the run",
+          "stop",
+          {number<&Scene::stop, &StopRules::duration>(
+              "duration", {1e-6, 1e6}, "SECONDS",
+              "simulated time at most; a run that comes to rest ends earlier")}};
+}
+
+SettingGroup solverSettings() {
+  return {
+      "Solver",
+      "solver",
+      {choice<&Scene::solver, &SolverSettings::kind>(
+           "solver",
+           Choices<SolverKind>{{"direct", SolverKind::Direct}, {"bullet", SolverKind::Bullet}},
+           "how joints are held, exactly or by Bullet's impulses")
+           .needsDynamics(kOtherSolver),
+       number<&Scene::solver, &SolverSettings::tolerance>(
+           "tolerance", {0, 1}, "TILES",
+           "error in time that a step may make, with steps as long as that lets them be; 0: fixed "
+           "steps of first order")
+           .with(isDirectOrFixed, kDirect)
+           .needsDynamics(kOtherSolver),
+       number<&Scene::solver, &SolverSettings::timestep>(
+           "timestep", {1e-7, 1}, "SECONDS",
+           "length of fixed steps, and of those where contacts crowd or joints are singular"),
+       specialNumber(
+           "substeps", "COUNT", "1 direct, 20 bullet", "solver steps in each step",
+           [](Scene& scene, const TypedValue& typed) {
+             scene.solver.substeps = static_cast<int>(parseInteger(typed, {1, 10000}));
+           },
+           [](const Scene& scene) {
+             return scene.solver.substeps ? fmt::format("{}", *scene.solver.substeps) : "";
+           })
+           .with(mayHaveFixedSteps, "--tolerance 0")
+           .needsDynamics(kOtherSolver),
+       whole<&Scene::solver, &SolverSettings::iterations>("iterations", {1, 1000000}, "COUNT",
+                                                          "of Bullet's solver in each step")
+           .with(isBullet, "--solver bullet"),
+       choice<&Scene::solver, &SolverSettings::planar>(
+           "planar",
+           Choices<std::optional<bool>>{{"auto", std::nullopt}, {"on", true}, {"off", false}},
+           "keep bricks in their plane"),
+       whole<&Scene::solver, &SolverSettings::seed>(
+           "seed", {0, 4294967295.0}, "NUMBER",
+           "of the nudge that leaves a start where no direction is preferred")}};
+}
+
+/// Whether a setting is what it is unless told otherwise, in the program or in code.
+bool isUsual(const Setting& setting, const Scene& scene) {
+  const std::string text = setting.write(scene);
+  return text == setting.write(openScene()) || text == setting.write({});
+}
+
+}  // namespace
+
+Setting Setting::with(bool (*holds)(const Scene&), const char* needed) && {
+  conditions.push_back({holds, needed});
+  return std::move(*this);
+}
+
+Setting Setting::needsDynamics(const char* why) && {
+  dynamics = why;
+  return std::move(*this);
+}
+
+std::string Setting::option() const {
+  std::string name = "--" + key;
+  std::ranges::replace(name, '_', '-');
+  return name;
+}
+
+const std::vector<SettingGroup>& sceneSettings() {
+  static const std::vector<SettingGroup> groups = {
+      brickSettings(), actuationSettings(),   springSettings(), hingeSettings(),
+      pathSettings(),  environmentSettings(), stopSettings(),   solverSettings()};
+  return groups;
+}
+
+const Setting& sceneSetting(const std::string& key) {
+  for (const SettingGroup& group : sceneSettings()) {
+    const auto found = std::ranges::find(group.settings, key, &Setting::key);
+    if (found != group.settings.end()) return *found;
+  }
+  throw std::out_of_range("no setting " + key);
+}
+
+void requireRanges(const Scene& scene) {
+  Scene read;
+  for (const SettingGroup& group : sceneSettings()) {
+    for (const Setting& setting : group.settings) {
+      const std::string text = setting.isNumber ? setting.write(scene) : "";
+      if (!text.empty()) setting.read(read, {setting.key, text});
+    }
+  }
+}
+
+std::string whyDynamics(const Scene& scene) {
+  for (const SettingGroup& group : sceneSettings()) {
+    for (const Setting& setting : group.settings) {
+      if (!setting.dynamics.empty() && !isUsual(setting, scene)) return setting.dynamics;
+    }
+  }
+  return "";
+}
+
+}  // namespace kirireel

@@ -1,0 +1,120 @@
+// Every setting of a scene, by what the list of settings says of itself.
+#include "sim/scene/settings.h"
+
+#include <cmath>
+#include <set>
+
+#include <gtest/gtest.h>
+
+namespace kirireel {
+namespace {
+
+std::vector<Setting> allSettings() {
+  std::vector<Setting> all;
+  for (const SettingGroup& group : sceneSettings()) {
+    all.insert(all.end(), group.settings.begin(), group.settings.end());
+  }
+  return all;
+}
+
+/// Something that a setting accepts and that is not its default.
+std::string otherText(const Setting& setting) {
+  if (!setting.words.empty()) return setting.words.back();
+  if (setting.key == "gravity") return "1,-2,3";
+  if (setting.key == "hinge_neck") return "0.1,0.3,2e9,0.25";
+  if (setting.key == "hinge_file") return "hinges.txt";
+  if (setting.isSwitch) return "";
+  return setting.unit == "COUNT" || setting.unit == "NUMBER" ? "7" : "0.75";
+}
+
+/// What a setting writes, as it would be typed: without the marks of a scene file.
+std::string typed(const std::string& written) {
+  std::string text;
+  for (const char c : written) {
+    if (c != '"' && c != '[' && c != ']' && c != ' ') text += c;
+  }
+  return text;
+}
+
+TEST(Settings, HaveKeysOfTheirOwn) {
+  std::set<std::string> keys;
+  for (const Setting& setting : allSettings()) {
+    EXPECT_TRUE(keys.insert(setting.key).second) << setting.key;
+    EXPECT_FALSE(setting.help.empty()) << setting.key;
+    EXPECT_EQ(setting.unit.empty(), setting.isSwitch) << setting.key;
+  }
+  EXPECT_EQ(keys.size(), 39U);
+}
+
+TEST(Settings, ReadBackWhatTheyWrite) {
+  for (const Setting& setting : allSettings()) {
+    Scene scene = openScene();
+    setting.read(scene, {setting.key, otherText(setting)});
+    const std::string written = setting.write(scene);
+    EXPECT_NE(written, "") << setting.key;
+    EXPECT_NE(written, setting.write(openScene())) << setting.key;
+    Scene again = openScene();
+    setting.read(again, {setting.key, typed(written)});
+    EXPECT_EQ(setting.write(again), written) << setting.key;
+  }
+}
+
+TEST(Settings, ChangeNothingButTheirOwn) {
+  for (const Setting& changed : allSettings()) {
+    Scene scene = openScene();
+    changed.read(scene, {changed.key, otherText(changed)});
+    for (const Setting& other : allSettings()) {
+      // A ground has a friction.
+      if (other.key == changed.key || changed.key.starts_with("ground")) continue;
+      EXPECT_EQ(other.write(scene), other.write(openScene())) << changed.key << ' ' << other.key;
+    }
+  }
+}
+
+TEST(Settings, OfDynamicsAreToldWhereTheyAreNotUsual) {
+  EXPECT_EQ(whyDynamics(Scene{}), "");
+  EXPECT_EQ(whyDynamics(openScene()), "");
+  for (const Setting& setting : allSettings()) {
+    Scene scene = openScene();
+    setting.read(scene, {setting.key, otherText(setting)});
+    EXPECT_EQ(whyDynamics(scene).empty(),
+              setting.dynamics.empty() && setting.key != "ground_friction")
+        << setting.key;
+  }
+}
+
+TEST(Settings, OfCodeAreCheckedLikeThoseOfPeople) {
+  EXPECT_NO_THROW(requireRanges(Scene{}));
+  EXPECT_NO_THROW(requireRanges(openScene()));
+  Scene scene;
+  scene.springs.springStiffness = NAN;
+  try {
+    requireRanges(scene);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "error: spring_stiffness: 'nan' is not allowed; give a number from 0 to 1e+12");
+  }
+}
+
+TEST(Settings, HaveConditionsThatSomeSceneKeeps) {
+  Scene led;
+  led.path.kind = PathKind::Led;
+  Scene bullet;
+  bullet.solver.kind = SolverKind::Bullet;
+  Scene necks;
+  necks.hinges.neck = HingeNeck{0.1, 0.1, 1e9};
+  Scene curve;
+  curve.actuation.drive = Drive::Boundary;
+  curve.brick.mass = MassRule::Prism;
+  for (const Setting& setting : allSettings()) {
+    for (const Condition& condition : setting.conditions) {
+      EXPECT_TRUE(condition.holds(led) || condition.holds(bullet) || condition.holds(necks) ||
+                  condition.holds(curve))
+          << setting.key << " " << condition.needed;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace kirireel
