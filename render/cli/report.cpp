@@ -83,21 +83,22 @@ std::string describeJoints(const Scene& scene, const RunSummary& summary) {
 std::string describeTime(const Scene& scene, const RunSummary& summary) {
   const Accuracy& accuracy = summary.accuracy;
   const DeployCost& cost = summary.deployCost;
-  const double uncertified = accuracy.touchingTime + accuracy.singularTime;
-  if (accuracy.timeError == 0 && uncertified == 0) {
+  const double uncertified = cost.took.touchingTime + cost.took.singularTime;
+  if (cost.took.timeError == 0 && uncertified == 0) {
     const bool isLost = scene.solver.isToleranceGiven() && summary.path.kind == PathKind::Led;
     return isLost ? "time: tiles are led in fixed steps, which keep no tolerance\n" : "";
   }
   std::string text = fmt::format(
       "time: steps to {:.2g} tiles, together within {:.2g} tiles for {:.2g} s of CPU time; {} "
       "steps rejected",
-      scene.solver.tolerance, accuracy.timeError, cost.cpuSeconds, cost.rejectedSteps);
-  if (accuracy.touchingTime > 0) {
+      scene.solver.tolerance, cost.took.timeError, cost.cpuSeconds, cost.took.rejected);
+  if (cost.took.touchingTime > 0) {
     text +=
-        fmt::format("; not in {:.3g} s, where contacts changed too often", accuracy.touchingTime);
+        fmt::format("; not in {:.3g} s, where contacts changed too often", cost.took.touchingTime);
   }
-  if (accuracy.singularTime > 0) {
-    text += fmt::format("; not in {:.3g} s, where the joints were singular", accuracy.singularTime);
+  if (cost.took.singularTime > 0) {
+    text +=
+        fmt::format("; not in {:.3g} s, where the joints were singular", cost.took.singularTime);
   }
   return text + "\n";
 }
@@ -156,10 +157,10 @@ std::string describeCost(const RunSummary& summary) {
   std::string text = fmt::format(
       "{} steps in {:.2f} s, pictures {:.2f} s, video {:.2f} s; {:.1f} s in all\n", deploy.steps,
       deploy.cpuSeconds, record.cpuSecondsRender, record.cpuSecondsEncode, record.wallSeconds);
-  if (deploy.unconvergedSteps > 0) {
+  if (deploy.took.unconverged > 0) {
     text += fmt::format(
         "{} steps missed the tolerance of joints or contacts at their shortest: {}\n",
-        deploy.unconvergedSteps,
+        deploy.took.unconverged,
         summary.needs.contacts.on
             ? "the bricks stood still in them, which takes time and leaves them behind their pull"
             : "they were taken all the same, and the joint gap and the end may be off by as much");

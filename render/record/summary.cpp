@@ -38,25 +38,34 @@ Json modelJson(const Model& model) {
           {"tile_size", tileSize(model)}};
 }
 
+/// Adds the figures of the steps that belong into this part of the summary.
+void addStepFigures(Json& json, const std::string& part, const StepReport& took) {
+  for (const StepFigure& figure : kStepFigures) {
+    if (!figure.part || figure.part != part) continue;
+    const double value = figure.get(took);
+    const bool isCount = figure.unit == std::string("1");
+    json[figure.partName] = isCount ? Json(static_cast<long>(value)) : Json(value);
+  }
+}
+
 Json accuracyJson(const RunSummary& summary, bool hasTarget) {
   const Accuracy& accuracy = summary.accuracy;
-  return {{"joint_gap_max", accuracy.jointGapMax},
-          {"joint_gap_mean", accuracy.jointGapMean},
-          {"joint_gap_end", accuracy.jointGapEnd},
-          {"joint_opening_max", accuracy.jointOpeningMax},
-          {"assembly_move", accuracy.assemblyMove},
-          {"target_error_start", onlyIf(hasTarget, accuracy.targetErrorStart)},
-          {"target_error_end", onlyIf(hasTarget, accuracy.targetErrorEnd)},
-          {"target_error_min", onlyIf(hasTarget, accuracy.targetErrorMin)},
-          {"rigid_bound", onlyIf(hasTarget, accuracy.rigidBound)},
-          {"springs_rest_error", onlyIf(hasTarget, accuracy.springsRestError)},
-          {"assembled_error", onlyIf(summary.assembledError >= 0, summary.assembledError)},
-          {"penetration_max", accuracy.penetrationMax},
-          {"penetration_outside_pivots_max", accuracy.penetrationOutsidePivotsMax},
-          {"penetration_grown_max", accuracy.penetrationGrownMax},
-          {"time_error", accuracy.timeError},
-          {"touching_time", accuracy.touchingTime},
-          {"singular_time", accuracy.singularTime}};
+  Json json = {{"joint_gap_max", accuracy.jointGapMax},
+               {"joint_gap_mean", accuracy.jointGapMean},
+               {"joint_gap_end", accuracy.jointGapEnd},
+               {"joint_opening_max", accuracy.jointOpeningMax},
+               {"assembly_move", accuracy.assemblyMove},
+               {"target_error_start", onlyIf(hasTarget, accuracy.targetErrorStart)},
+               {"target_error_end", onlyIf(hasTarget, accuracy.targetErrorEnd)},
+               {"target_error_min", onlyIf(hasTarget, accuracy.targetErrorMin)},
+               {"rigid_bound", onlyIf(hasTarget, accuracy.rigidBound)},
+               {"springs_rest_error", onlyIf(hasTarget, accuracy.springsRestError)},
+               {"assembled_error", onlyIf(summary.assembledError >= 0, summary.assembledError)},
+               {"penetration_max", accuracy.penetrationMax},
+               {"penetration_outside_pivots_max", accuracy.penetrationOutsidePivotsMax},
+               {"penetration_grown_max", accuracy.penetrationGrownMax}};
+  addStepFigures(json, "accuracy", summary.deployCost.took);
+  return json;
 }
 
 Json elasticityJson(const std::optional<Elasticity>& elasticity) {
@@ -105,17 +114,15 @@ Json alignmentJson(const StartAlignment& alignment, bool hasTarget) {
 }
 
 Json costJson(const RunSummary& summary) {
-  return {{"steps", summary.deployCost.steps},
-          {"halved_steps", summary.deployCost.halvedSteps},
-          {"unconverged_steps", summary.deployCost.unconvergedSteps},
-          {"factorizations", summary.deployCost.factorizations},
-          {"rejected_steps", summary.deployCost.rejectedSteps},
-          {"cpu_seconds_search", summary.deployCost.cpuSecondsSearch},
-          {"cpu_seconds_deploy", summary.deployCost.cpuSeconds},
-          {"cpu_seconds_render", summary.recordCost.cpuSecondsRender},
-          {"cpu_seconds_encode", summary.recordCost.cpuSecondsEncode},
-          {"wall_seconds", summary.recordCost.wallSeconds},
-          {"peak_memory_bytes", summary.recordCost.peakMemoryBytes}};
+  Json json = Json::object();
+  addStepFigures(json, "cost", summary.deployCost.took);
+  json.update({{"cpu_seconds_search", summary.deployCost.cpuSecondsSearch},
+               {"cpu_seconds_deploy", summary.deployCost.cpuSeconds},
+               {"cpu_seconds_render", summary.recordCost.cpuSecondsRender},
+               {"cpu_seconds_encode", summary.recordCost.cpuSecondsEncode},
+               {"wall_seconds", summary.recordCost.wallSeconds},
+               {"peak_memory_bytes", summary.recordCost.peakMemoryBytes}});
+  return json;
 }
 
 Json vectorJson(const Vector3& vector) {

@@ -175,37 +175,27 @@ class Verifier {
 
   /// The figures that all steps decide together.
   void compareSteps(const Json& summary, const TrajectoryReader& run) {
-    StepRecord sum;
+    StepReport took;
+    double gapSum = 0;
     double largestGap = 0;
     double leastError = std::numeric_limits<double>::infinity();
     for (const StepRecord& step : run.steps()) {
-      sum.jointGapMean += step.jointGapMean;
-      sum.solverSteps += step.solverSteps;
-      sum.halvedSteps += step.halvedSteps;
-      sum.unconvergedSteps += step.unconvergedSteps;
-      sum.factorizations += step.factorizations;
-      sum.rejectedSteps += step.rejectedSteps;
-      sum.timeError += step.timeError;
-      sum.touchingTime += step.touchingTime;
-      sum.singularTime += step.singularTime;
+      took += step.took;
+      gapSum += step.jointGapMean;
       largestGap = std::max(largestGap, step.jointGap);
       leastError = std::min(leastError, step.targetError);
     }
     const Json& accuracy = summary.at("accuracy");
     compare(kSummary, "joint_gap_mean", accuracy.at("joint_gap_mean"),
-            sum.jointGapMean / static_cast<double>(run.steps().size()));
+            gapSum / static_cast<double>(run.steps().size()));
     compare(kSummary, "joint_gap_max", accuracy.at("joint_gap_max"), largestGap);
     if (run.subject().model.target)
       compare(kSummary, "target_error_min", accuracy.at("target_error_min"), leastError);
-    const Json& cost = summary.at("cost");
-    compare(kSummary, "steps", cost.at("steps"), sum.solverSteps);
-    compare(kSummary, "halved_steps", cost.at("halved_steps"), sum.halvedSteps);
-    compare(kSummary, "unconverged_steps", cost.at("unconverged_steps"), sum.unconvergedSteps);
-    compare(kSummary, "factorizations", cost.at("factorizations"), sum.factorizations);
-    compare(kSummary, "rejected_steps", cost.value("rejected_steps", 0.0), sum.rejectedSteps);
-    compare(kSummary, "time_error", accuracy.value("time_error", 0.0), sum.timeError);
-    compare(kSummary, "touching_time", accuracy.value("touching_time", 0.0), sum.touchingTime);
-    compare(kSummary, "singular_time", accuracy.value("singular_time", 0.0), sum.singularTime);
+    for (const StepFigure& figure : kStepFigures) {
+      if (!figure.part) continue;
+      compare(kSummary, figure.partName, summary.at(figure.part).value(figure.partName, 0.0),
+              figure.get(took));
+    }
   }
 
   /// The figures that one state decides: the start, the end, or the one stored for it.

@@ -44,36 +44,23 @@ struct Accuracy {
   double penetrationMax = 0;    ///< deepest at the start and the end of any step
   double penetrationOutsidePivotsMax = 0;  ///< the same without the corners that bricks share
   double penetrationGrownMax = 0;          ///< of that, what any pair has beyond its start
-  /// Of a run that keeps a tolerance in time: estimate of the error in time that its steps made
-  /// together, tiles, as if none died out ...
-  double timeError = 0;
-  double touchingTime = 0;  ///< ... but for so many seconds in which contacts crowded
-  double singularTime = 0;  ///< and so many in which the joints were singular
 
   void transfer(StateTape& tape) {
     tape.transfer(jointGapMax, jointGapMean, jointGapEnd, jointOpeningMax, assemblyMove,
                   targetErrorStart, targetErrorEnd, targetErrorMin, rigidBound, springsRestError,
-                  penetrationMax, penetrationOutsidePivotsMax, penetrationGrownMax, timeError,
-                  touchingTime, singularTime);
+                  penetrationMax, penetrationOutsidePivotsMax, penetrationGrownMax);
   }
 };
 
 /// What a run cost.
 struct DeployCost {
-  long steps = 0;               ///< solver steps taken, halved ones included
-  long halvedSteps = 0;         ///< steps that were redone as two halves
-  long unconvergedSteps = 0;    ///< steps that failed at their shortest: see StepReport
-  long factorizations = 0;      ///< of the system matrix
-  long rejectedSteps = 0;       ///< tried for a tolerance in time, and not taken
-  double work = 0;              ///< of all steps, in multiplications: see StepReport
+  StepReport took;              ///< all steps together
   double cpuSeconds = 0;        ///< of the deploying thread, the search for a path apart
   double cpuSecondsSearch = 0;  ///< of finding the assembled error and a path
   double searchSeconds = 0;     ///< that these count as, of the search's budget: see SearchBudget
   double searchBudget = 0;      ///< what the search could have had, likewise
 
-  void transfer(StateTape& tape) {
-    tape.transfer(steps, halvedSteps, unconvergedSteps, factorizations, rejectedSteps, work);
-  }
+  void transfer(StateTape& tape) { tape.transfer(took); }
 };
 
 /// Everything that a finished run leaves.

@@ -100,7 +100,7 @@ class WorkLimit {
   explicit WorkLimit(const SearchBudget& budget) : most_(kTrialShare * budget.left()) {}
 
   bool allows(const DeployCost& cost) {
-    isReached_ = isReached_ || cost.work > most_;
+    isReached_ = isReached_ || cost.took.work > most_;
     return !isReached_;
   }
   bool isReached() const { return isReached_; }
@@ -133,7 +133,7 @@ class StallWatch {
 };
 
 bool isJammed(const DeployCost& cost) {
-  return cost.unconvergedSteps > kJammedSteps && 2 * cost.unconvergedSteps > cost.steps;
+  return cost.took.unconverged > kJammedSteps && 2 * cost.took.unconverged > cost.took.steps;
 }
 
 /// Whether joints cannot be held exactly on the way: with redundant joints the least misfit of the
@@ -154,8 +154,8 @@ bool exactJointsJam(const Scene& scene, SearchBudget& budget, const TrialObserve
   running = &run;
   run.beTrial();
   const DeployCost cost = run.finish().cost;
-  budget.spend(cost.work);
-  return 2 * cost.halvedSteps > cost.steps;
+  budget.spend(cost.took.work);
+  return 2 * cost.took.halved > cost.took.steps;
 }
 
 /// Whether bricks kept out of each other.
@@ -174,7 +174,7 @@ TrialEnd tryPath(const Scene& scene, const AssembledState& nearest, const Search
   const bool isAmongBricks = scene.environment.contacts != ContactFilter::None;
   RunObservers watch;
   watch.step = [&](const StepRecord& step) {
-    if (!goesOn(running->cost().work) || !stalls(step)) return false;
+    if (!goesOn(running->cost().took.work) || !stalls(step)) return false;
     if (!limit.allows(running->cost())) return false;
     return isAmongBricks ? staysClear(running->accuracy(), tile) : !isJammed(running->cost());
   };
@@ -187,7 +187,7 @@ TrialEnd tryPath(const Scene& scene, const AssembledState& nearest, const Search
   end.jams = !isAmongBricks && isJammed(result.cost);
   end.error = accuracy.targetErrorEnd;
   end.opening = accuracy.jointOpeningMax;
-  end.work = result.cost.work;
+  end.work = result.cost.took.work;
   const double nearEnough =
       std::max(kArrivedFactor * nearest.restError + roundedReach(scene.model), kNearEnough * tile);
   end.arrives = result.outcome != Outcome::Diverged && !end.jams && end.error <= nearEnough;

@@ -45,15 +45,7 @@ void RunFigures::observe(double time, const Poses& poses, const StepReport& repo
                          poses);
   time_ = time;
   poses_ = &poses;
-  cost_.steps += report.steps;
-  cost_.halvedSteps += report.halved;
-  cost_.unconvergedSteps += report.unconverged;
-  cost_.factorizations += report.factorizations;
-  cost_.rejectedSteps += report.rejected;
-  accuracy_.timeError += report.timeError;
-  accuracy_.touchingTime += report.touchingTime;
-  accuracy_.singularTime += report.singularTime;
-  cost_.work += report.work;
+  cost_.took += report;
   const JointGap gap = jointGap(pivots_, poses);
   gapBefore_ = gapNow_;
   gapNow_ = accuracy_.jointGapEnd = gap.max;
@@ -63,11 +55,7 @@ void RunFigures::observe(double time, const Poses& poses, const StepReport& repo
   noteOverlaps(overlaps);
   observeTarget(gap);
   ++count_;
-  steps_.push_back(
-      {time, gap.max, gap.mean, accuracy_.targetErrorEnd, static_cast<double>(report.steps),
-       static_cast<double>(report.halved), static_cast<double>(report.unconverged),
-       static_cast<double>(report.factorizations), static_cast<double>(report.rejected),
-       report.timeError, report.touchingTime, report.singularTime});
+  steps_.push_back({time, gap.max, gap.mean, accuracy_.targetErrorEnd, report});
 }
 
 /// The state that is measured is the one that the figure stands for.

@@ -28,7 +28,7 @@ class RunFigures {
   /// sim/base/interruption.h) nothing has changed.
   void observe(double time, const Poses& poses, const StepReport& report, bool jointsGive);
   /// Counts work beside the steps, in multiplications.
-  void addWork(double work) { cost_.work += work; }
+  void addWork(double work) { cost_.took.work += work; }
 
   const Accuracy& accuracy() const { return accuracy_; }
   const DeployCost& cost() const { return cost_; }

@@ -510,21 +510,6 @@ void Stepper<D>::transfer(StateTape& tape) {
 template class Stepper<3>;
 template class Stepper<6>;
 
-StepReport& StepReport::operator+=(const StepReport& other) {
-  steps += other.steps;
-  halved += other.halved;
-  unconverged += other.unconverged;
-  factorizations += other.factorizations;
-  rejected += other.rejected;
-  timeError += other.timeError;
-  touchingTime += other.touchingTime;
-  singularTime += other.singularTime;
-  damped += other.damped;
-  impacted += other.impacted;
-  work += other.work;
-  return *this;
-}
-
 std::unique_ptr<JointSolver> makeJointSolver(const std::vector<Brick>& bricks,
                                              std::span<const Pivot> pivots,
                                              const JointSolverSettings& settings) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sim/base/geometry.h"
+#include "sim/base/step_report.h"
 #include "sim/base/state_tape.h"
 #include "sim/brick/brick.h"
 #include "sim/brick/contact.h"
@@ -34,31 +35,6 @@ struct JointSolverSettings {
 /// Writes the load on every brick at the given poses; `loads` has one entry a brick, to be
 /// replaced.
 using LoadSource = std::function<void(const Poses&, std::vector<Load>& loads)>;
-
-/// What the steps of one call did.
-struct StepReport {
-  int steps = 0;   ///< solver steps, the halves of halved ones included
-  int halved = 0;  ///< steps redone as two halves
-  /// Steps that missed their tolerances at their shortest: among contacts the bricks stood still in
-  /// them, else they were taken.
-  int unconverged = 0;
-  int factorizations = 0;  ///< of the system matrix
-  int rejected = 0;        ///< steps to a tolerance that were tried and not taken
-  /// Estimate of the error in time that steps to a tolerance made, in tiles: see Extrapolation.
-  double timeError = 0;
-  /// Seconds in which no tolerance was kept, though one was asked for: contacts
-  /// crowded ...
-  double touchingTime = 0;
-  double singularTime = 0;  ///< ... or the joints were singular
-  /// Energy that dampers took, and that contacts took by impacts and friction, joules.
-  double damped = 0;
-  double impacted = 0;
-  /// What the call cost, in multiplications with an addition: counted from the plan of elimination
-  /// and the pairs examined, so that it is the same on every machine.
-  double work = 0;
-
-  StepReport& operator+=(const StepReport& other);
-};
 
 /// Linear and angular momentum of all bricks together, the latter about the origin, N s and N m s.
 struct Momentum {

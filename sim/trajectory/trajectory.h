@@ -7,6 +7,7 @@
 
 #include "sim/base/geometry.h"
 #include "sim/base/state_tape.h"
+#include "sim/base/step_report.h"
 #include "sim/brick/brick.h"
 #include "sim/brick/hinge.h"
 #include "sim/model/model.h"
@@ -20,20 +21,9 @@ struct StepRecord {
   double jointGap = 0;      ///< largest
   double jointGapMean = 0;  ///< over all pivots
   double targetError = 0;   ///< largest; 0 without a target
-  double solverSteps = 0;   ///< see DeployCost, this and the following
-  double halvedSteps = 0;
-  double unconvergedSteps = 0;
-  double factorizations = 0;
-  double rejectedSteps = 0;
-  double timeError = 0;  ///< in tiles; see Accuracy, this and the following
-  double touchingTime = 0;
-  double singularTime = 0;
+  StepReport took;
 
-  void transfer(StateTape& tape) {
-    tape.transfer(time, jointGap, jointGapMean, targetError, solverSteps, halvedSteps,
-                  unconvergedSteps, factorizations, rejectedSteps, timeError, touchingTime,
-                  singularTime);
-  }
+  void transfer(StateTape& tape) { tape.transfer(time, jointGap, jointGapMean, targetError, took); }
 };
 
 /// Where the energy of a run with dynamics is at one time, joules. What was put in is what there is

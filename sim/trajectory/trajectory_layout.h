@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <string>
 
 #include "sim/brick/hinge.h"
 #include "sim/trajectory/trajectory.h"
@@ -40,26 +41,22 @@ inline constexpr std::array kMeasures = {Measure{"measures/joint_gap", &Sample::
                                          Measure{"measures/target_error", &Sample::targetError},
                                          Measure{"measures/penetration", &Sample::penetration}};
 
-/// What each step has.
+/// What each step has, beside the figures of its report.
 struct StepColumn {
   const char* name;  ///< of its array
   double StepRecord::*field;
   const char* unit;
-  bool isLater = false;  ///< files of earlier releases do not have it
 };
 inline constexpr std::array kStepColumns = {
     StepColumn{"steps/time", &StepRecord::time, "s"},
     StepColumn{"steps/joint_gap", &StepRecord::jointGap, "m"},
     StepColumn{"steps/joint_gap_mean", &StepRecord::jointGapMean, "m"},
-    StepColumn{"steps/target_error", &StepRecord::targetError, "m"},
-    StepColumn{"steps/solver_steps", &StepRecord::solverSteps, "1"},
-    StepColumn{"steps/halved_steps", &StepRecord::halvedSteps, "1"},
-    StepColumn{"steps/unconverged_steps", &StepRecord::unconvergedSteps, "1"},
-    StepColumn{"steps/factorizations", &StepRecord::factorizations, "1"},
-    StepColumn{"steps/rejected_steps", &StepRecord::rejectedSteps, "1", true},
-    StepColumn{"steps/time_error", &StepRecord::timeError, "tile", true},
-    StepColumn{"steps/touching_time", &StepRecord::touchingTime, "s", true},
-    StepColumn{"steps/singular_time", &StepRecord::singularTime, "s", true}};
+    StepColumn{"steps/target_error", &StepRecord::targetError, "m"}};
+
+/// The array of a figure of the steps' reports. Files of earlier releases do not have all.
+inline std::string arrayOf(const StepFigure& figure) {
+  return std::string("steps/") + figure.name;
+}
 
 /// Energies that each sample of a run with dynamics has.
 struct EnergyChannel {

@@ -385,15 +385,26 @@ struct TrajectoryReader::FileRun final : Internals {
     for (std::size_t k = 0; k < texts.size(); ++k) end.events.push_back({eventTimes[k], texts[k]});
   }
 
+  /// Of an array with an entry for each step.
+  std::vector<double> stepEntries(const std::string& name) const {
+    std::vector<double> entries = file.doubles(name);
+    if (entries.size() != steps.size()) {
+      file.refuse(fmt::format("the array {} does not have an entry for each step", name));
+    }
+    return entries;
+  }
+
   void readSteps() {
     steps.resize(file.doubles(kStepColumns.front().name).size());
     for (const layout::StepColumn& column : kStepColumns) {
-      if (column.isLater && !file.has(column.name)) continue;
-      const std::vector<double> entries = file.doubles(column.name);
-      if (entries.size() != steps.size()) {
-        file.refuse(fmt::format("the array {} does not have an entry for each step", column.name));
-      }
+      const std::vector<double> entries = stepEntries(column.name);
       for (std::size_t k = 0; k < steps.size(); ++k) steps[k].*column.field = entries[k];
+    }
+    for (const StepFigure& figure : kStepFigures) {
+      const std::string name = layout::arrayOf(figure);
+      if (!file.has(name)) continue;
+      const std::vector<double> entries = stepEntries(name);
+      for (std::size_t k = 0; k < steps.size(); ++k) figure.set(steps[k].took, entries[k]);
     }
     const auto later = [](const StepRecord& one, const StepRecord& next) {
       return !(one.time < next.time);  // also where one is no number

@@ -319,6 +319,8 @@ TrajectoryWriter::TrajectoryWriter(const std::filesystem::path& path, const Subj
   file.addGroup("steps");
   for (const layout::StepColumn& column : layout::kStepColumns)
     addSeries(file, column.name, {}, column.unit);
+  for (const StepFigure& figure : kStepFigures)
+    addSeries(file, layout::arrayOf(figure), {}, figure.unit);
   internals_->addCurves();
 }
 
@@ -340,6 +342,11 @@ void TrajectoryWriter::append(const Sample& sample) {
     std::vector<double> entries;
     for (const StepRecord& step : sample.steps) entries.push_back(step.*column.field);
     file.append(column.name, entries);
+  }
+  for (const StepFigure& figure : kStepFigures) {
+    std::vector<double> entries;
+    for (const StepRecord& step : sample.steps) entries.push_back(figure.get(step.took));
+    file.append(layout::arrayOf(figure), entries);
   }
   if (sample.mechanics && internals_->samples == 0) internals_->addMechanics();
   if (sample.mechanics) internals_->append(sample.time, *sample.mechanics);

@@ -43,7 +43,7 @@ bool compareRates(const std::string& name, const Scene& scene, const char* conta
     if (figuresOf(scene, rate, result) != figures) differing += fmt::format(" {:g}", rate);
   }
   fmt::print("{:<32} {:<5} {:<12} {:>6} steps  {}\n", name, contacts, toString(usual.outcome),
-             usual.cost.steps, differing.empty() ? "same" : "differs at" + differing);
+             usual.cost.took.steps, differing.empty() ? "same" : "differs at" + differing);
   std::fflush(stdout);
   return differing.empty();
 }

@@ -158,7 +158,7 @@ TEST(Continuation, NothingButTheSamplesDependsOnTheirRate) {
   const DeploymentResult seldom = deploy(scene, 1, nullptr);
   EXPECT_EQ(often.accuracy.jointGapMax, seldom.accuracy.jointGapMax);
   EXPECT_EQ(often.accuracy.penetrationMax, seldom.accuracy.penetrationMax);
-  EXPECT_EQ(often.cost.steps, seldom.cost.steps);
+  EXPECT_EQ(often.cost.took.steps, seldom.cost.took.steps);
   EXPECT_EQ(often.trajectory.samples.back().time, seldom.trajectory.samples.back().time);
 }
 

@@ -61,7 +61,7 @@ TEST(InterruptedStep, CountsAsNotBegun) {
       expectSameState(samples[k], whole.trajectory.samples[k]);
       EXPECT_EQ(samples[k].steps.size(), whole.trajectory.samples[k].steps.size());
     }
-    EXPECT_EQ(part.cost.steps, static_cast<long>(samples.size()) - 1);
+    EXPECT_EQ(part.cost.took.steps, static_cast<long>(samples.size()) - 1);
   }
 }
 

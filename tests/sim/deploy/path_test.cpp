@@ -305,7 +305,7 @@ TEST(Path, JointsGiveWhereBricksWedge) {
   EXPECT_LT(result.accuracy.jointGapEnd, 1e-10 * tile);
   EXPECT_LT(result.accuracy.jointOpeningMax, 1e-2 * tile);
   EXPECT_LT(result.accuracy.penetrationGrownMax, 1e-4 * tile);
-  EXPECT_EQ(result.cost.unconvergedSteps, 0);
+  EXPECT_EQ(result.cost.took.unconverged, 0);
 }
 
 /// Two squares side by side, 0.1 apart, that are joined at their right corners: closing the joint
@@ -381,7 +381,7 @@ TEST(Path, JointsGiveWhereTilesFitInNoOpenState) {
   EXPECT_EQ(result.outcome, Outcome::Settled) << result.reason;
   EXPECT_GT(result.accuracy.jointOpeningMax, 0);
   EXPECT_LT(result.accuracy.jointOpeningMax, 1e-2);  // of a tile of 1 m
-  EXPECT_LT(10 * result.cost.halvedSteps, result.cost.steps);
+  EXPECT_LT(10 * result.cost.took.halved, result.cost.took.steps);
 }
 
 TEST(Path, TilesThatDoNotQuiteFitDeployAllTheSame) {
@@ -400,7 +400,7 @@ TEST(Path, TilesThatDoNotQuiteFitDeployAllTheSame) {
     EXPECT_LT(result.accuracy.targetErrorEnd, 10 * size);  // measured 4.3 times
     EXPECT_LT(result.accuracy.jointGapEnd, 2 * size);      // measured 1.0 times
     EXPECT_LT(result.accuracy.jointGapMax, 1e-3 + size);   // measured 3.7e-4, 1.0e-3
-    EXPECT_LT(10 * result.cost.halvedSteps, result.cost.steps);
+    EXPECT_LT(10 * result.cost.took.halved, result.cost.took.steps);
   }
 }
 

@@ -150,6 +150,9 @@ void expectSameSample(const Sample& a, const Sample& b) {
     for (const layout::StepColumn& column : layout::kStepColumns) {
       EXPECT_EQ(a.steps[k].*column.field, b.steps[k].*column.field) << column.name;
     }
+    for (const StepFigure& figure : kStepFigures) {
+      EXPECT_EQ(figure.get(a.steps[k].took), figure.get(b.steps[k].took)) << figure.name;
+    }
   }
 }
 

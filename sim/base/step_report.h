@@ -1,0 +1,93 @@
+/// What the steps of a run took and lost, as figures that add up.
+#pragma once
+
+#include <array>
+#include <type_traits>
+
+#include "sim/base/state_tape.h"
+
+namespace kirireel {
+
+/// Figures of one step, or of several together: every one is a sum. See kStepFigures.
+struct StepReport {
+  long steps = 0;   ///< solver steps, the halves of halved ones included
+  long halved = 0;  ///< steps redone as two halves
+  /// Steps that missed their tolerances at their shortest: among contacts the bricks stood still in
+  /// them, else they were taken.
+  long unconverged = 0;
+  long factorizations = 0;  ///< of the system matrix
+  long rejected = 0;        ///< steps to a tolerance that were tried and not taken
+  /// Estimate of the error in time that steps to a tolerance made, in tiles, as if none died out:
+  /// see Extrapolation.
+  double timeError = 0;
+  /// Seconds in which no tolerance was kept, though one was asked for: contacts crowded ...
+  double touchingTime = 0;
+  double singularTime = 0;  ///< ... or the joints were singular
+  /// Energy that dampers took, and that contacts took by impacts and friction, joules.
+  double damped = 0;
+  double impacted = 0;
+  /// What the steps cost, in multiplications with an addition: counted from the plan of elimination
+  /// and the pairs examined, so that it is the same on every machine.
+  double work = 0;
+
+  StepReport& operator+=(const StepReport& other);
+
+  void transfer(StateTape& tape);
+};
+
+/// One figure of a StepReport: what files call it, and how it is reached.
+struct StepFigure {
+  const char* name;      ///< in trajectory.h5, as in "steps/halved_steps"
+  const char* unit;      ///< "1" for a count
+  const char* part;      ///< of summary.json that has the sum, "cost" or "accuracy"; null: none
+  const char* partName;  ///< what it is called there
+  double (*get)(const StepReport&);
+  void (*set)(StepReport&, double);
+};
+
+/// The figure that is a field of StepReport.
+template <auto Field>
+constexpr StepFigure stepFigure(const char* name, const char* unit, const char* part = nullptr,
+                                const char* partName = nullptr) {
+  return {name,
+          unit,
+          part,
+          partName ? partName : name,
+          [](const StepReport& report) { return static_cast<double>(report.*Field); },
+          [](StepReport& report, double value) {
+            report.*Field = static_cast<std::remove_reference_t<decltype(report.*Field)>>(value);
+          }};
+}
+
+/// All figures of a StepReport. Sums, files, summary, `verify` and checkpoints follow this list.
+inline constexpr std::array kStepFigures = {
+    stepFigure<&StepReport::steps>("solver_steps", "1", "cost", "steps"),
+    stepFigure<&StepReport::halved>("halved_steps", "1", "cost"),
+    stepFigure<&StepReport::unconverged>("unconverged_steps", "1", "cost"),
+    stepFigure<&StepReport::factorizations>("factorizations", "1", "cost"),
+    stepFigure<&StepReport::rejected>("rejected_steps", "1", "cost"),
+    stepFigure<&StepReport::timeError>("time_error", "tile", "accuracy"),
+    stepFigure<&StepReport::touchingTime>("touching_time", "s", "accuracy"),
+    stepFigure<&StepReport::singularTime>("singular_time", "s", "accuracy"),
+    stepFigure<&StepReport::damped>("damped", "J"),
+    stepFigure<&StepReport::impacted>("impacted", "J"),
+    stepFigure<&StepReport::work>("work", "1")};
+static_assert(sizeof(StepReport) == kStepFigures.size() * sizeof(double),
+              "a figure of StepReport is not in the list");
+
+inline StepReport& StepReport::operator+=(const StepReport& other) {
+  for (const StepFigure& figure : kStepFigures) {
+    figure.set(*this, figure.get(*this) + figure.get(other));
+  }
+  return *this;
+}
+
+inline void StepReport::transfer(StateTape& tape) {
+  for (const StepFigure& figure : kStepFigures) {
+    double value = figure.get(*this);
+    tape.transfer(value);
+    figure.set(*this, value);
+  }
+}
+
+}  // namespace kirireel
