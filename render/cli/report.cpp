@@ -81,7 +81,6 @@ std::string describeJoints(const Scene& scene, const RunSummary& summary) {
 
 /// How exact a run is in time that kept a tolerance there; empty for others.
 std::string describeTime(const Scene& scene, const RunSummary& summary) {
-  const Accuracy& accuracy = summary.accuracy;
   const DeployCost& cost = summary.deployCost;
   const double uncertified = cost.took.touchingTime + cost.took.singularTime;
   if (cost.took.timeError == 0 && uncertified == 0) {
@@ -154,9 +153,10 @@ std::string describeBlocking(const std::vector<BlockingPair>& blocking, int coun
 std::string describeCost(const RunSummary& summary) {
   const DeployCost& deploy = summary.deployCost;
   const RecordCost& record = summary.recordCost;
-  std::string text = fmt::format(
-      "{} steps in {:.2f} s, pictures {:.2f} s, video {:.2f} s; {:.1f} s in all\n", deploy.steps,
-      deploy.cpuSeconds, record.cpuSecondsRender, record.cpuSecondsEncode, record.wallSeconds);
+  std::string text =
+      fmt::format("{} steps in {:.2f} s, pictures {:.2f} s, video {:.2f} s; {:.1f} s in all\n",
+                  deploy.took.steps, deploy.cpuSeconds, record.cpuSecondsRender,
+                  record.cpuSecondsEncode, record.wallSeconds);
   if (deploy.took.unconverged > 0) {
     text += fmt::format(
         "{} steps missed the tolerance of joints or contacts at their shortest: {}\n",
