@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/base/error.h"
 #include "sim/model/hull.h"
 
 namespace kirireel {
@@ -22,6 +23,9 @@ Vector3 ellipsePoint(const Vector3& middle, double halfLength, double halfWidth,
 BoundarySprings::BoundarySprings(const Model& model, const std::vector<Brick>& bricks,
                                  const TargetSpringSettings& settings, const BoundaryCurve& curve)
     : settings_(settings), springs_(bricks.size()) {
+  if (!model.hullFault.empty()) {
+    throw InputError(model.hullFault + "; or remove it, and the convex outline is pulled instead");
+  }
   const std::vector<Corner> hull = model.hull ? *model.hull : outlineCorners(model.tiles);
   std::vector<Vector3> corners;
   for (const Corner& corner : hull) {
@@ -41,12 +45,13 @@ BoundarySprings::BoundarySprings(const Model& model, const std::vector<Brick>& b
   }
 }
 
-Load BoundarySprings::load(int brick, const Pose& pose) const {
-  Load load;
-  load.damping.diagonal() << Vector3::Constant(settings_.forceDamping),
-      Vector3::Constant(settings_.torqueDamping);
-  for (const PointSpring& spring : springs_[brick]) addPointSpring(spring, pose, load);
-  return load;
+void BoundarySprings::addLoads(const Poses& poses, std::vector<Load>& loads) const {
+  Vector6 damping;
+  damping << Vector3::Constant(settings_.forceDamping), Vector3::Constant(settings_.torqueDamping);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    loads[i].damping.diagonal() += damping;
+    for (const PointSpring& spring : springs_[i]) addPointSpring(spring, poses[i], loads[i]);
+  }
 }
 
 double BoundarySprings::energy(const Poses& poses) const {

@@ -4,28 +4,25 @@
 
 #include <vector>
 
+#include "sim/actuation/drive_force.h"
 #include "sim/actuation/point_spring.h"
-#include "sim/brick/brick.h"
-#include "sim/brick/load.h"
-#include "sim/model/model.h"
-#include "sim/scene/scene.h"
 
 namespace kirireel {
 
 /// One damped spring a corner of the hull, from the corner straight out to the curve: an ellipse
 /// round the hull's middle in the plane of x and y.
-class BoundarySprings {
+class BoundarySprings : public DriveForce {
  public:
   /// The curve is laid round the start; the corners are the model's hull, or those on the convex
-  /// outline of its start where the model has none.
+  /// outline of its start where the model has none. Throws InputError for a hull that the model
+  /// names and that cannot be.
   BoundarySprings(const Model& model, const std::vector<Brick>& bricks,
                   const TargetSpringSettings& settings, const BoundaryCurve& curve);
 
-  /// The load on one brick at a pose: its springs, and the settings' damping.
-  Load load(int brick, const Pose& pose) const;
-
-  /// Energy stored in all springs, joules.
-  double energy(const Poses& poses) const;
+  void addLoads(const Poses& poses, std::vector<Load>& loads) const override;
+  double energy(const Poses& poses) const override;
+  void addFreeForces(const Poses&, std::vector<Vector3>&) const override {}
+  bool isEndless() const override { return false; }
 
   /// The point of the curve that corner k of the hull is pulled to.
   const Vector3& anchor(int k) const { return anchors_[k]; }

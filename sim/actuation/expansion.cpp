@@ -2,22 +2,32 @@
 
 namespace kirireel {
 
-Vector3 centreOfMass(const std::vector<Brick>& bricks, const Poses& poses) {
-  Vector3 sum = Vector3::Zero();
-  double mass = 0;
-  for (std::size_t i = 0; i < bricks.size(); ++i) {
-    sum += bricks[i].mass * poses[i].position;
-    mass += bricks[i].mass;
+void Expansion::addLoads(const Poses& poses, std::vector<Load>& loads) const {
+  const Vector3 centre = centreOf(poses);
+  Vector6 damping;
+  damping << Vector3::Constant(settings_.forceDamping), Vector3::Constant(settings_.torqueDamping);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    loads[i].force.head<3>() += settings_.springStiffness * (poses[i].position - centre);
+    loads[i].damping.diagonal() += damping;
   }
-  return sum / mass;
 }
 
-Load expansionLoad(const TargetSpringSettings& settings, const Vector3& centre, const Pose& pose) {
-  Load load;
-  load.force.head<3>() = settings.springStiffness * (pose.position - centre);
-  load.damping.diagonal() << Vector3::Constant(settings.forceDamping),
-      Vector3::Constant(settings.torqueDamping);
-  return load;
+void Expansion::addFreeForces(const Poses& poses, std::vector<Vector3>& forces) const {
+  const Vector3 centre = centreOf(poses);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    forces[i] += settings_.springStiffness * (poses[i].position - centre);
+  }
+}
+
+/// The centre of mass of all bricks, metres.
+Vector3 Expansion::centreOf(const Poses& poses) const {
+  Vector3 sum = Vector3::Zero();
+  double mass = 0;
+  for (std::size_t i = 0; i < bricks_.size(); ++i) {
+    sum += bricks_[i].mass * poses[i].position;
+    mass += bricks_[i].mass;
+  }
+  return sum / mass;
 }
 
 }  // namespace kirireel

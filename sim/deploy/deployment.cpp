@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/actuation/drive_force.h"
 #include "sim/base/cpu_time.h"
 #include "sim/base/error.h"
 #include "sim/base/interruption.h"
@@ -48,13 +49,11 @@ void requireSense(const Scene& scene, double sampleInterval) {
   }
   requireRanges(scene);
   requireInTime(scene.timeline, scene.stop.duration);
-  if (scene.actuation.drive == Drive::Boundary && !scene.model.hullFault.empty()) {
-    throw InputError(scene.model.hullFault +
-                     "; or remove it, and the convex outline is pulled instead");
-  }
   if (scene.model.tiles.empty())
     throw InputError("the model has no tiles; add one to vertices.txt");
-  static_cast<void>(hingeSprings(scene, makeBricks(scene.model.tiles, scene.brick)));
+  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
+  static_cast<void>(hingeSprings(scene, bricks));
+  static_cast<void>(makeDriveForce(scene, bricks));
 }
 
 /// What the search for a path has found.

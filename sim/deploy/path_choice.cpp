@@ -423,8 +423,7 @@ PathChoice choosePath(const Scene& scene, const TargetRoom& room, SearchBudget& 
   }
   if (!scene.timeline.empty()) return {straight, "the timeline leads"};
   const Drive drive = scene.actuation.drive;
-  if ((drive == Drive::Expansion || drive == Drive::Boundary) &&
-      exactJointsJam(scene, budget, watch)) {
+  if (drive != Drive::Target && drive != Drive::None && exactJointsJam(scene, budget, watch)) {
     straight.jointStiffness = kMisfitStiffness;
     return {straight, fmt::format("exact joints jam, the tiles fit each other in no open state; "
                                   "joints of {:g} N/m",

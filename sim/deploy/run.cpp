@@ -47,6 +47,8 @@ Run::Run(const Scene& scene, const AssembledState& nearest, const RunObservers& 
       motion_{startPoses(scene.model.tiles, bricks_), {}},
       target_(scene.model.target ? &*scene.model.target : nullptr),
       needs_(sceneNeeds(scene)),
+      drive_(makeDriveForce(scene, bricks_)),
+      opening_(bricks_, springsOf(scene)),
       timeline_(scene.timeline, bricks_, scene.model.fileOrder.countsFrom),
       stiffness_(false),
       hasTolerance_(keepsTolerance(scene)),
@@ -57,9 +59,6 @@ Run::Run(const Scene& scene, const AssembledState& nearest, const RunObservers& 
       nearest_(nearest),
       figures_(scene.model, bricks_, pivots_, scene.environment.pivotZone, motion_.poses, nearest),
       restNeeded_(scene.stop.settleTime) {
-  if (scene.actuation.drive == Drive::Boundary) {
-    boundary_.emplace(scene.model, bricks_, springSettings_, scene.actuation.boundary);
-  }
   dynamics_ = makeSolver();
   actuation_ = [this](double seconds, const Poses& poses, std::vector<Load>& loads) {
     std::fill(loads.begin(), loads.end(), Load{});

@@ -8,7 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "sim/actuation/boundary_springs.h"
+#include "sim/actuation/drive_force.h"
+#include "sim/actuation/expansion.h"
 #include "sim/actuation/target_springs.h"
 #include "sim/deploy/assembled_state.h"
 #include "sim/deploy/deployment.h"
@@ -62,7 +63,8 @@ class Run : private TimelineStage, private ActingForces {
   void start();
   std::unique_ptr<Dynamics> makeSolver() const;
   void pull(const Poses& poses, std::vector<Load>& loads) const;
-  Drive presentDrive() const { return isOpening() ? Drive::Expansion : scene_.actuation.drive; }
+  /// What drives the bricks at present; null where springs to a target do, or nothing.
+  const DriveForce* presentDrive() const { return isOpening() ? &opening_ : drive_.get(); }
   const TargetSprings* targetSprings() const;
   double springEnergy(double time, const Poses& poses) const override;
   double hingeEnergy(const Poses& poses) const override {
@@ -127,9 +129,7 @@ class Run : private TimelineStage, private ActingForces {
     if (!springs.empty()) result_.elasticity = elasticityOf(springs, startPoses_, motion_.poses);
   }
   /// Whether springs at hinges may move bricks; expansion would drive them on for ever.
-  bool hingesPull() const {
-    return scene_.hinges.areOn() && scene_.actuation.drive != Drive::Expansion;
-  }
+  bool hingesPull() const { return scene_.hinges.areOn() && !(drive_ && drive_->isEndless()); }
   void interrupt() { end(Outcome::Interrupted, "ended early by the caller"); }
   void endAtRest();
   std::string holdup() const;
@@ -169,7 +169,8 @@ class Run : private TimelineStage, private ActingForces {
   std::optional<TargetSprings> springs_;
   double openedAt_ = 0;                   // seconds; expansion until then
   std::optional<PathFollower> follower_;  // while the tiles are led
-  std::optional<BoundarySprings> boundary_;
+  std::unique_ptr<DriveForce> drive_;     // null where springs to the target drive, or nothing
+  Expansion opening_;                     // until openedAt_
   TimelineRunner timeline_;
   AdaptiveStiffness stiffness_;
   TimedLoads actuation_;

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "sim/actuation/environment_load.h"
-#include "sim/actuation/expansion.h"
 #include "sim/deploy/run.h"
 
 namespace kirireel {
@@ -24,23 +23,22 @@ const TargetSprings* Run::targetSprings() const {
 
 /// What drives the bricks.
 void Run::pull(const Poses& poses, std::vector<Load>& loads) const {
-  const Drive drive = presentDrive();
-  const Vector3 centre = drive == Drive::Expansion ? centreOfMass(bricks_, poses) : Vector3::Zero();
-  const TargetSprings* springs = targetSprings();
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    const int brick = static_cast<int>(i);
-    if (springs) loads[i] = springs->load(brick, poses[i], stiffness_.factor());
-    if (boundary_) loads[i] = boundary_->load(brick, poses[i]);
-    if (drive == Drive::Expansion) loads[i] = expansionLoad(springSettings_, centre, poses[i]);
+  if (const DriveForce* drive = presentDrive()) {
+    drive->addLoads(poses, loads);
+  } else if (const TargetSprings* springs = targetSprings()) {
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      loads[i] = springs->load(static_cast<int>(i), poses[i], stiffness_.factor());
+    }
   }
 }
 
 double Run::springEnergy(double time, const Poses& poses) const {
   double sum = 0;
-  if (timeline_.forcesAreOn() && presentDrive() != Drive::Expansion) {
+  if (timeline_.forcesAreOn()) {
+    const DriveForce* drive = presentDrive();
     const TargetSprings* springs = targetSprings();
-    if (springs && !boundary_) sum += springs->energy(poses, stiffness_.factor());
-    if (boundary_) sum += boundary_->energy(poses);
+    if (drive) sum += drive->energy(poses);
+    if (!drive && springs) sum += springs->energy(poses, stiffness_.factor());
   }
   for (const DragSpring& grip : timeline_.dragSprings(time)) {
     sum += pointSpringEnergy(grip.spring, poses[grip.tile]);
@@ -58,11 +56,8 @@ double Run::springEnergy(double time, const Poses& poses) const {
 std::vector<Vector3> Run::freeForces(const Poses& poses) const {
   std::vector<Vector3> forces;
   for (const Brick& brick : bricks_) forces.push_back(brick.mass * scene_.environment.gravity);
-  if (!timeline_.forcesAreOn() || presentDrive() != Drive::Expansion) return forces;
-  const Vector3 centre = centreOfMass(bricks_, poses);
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    forces[i] += expansionLoad(springSettings_, centre, poses[i]).force.head<3>();
-  }
+  const DriveForce* drive = timeline_.forcesAreOn() ? presentDrive() : nullptr;
+  if (drive) drive->addFreeForces(poses, forces);
   return forces;
 }
 
