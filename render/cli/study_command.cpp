@@ -45,10 +45,17 @@ std::string ownVersions() {
 }
 
 void sayWhatIsMissing() {
-  if (isAvailable(Engine::Chipmunk)) return;
-  fmt::print(stderr,
-             "kirireel: built without Chipmunk, which is left out; install libchipmunk-dev and "
-             "build again to compare with it\n");
+  const std::vector<std::pair<Engine, const char*>> packages = {
+      {Engine::Chipmunk, "libchipmunk-dev"},
+      {Engine::Box2d, "libbox2d-dev"},
+      {Engine::Mujoco, "libmujoco-dev"}};
+  for (const auto& [engine, package] : packages) {
+    if (isAvailable(engine)) continue;
+    fmt::print(stderr,
+               "kirireel: built without {0}, which is left out; install {1} and build again to "
+               "compare with it\n",
+               toString(engine), package);
+  }
 }
 
 /// Returns whether the study came to its end.

@@ -1,11 +1,13 @@
 #include "sim/study/engines.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "sim/deploy/direct_dynamics.h"
 #include "sim/deploy/world_dynamics.h"
+#include "sim/world/baseline_worlds.h"
 #include "sim/world/bullet_world.h"
-#include "sim/world/chipmunk_world.h"
 #include "sim/world/multi_body_world.h"
 
 namespace kirireel {
@@ -26,6 +28,13 @@ std::unique_ptr<BrickWorld> makeWorld(const Method& method, const Scene& scene,
   }
   if (method.engine == Engine::Chipmunk) {
     return makeChipmunkWorld(bricks, start, pivots, environment, method.iterations);
+  }
+  if (method.engine == Engine::Box2d) {
+    return makeBox2dWorld(bricks, start, pivots, environment, method.iterations,
+                          std::max(1, 3 * method.iterations / 8));
+  }
+  if (method.engine == Engine::Mujoco) {
+    return makeMujocoWorld(bricks, start, pivots, environment, sceneNeeds(scene).planar.on);
   }
   return std::make_unique<BulletWorld>(
       bricks, start, pivots, environment,
@@ -48,12 +57,25 @@ std::string toString(Engine engine) {
       return "multibody";
     case Engine::Chipmunk:
       return "chipmunk";
+    case Engine::Box2d:
+      return "box2d";
+    case Engine::Mujoco:
+      return "mujoco";
   }
   return "unknown";
 }
 
 bool isAvailable(Engine engine) {
-  return engine != Engine::Chipmunk || !chipmunkVersion().empty();
+  switch (engine) {
+    case Engine::Chipmunk:
+      return !chipmunkVersion().empty();
+    case Engine::Box2d:
+      return !box2dVersion().empty();
+    case Engine::Mujoco:
+      return !mujocoVersion().empty();
+    default:
+      return true;
+  }
 }
 
 Method bulletBaseline() {

@@ -18,6 +18,8 @@ enum class Engine {
   Dantzig,            ///< Bullet's pivoting
   MultiBody,          ///< Bullet's multibodies, as PyBullet has them; no contacts
   Chipmunk,           ///< in the plane alone; no contacts
+  Box2d,              ///< likewise, in single precision
+  Mujoco,             ///< in joint coordinates; no contacts
 };
 
 /// "direct", "sequential impulse", ...
@@ -31,7 +33,8 @@ struct Method {
   Engine engine = Engine::Direct;
   int rate = 240;                ///< steps a simulated second
   int substeps = 1;              ///< of the engine in each step
-  int iterations = 0;            ///< in each substep, of the engines that iterate
+  int iterations = 0;            ///< in each substep, of the engines that iterate; Box2D has 3/8 of
+                                 ///< them for positions, one at least
   double jointCorrection = 0.2;  ///< Bullet's; see BulletSettings
   /// Of ours in time, tiles, where steps are not fixed: then `rate` is that of the longest.
   double tolerance = 0;

@@ -18,10 +18,11 @@ std::vector<Vector3> verticesOf(const std::vector<Tile>& tiles) {
 
 }  // namespace
 
-Scene sheetScene(int side, bool planar, JointFace face) {
+Scene sheetScene(int side, bool planar, JointFace face, double startAngle) {
   TessellationShape shape;
   shape.columns = shape.rows = side;
   shape.face = face;
+  shape.startAngle = startAngle;
   Scene scene;
   scene.model = makeTessellation(shape);
   scene.environment.contacts = ContactFilter::None;

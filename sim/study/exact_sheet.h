@@ -7,9 +7,10 @@
 
 namespace kirireel {
 
-/// A square sheet of side x side tiles, without contacts, closed at the start. Joints on both faces
-/// are hinges, two point joints each to engines; on the bottom alone they are one.
-Scene sheetScene(int side, bool planar, JointFace face = JointFace::Both);
+/// A square sheet of side x side tiles, without contacts, opened by so many radians at the start.
+/// Joints on both faces are hinges, two point joints each to engines; on the bottom alone they are
+/// one.
+Scene sheetScene(int side, bool planar, JointFace face = JointFace::Both, double startAngle = 0);
 
 /// The angle between the first two tiles of a sheet, radians from 0.
 double openingAngle(const Poses& poses);

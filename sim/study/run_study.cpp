@@ -12,7 +12,7 @@
 #include "sim/base/input_file.h"
 #include "sim/base/pending_file.h"
 #include "sim/world/bullet_world.h"
-#include "sim/world/chipmunk_world.h"
+#include "sim/world/baseline_worlds.h"
 
 namespace kirireel {
 namespace {
@@ -29,9 +29,11 @@ std::string processorName() {
 }
 
 std::string engineVersions() {
-  const std::string chipmunk = chipmunkVersion();
-  return fmt::format("bullet {}, chipmunk {}", bulletVersion(),
-                     chipmunk.empty() ? "absent" : chipmunk);
+  const auto named = [](const char* name, const std::string& version) {
+    return fmt::format(", {} {}", name, version.empty() ? "absent" : version);
+  };
+  return fmt::format("bullet {}{}{}{}", bulletVersion(), named("chipmunk", chipmunkVersion()),
+                     named("box2d", box2dVersion()), named("mujoco", mujocoVersion()));
 }
 
 Caption makeCaption(const Study& study, const StudySettings& settings) {

@@ -10,7 +10,7 @@
 namespace kirireel {
 
 const std::vector<Study>& studies() {
-  static const std::vector<Study> all{workPrecisionStudy(), scalingStudy(),     tessellationStudy(),
+  static const std::vector<Study> all{workPrecisionStudy(), movingStudy(), scalingStudy(),     tessellationStudy(),
                                       squareToDiskStudy(),  sensitivityStudy(), hardCasesStudy()};
   return all;
 }

@@ -11,7 +11,7 @@ namespace kirireel {
 
 /// How much of a study is run.
 enum class Extent {
-  Quick,  ///< fewer and smaller cases, all six studies in minutes
+  Quick,  ///< fewer and smaller cases, all studies in minutes
   Full,
 };
 
@@ -46,6 +46,7 @@ const Study& studyNamed(const std::string& name);
 
 // The studies, one file each.
 Study workPrecisionStudy();
+Study movingStudy();
 Study scalingStudy();
 Study tessellationStudy();
 Study squareToDiskStudy();

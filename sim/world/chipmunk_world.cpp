@@ -1,4 +1,6 @@
-#include "sim/world/chipmunk_world.h"
+#include "sim/world/baseline_worlds.h"
+
+#ifdef KIRIREEL_CHIPMUNK
 
 #include <chipmunk/chipmunk.h>
 
@@ -113,3 +115,23 @@ std::string chipmunkVersion() {
 }
 
 }  // namespace kirireel
+
+#else
+
+namespace kirireel {
+
+std::unique_ptr<BrickWorld> makeChipmunkWorld(const std::vector<Brick>& /*bricks*/,
+                                              const Poses& /*start*/,
+                                              std::span<const Pivot> /*pivots*/,
+                                              const Environment& /*environment*/,
+                                              int /*iterations*/) {
+  return nullptr;
+}
+
+std::string chipmunkVersion() {
+  return "";
+}
+
+}  // namespace kirireel
+
+#endif

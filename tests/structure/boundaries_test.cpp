@@ -115,6 +115,8 @@ TEST(Boundaries, EachLibraryStaysInOneSourceFile) {
   EXPECT_THAT(usersOf("openssl/.*"), SizeIs(1));
   EXPECT_THAT(usersOf("toml\\+\\+/.*"), SizeIs(1));
   EXPECT_THAT(usersOf("chipmunk/.*"), SizeIs(1));
+  EXPECT_THAT(usersOf("box2d/.*"), SizeIs(1));
+  EXPECT_THAT(usersOf("mujoco/.*"), SizeIs(1));
   EXPECT_THAT(usersOf("cairo.*"), SizeIs(1));
   EXPECT_THAT(usersOf("fontconfig/.*"), SizeIs(1));
   EXPECT_THAT(usersOf("ft2build\\.h|FT_.*|freetype/.*"), SizeIs(1));

@@ -1,0 +1,226 @@
+// Work against precision in time, where all of a sheet moves: squares that springs pull open from 5
+// degrees, for half a second. What is measured is the farthest that any vertex is from where it
+// should be at that time. The reference is the limit of fixed steps of first order with closed
+// joints: their error is a power series in the step, of which three runs take away two terms.
+// Steps to a tolerance are another integrator, and should meet it.
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "sim/study/exact_sheet.h"
+#include "sim/study/stepped_scene.h"
+#include "sim/study/study.h"
+
+namespace kirireel {
+namespace {
+
+constexpr double kSeconds = 0.5;
+constexpr double kFirstAngle = 5 * kDegree;
+constexpr int kStatesASecond = 30;     // divides every rate
+constexpr int kReferenceRate = 1920;   // of the coarsest of three runs
+constexpr double kTimedSeconds = 0.5;  // of CPU: short runs are timed again, and the least counts
+constexpr int kMostTimes = 9;
+
+struct MovingJob {
+  Method method;
+  int side = 10;  // tiles
+  bool planar = true;
+};
+
+using States = std::vector<std::vector<Tile>>;
+
+/// What one run leaves; an engine in which the sheet flies apart has no errors worth a number.
+struct MovingRun {
+  States states;
+  double cpuSeconds = 0;
+  double gap = 0;
+};
+
+MovingRun runMoving(const MovingJob& job) {
+  const bool isPoint = job.planar && job.method.engine != Engine::Direct;
+  Scene scene = sheetScene(job.side, job.planar, isPoint ? JointFace::Bottom : JointFace::Both,
+                           kFirstAngle);
+  SteppedScene run(scene, job.method);
+  MovingRun result;
+  const int steps = static_cast<int>(std::lround(kSeconds * job.method.rate));
+  const int perState = job.method.rate / kStatesASecond;
+  for (int step = 1; step <= steps && run.isFinite(); ++step) {
+    run.advance();
+    result.gap = std::max(result.gap, run.gap());
+    if (step % perState == 0) result.states.push_back(run.tiles());
+  }
+  if (!run.isFinite()) result.gap = std::nan("");
+  result.cpuSeconds = run.seconds();
+  return result;
+}
+
+MovingRun runMovingTimed(const MovingJob& job) {
+  MovingRun result = runMoving(job);
+  double spent = result.cpuSeconds;
+  for (int times = 1; times < kMostTimes && spent < kTimedSeconds; ++times) {
+    const double again = runMoving(job).cpuSeconds;
+    result.cpuSeconds = std::min(result.cpuSeconds, again);
+    spent += again;
+  }
+  return result;
+}
+
+States limitOfFixedSteps(int side) {
+  const auto statesAt = [&](int rate) {
+    return runMoving({{Engine::Direct, rate}, side, true}).states;
+  };
+  States limit = statesAt(4 * kReferenceRate);
+  const States middle = statesAt(2 * kReferenceRate);
+  const States coarse = statesAt(kReferenceRate);
+  for (std::size_t k = 0; k < limit.size(); ++k) {
+    for (std::size_t i = 0; i < limit[k].size(); ++i) {
+      for (std::size_t v = 0; v < limit[k][i].vertices.size(); ++v) {
+        Vector3& vertex = limit[k][i].vertices[v];
+        vertex = (8 * vertex - 6 * middle[k][i].vertices[v] + coarse[k][i].vertices[v]) / 3;
+      }
+    }
+  }
+  return limit;
+}
+
+/// Made once for all methods.
+const States& movingReference(int side) {
+  static std::map<int, States> made;
+  const auto found = made.find(side);
+  return found != made.end() ? found->second
+                             : made.emplace(side, limitOfFixedSteps(side)).first->second;
+}
+
+double errorInTime(const MovingRun& run, int side) {
+  if (std::isnan(run.gap)) return run.gap;
+  const States& wanted = movingReference(side);
+  double largest = 0;
+  for (std::size_t k = 0; k < run.states.size(); ++k) {
+    largest = std::max(largest, vertexError(run.states[k], wanted[k]).max);
+  }
+  return largest;
+}
+
+std::vector<Row> measureMoving(const MovingJob& job) {
+  const MovingRun run = runMovingTimed(job);
+  const Method& method = job.method;
+  return {{toString(method.engine), job.planar ? "plane" : "space", cell(job.side * job.side),
+           cell(method.rate), cell(method.substeps), cell(method.iterations),
+           cell(method.tolerance), cell(1e3 * run.cpuSeconds / kSeconds), cell(run.gap),
+           cell(errorInTime(run, job.side))}};
+}
+
+void addOurs(std::vector<Method>& methods) {
+  for (const int rate : {60, 120, 240, 480, 960}) methods.push_back({Engine::Direct, rate});
+  for (const double tolerance : {1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 1e-4, 1e-5, 1e-6}) {
+    methods.push_back({.engine = Engine::Direct, .rate = 30, .tolerance = tolerance});
+  }
+}
+
+std::vector<Method> movingMethods(bool planar, Extent extent) {
+  std::vector<Method> methods;
+  addOurs(methods);
+  if (isAvailable(Engine::Mujoco)) {
+    for (const int rate : {240, 960, 3840}) methods.push_back({Engine::Mujoco, rate});
+  }
+  if (planar && isAvailable(Engine::Box2d)) {
+    for (const int rate : {240, 960, 3840}) {
+      for (const int iterations : {1, 2, 8}) {
+        methods.push_back({Engine::Box2d, rate, 1, iterations});
+      }
+    }
+  }
+  if (planar && isAvailable(Engine::Chipmunk)) {
+    for (const int rate : {240, 960, 3840}) methods.push_back({Engine::Chipmunk, rate, 1, 10});
+  }
+  if (planar) return methods;
+  for (const Engine engine : {Engine::SequentialImpulse, Engine::Nncg, Engine::MultiBody}) {
+    methods.push_back({engine, 240, 1, 10});
+    methods.push_back({engine, 960, 1, 50});
+    if (extent == Extent::Full) methods.push_back({engine, 240, 20, 50});
+  }
+  return methods;
+}
+
+std::vector<StudyCase> movingCases(Extent extent) {
+  std::vector<StudyCase> made;
+  for (const int side : {10, 20}) {
+    if (side > 10 && extent == Extent::Quick) continue;
+    for (const bool planar : {true, false}) {
+      for (const Method& method : movingMethods(planar, extent)) {
+        const MovingJob job{method, side, planar};
+        const std::string rate =
+            method.engine == Engine::Direct ? "" : fmt::format(" 1/{} s", method.rate);
+        made.push_back({fmt::format("{}{} {} {}", toString(method), rate,
+                                    planar ? "plane" : "space", side * side),
+                        [job] { return measureMoving(job); }});
+      }
+    }
+  }
+  return made;
+}
+
+/// Over all settings of an engine, the least ratio of its CPU time to our cheapest setting that errs
+/// no more in time.
+double leastCostAtEqualError(const Table& table, const std::string& engine,
+                             const std::string& motion, const std::string& tiles) {
+  double least = std::nan("");
+  const auto isOf = [&](const Row& row, const std::string& name) {
+    return table.text(row, "engine") == name && table.text(row, "motion") == motion &&
+           table.text(row, "tiles") == tiles;
+  };
+  for (const Row& row : table.rows) {
+    if (!isOf(row, engine)) continue;
+    double ours = std::nan("");
+    for (const Row& other : table.rows) {
+      if (!isOf(other, "direct")) continue;
+      if (table.number(other, "error_m") > table.number(row, "error_m")) continue;
+      ours = std::fmin(ours, table.number(other, "cpu_ms_per_s"));
+    }
+    least = std::fmin(least, table.number(row, "cpu_ms_per_s") / ours);
+  }
+  return least;
+}
+
+std::vector<Finding> movingFindings(const Table& table) {
+  const std::vector<std::pair<std::string, std::vector<std::string>>> engines = {
+      {"plane", {"box2d", "mujoco", "chipmunk"}},
+      {"space", {"mujoco", "sequential impulse", "nncg", "multibody"}}};
+  std::vector<Finding> found;
+  for (const char* tiles : {"100", "400"}) {
+    for (const auto& [motion, names] : engines) {
+      for (const std::string& engine : names) {
+        std::string word = engine;
+        std::ranges::replace(word, ' ', '_');
+        found.push_back({fmt::format("{}_{}_{}_least_cost", word, motion, tiles),
+                         leastCostAtEqualError(table, engine, motion, tiles),
+                         "least of all its settings: CPU time over our cheapest with no larger "
+                         "error in time"});
+      }
+    }
+  }
+  return found;
+}
+
+}  // namespace
+
+Study movingStudy() {
+  return {"moving",
+          "CPU time against error in time while all of a sheet moves, 100 and 400 squares",
+          {{"engine", "what held the joints"},
+           {"motion", "plane or space"},
+           {"tiles", "squares of the sheet"},
+           {"rate", "steps a simulated second"},
+           {"substeps", "in each step"},
+           {"iterations", "in each substep"},
+           {"tolerance", "of our steps in time, tiles; 0 where steps are fixed"},
+           {"cpu_ms_per_s", "CPU milliseconds a simulated second"},
+           {"gap_m", "largest joint gap of all steps, metres; none where the sheet flew apart"},
+           {"error_m", "largest distance of a vertex from where it should be at that time, metres"}},
+          movingCases,
+          movingFindings};
+}
+
+}  // namespace kirireel

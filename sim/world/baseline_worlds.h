@@ -1,0 +1,46 @@
+/// Physics engines that studies compare with and that a build may lack: none of their headers is
+/// needed to use them. Nothing collides in their worlds. A pivot on a brick's upper face is left
+/// out in the plane, where both are one.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sim/brick/brick.h"
+#include "sim/scene/scene.h"
+#include "sim/world/brick_world.h"
+
+namespace kirireel {
+
+/// Bricks that slide in a horizontal plane in Chipmunk's space, each hinge one pivot joint; heights
+/// and tilts stay as they start. `iterations` of the solver in each step; the environment gives
+/// gravity along x and y and the damping of all velocities (its linear one). Null where this
+/// program was built without Chipmunk.
+std::unique_ptr<BrickWorld> makeChipmunkWorld(const std::vector<Brick>& bricks, const Poses& start,
+                                              std::span<const Pivot> pivots,
+                                              const Environment& environment, int iterations);
+
+/// The same in Box2D's world of single precision, with revolute joints. `iterations` of its solver
+/// for velocities, and `corrections` of that for positions, in each step. Null without Box2D.
+std::unique_ptr<BrickWorld> makeBox2dWorld(const std::vector<Brick>& bricks, const Poses& start,
+                                           std::span<const Pivot> pivots,
+                                           const Environment& environment, int iterations,
+                                           int corrections);
+
+/// Bricks in MuJoCo's joint coordinates: hinges that span all bricks as a tree are its joints, the
+/// others are constraints that its Newton solver keeps. In the plane bricks have three degrees of
+/// freedom, else hinges of two pivots turn about one axis and single pivots are balls. Motions that
+/// are written must be the start's poses with any velocities, or the motion read last. Null without
+/// MuJoCo. Throws std::runtime_error for bricks that MuJoCo cannot have.
+std::unique_ptr<BrickWorld> makeMujocoWorld(const std::vector<Brick>& bricks, const Poses& start,
+                                            std::span<const Pivot> pivots,
+                                            const Environment& environment, bool planar);
+
+/// The versions in use, e.g. "7.0.3"; empty where this program was built without the engine.
+std::string chipmunkVersion();
+std::string box2dVersion();
+std::string mujocoVersion();
+
+}  // namespace kirireel

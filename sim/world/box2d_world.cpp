@@ -1,0 +1,136 @@
+#include "sim/world/baseline_worlds.h"
+
+#ifdef KIRIREEL_BOX2D
+
+#include <cmath>
+
+#include <box2d/box2d.h>
+#include <fmt/format.h>
+
+namespace kirireel {
+namespace {
+
+b2Vec2 toBox2d(const Vector3& v) {
+  return {static_cast<float>(v.x()), static_cast<float>(v.y())};
+}
+
+/// The rate of a velocity that loses this part of itself a second.
+float dampingRate(double lost) {
+  return static_cast<float>(-std::log1p(-lost));
+}
+
+class Box2dWorld : public BrickWorld {
+ public:
+  Box2dWorld(const std::vector<Brick>& bricks, const Poses& start, std::span<const Pivot> pivots,
+             const Environment& environment, int iterations, int corrections)
+      : start_(start),
+        world_(toBox2d(environment.gravity)),
+        iterations_(iterations),
+        corrections_(corrections) {
+    world_.SetAllowSleeping(false);
+    for (std::size_t k = 0; k < bricks.size(); ++k) addBrick(bricks[k], start[k], environment);
+    for (const Pivot& pivot : pivots) {
+      if (!pivot.isUpper) addPivot(pivot);
+    }
+  }
+
+  void applyLoad(int brick, const Vector3& force, const Vector3& torque) override {
+    bodies_[brick]->ApplyForceToCenter(toBox2d(force), true);
+    bodies_[brick]->ApplyTorque(static_cast<float>(torque.z()), true);
+  }
+
+  void advance(double step) override {
+    world_.Step(static_cast<float>(step), iterations_, corrections_);
+  }
+
+  void readMotion(Motion& motion) const override {
+    for (std::size_t k = 0; k < bodies_.size(); ++k) {
+      const b2Body& body = *bodies_[k];
+      const Eigen::AngleAxisd turn(body.GetAngle(), Vector3::UnitZ());
+      motion.poses[k].position = {body.GetPosition().x, body.GetPosition().y,
+                                  start_[k].position.z()};
+      motion.poses[k].rotation = turn * start_[k].rotation;
+      const b2Vec2 speed = body.GetLinearVelocity();
+      motion.velocities[k].linear = {speed.x, speed.y, 0};
+      motion.velocities[k].angular = {0, 0, body.GetAngularVelocity()};
+    }
+  }
+
+  void writeMotion(const Motion& motion) override {
+    for (std::size_t k = 0; k < bodies_.size(); ++k) {
+      b2Body& body = *bodies_[k];
+      const Quaternion turn = motion.poses[k].rotation * start_[k].rotation.conjugate();
+      body.SetTransform(toBox2d(motion.poses[k].position),
+                        static_cast<float>(2 * std::atan2(turn.z(), turn.w())));
+      body.SetLinearVelocity(toBox2d(motion.velocities[k].linear));
+      body.SetAngularVelocity(static_cast<float>(motion.velocities[k].angular.z()));
+    }
+  }
+
+ private:
+  /// A body without a shape, since nothing collides: its mass is set.
+  void addBrick(const Brick& brick, const Pose& start, const Environment& environment) {
+    b2BodyDef definition;
+    definition.type = b2_dynamicBody;
+    definition.position = toBox2d(start.position);
+    definition.linearDamping = dampingRate(environment.linearDamping);
+    definition.angularDamping = dampingRate(environment.angularDamping);
+    bodies_.push_back(world_.CreateBody(&definition));
+    b2MassData mass;
+    mass.mass = static_cast<float>(brick.mass);
+    mass.center.SetZero();
+    mass.I = static_cast<float>(brick.inertia(2, 2));
+    bodies_.back()->SetMassData(&mass);
+  }
+
+  /// A body's angle is 0 at the start, so its axes are the world's as they were then.
+  void addPivot(const Pivot& pivot) {
+    b2RevoluteJointDef definition;
+    definition.bodyA = bodies_[pivot.brickA];
+    definition.bodyB = bodies_[pivot.brickB];
+    definition.localAnchorA = toBox2d(start_[pivot.brickA].rotation * pivot.pointA);
+    definition.localAnchorB = toBox2d(start_[pivot.brickB].rotation * pivot.pointB);
+    world_.CreateJoint(&definition);
+  }
+
+  Poses start_;
+  b2World world_;
+  std::vector<b2Body*> bodies_;  // one a brick, in order; the world's
+  int iterations_;
+  int corrections_;
+};
+
+}  // namespace
+
+std::unique_ptr<BrickWorld> makeBox2dWorld(const std::vector<Brick>& bricks, const Poses& start,
+                                           std::span<const Pivot> pivots,
+                                           const Environment& environment, int iterations,
+                                           int corrections) {
+  return std::make_unique<Box2dWorld>(bricks, start, pivots, environment, iterations, corrections);
+}
+
+std::string box2dVersion() {
+  return fmt::format("{}.{}.{}", b2_version.major, b2_version.minor, b2_version.revision);
+}
+
+}  // namespace kirireel
+
+#else
+
+namespace kirireel {
+
+std::unique_ptr<BrickWorld> makeBox2dWorld(const std::vector<Brick>& /*bricks*/,
+                                           const Poses& /*start*/,
+                                           std::span<const Pivot> /*pivots*/,
+                                           const Environment& /*environment*/, int /*iterations*/,
+                                           int /*corrections*/) {
+  return nullptr;
+}
+
+std::string box2dVersion() {
+  return "";
+}
+
+}  // namespace kirireel
+
+#endif
