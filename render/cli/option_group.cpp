@@ -39,31 +39,31 @@ std::string typedText(const CLI::Option& option) {
 
 }  // namespace
 
-OptionGroup::Term& OptionGroup::Term::saidAs(const Writer& write) {
+OptionGroup::Statement& OptionGroup::Statement::saidAs(const Writer& write) {
   // CLI11's own place for the text of what an option is bound to. It is asked for after parsing, so
   // that the help does not show it.
   option_->default_function(write);
   return *this;
 }
 
-OptionGroup::Term& OptionGroup::Term::decidesNothing() {
+OptionGroup::Statement& OptionGroup::Statement::decidesNothing() {
   return saidAs([] { return std::string(); });
 }
 
-OptionGroup::Term& OptionGroup::Term::accepts(const std::vector<std::string>& words) {
+OptionGroup::Statement& OptionGroup::Statement::accepts(const std::vector<std::string>& words) {
   addNote(*option_, kWords, fmt::format("{}", fmt::join(words, "\n")));
   return *this;
 }
 
-OptionGroup::Term OptionGroup::added(CLI::Option* option) {
+OptionGroup::Statement OptionGroup::added(CLI::Option* option) {
   option->group(heading_);
   if (!table_.empty()) addNote(*option, kTable, table_);
-  return Term(option);
+  return Statement(option);
 }
 
-OptionGroup::Term OptionGroup::value(const std::string& name, const std::string& unit,
-                                     const std::string& usual, const std::string& help,
-                                     const Reader& read) {
+OptionGroup::Statement OptionGroup::value(const std::string& name, const std::string& unit,
+                                          const std::string& usual, const std::string& help,
+                                          const Reader& read) {
   const std::string text = usual.empty() ? help : fmt::format("{} (default {})", help, usual);
   const auto readText = [name, read](const std::string& typed) { read({name, typed}); };
   CLI::Option* option = command_.add_option_function<std::string>(name, readText, text)
@@ -72,8 +72,8 @@ OptionGroup::Term OptionGroup::value(const std::string& name, const std::string&
   return added(option).saidAs([option] { return typedText(*option); });
 }
 
-OptionGroup::Term OptionGroup::values(const std::string& name, const std::string& unit,
-                                      const std::string& help, const Reader& read) {
+OptionGroup::Statement OptionGroup::values(const std::string& name, const std::string& unit,
+                                           const std::string& help, const Reader& read) {
   const auto readTexts = [name, read](const std::vector<std::string>& typed) {
     for (const std::string& text : typed) read({name, text});
   };
@@ -95,8 +95,9 @@ void OptionGroup::setting(const Setting& setting, Scene& scene) {
     }).saidAs(write);
     return;
   }
-  Term term = value(name, setting.unit, setting.usual, setting.help,
-                    [&setting, &scene](const TypedValue& typed) { setting.read(scene, typed); });
+  Statement term =
+      value(name, setting.unit, setting.usual, setting.help,
+            [&setting, &scene](const TypedValue& typed) { setting.read(scene, typed); });
   term.saidAs(write);
   if (!setting.words.empty()) term.accepts(setting.words);
 }
@@ -108,15 +109,15 @@ void OptionGroup::number(const std::string& name, double& target, Range range,
   }).saidAs([&target] { return numberText(target); });
 }
 
-OptionGroup::Term OptionGroup::flag(const std::string& name, bool& target, const std::string& help,
-                                    bool given) {
+OptionGroup::Statement OptionGroup::flag(const std::string& name, bool& target,
+                                         const std::string& help, bool given) {
   return flag(name, help, [&target, given] { target = given; }).saidAs([&target, given] {
     return fmt::format("{}", target == given);
   });
 }
 
-OptionGroup::Term OptionGroup::flag(const std::string& name, const std::string& help,
-                                    const std::function<void()>& action) {
+OptionGroup::Statement OptionGroup::flag(const std::string& name, const std::string& help,
+                                         const std::function<void()>& action) {
   CLI::Option* option = command_.add_flag_callback(name, action, help);
   return added(option).saidAs([option] { return fmt::format("{}", option->count() > 0); });
 }

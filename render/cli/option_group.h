@@ -32,20 +32,20 @@ class OptionGroup {
 
   /// What an option says about a run, beside what it does. Unless told otherwise an option decides
   /// the result, and its value is as it was typed.
-  class Term {
+  class Statement {
    public:
-    explicit Term(CLI::Option* option) : option_(option) {}
+    explicit Statement(CLI::Option* option) : option_(option) {}
 
     /// The option's value is what `write` gives, whichever way it was set: as a scene file has it
     /// (`0.02`, `true`, `"all"`, `["3,4", "5,6"]`), read back to the last bit; "" where there is
     /// nothing to say.
-    Term& saidAs(const Writer& write);
+    Statement& saidAs(const Writer& write);
 
     /// The option does not decide the result, or says it in another option's words.
-    Term& decidesNothing();
+    Statement& decidesNothing();
 
     /// Notes the only values that the option accepts, see allowedWords().
-    Term& accepts(const std::vector<std::string>& words);
+    Statement& accepts(const std::vector<std::string>& words);
 
    private:
     CLI::Option* option_;
@@ -53,12 +53,12 @@ class OptionGroup {
 
   /// An option with a value that `read` understands. `unit` and `usual` (the default, none when
   /// empty) are for the help. Given several times, the last one counts.
-  Term value(const std::string& name, const std::string& unit, const std::string& usual,
-             const std::string& help, const Reader& read);
+  Statement value(const std::string& name, const std::string& unit, const std::string& usual,
+                  const std::string& help, const Reader& read);
 
   /// The same for an option that may be given several times; each value is read in turn.
-  Term values(const std::string& name, const std::string& unit, const std::string& help,
-              const Reader& read);
+  Statement values(const std::string& name, const std::string& unit, const std::string& help,
+                   const Reader& read);
 
   /// A setting of a scene.
   void setting(const Setting& setting, Scene& scene);
@@ -78,8 +78,8 @@ class OptionGroup {
 
   /// One of several words; the first is the default.
   template <typename T, typename Target>
-  Term choice(const std::string& name, Target& target, const Choices<T>& choices,
-              const std::string& help) {
+  Statement choice(const std::string& name, Target& target, const Choices<T>& choices,
+                   const std::string& help) {
     const std::vector<std::string> words = choiceNames(choices);
     return value(name, "WORD", words.front(), fmt::format("{}: {}", help, listWords(words)),
                  [&target, choices](const TypedValue& typed) {
@@ -90,20 +90,21 @@ class OptionGroup {
   }
 
   /// An option without a value, which sets the target to `given`.
-  Term flag(const std::string& name, bool& target, const std::string& help, bool given = true);
+  Statement flag(const std::string& name, bool& target, const std::string& help, bool given = true);
 
   /// An option without a value that does something else.
-  Term flag(const std::string& name, const std::string& help, const std::function<void()>& action);
+  Statement flag(const std::string& name, const std::string& help,
+                 const std::function<void()>& action);
 
  private:
-  Term added(CLI::Option* option);
+  Statement added(CLI::Option* option);
 
   CLI::App& command_;
   std::string heading_;
   std::string table_;
 };
 
-/// What an option is set to now, see OptionGroup::Term; "" where it says nothing about a run.
+/// What an option is set to now, see OptionGroup::Statement; "" where it says nothing about a run.
 std::string saidBy(CLI::Option& option);
 
 /// The only values that an option accepts; empty where they are no list.

@@ -12,7 +12,7 @@ namespace {
 /// Flat models: how thick the layer of all points may be, against its larger side.
 constexpr double kFlatness = 0.15;
 
-struct Range {
+struct AxisRange {
   double low = std::numeric_limits<double>::infinity();
   double high = -std::numeric_limits<double>::infinity();
 
@@ -47,7 +47,7 @@ PictureAxes pictureAxes(const Camera& camera) {
 /// The points in picture axes, and the room they need.
 struct Extents {
   std::vector<Vector3> points;
-  Range x, y, z;
+  AxisRange x, y, z;
 };
 
 Extents projectPoints(std::span<const Vector3> points, const PictureAxes& axes) {
@@ -132,7 +132,7 @@ bool isAlongAxis(ViewAngles view) {
 }
 
 ViewAngles defaultView(std::span<const Vector3> points) {
-  Range x, y, z;
+  AxisRange x, y, z;
   for (const Vector3& point : points) {
     x.add(point.x());
     y.add(point.y());

@@ -252,12 +252,12 @@ FrameSize validated(FrameSize size) {
 }
 
 /// What is painted, apart from the graphics context.
-struct Subject {
+struct PaintedBricks {
   Sketcher sketcher;
   Colour background;
   bool opaque;  ///< whether nothing that is drawn has another alpha than 255
 
-  Subject(const std::vector<Brick>& bricks, const Style& style)
+  PaintedBricks(const std::vector<Brick>& bricks, const Style& style)
       : sketcher(bricks, style),
         background(style.background),
         opaque(style.background.alpha == 255 && style.shadow.alpha == 255) {}
@@ -269,7 +269,7 @@ struct Subject {
 struct Painter::Parts {
   FrameSize size;
   int samplesDown;  ///< of a pixel
-  Subject subject;
+  PaintedBricks subject;
   Context context;
   Framebuffer samples;
   Program facePainter;
@@ -399,7 +399,7 @@ Painter::~Painter() {
 }
 
 void Painter::show(const std::vector<Brick>& bricks, const Style& style) {
-  parts_->subject = Subject(bricks, style);
+  parts_->subject = PaintedBricks(bricks, style);
 }
 
 FrameSize Painter::size() const {

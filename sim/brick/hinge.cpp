@@ -21,22 +21,22 @@ constexpr double kSamePoint = 1e-6;
 constexpr double kSameAngle = 1e-6;
 
 /// What two bricks share: points in the axes of the first.
-struct SharedPoints {
+struct PivotPoints {
   const Pivot* first = nullptr;
   std::vector<Vector3> points;
   bool isTied = false;  // fixed, or held by a link too
 };
 
 /// The shared points of all pairs of bricks, in the order of their first pivots.
-std::vector<SharedPoints> sharedPoints(std::span<const Pivot> pivots, bool planar) {
-  std::vector<SharedPoints> pairs;
+std::vector<PivotPoints> sharedPoints(std::span<const Pivot> pivots, bool planar) {
+  std::vector<PivotPoints> pairs;
   std::map<std::pair<int, int>, std::size_t> known;
   for (const Pivot& pivot : pivots) {
     if (planar && pivot.isUpper) continue;
     const std::pair<int, int> key = std::minmax(pivot.brickA, pivot.brickB);
     const auto [place, isNew] = known.try_emplace(key, pairs.size());
     if (isNew) pairs.push_back({&pivot, {}, false});
-    SharedPoints& shared = pairs[place->second];
+    PivotPoints& shared = pairs[place->second];
     const bool isSwapped = pivot.brickA != shared.first->brickA;
     shared.points.push_back(isSwapped ? pivot.pointB : pivot.pointA);
     shared.isTied = shared.isTied || pivot.cornerA == kNoCorner;
@@ -121,7 +121,7 @@ Hinge foldHinge(const std::vector<Brick>& bricks, const Pivot& pivot, const Vect
 FoundHinges findHinges(const std::vector<Brick>& bricks, std::span<const Pivot> pivots,
                        bool planar) {
   FoundHinges found;
-  for (SharedPoints& shared : sharedPoints(pivots, planar)) {
+  for (PivotPoints& shared : sharedPoints(pivots, planar)) {
     if (shared.isTied) continue;
     const Pivot& pivot = *shared.first;
     const Brick& brick = bricks[static_cast<std::size_t>(pivot.brickA)];

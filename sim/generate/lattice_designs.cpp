@@ -31,8 +31,8 @@ Fit fitted(const std::string& family, const DesignSource& source, Eigen::VectorX
                   family, fit.violation));
 }
 
-std::vector<Block> allBlocks(const Lattice& lattice) {
-  std::vector<Block> blocks = innerBlocks(lattice);
+std::vector<TileBlock> allBlocks(const Lattice& lattice) {
+  std::vector<TileBlock> blocks = innerBlocks(lattice);
   for (const auto& more : {sideBlocksClosedAtStart(lattice), sideBlocksClosedAtEnd(lattice)}) {
     blocks.insert(blocks.end(), more.begin(), more.end());
   }
@@ -40,9 +40,9 @@ std::vector<Block> allBlocks(const Lattice& lattice) {
 }
 
 void addRhombicBlocks(EquationRows& rows, const LatticeUnknowns& unknowns,
-                      const TurningField& field, const std::vector<Block>& blocks,
+                      const TurningField& field, const std::vector<TileBlock>& blocks,
                       const Eigen::VectorXd& values) {
-  for (const Block& block : blocks) unknowns.addBlock(rows, field, block, values, -1);
+  for (const TileBlock& block : blocks) unknowns.addBlock(rows, field, block, values, -1);
 }
 
 void addWantedPoint(EquationRows& rows, const LatticeUnknowns& unknowns, const TurningField& field,
@@ -123,7 +123,7 @@ Complex halfExtent(const TurningField& field, double angle) {
 /// share.
 class RoundDesign {
  public:
-  RoundDesign(std::string family, int size, double angle, std::vector<Block> sideBlocks)
+  RoundDesign(std::string family, int size, double angle, std::vector<TileBlock> sideBlocks)
       : family_(std::move(family)),
         lattice_{size, size},
         unknowns_(lattice_),
@@ -137,7 +137,7 @@ class RoundDesign {
   }
   int radius() const { return logarithm(blocks_.size()); }
   const LatticeUnknowns& unknowns() const { return unknowns_; }
-  const std::vector<Block>& blocks() const { return blocks_; }
+  const std::vector<TileBlock>& blocks() const { return blocks_; }
   const std::vector<LatticeCorner>& tipCorners() const { return tips_; }
   const Lattice& lattice() const { return lattice_; }
 
@@ -169,8 +169,8 @@ class RoundDesign {
   std::string family_;
   Lattice lattice_;
   LatticeUnknowns unknowns_;
-  std::vector<Block> blocks_;
-  std::vector<Block> sideBlocks_;
+  std::vector<TileBlock> blocks_;
+  std::vector<TileBlock> sideBlocks_;
   std::vector<LatticeCorner> tips_;
   double angle_;
 };
@@ -190,9 +190,9 @@ void addValue(EquationRows& rows, int unknown, double found, double wanted, doub
   rows.slope(unknown, weight);
 }
 
-std::vector<Block> allSideBlocks(const Lattice& lattice) {
-  std::vector<Block> blocks = sideBlocksClosedAtStart(lattice);
-  const std::vector<Block> more = sideBlocksClosedAtEnd(lattice);
+std::vector<TileBlock> allSideBlocks(const Lattice& lattice) {
+  std::vector<TileBlock> blocks = sideBlocksClosedAtStart(lattice);
+  const std::vector<TileBlock> more = sideBlocksClosedAtEnd(lattice);
   blocks.insert(blocks.end(), more.begin(), more.end());
   return blocks;
 }

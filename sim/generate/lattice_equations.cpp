@@ -19,8 +19,8 @@ bool isGhostCorner(const Lattice& lattice, const Cell& cell) {
 
 /// Half blocks whose lower left places are even on the sides to the left and right and odd at the
 /// bottom and the top, or the other way round.
-std::vector<Block> sideBlocks(const Lattice& lattice, bool evenAtLeftAndRight) {
-  std::vector<Block> blocks;
+std::vector<TileBlock> sideBlocks(const Lattice& lattice, bool evenAtLeftAndRight) {
+  std::vector<TileBlock> blocks;
   for (int column = 0; column + 1 < lattice.columns; ++column) {
     for (const int row : {-1, lattice.rows - 1}) {
       if (isEven({column, row}) != evenAtLeftAndRight) blocks.push_back({{column, row}});
@@ -66,19 +66,19 @@ std::vector<LatticeCorner> tips(const Lattice& lattice) {
   return found;
 }
 
-std::vector<Block> innerBlocks(const Lattice& lattice) {
-  std::vector<Block> blocks;
+std::vector<TileBlock> innerBlocks(const Lattice& lattice) {
+  std::vector<TileBlock> blocks;
   for (int column = 0; column + 1 < lattice.columns; ++column) {
     for (int row = 0; row + 1 < lattice.rows; ++row) blocks.push_back({{column, row}});
   }
   return blocks;
 }
 
-std::vector<Block> sideBlocksClosedAtStart(const Lattice& lattice) {
+std::vector<TileBlock> sideBlocksClosedAtStart(const Lattice& lattice) {
   return sideBlocks(lattice, true);
 }
 
-std::vector<Block> sideBlocksClosedAtEnd(const Lattice& lattice) {
+std::vector<TileBlock> sideBlocksClosedAtEnd(const Lattice& lattice) {
   return sideBlocks(lattice, false);
 }
 
@@ -125,8 +125,9 @@ void LatticeUnknowns::addPosition(EquationRows& rows, const TurningField& field,
   addSlope(rows, even, halfTurn, weight * direction);
 }
 
-void LatticeUnknowns::addBlock(EquationRows& rows, const TurningField& field, const Block& block,
-                               const Eigen::VectorXd& unknowns, int logarithm) const {
+void LatticeUnknowns::addBlock(EquationRows& rows, const TurningField& field,
+                               const TileBlock& block, const Eigen::VectorXd& unknowns,
+                               int logarithm) const {
   const double ratio = logarithm < 0 ? 1 : std::exp(unknowns[logarithm]);
   const double signedRatio = isEven(block.lowerLeft) ? ratio : -ratio;
   const Complex across = field.at(block.at(1, 0)) - field.at(block.at(0, 1));

@@ -23,20 +23,20 @@ std::vector<LatticeCorner> closedBoundary(const Lattice& lattice);
 std::vector<LatticeCorner> tips(const Lattice& lattice);
 
 /// A 2 x 2 block of places: the void between four tiles, or half of one at the sheet's side.
-struct Block {
+struct TileBlock {
   Cell lowerLeft;
 
   Cell at(int column, int row) const { return {lowerLeft.column + column, lowerLeft.row + row}; }
 };
 
 /// Blocks between tiles, by columns.
-std::vector<Block> innerBlocks(const Lattice& lattice);
+std::vector<TileBlock> innerBlocks(const Lattice& lattice);
 
 /// Half blocks at the sides that are closed at theta = 0.
-std::vector<Block> sideBlocksClosedAtStart(const Lattice& lattice);
+std::vector<TileBlock> sideBlocksClosedAtStart(const Lattice& lattice);
 
 /// Half blocks at the sides that are closed at theta = pi.
-std::vector<Block> sideBlocksClosedAtEnd(const Lattice& lattice);
+std::vector<TileBlock> sideBlocksClosedAtEnd(const Lattice& lattice);
 
 /// Unknowns: the field's constants (real and imaginary part of each place), then further ones.
 class LatticeUnknowns {
@@ -57,7 +57,7 @@ class LatticeUnknowns {
 
   /// Adds both equations of a block with the ratio lambda of its sides; the unknown that is
   /// lambda's logarithm, or -1 when lambda is 1.
-  void addBlock(EquationRows& rows, const TurningField& field, const Block& block,
+  void addBlock(EquationRows& rows, const TurningField& field, const TileBlock& block,
                 const Eigen::VectorXd& unknowns, int logarithm) const;
 
   /// Adds weight * (F - wanted F) for all places of the sheet and at its sides.

@@ -13,12 +13,12 @@ namespace {
 using Complex = std::complex<double>;
 
 /// A place on the triangular lattice: cell numbers and the kind of tile in the cell.
-struct Place {
+struct RotorPlace {
   int column = 0;
   int row = 0;
   int kind = 0;
 
-  auto operator<=>(const Place&) const = default;
+  auto operator<=>(const RotorPlace&) const = default;
 };
 
 /// A pattern of tiles edge to edge, those of kind 0 next to others only: with c the centre of a
@@ -27,17 +27,18 @@ struct Place {
 /// keeps all tiles rigid and all joints closed at every theta.
 struct Pattern {
   Complex ratio;
-  Complex (*centre)(const Place&);
+  Complex (*centre)(const RotorPlace&);
   /// Anticlockwise; some may stand outside the sheet.
-  std::vector<Place> (*neighbours)(const Place&);
+  std::vector<RotorPlace> (*neighbours)(const RotorPlace&);
 };
 
-std::vector<Tile> tilesAt(const Pattern& pattern, const std::vector<Place>& places, double angle) {
+std::vector<Tile> tilesAt(const Pattern& pattern, const std::vector<RotorPlace>& places,
+                          double angle) {
   const Complex turn = std::polar(1.0, 0.5 * angle);
   std::vector<Tile> tiles;
-  for (const Place& place : places) {
+  for (const RotorPlace& place : places) {
     Tile& tile = tiles.emplace_back();
-    for (const Place& neighbour : pattern.neighbours(place)) {
+    for (const RotorPlace& neighbour : pattern.neighbours(place)) {
       Complex first = pattern.centre(place);
       Complex second = pattern.centre(neighbour);
       if (place.kind != 0) std::swap(first, second);
@@ -49,19 +50,19 @@ std::vector<Tile> tilesAt(const Pattern& pattern, const std::vector<Place>& plac
   return tiles;
 }
 
-std::vector<Joint> jointsOf(const Pattern& pattern, const std::vector<Place>& places) {
-  std::map<Place, int> numbers;
-  for (const Place& place : places) numbers.emplace(place, static_cast<int>(numbers.size()));
-  const auto cornerTowards = [&](const Place& from, const Place& to) {
-    const std::vector<Place> around = pattern.neighbours(from);
+std::vector<Joint> jointsOf(const Pattern& pattern, const std::vector<RotorPlace>& places) {
+  std::map<RotorPlace, int> numbers;
+  for (const RotorPlace& place : places) numbers.emplace(place, static_cast<int>(numbers.size()));
+  const auto cornerTowards = [&](const RotorPlace& from, const RotorPlace& to) {
+    const std::vector<RotorPlace> around = pattern.neighbours(from);
     int corner = 0;
     while (around[std::size_t(corner)] != to) ++corner;
     return corner;
   };
   std::vector<Joint> joints;
-  for (const Place& place : places) {
+  for (const RotorPlace& place : places) {
     if (place.kind != 0) continue;
-    for (const Place& neighbour : pattern.neighbours(place)) {
+    for (const RotorPlace& neighbour : pattern.neighbours(place)) {
       const auto there = numbers.find(neighbour);
       if (there == numbers.end()) continue;
       joints.push_back({{numbers.at(place), cornerTowards(place, neighbour)},
@@ -72,8 +73,8 @@ std::vector<Joint> jointsOf(const Pattern& pattern, const std::vector<Place>& pl
   return joints;
 }
 
-Model makeSheet(const std::string& name, const Pattern& pattern, const std::vector<Place>& places,
-                const RotorShape& shape) {
+Model makeSheet(const std::string& name, const Pattern& pattern,
+                const std::vector<RotorPlace>& places, const RotorShape& shape) {
   Model model;
   model.name = name;
   model.tiles = tilesAt(pattern, places, shape.startAngle);
@@ -92,12 +93,12 @@ Complex latticePoint(double column, double row) {
 /// Kind 0 points up from the cell's corner, kind 1 down.
 constexpr Complex kTriangleRatio{0.5, 0.8660254037844386};
 
-Complex triangleCentre(const Place& place) {
+Complex triangleCentre(const RotorPlace& place) {
   const double third = (place.kind + 1) / 3.0;
   return latticePoint(place.column + third, place.row + third);
 }
 
-std::vector<Place> triangleNeighbours(const Place& place) {
+std::vector<RotorPlace> triangleNeighbours(const RotorPlace& place) {
   const auto [i, j, kind] = place;
   if (kind == 0) return {{i, j, 1}, {i - 1, j, 1}, {i, j - 1, 1}};
   return {{i, j + 1, 0}, {i, j, 0}, {i + 1, j, 0}};
@@ -107,12 +108,12 @@ std::vector<Place> triangleNeighbours(const Place& place) {
 /// hexagons of its first three and its last three corners.
 constexpr Complex kHexagonRatio{0.75, 0.4330127018922193};
 
-Complex hexagonPatternCentre(const Place& place) {
+Complex hexagonPatternCentre(const RotorPlace& place) {
   const double third = place.kind / 3.0;
   return 2.0 * latticePoint(place.column + third, place.row + third);
 }
 
-std::vector<Place> hexagonPatternNeighbours(const Place& place) {
+std::vector<RotorPlace> hexagonPatternNeighbours(const RotorPlace& place) {
   const auto [i, j, kind] = place;
   if (kind == 0) {
     return {{i, j, 1},         {i - 1, j, 2}, {i - 1, j, 1},
@@ -126,7 +127,7 @@ std::vector<Place> hexagonPatternNeighbours(const Place& place) {
 
 Model makeRotatingTriangles(const RotorShape& shape) {
   const Pattern pattern{kTriangleRatio, triangleCentre, triangleNeighbours};
-  std::vector<Place> places;
+  std::vector<RotorPlace> places;
   for (int i = 0; i < shape.columns; ++i) {
     for (int j = 0; j < shape.rows; ++j) {
       for (const int kind : {0, 1}) places.push_back({i, j, kind});
@@ -137,7 +138,7 @@ Model makeRotatingTriangles(const RotorShape& shape) {
 
 Model makeHexagonsAndTriangles(const RotorShape& shape) {
   const Pattern pattern{kHexagonRatio, hexagonPatternCentre, hexagonPatternNeighbours};
-  std::vector<Place> places;
+  std::vector<RotorPlace> places;
   for (int i = 0; i < shape.columns; ++i) {
     for (int j = 0; j < shape.rows; ++j) {
       places.push_back({i, j, 0});

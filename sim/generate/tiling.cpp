@@ -153,55 +153,56 @@ class Honeycomb {
   explicit Honeycomb(double angle)
       : first_(std::polar(1.0, angle)), second_(std::polar(1.0, angle + pi / 3)) {}
 
-  struct Cell {
+  struct HexCell {
     int column = 0;
     int row = 0;
   };
   /// A side between two cells, or a corner between three.
-  struct Side {
-    std::array<Cell, 2> cells;
+  struct HexSide {
+    std::array<HexCell, 2> cells;
     std::array<Complex, 2> ends;
   };
-  struct Corner {
-    std::array<Cell, 3> cells;
+  struct HexCorner {
+    std::array<HexCell, 3> cells;
     Complex place;
   };
 
-  Complex centre(const Cell& cell) const {
+  Complex centre(const HexCell& cell) const {
     return double(cell.column) * first_ + double(cell.row) * second_;
   }
 
-  Cell cellAt(Complex point) const {
+  HexCell cellAt(Complex point) const {
     const double area = cross(first_, second_);
     const int column = static_cast<int>(std::floor(cross(point, second_) / area));
     const int row = static_cast<int>(std::floor(cross(first_, point) / area));
-    Cell nearest{column, row};
-    for (const Cell& cell : {Cell{column + 1, row}, {column, row + 1}, {column + 1, row + 1}}) {
+    HexCell nearest{column, row};
+    for (const HexCell& cell :
+         {HexCell{column + 1, row}, {column, row + 1}, {column + 1, row + 1}}) {
       if (std::abs(point - centre(cell)) < std::abs(point - centre(nearest))) nearest = cell;
     }
     return nearest;
   }
 
-  std::vector<Corner> corners(int reach) const {
-    std::vector<Corner> found;
+  std::vector<HexCorner> corners(int reach) const {
+    std::vector<HexCorner> found;
     forCells(reach, [&](int i, int j) {
-      for (const std::array<Cell, 3>& cells :
-           {std::array<Cell, 3>{{{i, j}, {i + 1, j}, {i, j + 1}}},
-            std::array<Cell, 3>{{{i + 1, j}, {i + 1, j + 1}, {i, j + 1}}}}) {
+      for (const std::array<HexCell, 3>& cells :
+           {std::array<HexCell, 3>{{{i, j}, {i + 1, j}, {i, j + 1}}},
+            std::array<HexCell, 3>{{{i + 1, j}, {i + 1, j + 1}, {i, j + 1}}}}) {
         found.push_back({cells, middle(cells)});
       }
     });
     return found;
   }
 
-  std::vector<Side> sides(int reach) const {
-    std::vector<Side> found;
+  std::vector<HexSide> sides(int reach) const {
+    std::vector<HexSide> found;
     forCells(reach, [&](int i, int j) {
-      const auto append = [&](const Cell& other, const Cell& left, const Cell& right) {
-        const Cell self{i, j};
+      const auto append = [&](const HexCell& other, const HexCell& left, const HexCell& right) {
+        const HexCell self{i, j};
         found.push_back({{self, other},
-                         {middle(std::array<Cell, 3>{self, other, left}),
-                          middle(std::array<Cell, 3>{self, other, right})}});
+                         {middle(std::array<HexCell, 3>{self, other, left}),
+                          middle(std::array<HexCell, 3>{self, other, right})}});
       };
       append({i + 1, j}, {i, j + 1}, {i + 1, j - 1});
       append({i, j + 1}, {i - 1, j + 1}, {i + 1, j});
@@ -218,7 +219,7 @@ class Honeycomb {
     }
   }
 
-  Complex middle(const std::array<Cell, 3>& cells) const {
+  Complex middle(const std::array<HexCell, 3>& cells) const {
     return (centre(cells[0]) + centre(cells[1]) + centre(cells[2])) / 3.0;
   }
 
@@ -227,7 +228,7 @@ class Honeycomb {
 };
 
 /// Where two segments cross.
-std::optional<Complex> crossing(const Honeycomb::Side& a, const Honeycomb::Side& b) {
+std::optional<Complex> crossing(const Honeycomb::HexSide& a, const Honeycomb::HexSide& b) {
   const Complex alongA = a.ends[1] - a.ends[0];
   const Complex alongB = b.ends[1] - b.ends[0];
   const double sine = cross(alongA, alongB);
@@ -245,9 +246,9 @@ class HoneycombPair {
     std::vector<LooseTile> found;
     appendTriangles(honeycombs_[0], honeycombs_[1], false, reach, found);
     appendTriangles(honeycombs_[1], honeycombs_[0], true, reach, found);
-    const std::vector<Honeycomb::Side> sides = honeycombs_[1].sides(reach);
-    for (const Honeycomb::Side& a : honeycombs_[0].sides(reach)) {
-      for (const Honeycomb::Side& b : sides) {
+    const std::vector<Honeycomb::HexSide> sides = honeycombs_[1].sides(reach);
+    for (const Honeycomb::HexSide& a : honeycombs_[0].sides(reach)) {
+      for (const Honeycomb::HexSide& b : sides) {
         if (std::abs(a.ends[0] - b.ends[0]) > 2) continue;
         if (const auto place = crossing(a, b)) appendRhombus(a, b, *place, found);
       }
@@ -256,24 +257,25 @@ class HoneycombPair {
   }
 
  private:
-  void appendCorner(LooseTile& tile, const Honeycomb::Cell& a, const Honeycomb::Cell& b) const {
+  void appendCorner(LooseTile& tile, const Honeycomb::HexCell& a,
+                    const Honeycomb::HexCell& b) const {
     tile.keys.push_back({a.column, a.row, b.column, b.row});
     tile.corners.push_back(honeycombs_[0].centre(a) + honeycombs_[1].centre(b));
   }
 
   void appendTriangles(const Honeycomb& own, const Honeycomb& other, bool swapped, int reach,
                        std::vector<LooseTile>& found) const {
-    for (const Honeycomb::Corner& corner : own.corners(reach)) {
-      const Honeycomb::Cell within = other.cellAt(corner.place);
+    for (const Honeycomb::HexCorner& corner : own.corners(reach)) {
+      const Honeycomb::HexCell within = other.cellAt(corner.place);
       LooseTile& tile = found.emplace_back();
       tile.dual = corner.place;
-      for (const Honeycomb::Cell& cell : corner.cells) {
+      for (const Honeycomb::HexCell& cell : corner.cells) {
         appendCorner(tile, swapped ? within : cell, swapped ? cell : within);
       }
     }
   }
 
-  void appendRhombus(const Honeycomb::Side& a, const Honeycomb::Side& b, Complex place,
+  void appendRhombus(const Honeycomb::HexSide& a, const Honeycomb::HexSide& b, Complex place,
                      std::vector<LooseTile>& found) const {
     LooseTile& tile = found.emplace_back();
     tile.dual = place;

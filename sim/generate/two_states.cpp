@@ -13,9 +13,9 @@ namespace kirireel {
 namespace {
 
 /// Groups of corners, merged pair by pair.
-class CornerGroups {
+class JoinedCorners {
  public:
-  explicit CornerGroups(int tiles) : parents_(std::size_t(4 * tiles)) {
+  explicit JoinedCorners(int tiles) : parents_(std::size_t(4 * tiles)) {
     std::iota(parents_.begin(), parents_.end(), 0);
   }
 
@@ -70,7 +70,7 @@ void addProductSlopes(EquationRows& rows, const QuadVectors& quad, int i, int j,
 }  // namespace
 
 NodeMap openNodes(const Lattice& lattice) {
-  CornerGroups groups(lattice.tileCount());
+  JoinedCorners groups(lattice.tileCount());
   for (const Joint& joint : latticeJoints(lattice, JointFace::Bottom)) {
     groups.merge(4 * joint.a.tile + joint.a.vertex, 4 * joint.b.tile + joint.b.vertex);
   }

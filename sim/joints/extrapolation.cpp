@@ -72,7 +72,7 @@ Momentum momentumOf(const std::vector<Brick>& bricks, const Motion& motion) {
 /// A step that was tried: its rows, and what its orders tell.
 struct Extrapolation::Trial {
   /// The step, crossed in so many Euler steps.
-  struct Row {
+  struct Crossing {
     Motion end;
     Momentum given;       // by the loads
     double damped = 0;    // energy that dampers took, joules
@@ -81,7 +81,7 @@ struct Extrapolation::Trial {
 
   const Motion& start;
   double length;  // seconds
-  std::vector<Row> rows;
+  std::vector<Crossing> rows;
   Motion end;  // extrapolated from all rows; at last its joints closed
   // Of the orders tried so far, the first two unused.
   std::vector<double> errors = {0, 0};   // estimates, in tolerances
@@ -111,7 +111,7 @@ Extrapolation::Extrapolation(const std::vector<Brick>& bricks, JointSolver& solv
 bool Extrapolation::addRow(Trial& trial, const TimedLoads& loads, StepReport& report) {
   const int count = trial.order() + 1;
   const double step = trial.length / count;
-  Trial::Row row{.end = trial.start};
+  Trial::Crossing row{.end = trial.start};
   for (int k = 0; k < count; ++k) {
     const LoadSource now = [&](const Poses& poses, std::vector<Load>& out) {
       loads((k + 1) * step, poses, out);

@@ -33,15 +33,15 @@ constexpr double kRounding = 1e-14;
 constexpr double kLeastFactor = 1e-3;
 
 /// A weighted fit of one tile, and what it says of the largest residual of any fit.
-struct Fit {
+struct TileFit {
   std::vector<double> residuals;  ///< of the vertices, metres
   double largest = 0;             ///< of them
   double bound = 0;               ///< of the largest residual of all fits, from below
 };
 
-Fit fitWith(const std::vector<double>& weights, const Tile& tile, const Tile& target) {
+TileFit fitWith(const std::vector<double>& weights, const Tile& tile, const Tile& target) {
   const RigidMotion motion = bestRigidMotion(tile.vertices, target.vertices, weights);
-  Fit fit;
+  TileFit fit;
   double sum = 0;
   for (std::size_t k = 0; k < weights.size(); ++k) {
     fit.residuals.push_back((motion.apply(tile.vertices[k]) - target.vertices[k]).norm());
@@ -70,7 +70,7 @@ double boundOf(const Tile& tile, const Tile& target, double known, long& fits) {
   double nearest = std::numeric_limits<double>::infinity();
   for (int i = 0; i < kMostIterations && fits < kMostFits; ++i) {
     checkInterruption();
-    const Fit fit = fitWith(weights, tile, target);
+    const TileFit fit = fitWith(weights, tile, target);
     ++fits;
     bound = std::max(bound, fit.bound);
     nearest = std::min(nearest, fit.largest);
@@ -88,7 +88,7 @@ double boundOf(const Tile& tile, const Tile& target, double known, long& fits) {
 }  // namespace
 
 double rigidBound(const std::vector<Tile>& tiles, const std::vector<Tile>& target) {
-  std::vector<Fit> fits;
+  std::vector<TileFit> fits;
   for (std::size_t i = 0; i < tiles.size(); ++i) {
     checkInterruption();
     fits.push_back(fitWith(evenWeights(tiles[i]), tiles[i], target[i]));

@@ -470,17 +470,17 @@ bool isWithin(const Tile& tile, const Vector3& point) {
 
 /// In a flat sheet, lines that close within a tile are the outline of a hole.
 void refuseHoles(const std::vector<Tile>& tiles, double tolerance, const fs::path& file) {
-  struct Place {
+  struct ViewPlace {
     int tile = 0;
     Eigen::AlignedBox2d box;
   };
-  std::vector<Place> places;  // from the left
+  std::vector<ViewPlace> places;  // from the left
   for (int i = 0; i < std::ssize(tiles); ++i) {
-    Place& place = places.emplace_back();
+    ViewPlace& place = places.emplace_back();
     place.tile = i;
     for (const Vector3& vertex : tiles[i].vertices) place.box.extend(vertex.head<2>());
   }
-  std::ranges::stable_sort(places, {}, [](const Place& place) { return place.box.min().x(); });
+  std::ranges::stable_sort(places, {}, [](const ViewPlace& place) { return place.box.min().x(); });
   const Vector2 margin = Vector2::Constant(tolerance);
   for (auto inner = places.begin(); inner != places.end(); ++inner) {
     const Eigen::AlignedBox2d wide(inner->box.min() - margin, inner->box.max() + margin);

@@ -6,27 +6,27 @@
 namespace kirireel {
 namespace {
 
-struct Point {
+struct TilePoint {
   double x, y;
   Corner corner;
 };
 
-std::vector<Point> sortedPoints(const std::vector<Tile>& tiles) {
-  std::vector<Point> points;
+std::vector<TilePoint> sortedPoints(const std::vector<Tile>& tiles) {
+  std::vector<TilePoint> points;
   for (std::size_t i = 0; i < tiles.size(); ++i) {
     for (std::size_t k = 0; k < tiles[i].vertices.size(); ++k) {
       const Vector3& vertex = tiles[i].vertices[k];
       points.push_back({vertex.x(), vertex.y(), {static_cast<int>(i), static_cast<int>(k)}});
     }
   }
-  std::stable_sort(points.begin(), points.end(), [](const Point& a, const Point& b) {
+  std::stable_sort(points.begin(), points.end(), [](const TilePoint& a, const TilePoint& b) {
     return std::tie(a.x, a.y) < std::tie(b.x, b.y);
   });
   return points;
 }
 
 /// Twice the area of a triangle; positive when a, b, c turn left.
-double turn(const Point& a, const Point& b, const Point& c) {
+double turn(const TilePoint& a, const TilePoint& b, const TilePoint& c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
@@ -34,7 +34,7 @@ double turn(const Point& a, const Point& b, const Point& c) {
 /// it begins the other half.
 template <typename Iterator>
 void appendHalf(Iterator begin, Iterator end, double rounding, std::vector<Corner>& outline) {
-  std::vector<Point> half;
+  std::vector<TilePoint> half;
   for (Iterator point = begin; point != end; ++point) {
     while (half.size() > 1 && turn(half[half.size() - 2], half.back(), *point) < -rounding) {
       half.pop_back();
@@ -47,8 +47,10 @@ void appendHalf(Iterator begin, Iterator end, double rounding, std::vector<Corne
 }  // namespace
 
 std::vector<Corner> outlineCorners(const std::vector<Tile>& tiles) {
-  std::vector<Point> points = sortedPoints(tiles);
-  const auto samePlace = [](const Point& a, const Point& b) { return a.x == b.x && a.y == b.y; };
+  std::vector<TilePoint> points = sortedPoints(tiles);
+  const auto samePlace = [](const TilePoint& a, const TilePoint& b) {
+    return a.x == b.x && a.y == b.y;
+  };
   points.erase(std::unique(points.begin(), points.end(), samePlace), points.end());
   const double width = points.back().x - points.front().x;
   const double rounding = 1e-9 * width * width;

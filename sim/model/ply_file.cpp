@@ -29,7 +29,7 @@ const std::string kPlyPurpose = "give a PLY mesh with one face a tile";
 /// A number's type: its width in bytes, and what the bytes mean.
 struct PlyType {
   int width = 4;
-  enum class Kind { Signed, Unsigned, Real } kind = Kind::Real;
+  enum class NumberKind { Signed, Unsigned, Real } kind = NumberKind::Real;
 };
 
 struct PlyProperty {
@@ -92,16 +92,16 @@ class PlyReader {
   void skipLine() { at_ = std::min(text_.find('\n', at_), text_.size() - 1) + 1; }
 
   PlyType typeNamed(std::string_view name) const {
-    using Kind = PlyType::Kind;
+    using NumberKind = PlyType::NumberKind;
     static constexpr std::pair<std::string_view, PlyType> kTypes[] = {
-        {"char", {1, Kind::Signed}},     {"int8", {1, Kind::Signed}},
-        {"uchar", {1, Kind::Unsigned}},  {"uint8", {1, Kind::Unsigned}},
-        {"short", {2, Kind::Signed}},    {"int16", {2, Kind::Signed}},
-        {"ushort", {2, Kind::Unsigned}}, {"uint16", {2, Kind::Unsigned}},
-        {"int", {4, Kind::Signed}},      {"int32", {4, Kind::Signed}},
-        {"uint", {4, Kind::Unsigned}},   {"uint32", {4, Kind::Unsigned}},
-        {"float", {4, Kind::Real}},      {"float32", {4, Kind::Real}},
-        {"double", {8, Kind::Real}},     {"float64", {8, Kind::Real}}};
+        {"char", {1, NumberKind::Signed}},     {"int8", {1, NumberKind::Signed}},
+        {"uchar", {1, NumberKind::Unsigned}},  {"uint8", {1, NumberKind::Unsigned}},
+        {"short", {2, NumberKind::Signed}},    {"int16", {2, NumberKind::Signed}},
+        {"ushort", {2, NumberKind::Unsigned}}, {"uint16", {2, NumberKind::Unsigned}},
+        {"int", {4, NumberKind::Signed}},      {"int32", {4, NumberKind::Signed}},
+        {"uint", {4, NumberKind::Unsigned}},   {"uint32", {4, NumberKind::Unsigned}},
+        {"float", {4, NumberKind::Real}},      {"float32", {4, NumberKind::Real}},
+        {"double", {8, NumberKind::Real}},     {"float64", {8, NumberKind::Real}}};
     for (const auto& [known, type] : kTypes) {
       if (known == name) return type;
     }
@@ -176,8 +176,8 @@ class PlyReader {
       bits = bits << 8 | static_cast<unsigned char>(text_[at_ + place]);
     }
     at_ += width;
-    if (type.kind == PlyType::Kind::Unsigned) return static_cast<double>(bits);
-    if (type.kind == PlyType::Kind::Real) {
+    if (type.kind == PlyType::NumberKind::Unsigned) return static_cast<double>(bits);
+    if (type.kind == PlyType::NumberKind::Real) {
       return width == 8 ? std::bit_cast<double>(bits)
                         : std::bit_cast<float>(static_cast<std::uint32_t>(bits));
     }
@@ -201,7 +201,7 @@ class PlyReader {
     }
     std::vector<int> numbers;
     for (int k = 0; k < count; ++k) {
-      numbers.push_back(property.type.kind == PlyType::Kind::Real
+      numbers.push_back(property.type.kind == PlyType::NumberKind::Real
                             ? (static_cast<void>(number(property.type)), 0)
                             : wholeNumber(property.type, "vertex number"));
     }

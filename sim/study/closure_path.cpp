@@ -78,10 +78,11 @@ double ClosurePath::gap(const PlanarState& state) const {
 
 /// All joints closed, tile 0 held where it was and tile 1 turned as wanted, and what a state misses
 /// of that.
-ClosurePath::Equations ClosurePath::equations(const PlanarState& state, const Vector3& held,
-                                              double wanted) const {
+ClosurePath::ClosureEquations ClosurePath::equations(const PlanarState& state, const Vector3& held,
+                                                     double wanted) const {
   const auto last = 2 * static_cast<Eigen::Index>(joints_.size());
-  Equations made{Eigen::MatrixXd::Zero(last + 4, state.size()), Eigen::VectorXd::Zero(last + 4)};
+  ClosureEquations made{Eigen::MatrixXd::Zero(last + 4, state.size()),
+                        Eigen::VectorXd::Zero(last + 4)};
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     const auto row = 2 * static_cast<Eigen::Index>(j);
     const Joint& joint = joints_[j];
@@ -107,7 +108,7 @@ PlanarState ClosurePath::close(PlanarState state, double wanted) const {
   const Vector3 held = state.head<3>();
   double before = std::numeric_limits<double>::infinity();
   for (int round = 0; round < kMostRounds; ++round) {
-    const Equations here = equations(state, held, wanted);
+    const ClosureEquations here = equations(state, held, wanted);
     const double worst = here.missed.lpNorm<Eigen::Infinity>();
     // On to rounding: a round that no longer halves what is missed is the last.
     if (worst < kClosed && worst > 0.5 * before) break;

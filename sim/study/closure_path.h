@@ -38,11 +38,11 @@ class ClosurePath {
   std::vector<Tile> tiles(const PlanarState& state) const;
 
  private:
-  struct Equations {
+  struct ClosureEquations {
     Eigen::MatrixXd slopes;
     Eigen::VectorXd missed;
   };
-  Equations equations(const PlanarState& state, const Vector3& held, double wanted) const;
+  ClosureEquations equations(const PlanarState& state, const Vector3& held, double wanted) const;
   Vector3 vertex(const PlanarState& state, const Corner& corner) const;
 
   std::vector<Tile> shapes_;  // about the mean of their vertices

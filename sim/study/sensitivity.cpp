@@ -15,7 +15,7 @@ constexpr int kRowsASecond = 12;
 constexpr double kSpringStiffness = 25;
 
 /// One curve of a panel.
-struct Curve {
+struct SensitivityCurve {
   std::string family;
   std::string parameter;
   double value = 0;
@@ -24,7 +24,7 @@ struct Curve {
   double budget = 0;  // CPU seconds
 };
 
-Scene sceneOf(const Curve& curve) {
+Scene sceneOf(const SensitivityCurve& curve) {
   Scene scene = familyScene(curve.family);
   if (curve.family == "square-to-disk") scene.springs.springStiffness = kSpringStiffness;
   if (curve.parameter == "k_f") scene.springs.springStiffness = curve.value;
@@ -37,7 +37,7 @@ Scene sceneOf(const Curve& curve) {
   return scene;
 }
 
-std::vector<Row> follow(const Curve& curve) {
+std::vector<Row> follow(const SensitivityCurve& curve) {
   const Scene scene = sceneOf(curve);
   SteppedScene run(scene, curve.method);
   const int steps = static_cast<int>(curve.seconds * curve.method.rate);
@@ -73,8 +73,8 @@ std::vector<StudyCase> sensitivityCases(Extent extent) {
     for (const std::string parameter : {"k_f", "mu_v", "thickness"}) {
       for (const double value : valuesOf(parameter, quick)) {
         for (const Method& method : {Method{Engine::Direct}, bulletBaseline()}) {
-          const Curve curve{family, parameter,         value,
-                            method, quick ? 1.0 : 4.0, quick ? 3.0 : 15.0};
+          const SensitivityCurve curve{family, parameter,         value,
+                                       method, quick ? 1.0 : 4.0, quick ? 3.0 : 15.0};
           made.push_back({fmt::format("{} {} {} {}", family, parameter, value, toString(method)),
                           [curve] { return follow(curve); }});
         }

@@ -184,58 +184,58 @@ std::vector<StudyCase> workPrecisionCases(Extent extent) {
 }
 
 /// One row as a point of speed and error.
-struct Point {
+struct CostPoint {
   std::string engine;
   double rate = 0;
   double cpu = 0;
   double gap = 0;
 };
 
-std::vector<Point> pointsOf(const Table& table, const std::string& motion) {
-  std::vector<Point> points;
+std::vector<CostPoint> pointsOf(const Table& table, const std::string& motion) {
+  std::vector<CostPoint> points;
   for (const Row& row : table.rows) {
     if (table.text(row, "motion") != motion) continue;
-    const Point point{table.text(row, "engine"), table.number(row, "rate"),
-                      table.number(row, "cpu_ms_per_s"), table.number(row, "gap_m")};
+    const CostPoint point{table.text(row, "engine"), table.number(row, "rate"),
+                          table.number(row, "cpu_ms_per_s"), table.number(row, "gap_m")};
     // What flew apart has no place on a front.
     if (std::isfinite(point.cpu) && std::isfinite(point.gap)) points.push_back(point);
   }
   return points;
 }
 
-bool isOurs(const Point& point) {
+bool isOurs(const CostPoint& point) {
   return point.engine == "direct";
 }
 
-bool isBullet(const Point& point) {
+bool isBullet(const CostPoint& point) {
   return !isOurs(point) && point.engine != "chipmunk";
 }
 
-bool isChipmunk(const Point& point) {
+bool isChipmunk(const CostPoint& point) {
   return point.engine == "chipmunk";
 }
 
-using Belongs = bool (*)(const Point&);
+using Belongs = bool (*)(const CostPoint&);
 
 /// CPU time of the setting with the least gap, over that of ours at the same step.
-double tightestOverOurs(const std::vector<Point>& points, Belongs belongs) {
-  const Point* tightest = nullptr;
-  for (const Point& point : points) {
+double tightestOverOurs(const std::vector<CostPoint>& points, Belongs belongs) {
+  const CostPoint* tightest = nullptr;
+  for (const CostPoint& point : points) {
     if (belongs(point) && (!tightest || point.gap < tightest->gap)) tightest = &point;
   }
-  for (const Point& point : points) {
+  for (const CostPoint& point : points) {
     if (tightest && isOurs(point) && point.rate == tightest->rate) return tightest->cpu / point.cpu;
   }
   return std::nan("");
 }
 
 /// Over all settings, the least ratio of CPU time to our cheapest setting that has no larger gap.
-double leastOverOurs(const std::vector<Point>& points, Belongs belongs) {
+double leastOverOurs(const std::vector<CostPoint>& points, Belongs belongs) {
   double least = std::nan("");
-  for (const Point& point : points) {
+  for (const CostPoint& point : points) {
     if (!belongs(point)) continue;
     double ours = std::nan("");
-    for (const Point& other : points) {
+    for (const CostPoint& other : points) {
       if (isOurs(other) && other.gap <= point.gap) ours = std::fmin(ours, other.cpu);
     }
     least = std::fmin(least, point.cpu / ours);
@@ -244,12 +244,12 @@ double leastOverOurs(const std::vector<Point>& points, Belongs belongs) {
 }
 
 /// The largest ratio of our gap to that of a setting which costs no less.
-double gapAtEqualCost(const std::vector<Point>& points, Belongs belongs) {
+double gapAtEqualCost(const std::vector<CostPoint>& points, Belongs belongs) {
   double largest = std::nan("");
-  for (const Point& point : points) {
+  for (const CostPoint& point : points) {
     if (!belongs(point)) continue;
     double ours = std::nan("");
-    for (const Point& other : points) {
+    for (const CostPoint& other : points) {
       if (isOurs(other) && other.cpu <= point.cpu) ours = std::fmin(ours, other.gap);
     }
     largest = std::fmax(largest, ours / point.gap);
@@ -257,7 +257,7 @@ double gapAtEqualCost(const std::vector<Point>& points, Belongs belongs) {
   return largest;
 }
 
-void addComparison(std::vector<Finding>& found, const std::vector<Point>& points,
+void addComparison(std::vector<Finding>& found, const std::vector<CostPoint>& points,
                    const std::string& motion, const std::string& engine, Belongs belongs) {
   const std::string title = fmt::format("{}_{}", engine, motion);
   found.push_back(
@@ -272,7 +272,7 @@ void addComparison(std::vector<Finding>& found, const std::vector<Point>& points
 std::vector<Finding> workPrecisionFindings(const Table& table) {
   std::vector<Finding> found;
   for (const std::string motion : {"plane", "space"}) {
-    const std::vector<Point> points = pointsOf(table, motion);
+    const std::vector<CostPoint> points = pointsOf(table, motion);
     addComparison(found, points, motion, "bullet", isBullet);
     if (motion == "plane") addComparison(found, points, motion, "chipmunk", isChipmunk);
   }

@@ -23,13 +23,13 @@ constexpr int kGroundGroup = 2;
 constexpr int kGroundIndex = -1;
 
 /// A solver, and what it works with.
-struct Solver {
+struct SolverParts {
   std::unique_ptr<btDantzigSolver> pivoting;
   std::unique_ptr<btConstraintSolver> solver;
 };
 
-Solver makeSolver(BulletMethod method) {
-  Solver made;
+SolverParts makeSolver(BulletMethod method) {
+  SolverParts made;
   switch (method) {
     case BulletMethod::SequentialImpulse:
       made.solver = std::make_unique<btSequentialImpulseConstraintSolver>();
@@ -111,7 +111,7 @@ struct BulletWorld::Internals {
   btDefaultCollisionConfiguration configuration;
   btCollisionDispatcher dispatcher{&configuration};
   btDbvtBroadphase broadphase;
-  Solver solver;
+  SolverParts solver;
   std::vector<std::unique_ptr<btCollisionShape>> shapes;
   std::vector<std::unique_ptr<btRigidBody>> bodies;  ///< one a brick, in order
   std::unique_ptr<btRigidBody> groundBody;

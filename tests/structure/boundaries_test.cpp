@@ -438,6 +438,20 @@ TEST(Boundaries, TypesAreDefinedOnce) {
   for (const auto& [name, files] : places) EXPECT_THAT(files, SizeIs(1)) << name;
 }
 
+TEST(Boundaries, TypesHaveNamesOfTheirOwn) {
+  std::map<std::string, std::vector<std::string>> places;
+  for (const SourceFile& file : sources()) {
+    for (const Block& block : blocksOf(readText(fs::path(KIRIREEL_SOURCE_DIR) / file.path))) {
+      const bool isMade = block.kind == Block::Type && block.lastLine > block.firstLine;
+      // Internals that a header declares have that class's name; a Kind is that of its type.
+      const bool isPart = block.name.find("::") != block.name.npos || block.name == "Kind";
+      if (isMade && !isPart) places[block.name].push_back(file.path);
+    }
+  }
+  EXPECT_GT(places.size(), 300U);
+  for (const auto& [name, files] : places) EXPECT_THAT(files, SizeIs(1)) << name;
+}
+
 TEST(Boundaries, SourceFilesStayShort) {
   for (const SourceFile& file : sources()) {
     const std::string text = readText(fs::path(KIRIREEL_SOURCE_DIR) / file.path);
