@@ -1,3 +1,10 @@
+// H = L L^T, front by front. A supernode with the columns C and the rows R below them has the dense
+// front
+//   F = [F_CC .; F_RC F_RR] = its own blocks of H + the updates of its children,
+// of which a panel of |C| columns is kept: F_CC = L_CC L_CC^T, L_RC = F_RC L_CC^-T. What is left,
+// F_RR - L_RC L_RC^T, is the update of its parent and waits on a stack, since children come right
+// before their parent. A solve runs up the fronts with L^-1 and down again with L^-T.
+// Liu, "The multifrontal method for sparse matrix solution: theory and practice", 1992.
 #include "sim/joints/block_cholesky.h"
 
 #include <algorithm>

@@ -1,3 +1,8 @@
+// Rows of contacts and their augmented Lagrangian: a contact with the multiplier p pushes with
+//   max(0, p - rho (c x - b)),
+// and rubs with s - rho t x, cut to the length mu p of Coulomb's cone, the radius of the round
+// before. Points of one plane become rows together. Of contacts that carried load the next step
+// begins with the multipliers.
 #include "sim/joints/contact_rows.h"
 
 #include <algorithm>

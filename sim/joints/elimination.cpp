@@ -1,3 +1,11 @@
+// The plan in four steps: an order of columns by approximate minimum degree; the elimination tree,
+// in which the parent of column j is the first row below it that fills in,
+//   rows(j) = neighbours after j, and rows(children) without j;   parent(j) = min rows(j);
+// its postorder, in which each subtree stands together; and supernodes, which take in the column
+// before them while the zeros that this puts into the panel stay few.
+// Amestoy, Davis and Duff, "An approximate minimum degree ordering algorithm", 1996; Liu, "The role
+// of elimination trees in sparse factorization", 1990; Ashcraft and Grimes, "The influence of relaxed
+// supernode partitions on the multifrontal method", 1989.
 #include "sim/joints/elimination.h"
 
 #include <algorithm>

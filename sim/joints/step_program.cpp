@@ -1,3 +1,15 @@
+// The method of multipliers for
+//   min 1/2 x^T A x - f^T x   with   J x = 0,   c_i x >= b_i,   |t_i x| bounded by friction.
+// With multipliers l of the joints, p of the contacts and s of their slip, a round minimises
+//   1/2 x^T A x - f^T x - l^T J x + kappa/2 |J x|^2
+//     + sum_i max(0, p_i - rho (c_i x - b_i))^2 / (2 rho) + the same of the slip, cut to its bound,
+// which is convex and quadratic in pieces: which contacts push, and which slip, says which piece.
+// Newton's method on it is exact within a piece, so that a whole step is taken at first, and a line
+// search only where whole steps run in circles (semismooth Newton). Then the multipliers move to
+//   l - kappa J x,   p = max(0, p - rho (c x - b)),   s likewise,
+// and the next round begins. With kappa and rho large against A a round gains ten digits or so.
+// Rockafellar, "Augmented Lagrange multiplier functions and duality in nonconvex programming", 1974;
+// Qi and Sun, "A nonsmooth version of Newton's method", 1993.
 #include "sim/joints/step_program.h"
 
 #include <algorithm>

@@ -1,3 +1,18 @@
+// Whether a step may lead from one relative pose of two convex bricks to another.
+//
+// Two convex bodies are apart where a plane separates them: one of a face of either, or one along an
+// edge of each (the separating axis theorem). A step is fine where one plane, carried along by the
+// feature that it belongs to, separates them at the start and at the end; or where one takes over
+// from the other on the way, along the screw that leads from pose to pose. The plane of the last
+// step is tried first, and a pair is not looked at before its bricks could have used up their
+// distance, so that most pairs cost a few comparisons a step.
+//
+// Where no plane serves, the one that held at the start and is violated least at the end becomes
+// contacts: points of one brick that may not come through the plane of the other. Bricks that
+// overlap where a run begins may keep that overlap, and lose it as they come apart.
+// Gottschalk, Lin and Manocha, "OBBTree", 1996, for the axes; Mirtich, "V-Clip", 1998, for features
+// that are followed from step to step.
+//
 #include "sim/world/brick_pair.h"
 
 #include <algorithm>

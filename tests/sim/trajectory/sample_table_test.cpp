@@ -43,7 +43,7 @@ TEST(SampleTable, KeepsSamplesAsTheyWere) {
   EXPECT_EQ(found.jointGap, expected.jointGap);
   EXPECT_EQ(found.pinned, expected.pinned);
   ASSERT_EQ(found.steps.size(), 1U);
-  EXPECT_EQ(found.steps[0].factorizations, 7);
+  EXPECT_EQ(found.steps[0].took.factorizations, 7);
 }
 
 TEST(SampleTable, HasOneArrayForEachQuantity) {
