@@ -4,8 +4,8 @@
 // its postorder, in which each subtree stands together; and supernodes, which take in the column
 // before them while the zeros that this puts into the panel stay few.
 // Amestoy, Davis and Duff, "An approximate minimum degree ordering algorithm", 1996; Liu, "The role
-// of elimination trees in sparse factorization", 1990; Ashcraft and Grimes, "The influence of relaxed
-// supernode partitions on the multifrontal method", 1989.
+// of elimination trees in sparse factorization", 1990; Ashcraft and Grimes, "The influence of
+// relaxed supernode partitions on the multifrontal method", 1989.
 #include "sim/joints/elimination.h"
 
 #include <algorithm>
