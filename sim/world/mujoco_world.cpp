@@ -77,8 +77,7 @@ class MujocoText {
       bodies += bodyText(static_cast<int>(k), Vector3::Zero(), rootJoints());
     }
     return fmt::format(
-        "<mujoco><size memory=\"512M\" nstack=\"30000000\"/>"
-        "<option gravity=\"{}\" integrator=\"Euler\"><flag contact=\"disable\"/></option>"
+        "<mujoco><option gravity=\"{}\" integrator=\"Euler\"><flag contact=\"disable\"/></option>"
         "<worldbody>{}</worldbody><equality>{}</equality></mujoco>",
         vectorWords(gravity_), bodies, loops_);
   }

@@ -13,9 +13,9 @@ namespace {
 
 std::vector<Engine> availableEngines() {
   std::vector<Engine> found;
-  for (const Engine engine : {Engine::Direct, Engine::SequentialImpulse, Engine::Nncg,
-                              Engine::Dantzig, Engine::MultiBody, Engine::Chipmunk,
-                              Engine::Box2d, Engine::Mujoco}) {
+  for (const Engine engine :
+       {Engine::Direct, Engine::SequentialImpulse, Engine::Nncg, Engine::Dantzig, Engine::MultiBody,
+        Engine::Chipmunk, Engine::Box2d, Engine::Mujoco}) {
     if (isAvailable(engine)) found.push_back(engine);
   }
   return found;
@@ -54,11 +54,11 @@ TEST(Engines, ForcesAccelerateAsNewtonSays) {
     SCOPED_TRACE(toString(engine));
     FreeSquare square(0);
     square.run(engine, 240, load);
-    const double rounding = engine == Engine::Box2d ? 1e-4 : 1e-10;  // of single precision
+    const double rounding = engine == Engine::Box2d ? 1e-3 : 1e-10;  // of single precision
     EXPECT_LT((square.motion.velocities[0].linear - Vector3(3, 1, 0)).norm(),
-              rounding);  // measured 1e-13
+              rounding);  // measured 1e-13, Box2D 2e-4
     const double spin = 3 + 0.5 / square.bricks[0].inertia(2, 2);
-    EXPECT_NEAR(square.motion.velocities[0].angular.z(), spin, rounding);  // measured 4e-13
+    EXPECT_NEAR(square.motion.velocities[0].angular.z(), spin, rounding);  // measured 4e-13, 2e-4
   }
 }
 
