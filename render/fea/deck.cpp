@@ -31,12 +31,12 @@ const char* jointWord(const ElementMesh& mesh) {
 /// What a hinge's spring would be in place of a neck.
 void appendNeckStiffness(std::string& text, const NeckShape& neck, const DeckSettings& settings,
                          double thickness) {
-  const double length = std::max(neck.length, neck.kerf);
-  if (length == 0) return;
   append(text,
          "** In the sheet's plane a neck beside a shut slit is a rotational spring of {:.4g} N "
-         "m/rad,\n** E t w^3 / (12 (L + 1.26 w)) with E = {} Pa: the tiles give at its ends.\n",
-         neckStiffness(settings.material.youngs, thickness, neck.width, length),
+         "m/rad\n** with E = {} Pa: a beam's E t w^3 / (12 L), less what the tiles give at its "
+         "ends.\n",
+         neckStiffness(settings.material.youngs, thickness, neck.width,
+                       std::max(neck.length, neck.kerf)),
          deckNumber(settings.material.youngs));
 }
 

@@ -6,14 +6,16 @@ namespace kirireel {
 /// The moment per angle, N m/rad, of a neck in the sheet's plane between two tiles with a shut slit
 /// beside it, as neck_outline.h draws it:
 ///
-///     k = E t w^3 / (12 (L + 1.26 w))
+///     k = E t w^3 / (12 (L + e w)),   e = 1.31 at L = 0, 1.26 from L = w on (neck_table.h)
 ///
 /// A beam of length L gives E t w^3 / (12 L) (pure bending); the tiles give at its two ends as if
-/// it were 1.26 widths longer, so that a beam alone is 20% too stiff at L = 5 w and 6% at 20 w. The
-/// factor comes from plane stress meshes (tests/render/fea/neck_sheet_test.cpp), where it is 1.26
-/// to 1.27 for L from w / 2 to 20 w. Young's modulus in Pa, lengths in metres, all positive; width
-/// and length small against the tiles. Compare W. J. O'Donnell, The additional deflection of a
-/// cantilever due to the elasticity of the support, J. Appl. Mech. 27, 1960.
+/// it were e widths longer, so that a beam alone is 25% too stiff at L = 5 w and 6% at 20 w. The
+/// table of e comes from our own decks. Its limit at L = 0 is known: the end of a shut slit at a
+/// free edge is a deep crack with E t w^2 / 15.8, H. Tada, P. C. Paris, G. R. Irwin, The Stress
+/// Analysis of Cracks Handbook. Young's modulus in Pa, lengths in metres; length from 0,
+/// the others positive; width and length small against the tiles. Compare W. J. O'Donnell, The
+/// additional deflection of a cantilever due to the elasticity of the support, J. Appl. Mech. 27,
+/// 1960.
 double neckStiffness(double youngs, double thickness, double width, double length);
 
 }  // namespace kirireel
