@@ -1,13 +1,12 @@
 #include "render/fea/calculix_program.h"
 
-#include <algorithm>
-#include <cmath>
 #include <sstream>
 
 #include <fmt/format.h>
 
 #include "render/fea/outside_program.h"
 #include "sim/base/error.h"
+#include "sim/base/geometry.h"
 #include "sim/base/pending_file.h"
 
 namespace kirireel {
@@ -32,12 +31,11 @@ double meanOf(const std::vector<Vector3>& displacements, int axis) {
 
 }  // namespace
 
-Response responseByCalculix(const std::string& meshText, std::string jobText, int axis) {
+double openingByCalculix(const std::string& meshText, std::string jobText, int axis) {
   const WorkFolder folder;
   std::string requests;
   const char letter = "XYZ"[axis];
-  const std::string sets[] = {"NALL", fmt::format("GRIP_{}MIN", letter),
-                              fmt::format("GRIP_{}MAX", letter)};
+  const std::string sets[] = {fmt::format("GRIP_{}MIN", letter), fmt::format("GRIP_{}MAX", letter)};
   for (const std::string& set : sets) requests += fmt::format("*NODE PRINT, NSET={}\nU\n", set);
   jobText.insert(jobText.find("*END STEP"), requests);
   // CalculiX looks for included files where it was started.
@@ -49,20 +47,15 @@ Response responseByCalculix(const std::string& meshText, std::string jobText, in
                              "decks are checked by it: install it (Debian: apt-get install "
                              "calculix-ccx) or leave --check out");
   const std::string data = writtenText(folder / "check.dat");
-  Response response;
-  const std::vector<Vector3> all = displacementsOf(data, sets[0]);
-  if (end != 0 || all.empty()) {
+  const std::vector<Vector3> low = displacementsOf(data, sets[0]);
+  const std::vector<Vector3> high = displacementsOf(data, sets[1]);
+  if (end != 0 || low.empty() || high.empty()) {
     std::string words = writtenText(log);
     while (!words.empty() && words.back() == '\n') words.pop_back();
     throw RunError(
         fmt::format("error: ccx cannot solve this job ({})", words.substr(words.rfind('\n') + 1)));
   }
-  for (const Vector3& u : all) {
-    response.largestDisplacement = std::max(response.largestDisplacement, u.norm());
-  }
-  response.opening =
-      meanOf(displacementsOf(data, sets[2]), axis) - meanOf(displacementsOf(data, sets[1]), axis);
-  return response;
+  return meanOf(high, axis) - meanOf(low, axis);
 }
 
 }  // namespace kirireel

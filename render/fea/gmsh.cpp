@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <map>
-#include <set>
+
+#include "render/fea/separate_nodes.h"
 
 namespace kirireel {
 namespace {
@@ -58,12 +58,10 @@ struct Group {
 /// Collects groups, entities and elements, and writes them section by section.
 class GmshText {
  public:
-  GmshText(const ElementMesh& mesh, SetChoice sets) : mesh_(mesh), sets_(sets) {
+  GmshText(const ElementMesh& mesh, SetChoice sets)
+      : mesh_(mesh), sets_(sets), positions_(separatedNodes(mesh)) {
     for (const TileElements& tile : mesh.tiles) parts_.push_back(&tile);
     for (const TileElements& neck : mesh.necks) parts_.push_back(&neck);
-    Eigen::AlignedBox3d box;
-    for (const Vector3& node : mesh.nodes) box.extend(node);
-    placeStep_ = 1e-6 * box.sizes().norm();
     addGroup(bodyDimension(), "TILES");
     if (!mesh.necks.empty()) addGroup(bodyDimension(), "NECKS");
     if (isSolid()) {
@@ -113,18 +111,8 @@ class GmshText {
     }
     int entity = 0;
     for (const auto& [node, groups] : pointGroups_) {
-      ++entity;
-      // Where slits are shut, joints lie in one place; only a joint's own group needs its point
-      // then.
-      const bool isNew = places_.insert(placeOf(node)).second;
-      if (isNew || groups.size() > 1) blocks_.push_back({0, entity, kPoint, {{node}}});
+      blocks_.push_back({0, ++entity, kPoint, {{node}}});
     }
-  }
-
-  /// A node's place, rounded to a millionth of the sheet's size: Gmsh tells apart what is farther.
-  std::array<long, 3> placeOf(int node) const {
-    const Vector3 steps = mesh_.nodes[node] / placeStep_;
-    return {std::lround(steps.x()), std::lround(steps.y()), std::lround(steps.z())};
   }
 
   bool isSolid() const { return mesh_.rule.family == ElementFamily::Solid; }
@@ -185,7 +173,7 @@ class GmshText {
            isSolid() ? parts : 0);
     int entity = 0;
     for (const auto& [node, groups] : pointGroups_) {
-      const Vector3& at = mesh_.nodes[node];
+      const Vector3& at = positions_[node];
       append(text, "{} {} {} {} {}", ++entity, at.x(), at.y(), at.z(), groups.size());
       for (const int group : groups) append(text, " {}", group);
       text += '\n';
@@ -202,7 +190,7 @@ class GmshText {
   void appendEntity(std::string& text, int number, int part, int kind,
                     const std::vector<int>& own) const {
     Eigen::AlignedBox3d box;
-    for (const int node : parts_[part]->nodes) box.extend(mesh_.nodes[node]);
+    for (const int node : parts_[part]->nodes) box.extend(positions_[node]);
     append(text, "{} {} {} {} {} {} {} ", number + 1, box.min().x(), box.min().y(), box.min().z(),
            box.max().x(), box.max().y(), box.max().z());
     own.empty() ? append(text, "1 {} 0\n", kind) : append(text, "2 {} {} 0\n", kind, own[number]);
@@ -216,7 +204,7 @@ class GmshText {
       append(text, "{} {} 0 {}\n", dimension, entity, nodes.size());
       for (const int node : nodes) append(text, "{}\n", node + 1);
       for (const int node : nodes) {
-        const Vector3& at = mesh_.nodes[node];
+        const Vector3& at = positions_[node];
         append(text, "{} {} {}\n", at.x(), at.y(), at.z());
         isWritten[node] = true;
       }
@@ -251,6 +239,7 @@ class GmshText {
 
   const ElementMesh& mesh_;
   SetChoice sets_;
+  std::vector<Vector3> positions_;          ///< of the nodes
   std::vector<const TileElements*> parts_;  ///< tiles, then necks
   std::vector<Group> groups_;
   std::array<int, 4> groupsOf_{};                ///< by dimension
@@ -258,8 +247,6 @@ class GmshText {
   std::vector<int> surfaceGroups_;               ///< of single faces, in order of entities
   std::vector<int> bodyGroups_;                  ///< of single tiles and necks
   std::vector<Block> blocks_;
-  double placeStep_ = 1;                  ///< metres
-  std::set<std::array<long, 3>> places_;  ///< that a point stands in
 };
 
 }  // namespace

@@ -13,9 +13,9 @@ namespace kirireel {
 /// t + 1 of its volume, its faces the entities 3 t + 1 and 3 t + 2, and each node of a joint an
 /// entity of its own. No element stands in it twice. With SetChoice::All or Joints the nodes of
 /// each joint have a group (JOINT_00000_A, _B) besides, with All each tile and its faces too
-/// (TILE_00000, _SBOT, _STOP) and the surfaces SIDES (_SIDE, entity 3 t + 3): flanks that touch lie
-/// in one place then. Gmsh reads thousands of groups slowly. Coordinates in metres, to the last
-/// bit.
+/// (TILE_00000, _SBOT, _STOP) and the surfaces SIDES (_SIDE, entity 3 t + 3). Gmsh reads thousands
+/// of groups slowly. Coordinates in metres, to the last bit but at shut slits, where nodes that
+/// would lie in one place stand apart (separatedNodes), so that no program welds them.
 std::string gmshMesh(const ElementMesh& mesh, SetChoice sets = SetChoice::Usual);
 
 }  // namespace kirireel

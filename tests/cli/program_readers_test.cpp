@@ -57,8 +57,8 @@ TEST_P(Readers, FindNothingToMend) {
     exportAs(run, style, out);
     const std::string meshes = saidOfAll(out, ".msh", "gmsh -check $file");
     EXPECT_THAT(meshes, HasSubstr("Done checking mesh coherence"));
-    // Nodes are: shut slits have some in one place on both sides, which is what keeps them open.
-    EXPECT_THAT(meshes, Not(testing::ContainsRegex("[0-9] duplicate elements"))) << meshes;
+    EXPECT_THAT(meshes, Not(HasSubstr("Error"))) << meshes;
+    EXPECT_THAT(meshes, Not(HasSubstr("Warning"))) << meshes;
     const std::string facets = saidOfAll(out, ".stl", "admesh $file");
     EXPECT_THAT(facets, HasSubstr("Normals fixed         :     0"));
     for (const char* mended : {"Edges fixed", "Facets removed", "Facets added", "Facets reversed",

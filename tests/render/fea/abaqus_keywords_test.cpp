@@ -11,8 +11,10 @@
 
 #include "render/fea/deck.h"
 #include "render/fea/job.h"
+#include "render/fea/neck_sheet.h"
 #include "tests/support/files.h"
 #include "tests/support/layouts.h"
+#include "tests/support/program.h"
 
 namespace kirireel {
 namespace {
@@ -136,12 +138,8 @@ class Judge {
   bool isInStep_ = false;
 };
 
-/// All decks and jobs of squares with these elements.
-void judge(Judge& judge, const ElementRule& rule, JointFace face = JointFace::Both) {
-  Model model = makeTessellation(test::squares(2, 2, 0.7));
-  for (Joint& joint : model.joints) joint.face = face;
-  const test::Layout layout = test::layoutOf(model.tiles, model.joints);
-  const ElementMesh mesh = makeElementMesh(layout.bricks, layout.joints, layout.poses, rule);
+/// All decks and jobs on a mesh whose tiles stand like this.
+void judgeAll(Judge& judge, const ElementMesh& mesh, const Poses& poses) {
   const DeckOrigin origin = {"squares", "final", 0.5, 0.02, 0, "Kirireel", "a run"};
   DeckSettings settings;
   settings.solver = Solver::Abaqus;
@@ -150,9 +148,35 @@ void judge(Judge& judge, const ElementRule& rule, JointFace face = JointFace::Bo
   for (const DeckJob& job :
        {staticJob(mesh, settings, origin, "x_mesh.inp"),
         bucklingJob(mesh, settings, origin, "x_mesh.inp"),
-        driveJob(mesh, settings, origin, "x_mesh.inp", {{0, 1}, {layout.poses, layout.poses}})}) {
+        driveJob(mesh, settings, origin, "x_mesh.inp", {{0, 1}, {poses, poses}})}) {
     judge.read(job.sets);
     judge.read(job.text);
+  }
+}
+
+/// Those of squares on hinges with these elements.
+void judge(Judge& judge, const ElementRule& rule, JointFace face = JointFace::Both) {
+  Model model = makeTessellation(test::squares(2, 2, 0.7));
+  for (Joint& joint : model.joints) joint.face = face;
+  const test::Layout layout = test::layoutOf(model.tiles, model.joints);
+  judgeAll(judge, makeElementMesh(layout.bricks, layout.joints, layout.poses, rule), layout.poses);
+}
+
+TEST(AbaqusDecks, OfNecksHaveTheKeywordsOfTheManual) {
+  if (!test::hasProgram("gmsh")) GTEST_SKIP() << "install gmsh to mesh sheets with necks";
+  Judge abaqus;
+  const Model model = makeTessellation(test::squares(2, 2, 0));
+  const Poses poses = test::layoutOf(model.tiles, model.joints).poses;
+  for (const ElementFamily family :
+       {ElementFamily::Solid, ElementFamily::Shell, ElementFamily::Plane}) {
+    for (const bool isQuadratic : {true, false}) {
+      const ElementRule rule{.perEdge = 2,
+                             .quadratic = isQuadratic,
+                             .joints = JointStyle::Neck,
+                             .family = family,
+                             .neck = {.width = 0.05, .length = 0.1}};
+      judgeAll(abaqus, makeNeckMesh(model, 0.02, rule), poses);
+    }
   }
 }
 

@@ -1,0 +1,78 @@
+// Nodes are sorted by their places along a direction that no grid has, so that only neighbours in
+// that order need to be compared.
+#include "render/fea/separate_nodes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+namespace kirireel {
+namespace {
+
+constexpr double kMove = 1e-7;      ///< of the sheet's size
+constexpr double kOnePlace = 4e-8;  ///< of the size; less than two moves, or some would collide
+
+double sizeOf(const std::vector<Vector3>& nodes) {
+  Eigen::AlignedBox3d box;
+  for (const Vector3& node : nodes) box.extend(node);
+  return nodes.empty() ? 0 : box.sizes().norm();
+}
+
+/// For each node whether another lies in its place.
+std::vector<bool> isAmongOthers(const std::vector<Vector3>& nodes, double tolerance) {
+  const Vector3 direction = Vector3(1, std::sqrt(2.0), std::sqrt(3.0)) / std::sqrt(6.0);
+  std::vector<double> along(nodes.size());
+  for (std::size_t k = 0; k < nodes.size(); ++k) along[k] = direction.dot(nodes[k]);
+  std::vector<int> order(nodes.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::sort(order, {}, [&](int node) { return std::pair(along[node], node); });
+  std::vector<bool> found(nodes.size());
+  for (std::size_t a = 0; a < order.size(); ++a) {
+    for (std::size_t b = a + 1; b < order.size(); ++b) {
+      if (along[order[b]] - along[order[a]] > tolerance) break;
+      if ((nodes[order[a]] - nodes[order[b]]).norm() > tolerance) continue;
+      found[order[a]] = found[order[b]] = true;
+    }
+  }
+  return found;
+}
+
+/// The middle of four corners of an element.
+Vector3 middleOf(const ElementMesh& mesh, const Element& element, int first) {
+  Vector3 sum = Vector3::Zero();
+  for (int k = first; k < first + 4; ++k) sum += mesh.nodes[element.nodes[k]];
+  return sum / 4;
+}
+
+/// The direction from a node into an element, in the plane of its tile.
+Vector3 inwards(const ElementMesh& mesh, const Element& element, int node) {
+  const Vector3 bottom = middleOf(mesh, element, 0);
+  Vector3 way = bottom - mesh.nodes[node];
+  if (mesh.rule.family == ElementFamily::Solid) {
+    const Vector3 up = (middleOf(mesh, element, 4) - bottom).normalized();
+    way -= up.dot(way) * up;
+  }
+  return way.normalized();
+}
+
+}  // namespace
+
+std::vector<Vector3> separatedNodes(const ElementMesh& mesh) {
+  const double size = sizeOf(mesh.nodes);
+  const std::vector<bool> moves = isAmongOthers(mesh.nodes, kOnePlace * size);
+  std::vector<Vector3> ways(mesh.nodes.size(), Vector3::Zero());
+  for (const Element& element : mesh.elements) {
+    for (int k = 0; k < nodeCount(mesh.rule); ++k) {
+      const int node = element.nodes[k];
+      if (moves[node]) ways[node] += inwards(mesh, element, node);
+    }
+  }
+  std::vector<Vector3> nodes = mesh.nodes;
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    if (moves[k]) nodes[k] += kMove * size * ways[k].normalized();
+  }
+  return nodes;
+}
+
+}  // namespace kirireel
