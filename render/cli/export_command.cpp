@@ -130,6 +130,21 @@ void addDeckOptions(CLI::App& command, DeckSettings& decks, bool isAlone) {
               "numbered as in the model's file, planar ones from 1",
               [&decks](const TypedValue& typed) { decks.drive = parseDrive(typed); });
   group.flag("--buckle", "a further job, for buckling loads", [&decks] { decks.buckling = true; });
+  group.flag("--periodic",
+             "a further job on a sheet that repeats: opposite ends tied to control nodes",
+             [&decks] { decks.periodic = true; });
+  group
+      .value("--deck-contacts", "FRICTION", "",
+             "contact between flanks beside joints, with this coefficient of friction (0: none)",
+             [&decks](const TypedValue& typed) {
+               decks.contactFriction = parseNumber(typed, {0, 10});
+             })
+      .saidAs([&decks] {
+        return decks.contactFriction ? numberText(*decks.contactFriction) : std::string();
+      });
+  group.flag("--state-map",
+             "jobs that move the first state's mesh to the other states, without stress",
+             [&decks] { decks.stateMap = true; });
 }
 
 std::filesystem::path trajectoryFile(const std::filesystem::path& given) {

@@ -12,6 +12,7 @@
 #include "render/export/state_choice.h"
 #include "render/fea/deck.h"
 #include "render/fea/gmsh.h"
+#include "render/fea/hinge_springs.h"
 #include "render/fea/job.h"
 #include "render/fea/neck_sheet.h"
 #include "render/folder/file_set.h"
@@ -60,6 +61,8 @@ constexpr const char* kMeshFile = "_mesh.inp";
 constexpr const char* kDriveFile = "_drive.inp";
 constexpr const char* kDriveMesh = "_drive_mesh.inp";
 constexpr const char* kBucklingFile = "_buckle.inp";
+constexpr const char* kMapFile = "_map.inp";
+constexpr const char* kPeriodicFile = "_periodic.inp";
 
 constexpr auto kFiles = std::to_array<ExportFile>({
     {ExportFormat::Obj, true, ".obj"},
@@ -72,6 +75,8 @@ constexpr auto kFiles = std::to_array<ExportFile>({
     {ExportFormat::Inp, true, kDriveFile},
     {ExportFormat::Inp, true, kDriveMesh},
     {ExportFormat::Inp, true, kBucklingFile},
+    {ExportFormat::Inp, true, kMapFile},
+    {ExportFormat::Inp, true, kPeriodicFile},
     {ExportFormat::Msh, true, ".msh"},
     {ExportFormat::Vtu, true, ".vtu"},
     {ExportFormat::Vtu, false, "deployment.pvd"},
@@ -100,6 +105,8 @@ bool wants(const ExportSettings& settings, const ExportFile& file) {
   const bool isOfDrive = name == kDriveFile || name == kDriveMesh;
   if (isOfDrive && settings.decks.drive.kind == DriveChoice::None) return false;
   if (name == kBucklingFile && !settings.decks.buckling) return false;
+  if (name == kMapFile && !settings.decks.stateMap) return false;
+  if (name == kPeriodicFile && !settings.decks.periodic) return false;
   return wants(settings, file.format);
 }
 
@@ -110,8 +117,10 @@ ElementRule numbered(ElementRule rule, const Model& model) {
 }
 
 /// Whether a drive has a mesh of its own: nobody chose elements, and tiles on ideal hinges are
-/// rigid on the way. Coarse ones turn in a tenth of the increments and a hundredth of the time.
-bool hasDriveMesh(const ElementRule& rule) {
+/// rigid on the way. Coarse ones turn in a tenth of the increments and a hundredth of the time, but
+/// have no flanks apart from joints, for contact.
+bool hasDriveMesh(const ElementRule& rule, const DeckSettings& decks) {
+  if (decks.contactFriction) return false;
   const bool isHinged = rule.joints == JointStyle::Shared || rule.joints == JointStyle::Equation;
   return isHinged && rule.family == ElementFamily::Solid && rule.perEdge == 0 && rule.size == 0;
 }
@@ -151,6 +160,7 @@ class Exporter {
         states_(chooseStates(trajectory, settings.states)),
         files_(files) {
     requireFuture();
+    requireMap();
   }
 
   void writeAll() {
@@ -165,14 +175,16 @@ class Exporter {
   void writeState(const ChosenState& state, const Sample& sample) {
     const std::string name = fileStem(state.label);
     if (wantsElements() && !isNecked()) {
-      const ElementMesh mesh =
+      ElementMesh mesh =
           makeElementMesh(subject_.bricks, subject_.model.joints, sample.poses, elements_);
+      addHingeSprings(mesh, subject_.hingeSprings, sample.poses);
       const DeckOrigin origin = originOf(state.label, sample);
       std::string sets;
       if (isDriven(state.sample)) {
         sets = writeDrive(mesh, name, origin, state.sample, sample.poses);
       }
       writeElements(mesh, name, origin, sets);
+      writeMap(std::move(mesh), name, origin);
     }
     for (const auto& [format, ending] : {std::pair{ExportFormat::Obj, ".obj"},
                                          {ExportFormat::Ply, ".ply"},
@@ -193,6 +205,20 @@ class Exporter {
   /// The tiles with their vertices in the order of the model's own file.
   std::vector<Tile> sheetOf(const Sample& sample) const {
     return inFileOrder(bottomTiles(subject_.bricks, sample.poses), subject_.model.fileOrder);
+  }
+
+  /// A map leads from one state to others, of bricks.
+  void requireMap() const {
+    if (!settings_.decks.stateMap || !wants(ExportFormat::Inp)) return;
+    if (isNecked()) {
+      throw InputError(
+          "error: --state-map leads from state to state, and a sheet with necks is the start "
+          "alone; choose other --joints");
+    }
+    if (states_.size() > 1) return;
+    throw InputError(
+        "error: --state-map leads from the first state to others; choose several, as --states "
+        "initial,final");
   }
 
   /// A drive needs a state that something follows.
@@ -231,9 +257,27 @@ class Exporter {
     writeTextFile(files_.add(name + kMeshFile),
                   meshDeck(mesh, settings_.decks, origin) + job.sets + driveSets);
     writeTextFile(files_.add(name + "_job.inp"), job.text);
-    if (!settings_.decks.buckling) return;
-    writeTextFile(files_.add(name + kBucklingFile),
-                  bucklingJob(mesh, settings_.decks, origin, name + kMeshFile).text);
+    if (settings_.decks.buckling) {
+      writeTextFile(files_.add(name + kBucklingFile),
+                    bucklingJob(mesh, settings_.decks, origin, name + kMeshFile).text);
+    }
+    if (settings_.decks.periodic) {
+      writeTextFile(files_.add(name + kPeriodicFile),
+                    periodicJob(mesh, settings_.decks, origin, name + kMeshFile).text);
+    }
+  }
+
+  /// The job that takes the first state to this one; keeps the mesh of the first.
+  void writeMap(ElementMesh mesh, const std::string& name, const DeckOrigin& origin) {
+    if (!wants(ExportFormat::Inp) || !settings_.decks.stateMap) return;
+    if (!first_) {
+      first_.emplace(name, std::move(mesh));
+      return;
+    }
+    const auto& [firstName, firstMesh] = *first_;
+    const DeckJob job =
+        stateMapJob(firstMesh, mesh, settings_.decks, origin, firstName + kMeshFile);
+    writeTextFile(files_.add(name + kMapFile), job.text);
   }
 
   bool isDriven(std::size_t sample) const {
@@ -245,7 +289,7 @@ class Exporter {
   /// sheet's mesh needs for it.
   std::string writeDrive(const ElementMesh& mesh, const std::string& name, const DeckOrigin& origin,
                          std::size_t sample, const Poses& poses) {
-    const bool hasOwn = hasDriveMesh(elements_);
+    const bool hasOwn = hasDriveMesh(elements_, settings_.decks);
     const std::string meshFile = name + (hasOwn ? kDriveMesh : kMeshFile);
     const auto jobOn = [&](const ElementMesh& driven) {
       const DeckJob job = driveJob(driven, settings_.decks, origin, meshFile, historyFrom(sample));
@@ -255,7 +299,9 @@ class Exporter {
     if (!hasOwn) return jobOn(mesh);
     const ElementMesh own =
         makeElementMesh(subject_.bricks, subject_.model.joints, poses, coarsest(elements_));
-    writeTextFile(files_.add(meshFile), meshDeck(own, settings_.decks, origin) + jobOn(own));
+    DeckSettings decks = settings_.decks;
+    decks.periodic = false;
+    writeTextFile(files_.add(meshFile), meshDeck(own, decks, origin) + jobOn(own));
     return {};
   }
 
@@ -329,6 +375,7 @@ class Exporter {
   std::vector<ChosenState> states_;
   WrittenFiles& files_;
   Poses start_;
+  std::optional<std::pair<std::string, ElementMesh>> first_;  ///< of state maps: name and mesh
 };
 
 }  // namespace
@@ -394,6 +441,13 @@ std::vector<std::string> exportWarnings(const TrajectoryReader& trajectory,
                     bricks.size(), usualPerEdge(bricks, settings.elements)));
   }
   if (!wants(settings, ExportFormat::Inp)) return lines;
+  const std::vector<HingeSpring>& springs = trajectory.subject().hingeSprings;
+  const bool hasSprings = std::ranges::any_of(springs, [](auto& one) { return one.stiffness > 0; });
+  if (hasSprings && settings.elements.joints != JointStyle::Patch) {
+    lines.emplace_back(
+        "warning: these decks are without the run's springs at hinges, which stand between rigid "
+        "patches; choose --joints patch");
+  }
   const double thickness = trajectory.subject().brickRule.thickness;
   for (const ChosenState& state : chooseStates(trajectory, settings.states)) {
     const double overlap = trajectory.sample(state.sample).penetration;

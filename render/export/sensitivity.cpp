@@ -29,6 +29,7 @@ double openingOf(const ElementMesh& mesh, DeckSettings settings, const DeckOrigi
   settings.solver = Solver::Calculix;
   settings.sets = SetChoice::None;
   settings.unit = DeckUnit::Model;
+  settings.periodic = false;
   const DeckJob job = staticJob(mesh, settings, origin, "mesh.inp");
   return openingByCalculix(meshDeck(mesh, settings, origin) + job.sets, job.text,
                            longestAxis(mesh));

@@ -4,6 +4,9 @@
 #include <iterator>
 
 #include "render/fea/boundary_sets.h"
+#include "render/fea/contact_pairs.h"
+#include "render/fea/patch_deck.h"
+#include "render/fea/periodic.h"
 #include "sim/base/interruption.h"
 #include "sim/model/neck_stiffness.h"
 
@@ -76,6 +79,11 @@ void appendHeader(std::string& text, const ElementMesh& mesh, const DeckSettings
          deckNumber(mesh.largestGap));
   if (mesh.rule.joints == JointStyle::Patch) {
     append(text, "** Patches have a radius of {} m.\n", deckNumber(mesh.rule.patchRadius));
+    if (mesh.springs.empty()) return;
+    append(text,
+           "** {} torsional springs stand between patches. They rest in this state; jobs add the "
+           "moments\n** that the run's springs have in it.\n",
+           mesh.springs.size());
     return;
   }
   text +=
@@ -210,52 +218,6 @@ void appendEquations(std::string& text, const ElementMesh& mesh) {
   }
 }
 
-/// The rigid patches of a mesh with the nodes that they turn about. In CalculiX the patches of a
-/// joint share one node. In Abaqus a node governs one rigid body, so that each patch has its own,
-/// and *MPC pins them together; the first of a joint is the one that may be held.
-class PatchDeck {
- public:
-  PatchDeck(const ElementMesh& mesh, Solver solver) : mesh_(mesh), solver_(solver) {}
-
-  /// The positions of the nodes of patches, to be numbered after the mesh's own.
-  std::vector<Vector3> referenceNodes() const {
-    std::vector<Vector3> nodes;
-    for (std::size_t c = 0; c < mesh_.clusters.size(); ++c) {
-      nodes.push_back(referencePosition(mesh_, c));
-    }
-    if (solver_ == Solver::Calculix) return nodes;
-    for (std::size_t c = 0; c < mesh_.clusters.size(); ++c) {
-      const std::size_t others = mesh_.clusters[c].patches.size() - 1;
-      nodes.insert(nodes.end(), others, referencePosition(mesh_, c));
-    }
-    return nodes;
-  }
-
-  void append(std::string& text) const {
-    int nextOwn = referenceNode(mesh_, mesh_.clusters.size());
-    std::string pins;
-    for (std::size_t c = 0; c < mesh_.clusters.size(); ++c) {
-      const int shared = referenceNode(mesh_, c);
-      for (std::size_t k = 0; k < mesh_.clusters[c].patches.size(); ++k) {
-        const std::string name = fmt::format("PATCH_{:05}_{}", c, k);
-        appendNodeSet(text, name, mesh_.clusters[c].patches[k]);
-        if (solver_ == Solver::Calculix) {
-          kirireel::append(text, "*RIGID BODY, NSET={}, REF NODE={}\n", name, shared + 1);
-          continue;
-        }
-        const int own = k == 0 ? shared : nextOwn++;
-        kirireel::append(text, "*RIGID BODY, PIN NSET={}, REF NODE={}\n", name, own + 1);
-        if (k > 0) kirireel::append(pins, "PIN, {}, {}\n", own + 1, shared + 1);
-      }
-    }
-    if (!pins.empty()) text += "*MPC\n" + pins;
-  }
-
- private:
-  const ElementMesh& mesh_;
-  Solver solver_;
-};
-
 std::vector<int> countedFrom(std::size_t first, std::size_t count) {
   std::vector<int> numbers;
   for (std::size_t k = 0; k < count; ++k) numbers.push_back(static_cast<int>(first + k));
@@ -293,12 +255,12 @@ const char* elementType(const TileElements& tile, const ElementRule& rule) {
 
 std::string meshDeck(const ElementMesh& mesh, const DeckSettings& settings,
                      const DeckOrigin& origin) {
-  const bool isPatched = mesh.rule.joints == JointStyle::Patch;
   const PatchDeck patches(mesh, settings.solver);
-  std::vector<Vector3> references;
-  if (isPatched) references = patches.referenceNodes();
   std::vector<Vector3> nodes = mesh.nodes;
-  nodes.insert(nodes.end(), references.begin(), references.end());
+  nodes.insert(nodes.end(), patches.nodes().begin(), patches.nodes().end());
+  const std::size_t firstControl = nodes.size();
+  if (settings.periodic)
+    std::ranges::copy(controlPositions(periodicity(mesh), mesh), std::back_inserter(nodes));
   const SetChoice sets = chosenSets(settings.sets, mesh.tiles.size());
 
   std::string text;
@@ -314,10 +276,13 @@ std::string meshDeck(const ElementMesh& mesh, const DeckSettings& settings,
   if (sets != SetChoice::None) appendJointSets(text, mesh);
   appendNodeSet(text, "NJOINT", allJointNodes(mesh));
   for (const NamedNodes& set : boundarySets(mesh)) appendNodeSet(text, set.name, set.nodes);
-  appendNodeSet(text, "NREFERENCE", countedFrom(mesh.nodes.size(), references.size()));
+  appendNodeSet(text, "NREFERENCE", countedFrom(mesh.nodes.size(), patches.placedCount()));
+  appendNodeSet(text, "NCONTROL", countedFrom(firstControl, nodes.size() - firstControl));
   if (mesh.rule.family == ElementFamily::Shell) appendOffsetSets(text, mesh);
+  if (settings.contactFriction) appendContactSurfaces(text, contactPairs(mesh));
   if (hasEquations(mesh)) appendEquations(text, mesh);
-  if (isPatched) patches.append(text);
+  patches.appendBodies(text);
+  patches.appendSprings(text, settings.unit);
   return text;
 }
 

@@ -15,7 +15,8 @@ namespace kirireel {
 /// Names count from 0 in the model's order, as those in other exports do: element sets TILE_00000,
 /// NECK_00000 and EALL; node sets TILE_00000_N, _BOT, _TOP, JOINT_00000_A and _B, NJOINT, NALL and
 /// those of boundarySets; surfaces TILE_00000_SBOT, _STOP, _SIDE and, on each edge of the tile,
-/// _S0, _S1 and so on.
+/// _S0, _S1 and so on. With contact the surfaces of appendContactSurfaces; for periodic jobs the
+/// control nodes NCONTROL, after all others.
 std::string meshDeck(const ElementMesh& mesh, const DeckSettings& settings,
                      const DeckOrigin& origin);
 

@@ -1,6 +1,7 @@
 /// The words that decks are made of, within the limits of their readers.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -62,6 +63,9 @@ struct DeckSettings {
   DeckUnit unit = DeckUnit::Model;
   DriveChoice drive;      ///< of a second job, which follows the deployment
   bool buckling = false;  ///< a job that finds buckling loads
+  bool stateMap = false;  ///< jobs that take the first state that is exported to the others
+  bool periodic = false;  ///< a job that strains a sheet whose opposite ends are tied
+  std::optional<double> contactFriction;  ///< of contact between flanks, from 0; absent: none
 };
 
 /// Where a deck comes from, for its header.

@@ -346,6 +346,7 @@ std::vector<bool> followers(const ElementMesh& mesh) {
       for (const int node : patch) follows[node] = true;
     }
   }
+  for (const PeriodicTie& tie : mesh.ties) follows[tie.node] = true;
   return follows;
 }
 

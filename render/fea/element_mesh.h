@@ -92,6 +92,22 @@ struct NodeCluster {
   double gap = 0;                         ///< largest distance between two of them, metres
 };
 
+/// A torsional spring between the rigid patches of two tiles, about z.
+struct PatchSpring {
+  int cluster = 0;
+  int patchA = 0;  ///< of the cluster's patches
+  int patchB = 0;
+  double stiffness = 0;  ///< N m/rad
+  double moment = 0;     ///< on B in the mesh's state, and on A in reverse; N m
+};
+
+/// A node that follows another and the control nodes of a sheet that repeats, see periodic.h.
+struct PeriodicTie {
+  int node = 0;
+  int leader = 0;
+  std::array<int, 2> times{};  ///< how often it follows the control nodes of x and y: 0 or 1
+};
+
 /// A mesh of all bricks. Coordinates in metres, world axes.
 struct ElementMesh {
   ElementRule rule;  ///< a patch radius of 0 replaced by the one in use
@@ -101,6 +117,8 @@ struct ElementMesh {
   std::vector<TileElements> necks;    ///< of JointStyle::Neck: those with an area of their own
   std::vector<JointNodes> joints;     ///< one a joint
   std::vector<NodeCluster> clusters;  ///< in order of their first node; none are left when shared
+  std::vector<PatchSpring> springs;   ///< of JointStyle::Patch, see hinge_springs.h
+  std::vector<PeriodicTie> ties;      ///< of a job on a sheet that repeats
   double largestGap = 0;              ///< between corners that meet, metres
 };
 
@@ -140,7 +158,7 @@ ElementMesh makeElementMesh(const std::vector<Brick>& bricks, const std::vector<
 bool hasEquations(const ElementMesh& mesh);
 
 /// For each node whether it follows others, so that nothing else may hold it: of *EQUATION all but
-/// the first of a cluster, of rigid patches all.
+/// the first of a cluster, of rigid patches all, and of ties those that follow.
 std::vector<bool> followers(const ElementMesh& mesh);
 
 /// The node that the patches of a cluster turn about, numbered after all others.

@@ -35,7 +35,7 @@ class FrontalElimination {
       : equations_(equations), isFixed_(isFixed), tolerance_(tolerance), tileAt_(tileCount) {
     std::vector<std::pair<int, int>> edges;
     for (const PairEquations& pair : equations) {
-      edges.emplace_back(pair.firstTile, pair.secondTile);
+      if (pair.firstTile != pair.secondTile) edges.emplace_back(pair.firstTile, pair.secondTile);
     }
     plan_ = planElimination(tileCount, edges);
     for (int tile = 0; tile < tileCount; ++tile) tileAt_[plan_.place[tile]] = tile;

@@ -7,8 +7,8 @@
 
 namespace kirireel {
 
-/// Equations between the six unknowns of one tile and those of another: first u_first + second
-/// u_second = 0.
+/// Equations between the six unknowns of one tile and those of another, or the same: first u_first
+/// + second u_second = 0.
 struct PairEquations {
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6>;
 

@@ -5,7 +5,10 @@
 #include <numeric>
 
 #include "render/fea/boundary_sets.h"
+#include "render/fea/contact_pairs.h"
 #include "render/fea/deck.h"
+#include "render/fea/patch_deck.h"
+#include "render/fea/periodic.h"
 #include "render/fea/supports.h"
 #include "sim/base/error.h"
 
@@ -127,6 +130,16 @@ void appendModel(std::string& text, const ElementMesh& mesh, const DeckSettings&
                  const DeckOrigin& origin, const std::string& meshFile) {
   append(text, "*INCLUDE, INPUT={}\n", meshFile);
   appendSection(text, mesh, settings, origin.thickness);
+  if (!settings.contactFriction) return;
+  appendContactCards(text, contactPairs(mesh).size(), settings, origin.thickness);
+}
+
+/// Moments of springs that are not at rest.
+void appendSpringMoments(std::string& text, const ElementMesh& mesh, const DeckSettings& settings) {
+  std::string moments;
+  PatchDeck(mesh, settings.solver).appendMoments(moments, settings.unit);
+  if (!moments.empty())
+    text += "** What springs pull with in the state of the mesh.\n*CLOAD\n" + moments;
 }
 
 /// What a sheet is held and gripped by.
@@ -234,6 +247,14 @@ std::vector<int> tilesAtEnds(const ElementMesh& mesh) {
   return tiles;
 }
 
+void requireMappable(const ElementRule& rule) {
+  if (rule.family == ElementFamily::Solid) return;
+  throw InputError(
+      "error: --state-map moves solids; shells and plane elements have turns that it does not "
+      "know: "
+      "leave out --shells");
+}
+
 /// The model with what is held before its step.
 void appendHeldModel(std::string& text, const ElementMesh& mesh, const DeckSettings& settings,
                      const DeckOrigin& origin, const std::string& meshFile, const HeldSheet& held) {
@@ -266,6 +287,7 @@ DeckJob staticJob(const ElementMesh& mesh, const DeckSettings& settings, const D
   appendHeldModel(text, mesh, settings, origin, meshFile, held);
   text += "*STEP\n*STATIC\n";
   appendGripForces(text, held.grips, longestAxis(mesh), 1);
+  appendSpringMoments(text, mesh, settings);
   appendRequests(text, settings.solver, "NHOLD", "RF");
   return {held.sets, text + "*END STEP\n"};
 }
@@ -352,6 +374,7 @@ DeckJob driveJob(const ElementMesh& mesh, const DeckSettings& settings, const De
   append(text, "*STEP, NLGEOM, INC=100000\n*STATIC\n{}, {}, {}, {}\n", deckNumber(end / 20),
          deckNumber(end), deckNumber(end / 1e6), deckNumber(end / 20));
   if (mesh.rule.joints != JointStyle::Neck) appendForceMeasure(text, settings, origin.thickness);
+  appendSpringMoments(text, mesh, settings);
   for (const NodeDisplacement& one : driven) {
     append(text, "*BOUNDARY, AMPLITUDE={0}\n{1}, {2}, {2}, 1.\n", amplitudeName(one), one.node + 1,
            one.axis + 1);
@@ -361,6 +384,83 @@ DeckJob driveJob(const ElementMesh& mesh, const DeckSettings& settings, const De
   std::string sets = "** What the drive moves.\n";
   appendNodeSet(sets, "NDRIVE", nodesOf(driven));
   return {sets, text + "*END STEP\n"};
+}
+
+DeckJob stateMapJob(const ElementMesh& mesh, const ElementMesh& later, const DeckSettings& settings,
+                    const DeckOrigin& origin, const std::string& meshFile) {
+  requireMappable(mesh.rule);
+  std::string text = heading(origin, "mapped");
+  appendOrigin(text, origin, settings.unit);
+  text +=
+      "** The mesh of an earlier state is moved to this one: the displacements are the map between "
+      "them,\n"
+      "** and stresses are counted from the earlier state, in which the tiles are free of them. "
+      "Add steps\n"
+      "** that follow, with *BOUNDARY, OP=NEW, to load this state.\n";
+  appendJointWarnings(text, mesh);
+  appendModel(text, mesh, settings, origin, meshFile);
+  text += "*STEP, NLGEOM, INC=1000\n*STATIC\n1., 1., 1e-6, 1.\n";
+  appendForceMeasure(text, settings, origin.thickness);
+  text += "*BOUNDARY\n";
+  const std::vector<bool> follows = followers(mesh);
+  const double scale = unitScale(settings.unit).length;
+  const auto appendMove = [&](int node, const Vector3& move) {
+    for (int axis = 0; axis < 3; ++axis) {
+      append(text, "{0}, {1}, {1}, {2}\n", node + 1, axis + 1, deckNumber(scale * move[axis]));
+    }
+  };
+  for (std::size_t k = 0; k < mesh.nodes.size(); ++k) {
+    if (!follows[k]) appendMove(static_cast<int>(k), later.nodes[k] - mesh.nodes[k]);
+  }
+  for (std::size_t c = 0; c < mesh.clusters.size() && !hasEquations(mesh); ++c) {
+    appendMove(referenceNode(mesh, c), referencePosition(later, c) - referencePosition(mesh, c));
+  }
+  appendRequests(text, settings.solver, "NALL", "U");
+  return {{}, text + "*END STEP\n"};
+}
+
+DeckJob periodicJob(const ElementMesh& mesh, const DeckSettings& settings, const DeckOrigin& origin,
+                    const std::string& meshFile) {
+  constexpr double kStrain = 1e-3;
+  const Periodicity periodic = periodicity(mesh);
+  ElementMesh tied = mesh;
+  tied.ties = periodic.ties;
+  const std::vector<NodeDisplacement> supports = leastSupports(tied);
+  const int control =
+      static_cast<int>(mesh.nodes.size() + PatchDeck(mesh, settings.solver).nodes().size());
+  const int axis = periodic.axes[0] ? 0 : 1;
+  std::string text = heading(origin, "periodic");
+  appendOrigin(text, origin, settings.unit);
+  append(text,
+         "** Opposite ends move alike but for the control nodes NCONTROL, whose displacements are "
+         "those of\n"
+         "** one end against the other and whose reactions are the forces on it. Here the sheet is "
+         "strained\n"
+         "** by {} along {}, and free to widen across. Held besides are {} displacements: what "
+         "moves while\n"
+         "** the control nodes rest.\n",
+         kStrain, axis == 0 ? "x" : "y", supports.size());
+  appendJointWarnings(text, mesh);
+  appendModel(text, mesh, settings, origin, meshFile);
+  appendTies(text, periodic, mesh, control);
+  appendSupports(text, supports);
+  const int directions = mesh.rule.family == ElementFamily::Plane ? 2 : 3;
+  const bool hasBoth = periodic.axes[0] && periodic.axes[1];
+  for (int direction = 0; direction < directions; ++direction) {
+    if (direction != axis) append(text, "{0}, {1}, {1}\n", control + 1, direction + 1);
+    if (hasBoth && direction != 1) append(text, "{0}, {1}, {1}\n", control + 2, direction + 1);
+  }
+  append(text, "*STEP\n*STATIC\n*BOUNDARY\n{0}, {1}, {1}, {2}\n", control + 1, axis + 1,
+         deckNumber(kStrain * periodic.period[axis] * unitScale(settings.unit).length));
+  appendSpringMoments(text, mesh, settings);
+  appendRequests(text, settings.solver, "NCONTROL", "U, RF");
+  if (settings.solver == Solver::Calculix) {
+    text +=
+        "** CalculiX leaves the forces of equations out of RF: the force is twice the energy by "
+        "the displacement.\n"
+        "*EL PRINT, ELSET=EALL, TOTALS=ONLY\nELSE\n";
+  }
+  return {{}, text + "*END STEP\n"};
 }
 
 }  // namespace kirireel

@@ -49,4 +49,19 @@ std::vector<int> drivenTiles(const ElementMesh& mesh, const DriveChoice& choice)
 DeckJob driveJob(const ElementMesh& mesh, const DeckSettings& settings, const DeckOrigin& origin,
                  const std::string& meshFile, const TileHistory& history);
 
+/// A job that takes a mesh to a later state of the same sheet in one step with large displacements:
+/// every node that follows no other is moved to where `later`, whose nodes have the same numbers,
+/// has it. Tiles turn and strain nothing, so that the mesh's own state is stress-free and the
+/// nodes' displacements are the map from one state to the other: steps that follow start from
+/// there. Throws InputError for shells and plane elements, whose nodes' turns are not known.
+DeckJob stateMapJob(const ElementMesh& mesh, const ElementMesh& later, const DeckSettings& settings,
+                    const DeckOrigin& origin, const std::string& meshFile);
+
+/// A job on a sheet that repeats (periodicity()): its opposite ends are tied to each other by
+/// *EQUATION with control nodes, it is strained by a thousandth along the first axis that is tied
+/// and free to widen across. Prints the displacements and reactions of the control nodes,
+/// with CalculiX the strain energy too. Throws what periodicity throws.
+DeckJob periodicJob(const ElementMesh& mesh, const DeckSettings& settings, const DeckOrigin& origin,
+                    const std::string& meshFile);
+
 }  // namespace kirireel

@@ -1,5 +1,6 @@
 // Nodes are sorted by their places along a direction that no grid has, so that only neighbours in
-// that order need to be compared.
+// that order need to be compared. Where tiles overlap, both nodes may move alike: then one of them
+// moves on.
 #include "render/fea/separate_nodes.h"
 
 #include <algorithm>
@@ -19,8 +20,9 @@ double sizeOf(const std::vector<Vector3>& nodes) {
   return nodes.empty() ? 0 : box.sizes().norm();
 }
 
-/// For each node whether another lies in its place.
-std::vector<bool> isAmongOthers(const std::vector<Vector3>& nodes, double tolerance) {
+/// For each node whether another lies in its place; `laterAlone`: another one before it.
+std::vector<bool> isAmongOthers(const std::vector<Vector3>& nodes, double tolerance,
+                                bool laterAlone) {
   const Vector3 direction = Vector3(1, std::sqrt(2.0), std::sqrt(3.0)) / std::sqrt(6.0);
   std::vector<double> along(nodes.size());
   for (std::size_t k = 0; k < nodes.size(); ++k) along[k] = direction.dot(nodes[k]);
@@ -32,7 +34,8 @@ std::vector<bool> isAmongOthers(const std::vector<Vector3>& nodes, double tolera
     for (std::size_t b = a + 1; b < order.size(); ++b) {
       if (along[order[b]] - along[order[a]] > tolerance) break;
       if ((nodes[order[a]] - nodes[order[b]]).norm() > tolerance) continue;
-      found[order[a]] = found[order[b]] = true;
+      found[std::max(order[a], order[b])] = true;
+      if (!laterAlone) found[std::min(order[a], order[b])] = true;
     }
   }
   return found;
@@ -59,18 +62,22 @@ Vector3 inwards(const ElementMesh& mesh, const Element& element, int node) {
 }  // namespace
 
 std::vector<Vector3> separatedNodes(const ElementMesh& mesh) {
+  constexpr int kPasses = 4;
   const double size = sizeOf(mesh.nodes);
-  const std::vector<bool> moves = isAmongOthers(mesh.nodes, kOnePlace * size);
-  std::vector<Vector3> ways(mesh.nodes.size(), Vector3::Zero());
-  for (const Element& element : mesh.elements) {
-    for (int k = 0; k < nodeCount(mesh.rule); ++k) {
-      const int node = element.nodes[k];
-      if (moves[node]) ways[node] += inwards(mesh, element, node);
-    }
-  }
   std::vector<Vector3> nodes = mesh.nodes;
-  for (std::size_t k = 0; k < nodes.size(); ++k) {
-    if (moves[k]) nodes[k] += kMove * size * ways[k].normalized();
+  for (int pass = 0; pass < kPasses; ++pass) {
+    const std::vector<bool> moves = isAmongOthers(nodes, kOnePlace * size, pass > 0);
+    if (std::ranges::find(moves, true) == moves.end()) break;
+    std::vector<Vector3> ways(nodes.size(), Vector3::Zero());
+    for (const Element& element : mesh.elements) {
+      for (int k = 0; k < nodeCount(mesh.rule); ++k) {
+        const int node = element.nodes[k];
+        if (moves[node]) ways[node] += inwards(mesh, element, node);
+      }
+    }
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+      if (moves[k]) nodes[k] += kMove * size * ways[k].normalized();
+    }
   }
   return nodes;
 }

@@ -237,6 +237,33 @@ PairEquations equationsOf(const ElementMesh& mesh, const JointNodes& joint,
           rowsOf(motions[joint.tileB], -1)};
 }
 
+/// What ties ask of tiles while control nodes rest; one body alone where `motions` has one.
+std::vector<PairEquations> tieEquations(const ElementMesh& mesh,
+                                        const std::vector<TileMotion>& motions) {
+  std::vector<int> owner(mesh.nodes.size());
+  for (std::size_t t = 0; t < mesh.tiles.size() && motions.size() > 1; ++t) {
+    for (const int node : mesh.tiles[t].nodes) owner[node] = static_cast<int>(t);
+  }
+  std::vector<PairEquations> equations;
+  for (const PeriodicTie& tie : mesh.ties) {
+    const auto rowsOf = [&](int node, double sign) {
+      const TileMotion& motion = motions[owner[node]];
+      return PairEquations::Rows(sign * motion.motionOf(mesh.nodes[node]) *
+                                 motion.fromDisplacements);
+    };
+    equations.push_back(
+        {owner[tie.node], owner[tie.leader], rowsOf(tie.node, 1), rowsOf(tie.leader, -1)});
+  }
+  return equations;
+}
+
+/// Whether springs stand wherever tiles turn against each other, so that no mechanism is left.
+bool hasSpringsEverywhere(const ElementMesh& mesh) {
+  std::vector<bool> hasSpring(mesh.clusters.size());
+  for (const PatchSpring& spring : mesh.springs) hasSpring[spring.cluster] = true;
+  return !mesh.springs.empty() && std::ranges::find(hasSpring, false) == hasSpring.end();
+}
+
 /// How short the columns are that have nothing left.
 double nothingLeft(const ElementMesh& mesh, const std::vector<TileMotion>& motions) {
   constexpr double kRounding = 1e-8;
@@ -263,23 +290,28 @@ std::vector<std::vector<NodeDisplacement>> tileDisplacements(
 std::vector<NodeDisplacement> leastSupports(const ElementMesh& mesh,
                                             const std::vector<int>& fixedTiles) {
   const MotionFinder finder(mesh);
-  if (mesh.rule.joints == JointStyle::Neck) {
-    if (!fixedTiles.empty()) return {};
-    std::vector<NodeDisplacement> held = finder.of(0).displacements;
+  const bool isOneBody = mesh.rule.joints == JointStyle::Neck || hasSpringsEverywhere(mesh);
+  if (isOneBody && !fixedTiles.empty()) return {};
+  std::vector<NodeDisplacement> held;
+  if (isOneBody && mesh.ties.empty()) {
+    held = finder.of(0).displacements;
     std::ranges::sort(held);
     return held;
   }
+  if (mesh.rule.family == ElementFamily::Plane) {
+    const NodeDisplacement first = finder.of(0).displacements[0];
+    return {{first.node, 0, 0}, {first.node, 1, 0}};
+  }
   std::vector<TileMotion> motions;
-  for (std::size_t t = 0; t < mesh.tiles.size(); ++t) {
+  for (std::size_t t = 0; t < (isOneBody ? 1 : mesh.tiles.size()); ++t) {
     motions.push_back(finder.of(static_cast<int>(t)));
   }
-  std::vector<PairEquations> equations;
+  std::vector<PairEquations> equations = tieEquations(mesh, motions);
   for (const JointNodes& joint : mesh.joints) {
-    equations.push_back(equationsOf(mesh, joint, motions));
+    if (!isOneBody) equations.push_back(equationsOf(mesh, joint, motions));
   }
   std::vector<bool> isFixed(motions.size());
   for (const int tile : fixedTiles) isFixed[tile] = true;
-  std::vector<NodeDisplacement> held;
   for (const FreeColumn& column : freeColumns(static_cast<int>(motions.size()), equations, isFixed,
                                               nothingLeft(mesh, motions))) {
     held.push_back(motions[column.tile].displacements[column.unknown]);

@@ -29,8 +29,9 @@ std::vector<std::vector<NodeDisplacement>> tileDisplacements(
 
 /// The fewest displacements that leave the sheet no way to move without strain, were its tiles
 /// rigid: six for the motions of the whole and one for each mechanism of the first order. None of
-/// them takes load from another; the reactions follow from equilibrium alone. `fixedTiles` are held
-/// by other means already. Sorted. Throws InputError as tileDisplacements does.
+/// them takes load from another; the reactions follow from equilibrium alone. Where springs stand
+/// at all hinges no mechanism is left. `fixedTiles` are held by other means already. Sorted. Throws
+/// InputError as tileDisplacements does.
 std::vector<NodeDisplacement> leastSupports(const ElementMesh& mesh,
                                             const std::vector<int>& fixedTiles = {});
 

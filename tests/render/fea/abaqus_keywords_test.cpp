@@ -139,9 +139,9 @@ class Judge {
 };
 
 /// All decks and jobs on a mesh whose tiles stand like this.
-void judgeAll(Judge& judge, const ElementMesh& mesh, const Poses& poses) {
+void judgeAll(Judge& judge, const ElementMesh& mesh, const Poses& poses,
+              DeckSettings settings = {}) {
   const DeckOrigin origin = {"squares", "final", 0.5, 0.02, 0, "Kirireel", "a run"};
-  DeckSettings settings;
   settings.solver = Solver::Abaqus;
   settings.drive = {DriveChoice::All, {}};
   judge.read(meshDeck(mesh, settings, origin));
@@ -188,6 +188,21 @@ TEST(AbaqusDecks, HaveTheKeywordsOfTheManual) {
   }
   judge(abaqus, {.family = ElementFamily::Shell});
   judge(abaqus, {.quadratic = false, .family = ElementFamily::Shell}, JointFace::Top);
+  const test::Layout layout = test::hingedSquares();
+  ElementMesh patched = makeElementMesh(layout.bricks, layout.joints, layout.poses,
+                                        {.perEdge = 4, .joints = JointStyle::Patch});
+  patched.springs = {{0, 0, 1, 5, 0.1}, {1, 0, 1, 5, 0.1}};
+  judgeAll(abaqus, patched, layout.poses);
+  const ElementMesh shared =
+      makeElementMesh(layout.bricks, layout.joints, layout.poses, {.perEdge = 4});
+  DeckSettings settings;
+  settings.contactFriction = 0.3;
+  settings.periodic = true;
+  judgeAll(abaqus, shared, layout.poses, settings);
+  settings.solver = Solver::Abaqus;
+  const DeckOrigin origin;
+  abaqus.read(periodicJob(shared, settings, origin, "x_mesh.inp").text);
+  abaqus.read(stateMapJob(shared, shared, settings, origin, "x_mesh.inp").text);
   // Nothing stands in the table that no deck has.
   EXPECT_EQ(abaqus.unused(), std::vector<std::string>());
 }

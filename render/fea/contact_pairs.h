@@ -1,0 +1,32 @@
+/// Flanks of tiles that may touch, for analyses with contact.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "render/fea/deck_text.h"
+#include "render/fea/element_mesh.h"
+
+namespace kirireel {
+
+/// Two flanks that face each other across the gap beside a joint.
+struct ContactPair {
+  std::vector<ElementFace> a;
+  std::vector<ElementFace> b;
+};
+
+/// For each joint the flanks on both sides of its corner, each pair once: what meets when the sheet
+/// closes. Faces with nodes of joints are left out, whose displacements joints determine. Throws
+/// InputError for meshes that have no such flanks: shells, plane elements, sheets with necks, and
+/// elements so long that all faces touch a joint.
+std::vector<ContactPair> contactPairs(const ElementMesh& mesh);
+
+/// Appends the surfaces CONTACT_00000_A and _B of each pair.
+void appendContactSurfaces(std::string& text, const std::vector<ContactPair>& pairs);
+
+/// Appends the interaction FLANKS and the pairs. With CalculiX contact is a penalty, 10 E / t per
+/// metre of overclosure; `friction` is Coulomb's coefficient, from 0. Thickness in metres.
+void appendContactCards(std::string& text, std::size_t pairs, const DeckSettings& settings,
+                        double thickness);
+
+}  // namespace kirireel

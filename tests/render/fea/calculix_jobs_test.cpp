@@ -1,0 +1,242 @@
+// Springs, contact, ties and maps of decks in CalculiX, each beside a calculation by hand: skipped
+// where ccx is not installed.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <sstream>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "render/fea/contact_pairs.h"
+#include "render/fea/deck.h"
+#include "render/fea/hinge_springs.h"
+#include "render/fea/job.h"
+#include "render/fea/patch_deck.h"
+#include "render/fea/periodic.h"
+#include "tests/render/fea/run_deck.h"
+#include "tests/support/layouts.h"
+#include "tests/support/program.h"
+
+namespace kirireel {
+namespace {
+
+using test::displacements;
+using test::JobEnd;
+using test::kOrigin;
+using test::Layout;
+using ::testing::HasSubstr;
+
+class CalculixJobs : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!test::hasProgram("ccx")) GTEST_SKIP() << "install calculix-ccx to judge decks by it";
+  }
+};
+
+Tile square(double x, double y) {
+  return Tile{{{x, y, 0}, {x + 1, y, 0}, {x + 1, y + 1, 0}, {x, y + 1, 0}}};
+}
+
+std::string setOf(const std::string& name, const std::vector<int>& nodes) {
+  std::string text;
+  appendNodeSet(text, name, nodes);
+  return text;
+}
+
+/// The nodes that follow no others, all of them or those of a tile.
+std::vector<int> leaders(const ElementMesh& mesh, int tile = -1) {
+  const std::vector<bool> follows = followers(mesh);
+  std::vector<int> nodes;
+  for (int k = 0; k < static_cast<int>(mesh.nodes.size()); ++k) {
+    const bool isMeant = tile < 0 || std::ranges::binary_search(mesh.tiles[tile].nodes, k);
+    if (!follows[k] && isMeant) nodes.push_back(k);
+  }
+  return nodes;
+}
+
+/// Two squares, diagonal to each other, on a hinge at (1, 1) with a spring of 5 N m/rad. The lower
+/// one is held, the upper one turns.
+class SpringHinge {
+ public:
+  /// The spring rests where the upper square has turned by so much.
+  explicit SpringHinge(double rest)
+      : layout_(test::layoutOf({square(0, 0), square(1, 1)}, {{{0, 2}, {1, 0}, JointFace::Both}})),
+        mesh_(makeElementMesh(layout_.bricks, layout_.joints, layout_.poses,
+                              {.perEdge = 4, .joints = JointStyle::Patch})) {
+    const Hinge hinge =
+        findHinges(layout_.bricks, makePivots(layout_.joints, layout_.bricks), true).hinges.at(0);
+    // Angles grow as tile 1 turns against tile 0, or tile 0 against tile 1.
+    const double sign = (hinge.brickA == 0 ? 1 : -1) * hinge.axis.z();
+    const double start = hingeAngle(hinge, layout_.poses);
+    const std::vector<HingeSpring> springs = {{hinge, 5, start + sign * rest, 0}};
+    EXPECT_EQ(addHingeSprings(mesh_, springs, layout_.poses), 0);
+  }
+
+  /// The corner at (2, 1), through the thickness.
+  const std::vector<int>& corner() const { return mesh_.tiles[1].edges[1]; }
+
+  /// A job with these loads besides the spring's.
+  JobEnd run(const std::string& step, const std::string& load) const {
+    std::string moments = "*CLOAD\n";
+    PatchDeck(mesh_, Solver::Calculix).appendMoments(moments, DeckUnit::Model);
+    if (moments == "*CLOAD\n") moments.clear();
+    std::string job = test::ownJob(
+        setOf("HELD", leaders(mesh_, 0)) + setOf("FLAT", leaders(mesh_)) +
+            setOf("DRIVEN", corner()),
+        "HELD, 1, 3\nFLAT, 3, 3\n", load + moments,
+        "DRIVEN, FREQUENCY=1000, TOTALS=ONLY\nRF\n*NODE PRINT, FREQUENCY=1000, NSET=DRIVEN");
+    const std::string plain = "*STEP\n*STATIC\n";
+    job.replace(job.find(plain), plain.size(), step);
+    const JobEnd end = test::run(meshDeck(mesh_, {}, kOrigin), job);
+    EXPECT_THAT(end.log, HasSubstr("Job finished"));
+    return end;
+  }
+
+ private:
+  Layout layout_;
+  ElementMesh mesh_;
+};
+
+TEST_F(CalculixJobs, SpringsTurnTilesByMomentOverStiffness) {
+  for (const double rest : {0.0, 2e-4}) {
+    const SpringHinge hinge(rest);
+    // 2 mN in y at an arm of 1 m.
+    const JobEnd end =
+        hinge.run("*STEP\n*STATIC\n", fmt::format("*CLOAD\n{}, 2, 2e-3\n", hinge.corner()[0] + 1));
+    const std::size_t rows = end.data.rfind("displacements");
+    ASSERT_NE(rows, std::string::npos);
+    const std::vector<Vector3> moved = displacements(end.data.substr(rows));
+    ASSERT_FALSE(moved.empty());
+    EXPECT_NEAR(moved[0].y() / (2e-3 / 5 + rest), 1, 1e-4);  // measured: 1 + 6.2e-6
+  }
+}
+
+TEST_F(CalculixJobs, SpringsArePulledByTheirAngleHoweverFarTheyTurn) {
+  const double turn = 0.5;
+  for (const double rest : {0.0, 0.2}) {
+    const SpringHinge hinge(rest);
+    const JobEnd end = hinge.run(
+        "*STEP, NLGEOM, INC=1000\n*STATIC\n0.1, 1.\n"
+        "*CONTROLS, PARAMETERS=FIELD, FIELD=DISPLACEMENT\n0.005, 0.01, 1., 1.\n",
+        fmt::format("*BOUNDARY\nDRIVEN, 2, 2, {}\n", std::sin(turn)));
+    const std::vector<Vector3> forces = test::totalForces(end.data, "DRIVEN");
+    ASSERT_FALSE(forces.empty());
+    const double moment = forces.back().y() * std::cos(turn);
+    // Measured: 1 + 4.7e-6.
+    EXPECT_NEAR(moment / (5 * (turn - rest)), 1, 1e-4) << forces.back().transpose();
+  }
+}
+
+/// The resultant and its moment about the origin that one flank presses on the other with.
+std::pair<Vector3, Vector3> contactForces(const std::string& data) {
+  const std::size_t title = data.rfind("total surface force");
+  std::istringstream rows(title == std::string::npos ? "" : data.substr(data.find('\n', title)));
+  std::pair<Vector3, Vector3> found(Vector3::Zero(), Vector3::Zero());
+  rows >> found.first.x() >> found.first.y() >> found.first.z();
+  rows >> found.second.x() >> found.second.y() >> found.second.z();
+  return found;
+}
+
+TEST_F(CalculixJobs, FlanksThatTouchCarryTheMomentAboutTheirHinge) {
+  // Side by side, joined at (1, 0): 100 N on (2, 1) press the right square on the left one.
+  const Layout layout =
+      test::layoutOf({square(0, 0), square(1, 0)}, {{{0, 1}, {1, 0}, JointFace::Both}});
+  const ElementMesh mesh =
+      makeElementMesh(layout.bricks, layout.joints, layout.poses, {.perEdge = 8, .through = 1});
+  const std::vector<ContactPair> pairs = contactPairs(mesh);
+  ASSERT_EQ(pairs.size(), 2U);
+  DeckSettings settings;
+  settings.contactFriction = 0;
+  std::string cards;
+  appendContactCards(cards, pairs.size(), settings, 0.02);
+  const std::vector<int>& loaded = mesh.tiles[1].edges[2];
+  std::string load = "*CLOAD\n";
+  for (const int node : loaded) {
+    load += fmt::format("{}, 1, {}\n", node + 1, -100.0 / static_cast<double>(loaded.size()));
+  }
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    load += fmt::format("*CONTACT PRINT, SLAVE=CONTACT_{0:05}_A, MASTER=CONTACT_{0:05}_B\nCF\n", k);
+  }
+  std::string job =
+      test::ownJob(setOf("FLAT", leaders(mesh)), "XMIN, 1, 3\nFLAT, 3, 3\n", load, "XMAX");
+  job.insert(job.find("*BOUNDARY"), cards);
+  const JobEnd end = test::run(meshDeck(mesh, settings, kOrigin), job);
+  EXPECT_THAT(end.log, HasSubstr("Job finished"));
+  const auto [force, moment] = contactForces(end.data);
+  // About (1, 0): 100 N times 1 m, whatever the pressure's distribution.
+  const double about = moment.z() - (1 * force.y() - 0 * force.x());
+  EXPECT_NEAR(std::abs(about), 100, 1e-2);  // measured: 100.0018
+}
+
+/// What a periodic job says of its control nodes, and the energy of the sheet.
+struct Strained {
+  std::vector<Vector3> moved;
+  double energy = 0;  ///< joules
+};
+
+Strained runPeriodic(const ElementMesh& mesh) {
+  DeckSettings settings;
+  settings.periodic = true;
+  const DeckJob job = periodicJob(mesh, settings, kOrigin, "x_mesh.inp");
+  const JobEnd end = test::run(meshDeck(mesh, settings, kOrigin), job.text);
+  EXPECT_THAT(end.log, HasSubstr("Job finished"));
+  const std::size_t energy = end.data.find("total internal energy");
+  if (energy == std::string::npos) return {};
+  return {displacements(end.data.substr(0, end.data.find("forces (fx"))),
+          std::strtod(end.data.c_str() + end.data.find('\n', energy), nullptr)};
+}
+
+TEST_F(CalculixJobs, APeriodicSheetIsStrainedUniformly) {
+  const Layout layout = test::layoutOf({square(0, 0)}, {});
+  const Strained found = runPeriodic(makeElementMesh(layout.bricks, {}, layout.poses, {}));
+  ASSERT_EQ(found.moved.size(), 2U);
+  // Strained by 1e-3: E times that on a side of 1 m x 0.02 m; it narrows by Poisson's ratio.
+  EXPECT_NEAR(found.moved[0].x(), 1e-3, 1e-12);
+  EXPECT_NEAR(found.moved[1].y(), -0.3e-3, 1e-9);
+  EXPECT_NEAR(2 * found.energy / 1e-3, 1e9 * 1e-3 * 0.02, 0.1);  // exact in all digits
+}
+
+TEST_F(CalculixJobs, PeriodicRotatingSquaresWidenAsTheyAreStretched) {
+  // Poisson's ratio is -1: as many squares across as along widen by what they lengthen.
+  const Model model = makeTessellation(test::squares(4, 4, 0.7));
+  const Layout layout = test::layoutOf(model.tiles, model.joints);
+  const Strained found = runPeriodic(
+      makeElementMesh(layout.bricks, layout.joints, layout.poses, {.perEdge = 2, .through = 1}));
+  ASSERT_EQ(found.moved.size(), 2U);
+  EXPECT_GT(found.moved[0].x(), 1e-3);
+  EXPECT_NEAR(found.moved[1].y() / found.moved[0].x(), 1, 1e-6);
+  EXPECT_LT(found.energy, 1e-6);  // J; measured: 6e-21
+}
+
+TEST_F(CalculixJobs, StateMapsLeadToTheLaterStateWithoutStress) {
+  const Model first = makeTessellation(test::squares(2, 2, 0));
+  const Layout layout = test::layoutOf(first.tiles, first.joints);
+  const std::vector<Tile> opened = tessellationTiles(test::squares(2, 2, 0), 0.8);
+  Poses poses = layout.poses;
+  for (std::size_t t = 0; t < poses.size(); ++t) {
+    const bool isEven = (t / 2 + t % 2) % 2 == 0;
+    poses[t].rotation = rotationFromVector({0, 0, isEven ? -0.4 : 0.4});
+    poses[t].position = tileCentroid(opened[t]) + Vector3(0, 0, 0.01);
+  }
+  for (const JointStyle style : {JointStyle::Shared, JointStyle::Equation, JointStyle::Patch}) {
+    const ElementRule rule{.perEdge = 4, .through = 1, .joints = style};
+    const ElementMesh mesh = makeElementMesh(layout.bricks, layout.joints, layout.poses, rule);
+    const ElementMesh later = makeElementMesh(layout.bricks, layout.joints, poses, rule);
+    DeckJob job = stateMapJob(mesh, later, {}, kOrigin, "x_mesh.inp");
+    job.text.insert(job.text.find("*END STEP"), "*EL PRINT, ELSET=EALL\nS\n");
+    const JobEnd end = test::run(meshDeck(mesh, {}, kOrigin), job.text);
+    EXPECT_THAT(end.log, HasSubstr("Job finished"));
+    const std::vector<Vector3> moved = displacements(end.data.substr(0, end.data.find("stresses")));
+    ASSERT_GE(moved.size(), mesh.nodes.size());
+    for (std::size_t k = 0; k < mesh.nodes.size(); ++k) {
+      EXPECT_LT((mesh.nodes[k] + moved[k] - later.nodes[k]).norm(), 1e-6) << k;  // printed digits
+    }
+    EXPECT_GE(test::largestStress(end.data), 0);
+    EXPECT_LT(test::largestStress(end.data), 1);  // Pa, of 1 GPa; measured: 0.002
+  }
+}
+
+}  // namespace
+}  // namespace kirireel
