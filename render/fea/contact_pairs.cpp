@@ -99,13 +99,13 @@ void appendContactSurfaces(std::string& text, const std::vector<ContactPair>& pa
 void appendContactCards(std::string& text, std::size_t pairs, const DeckSettings& settings,
                         double thickness) {
   const UnitScale scale = unitScale(settings.unit);
-  const double slope = 10 * scale.stress * settings.material.youngs / (scale.length * thickness);
+  const double slope = scale.stress * settings.material.youngs / (scale.length * thickness);
   const double friction = settings.contactFriction.value_or(0);
   text += "*SURFACE INTERACTION, NAME=FLANKS\n";
   if (settings.solver == Solver::Calculix) {
     append(text, "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n{}\n", deckNumber(slope));
     if (friction > 0) {
-      append(text, "*FRICTION\n{}, {}\n", deckNumber(friction), deckNumber(0.1 * slope));
+      append(text, "*FRICTION\n{}, {}\n", deckNumber(friction), deckNumber(0.01 * slope));
     }
   } else {
     text += "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=HARD\n";

@@ -24,8 +24,9 @@ std::vector<ContactPair> contactPairs(const ElementMesh& mesh);
 /// Appends the surfaces CONTACT_00000_A and _B of each pair.
 void appendContactSurfaces(std::string& text, const std::vector<ContactPair>& pairs);
 
-/// Appends the interaction FLANKS and the pairs. With CalculiX contact is a penalty, 10 E / t per
-/// metre of overclosure; `friction` is Coulomb's coefficient, from 0. Thickness in metres.
+/// Appends the interaction FLANKS and the pairs. With CalculiX contact is a penalty, E / t per
+/// metre of overclosure and a hundredth of that where flanks stick; friction is Coulomb's
+/// coefficient, from 0. Thickness in metres.
 void appendContactCards(std::string& text, std::size_t pairs, const DeckSettings& settings,
                         double thickness);
 
