@@ -126,6 +126,34 @@ TEST_F(Export, WritesJobsThatFollowTheDeployment) {
   EXPECT_THROW(exportStates(*reader_, settings, out()), InputError);
 }
 
+TEST_F(Export, MapsTheFirstStateToTheOthers) {
+  ExportSettings settings;
+  settings.formats = {ExportFormat::Inp};
+  settings.elements.perEdge = 2;
+  settings.decks.stateMap = true;
+  settings.decks.periodic = true;
+  const std::vector<std::string> names = exportStates(*reader_, settings, out());
+  for (const std::string& name : names) EXPECT_TRUE(isExported(name, settings)) << name;
+  EXPECT_THAT(filesOut(), ElementsAre("contents.json", "state_final_job.inp", "state_final_map.inp",
+                                      "state_final_mesh.inp", "state_final_periodic.inp",
+                                      "state_initial_job.inp", "state_initial_mesh.inp",
+                                      "state_initial_periodic.inp"));
+  EXPECT_THAT(test::bytesOf(out() / "state_final_map.inp"),
+              HasSubstr("INPUT=state_initial_mesh.inp"));
+  const auto refused = [&] {
+    try {
+      exportStates(*reader_, settings, out());
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  settings.states = {"final"};
+  EXPECT_THAT(refused(), HasSubstr("choose several, as --states initial,final"));
+  settings.elements.joints = JointStyle::Neck;
+  EXPECT_THAT(refused(), HasSubstr("a sheet with necks is the start alone"));
+}
+
 TEST_F(Export, DrivesCoarseElementsUnlessTheyWereChosen) {
   ExportSettings settings;
   settings.formats = {ExportFormat::Inp};

@@ -6,7 +6,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "render/fea/contact_pairs.h"
 #include "render/fea/job.h"
+#include "render/fea/periodic.h"
 #include "render/fea/supports.h"
 #include "sim/base/error.h"
 #include "sim/measure/mobility.h"
@@ -398,6 +400,73 @@ TEST(Drive, RefusesTilesThatAreNotThereOrTwice) {
   EXPECT_EQ(refusal({2, 0, 2}),
             "error: --drive names tile 2 twice, which would prescribe its displacements twice; "
             "leave one out");
+}
+
+/// What an error of such work says.
+template <typename Work>
+std::string refusalOf(const Work& work) {
+  try {
+    work();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(Contact, PairsTheFlanksBesideEachJoint) {
+  const ElementMesh mesh = meshOf(test::hingedSquares(), {.perEdge = 4, .through = 1});
+  // Four joints with a gap on either side of each; the inner gap's flanks meet at two joints each.
+  const std::vector<ContactPair> pairs = contactPairs(mesh);
+  EXPECT_EQ(pairs.size(), 8U);
+  for (const ContactPair& pair : pairs) {
+    EXPECT_GE(pair.a.size(), 2U);  // of four, those at joints left out
+    EXPECT_LE(pair.a.size(), 3U);
+  }
+}
+
+TEST(Contact, IsBetweenSolidTilesWithFlanksAwayFromJoints) {
+  const auto refusal = [](const ElementRule& rule) {
+    return refusalOf([&] { contactPairs(meshOf(test::hingedSquares(), rule)); });
+  };
+  EXPECT_THAT(refusal({.family = ElementFamily::Shell}),
+              HasSubstr("leave out --deck-contacts, or --shells and --joints neck"));
+  EXPECT_THAT(refusal({.perEdge = 1, .through = 1, .quadratic = false}),
+              HasSubstr("use at least 3 elements per edge"));
+}
+
+TEST(Periodic, SaysWhichSheetsRepeat) {
+  const auto refusal = [](const Layout& layout, const ElementRule& rule) {
+    return refusalOf([&] { periodicity(meshOf(layout, rule)); });
+  };
+  EXPECT_EQ(refusal(test::hingedSquares(), {}), "accepted");
+  EXPECT_THAT(refusal(test::hingedSquares(), {.family = ElementFamily::Shell}),
+              HasSubstr("leave out --shells"));
+  const Layout triangle = test::layoutOf({Tile{{{0, 0, 0}, {1, 0.2, 0}, {0.3, 0.8, 0}}}}, {});
+  EXPECT_THAT(refusal(triangle, {}),
+              HasSubstr("choose a state or a number of tiles in which the sheet repeats"));
+}
+
+TEST(Periodic, FollowsNoNodeThatFollows) {
+  const Layout layout = test::layoutOf({Tile{{{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {0, 1, 0}}}}, {});
+  const ElementMesh mesh = meshOf(layout, {.perEdge = 2, .through = 1, .quadratic = false});
+  const Periodicity found = periodicity(mesh);
+  EXPECT_EQ(found.period, (std::array<double, 2>{2, 1}));
+  // Two levels of five nodes of nine: three at XMAX and three at YMAX, one of them both.
+  ASSERT_EQ(found.ties.size(), 10U);
+  int both = 0;
+  for (const PeriodicTie& tie : found.ties) {
+    for (const PeriodicTie& other : found.ties) EXPECT_NE(tie.leader, other.node);
+    const Vector3 offset = mesh.nodes[tie.node] - mesh.nodes[tie.leader];
+    EXPECT_LT((offset - Vector3(2 * tie.times[0], tie.times[1], 0)).norm(), 1e-12);
+    both += tie.times[0] * tie.times[1];
+  }
+  EXPECT_EQ(both, 2);
+}
+
+TEST(StateMap, MovesSolids) {
+  const ElementMesh mesh = meshOf(test::hingedSquares(), {.family = ElementFamily::Shell});
+  EXPECT_THAT(refusalOf([&] { stateMapJob(mesh, mesh, {}, kOrigin, "x_mesh.inp"); }),
+              HasSubstr("--state-map moves solids"));
 }
 
 }  // namespace
