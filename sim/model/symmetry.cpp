@@ -1,0 +1,262 @@
+// The symmetry group of a model by matching its tiles.
+//
+// An isometry x -> A x about the common centre is known from where it takes one tile: A = F' F^T,
+// F the axes of tile 0 along an edge and its normal, F' those of an edge of its image, run either
+// way. Each tile, edge and sense is tried, and what survives is checked tile by tile: the image of
+// a tile is the one that stands where A takes it, at the start and at the target. Tiles are sorted
+// by their distance from the centre, which A keeps, so that few are candidates.
+//
+// The mean over a group G of a state's images, q -> sum of g q / |G|, is mapped onto itself by each
+// g, since g only changes the order of the sum. Places are averaged as they are, and rotations as
+// quaternions, whose mean is the rotation nearest to them all to second order: Gramkow (2001), "On
+// averaging rotations", Int. J. Computer Vision 42.
+#include "sim/model/symmetry.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <set>
+#include <tuple>
+#include <utility>
+
+#include <Eigen/LU>
+
+namespace kirireel {
+namespace {
+
+constexpr double kSamePart = 1e-9;  // of a tile
+
+/// The tiles of one state about their common centre.
+struct CentredState {
+  std::vector<Vector3> centroids;
+  std::vector<std::vector<Vector3>> vertices;
+  std::vector<Vector3> normals;
+
+  explicit CentredState(const std::vector<Tile>& tiles) {
+    for (const Tile& tile : tiles) {
+      centroids.push_back(tileCentroid(tile));
+      vertices.push_back(tile.vertices);
+      normals.push_back(tileNormal(tile));
+    }
+    const Vector3 centre = meanPoint(centroids);
+    for (Vector3& point : centroids) point -= centre;
+    for (std::vector<Vector3>& tile : vertices) {
+      for (Vector3& point : tile) point -= centre;
+    }
+  }
+
+  /// Axes along the edge from a vertex, and the normal. `sense`: 1 to the next vertex, -1 to the
+  /// one before.
+  Matrix3 axesAt(std::size_t tile, std::size_t vertex, int sense) const {
+    const std::vector<Vector3>& points = vertices[tile];
+    const std::size_t step = sense > 0 ? 1 : points.size() - 1;
+    Matrix3 axes;
+    axes.col(0) = (points[(vertex + step) % points.size()] - points[vertex]).normalized();
+    axes.col(2) = normals[tile];
+    axes.col(1) = sense * axes.col(2).cross(axes.col(0));
+    return axes;
+  }
+};
+
+/// Looks for the isometries of one model.
+class SymmetrySearch {
+ public:
+  explicit SymmetrySearch(const Model& model)
+      : model_(model), tolerance_(kSamePart * tileSize(model)) {
+    states_.emplace_back(model.tiles);
+    if (model.target) states_.emplace_back(*model.target);
+    const std::vector<Vector3>& centroids = states_.front().centroids;
+    for (std::size_t i = 0; i < centroids.size(); ++i) {
+      byDistance_.emplace_back(centroids[i].norm(), static_cast<int>(i));
+    }
+    std::ranges::sort(byDistance_);
+    for (const Joint& joint : model.joints) joints_.insert(keyOf(joint, joint.a, joint.b));
+  }
+
+  std::vector<Symmetry> find() {
+    Symmetry identity;
+    for (std::size_t i = 0; i < model_.tiles.size(); ++i) {
+      identity.images.push_back(static_cast<int>(i));
+    }
+    std::vector<Symmetry> group = {identity};
+    const std::size_t corners = model_.tiles.front().vertices.size();
+    for (const int tile : tilesAt(Matrix3::Identity(), 0, false)) {
+      if (model_.tiles[static_cast<std::size_t>(tile)].vertices.size() != corners) continue;
+      for (std::size_t vertex = 0; vertex < corners; ++vertex) {
+        for (const int sense : {1, -1}) {
+          if (tile == 0 && vertex == 0 && sense == 1) continue;
+          std::optional<Symmetry> found = symmetryBy(static_cast<std::size_t>(tile), vertex, sense);
+          if (found) group.push_back(std::move(*found));
+        }
+      }
+    }
+    return group;
+  }
+
+ private:
+  using CornerKey = std::pair<int, int>;
+  using JointKey = std::tuple<JointKind, JointFace, CornerKey, CornerKey>;
+
+  static JointKey keyOf(const Joint& joint, const Corner& a, const Corner& b) {
+    const CornerKey first(a.tile, a.vertex), second(b.tile, b.vertex);
+    return {joint.kind, joint.face, std::min(first, second), std::max(first, second)};
+  }
+
+  /// The isometry that takes tile 0's first edge to that of another, if it maps the model.
+  std::optional<Symmetry> symmetryBy(std::size_t tile, std::size_t vertex, int sense) const {
+    Symmetry symmetry;
+    const CentredState& start = states_.front();
+    symmetry.turn = start.axesAt(tile, vertex, sense) * start.axesAt(0, 0, 1).transpose();
+    // Parallel edges give one isometry: it counts once, with the tile that it does take there.
+    if (!isSame(symmetry.turn * start.vertices[0][0], start.vertices[tile][vertex])) return {};
+    std::vector<std::vector<int>> corners;
+    for (std::size_t i = 0; i < model_.tiles.size(); ++i) {
+      const std::vector<int> images = tilesAt(symmetry.turn, i, true);
+      if (images.size() != 1) return {};
+      corners.push_back(cornersAt(symmetry.turn, i, static_cast<std::size_t>(images.front())));
+      if (corners.back().empty()) return {};
+      symmetry.images.push_back(images.front());
+    }
+    if (!mapsJoints(symmetry.images, corners) || !mapsPulled(symmetry.images)) return {};
+    return symmetry;
+  }
+
+  /// The tiles that stand where an isometry takes one, at the start and the target; or, not
+  /// `exactly`, all that are as far from the centre as it.
+  std::vector<int> tilesAt(const Matrix3& turn, std::size_t tile, bool exactly) const {
+    const double distance = states_.front().centroids[tile].norm();
+    std::vector<int> found;
+    for (auto other = std::ranges::lower_bound(byDistance_, std::pair(distance - tolerance_, -1));
+         other != byDistance_.end() && other->first <= distance + tolerance_; ++other) {
+      const auto isThere = [&](const CentredState& state) {
+        return isSame(turn * state.centroids[tile],
+                      state.centroids[static_cast<std::size_t>(other->second)]);
+      };
+      if (!exactly || std::ranges::all_of(states_, isThere)) found.push_back(other->second);
+    }
+    return found;
+  }
+
+  /// The vertex of the image that each vertex of a tile is taken to, at the start and the target;
+  /// empty where the isometry does not take the tile, with its normal, to the image.
+  std::vector<int> cornersAt(const Matrix3& turn, std::size_t tile, std::size_t image) const {
+    const std::size_t count = model_.tiles[tile].vertices.size();
+    if (model_.tiles[image].vertices.size() != count) return {};
+    for (const CentredState& state : states_) {
+      if ((turn * state.normals[tile]).dot(state.normals[image]) < 0.5) return {};
+    }
+    std::vector<int> corners;
+    for (std::size_t from = 0; from < count; ++from) {
+      for (std::size_t to = 0; to < count; ++to) {
+        const auto isThere = [&](const CentredState& state) {
+          return isSame(turn * state.vertices[tile][from], state.vertices[image][to]);
+        };
+        if (!std::ranges::all_of(states_, isThere)) continue;
+        corners.push_back(static_cast<int>(to));
+        break;
+      }
+      if (corners.size() != from + 1) return {};
+    }
+    return corners;
+  }
+
+  bool mapsJoints(const std::vector<int>& images,
+                  const std::vector<std::vector<int>>& corners) const {
+    const auto imageOf = [&](const Corner& corner) -> Corner {
+      const auto tile = static_cast<std::size_t>(corner.tile);
+      return {images[tile], corners[tile][static_cast<std::size_t>(corner.vertex)]};
+    };
+    return std::ranges::all_of(model_.joints, [&](const Joint& joint) {
+      return joints_.contains(keyOf(joint, imageOf(joint.a), imageOf(joint.b)));
+    });
+  }
+
+  bool mapsPulled(const std::vector<int>& images) const {
+    if (!model_.pulledTiles) return true;
+    const std::set<int> pulled(model_.pulledTiles->begin(), model_.pulledTiles->end());
+    return std::ranges::all_of(
+        pulled, [&](int tile) { return pulled.contains(images[static_cast<std::size_t>(tile)]); });
+  }
+
+  bool isSame(const Vector3& a, const Vector3& b) const { return (a - b).norm() <= tolerance_; }
+
+  const Model& model_;
+  double tolerance_;                                // metres
+  std::vector<CentredState> states_;                // start, and target if there is one
+  std::vector<std::pair<double, int>> byDistance_;  // of centroids from the centre, with the tile
+  std::set<JointKey> joints_;
+};
+
+Vector3 centreOf(const Poses& poses) {
+  Vector3 sum = Vector3::Zero();
+  for (const Pose& pose : poses) sum += pose.position;
+  return sum / static_cast<double>(poses.size());
+}
+
+/// Where a symmetry takes a pose. Its turn acts on rotations by conjugation, which takes a
+/// reflection out again: brick axes are parallel to the world's at the start.
+Pose imageOf(const Pose& pose, const Vector3& centre, const Symmetry& symmetry) {
+  const Matrix3 rotation =
+      symmetry.turn * pose.rotation.toRotationMatrix() * symmetry.turn.transpose();
+  return {centre + symmetry.turn * (pose.position - centre), Quaternion(rotation)};
+}
+
+}  // namespace
+
+std::vector<Symmetry> symmetriesOf(const Model& model) {
+  return SymmetrySearch(model).find();
+}
+
+double asymmetry(const Poses& poses, std::span<const Symmetry> group, double radius) {
+  const Vector3 centre = centreOf(poses);
+  double farthest = 0;
+  for (const Symmetry& symmetry : group) {
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      const Pose image = imageOf(poses[i], centre, symmetry);
+      const Pose& there = poses[static_cast<std::size_t>(symmetry.images[i])];
+      farthest = std::max({farthest, (image.position - there.position).norm(),
+                           radius * turnBetween(image.rotation, there.rotation).norm()});
+    }
+  }
+  return farthest;
+}
+
+Poses symmetricMean(const Poses& poses, std::span<const Symmetry> group) {
+  if (group.size() < 2) return poses;
+  const Vector3 centre = centreOf(poses);
+  Poses mean(poses.size());
+  for (std::size_t i = 0; i < poses.size(); ++i) mean[i] = {Vector3::Zero(), poses[i].rotation};
+  std::vector<Eigen::Vector4d> turns(poses.size(), Eigen::Vector4d::Zero());
+  for (const Symmetry& symmetry : group) {
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      const auto there = static_cast<std::size_t>(symmetry.images[i]);
+      const Pose image = imageOf(poses[i], centre, symmetry);
+      mean[there].position += image.position / static_cast<double>(group.size());
+      // A quaternion and its negative are one rotation.
+      const double sign = image.rotation.dot(poses[there].rotation) < 0 ? -1 : 1;
+      turns[there] += sign * image.rotation.coeffs();
+    }
+  }
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    mean[i].rotation = Quaternion(Eigen::Vector4d(turns[i].normalized()));
+  }
+  return mean;
+}
+
+std::vector<Velocity> symmetricMean(const std::vector<Velocity>& velocities,
+                                    std::span<const Symmetry> group) {
+  std::vector<Velocity> mean(velocities.size());
+  const double share = 1.0 / static_cast<double>(group.size());
+  for (const Symmetry& symmetry : group) {
+    // An angular velocity is an axial vector, which a reflection reverses.
+    const Matrix3 axial = symmetry.turn.determinant() * symmetry.turn;
+    for (std::size_t i = 0; i < velocities.size(); ++i) {
+      Velocity& there = mean[static_cast<std::size_t>(symmetry.images[i])];
+      there.linear += share * symmetry.turn * velocities[i].linear;
+      there.angular += share * axial * velocities[i].angular;
+    }
+  }
+  return mean;
+}
+
+}  // namespace kirireel

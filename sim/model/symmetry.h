@@ -1,0 +1,37 @@
+/// The symmetries of a model, and states that have them.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "sim/base/geometry.h"
+#include "sim/model/model.h"
+
+namespace kirireel {
+
+/// An isometry about the common centre of the tiles that maps a model onto itself.
+struct Symmetry {
+  Matrix3 turn = Matrix3::Identity();  ///< orthogonal: a turn, or a turn with a reflection
+  std::vector<int> images;             ///< the tile that each tile is mapped to
+};
+
+/// The group of all isometries that map the start onto itself, and with the same permutation of the
+/// tiles the target, the tiles' normals, joints and pulled tiles; the identity first. Start and
+/// target are to be aligned: an isometry maps both by the same turn, each about its own centre.
+/// Places are the same up to 1e-9 of a tile. Tiles with one place in both states count as
+/// one: a model that has such tiles has the identity alone.
+std::vector<Symmetry> symmetriesOf(const Model& model);
+
+/// How far a state's images under the symmetries are from it, the farthest centre of mass, metres,
+/// or turn times `radius`.
+double asymmetry(const Poses& poses, std::span<const Symmetry> group, double radius);
+
+/// The mean of a state's images under a group of symmetries, about the state's own centre: it has
+/// them all to rounding. Near the state where that nearly has them.
+Poses symmetricMean(const Poses& poses, std::span<const Symmetry> group);
+
+/// The same for velocities, one a tile.
+std::vector<Velocity> symmetricMean(const std::vector<Velocity>& velocities,
+                                    std::span<const Symmetry> group);
+
+}  // namespace kirireel
