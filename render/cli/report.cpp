@@ -37,6 +37,12 @@ std::string whyNoNearer(const Scene& scene, const RunSummary& summary) {
   if (error <= kExplains * summary.accuracy.rigidBound) {
     return "why no nearer: the target's tiles have other shapes, and rigid ones cannot fit them\n";
   }
+  if (error > kExplains * summary.assembledError && !summary.blocking.empty()) {
+    return fmt::format(
+        "why no nearer: bricks would overlap in the state with closed joints that is known to be "
+        "nearer, {:.3g} m from the target\n",
+        summary.assembledError);
+  }
   if (error > kExplains * summary.assembledError) {
     return fmt::format(
         "why no nearer: the pull rests there; a state with closed joints {:.3g} m from the target "

@@ -33,6 +33,7 @@
 
 #include "sim/deploy/dynamics.h"
 #include "sim/deploy/rounded_joints.h"
+#include "sim/deploy/symmetric_states.h"
 #include "sim/measure/measures.h"
 
 namespace kirireel {
@@ -161,6 +162,9 @@ class Mechanism {
 
   const std::vector<Brick>& bricks() const { return bricks_; }
   bool close(Poses& poses) { return dynamics_->assemble(poses); }
+  void restore(const SymmetricStates& symmetries, Poses& poses) {
+    symmetries.restore(poses, *dynamics_);
+  }
 
   /// Moves towards a place, at most about `longest` metres. Turns are left free unless `turns`.
   /// Returns how far, metres.
@@ -238,15 +242,20 @@ class Continuation {
         tile_(tileSize(scene.model)),
         poses_(std::move(start)),
         mechanism_(scene_, settings_, poses_),
+        symmetries_(scene),
         budget_(budget),
         goesOn_(goesOn) {
+    symmetries_.keepThoseOf(poses_);
     if (!settings_.areJointsCompliant()) mechanism_.close(poses_);
+    mechanism_.restore(symmetries_, poses_);
     keep();
   }
 
   /// Follows the given states from the first, closed, to the last.
   MechanismPath along(std::vector<Poses> states) {
     states.front() = poses_;
+    for (const Poses& state : states) symmetries_.keepThoseOf(state);
+    for (Poses& state : states) state = symmetricMean(state, symmetries_.group());
     const Guide guide(mechanism_.bricks(), std::move(states));
     path_.guideLength = guide.length();
     const double count =
@@ -261,6 +270,24 @@ class Continuation {
         follow(guide, 1 / count);
       }
     }
+    return finish();
+  }
+
+  /// Goes on from given states to the one nearest to a goal.
+  MechanismPath beyond(std::vector<Poses> states, const Poses& goal) {
+    path_.states.clear();
+    path_.lengths.clear();
+    for (Poses& state : states) {
+      poses_ = std::move(state);
+      keep();
+    }
+    mechanism_.restart(poses_);
+    symmetries_.keepThoseOf(poses_);
+    symmetries_.keepThoseOf(goal);
+    path_.guideLength = pathDistance(mechanism_.bricks(), path_.states.front(), goal);
+    stateLength_ = path_.guideLength / kLeastStates;
+    progress_ = 1;
+    goTo(goal);
     return finish();
   }
 
@@ -301,6 +328,7 @@ class Continuation {
   double moveTowards(const Poses& place) {
     const double moved = mechanism_.move(poses_, place, kLongestMove * stateLength_, true, budget_);
     if (isRounded()) mechanism_.settle(poses_, budget_);
+    mechanism_.restore(symmetries_, poses_);
     keep();
     return moved;
   }
@@ -321,6 +349,7 @@ class Continuation {
       Poses tried = poses_;
       const double moved = mechanism_.move(tried, spread(ahead, part), stateLength_, true, budget_);
       if (isRounded()) mechanism_.settle(tried, budget_);
+      mechanism_.restore(symmetries_, tried);
       const double extended = extent(tried);
       if (!(extended - reached > kNoGain * reached)) {
         if (gains == 0) part *= 0.3;
@@ -362,6 +391,7 @@ class Continuation {
     const double far = pathDistance(mechanism_.bricks(), poses_, first);
     if (far > kLongestLeap * settings_.leap * path_.guideLength + stateLength_) return;
     poses_ = std::move(first);
+    mechanism_.restore(symmetries_, poses_);
     keep();
     // The overlaps that a leap makes count as those of the start.
     mechanism_.restart(poses_);
@@ -378,6 +408,7 @@ class Continuation {
       const double whole = pathDistance(mechanism_.bricks(), poses_, spread(poses_, 1));
       const double moved =
           loose.move(poses_, spread(poses_, kReach * reach / whole), reach, false, budget_);
+      mechanism_.restore(symmetries_, poses_);
       keep();
       reach = moved > kOpened * reach ? std::min(kGrowth * reach, stateLength_) : 0.3 * reach;
     }
@@ -433,6 +464,7 @@ class Continuation {
   }
 
   MechanismPath finish() {
+    path_.symmetries = symmetries_.group();
     if (scene_.model.target) {
       path_.error = errorOf(poses_);
       if (!settings_.areJointsCompliant() && path_.error > kFarError * tile_) endWhereNearest();
@@ -463,8 +495,9 @@ class Continuation {
   double tile_;  // metres
   Poses poses_;  // the last state
   Mechanism mechanism_;
-  double stateLength_ = 0;  // of the guide from state to state, metres
-  double progress_ = 0;     // along the guide, 0 to 1
+  SymmetricStates symmetries_;  // that the path keeps
+  double stateLength_ = 0;      // of the guide from state to state, metres
+  double progress_ = 0;         // along the guide, 0 to 1
   SearchBudget& budget_;
   const PathObserver& goesOn_;
   MechanismPath path_;
@@ -530,6 +563,13 @@ MechanismPath continueAlong(const Scene& scene, std::vector<Poses> guide,
       Continuation(scene, guide.front(), settings, closed, budget, goesOn).along(std::move(guide));
   if (!std::isfinite(closed) || settings.areJointsCompliant()) return path;
   return closedExactly(scene, std::move(path), budget.spent() - before, budget, goesOn);
+}
+
+MechanismPath continueTo(const Scene& scene, std::vector<Poses> states, const Poses& goal,
+                         SearchBudget& budget, const PathObserver& goesOn) {
+  const double closed = roundedJointStiffness(scene.model);
+  Continuation path(scene, states.front(), {}, closed, budget, goesOn);
+  return path.beyond(std::move(states), goal);
 }
 
 MechanismPath continueToExtension(const Scene& scene, SearchBudget& budget,

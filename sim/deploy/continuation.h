@@ -9,6 +9,7 @@
 #include "sim/base/geometry.h"
 #include "sim/brick/brick.h"
 #include "sim/deploy/search_budget.h"
+#include "sim/model/symmetry.h"
 #include "sim/scene/scene.h"
 
 namespace kirireel {
@@ -22,6 +23,7 @@ struct MechanismPath {
   bool isStuck = false;         ///< it ended early, where the bricks followed the guide no more
   bool isCutShort = false;      ///< the budget or the caller ended it
   bool isRounded = false;       ///< joints close within the rounding of the coordinates only
+  std::vector<Symmetry> symmetries;  ///< of the model, that all states have; a group
 
   double length() const { return lengths.back(); }
 };
@@ -61,6 +63,12 @@ using PathObserver = std::function<bool(double progress)>;
 MechanismPath continueAlong(const Scene& scene, std::vector<Poses> guide,
                             const ContinuationSettings& settings, SearchBudget& budget,
                             const PathObserver& goesOn = {});
+
+/// A path of states that are there already, `states`, and on from the last of them to the state
+/// nearest to a goal, joints exact, among the contacts that the scene asks for. Ends where it is
+/// nearest to the scene's target.
+MechanismPath continueTo(const Scene& scene, std::vector<Poses> states, const Poses& goal,
+                         SearchBudget& budget, const PathObserver& goesOn = {});
 
 /// Follows the mechanism from the scene's start away from the tiles' common centre, up to the
 /// state in which the sum of squared distances from it is greatest: full extension.

@@ -12,6 +12,7 @@
 #include "sim/deploy/assembled_state.h"
 #include "sim/deploy/geometric_path.h"
 #include "sim/deploy/loading.h"
+#include "sim/deploy/rounded_joints.h"
 #include "sim/deploy/run.h"
 #include "sim/deploy/target_warnings.h"
 #include "sim/scene/hinge_springs.h"
@@ -62,7 +63,8 @@ struct Search {
   std::vector<BlockingPair> blocking;
   std::vector<std::string> warnings;
   GeometricPaths geometric;
-  const GeometricPath* walked = nullptr;  ///< the one of `geometric` that is taken, if any
+  const GeometricPath* walked = nullptr;  ///< the one that is taken, if any
+  std::optional<GeometricPath> traced;    ///< of the dynamics that arrive
   PathChoice choice;                      ///< of the dynamics where none is
 };
 
@@ -80,7 +82,10 @@ void search(const Scene& scene, SearchBudget& budget, const TrialObserver& watch
     found.warnings.push_back(far);
     watch({kAssembling, budget.share(), far});
   }
-  found.blocking = blockingPairs(scene, found.nearest.restPoses, budget);
+  Scene touching = scene;
+  ContactFilter& contacts = touching.environment.contacts;
+  if (contacts == ContactFilter::Auto) contacts = ContactFilter::All;
+  found.blocking = blockingPairs(touching, found.nearest.restPoses, budget);
   const PathKind kind = scene.path.kind;
   if (kind != PathKind::Auto && kind != PathKind::Continuation) return;
   if (std::string reason; !isQuasiStatic(scene, reason)) {
@@ -167,10 +172,14 @@ void chooseWay(Scene& scene, Search& found, SearchBudget& budget, const TrialObs
   const bool isContactOpen = contacts == ContactFilter::Auto;
   if (isContactOpen) contacts = isSearched(scene) ? ContactFilter::All : ContactFilter::None;
   PathKind& kind = scene.path.kind;
+  std::string reason;
+  const bool isGeometry =
+      (kind == PathKind::Auto || kind == PathKind::Continuation) && isQuasiStatic(scene, reason);
   if (kind == PathKind::Auto || kind == PathKind::Continuation) kind = PathKind::Dynamic;
-  found.choice =
-      choosePath(scene, {found.nearest, !found.blocking.empty(), geometric.through.has_value()},
-                 budget, watch, trials);
+  if (isGeometry) scene.solver.tolerance = 0;  // in time, which a path does not have
+  const TargetRoom room = {found.nearest, !found.blocking.empty(), geometric.through.has_value(),
+                           isGeometry};
+  found.choice = choosePath(scene, room, budget, watch, trials);
   const bool isExact = found.choice.isFound && !found.choice.path.jointsGive();
   if (geometric.compliant && !isExact) {
     found.walked = &*geometric.compliant;
@@ -182,6 +191,14 @@ void chooseWay(Scene& scene, Search& found, SearchBudget& budget, const TrialObs
     contacts = ContactFilter::None;
     found.choice.path = *found.choice.through;
     found.choice.reason = found.choice.throughReason;
+  }
+  const bool isRounded = std::isfinite(roundedJointStiffness(scene.model));
+  if (isGeometry && found.choice.isFound && !isRounded) {
+    Scene chosen = scene;
+    chosen.path = found.choice.path;
+    found.traced = tracedPath(chosen, found.choice, room, budget, watch);
+    found.walked = &*found.traced;
+    return;
   }
   if (!geometric.trouble.empty()) found.choice.reason += "; dynamics: " + geometric.trouble;
 }

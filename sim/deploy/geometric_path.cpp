@@ -10,6 +10,7 @@
 #include "sim/base/interruption.h"
 #include "sim/deploy/rounded_joints.h"
 #include "sim/deploy/run_figures.h"
+#include "sim/deploy/symmetric_states.h"
 #include "sim/measure/measures.h"
 
 namespace kirireel {
@@ -219,6 +220,7 @@ class GeometricSearch {
   bool isOver_ = false;
 };
 
+const char* const kTracing = "the states of the run that arrives";
 const char* const kExtending = "the way to full extension";
 
 bool standsStill(const Scene& scene, const MechanismPath& path) {
@@ -253,6 +255,7 @@ class Walk {
       : scene_(scene),
         path_(found.path),
         hasCompliantJoints_(found.hasCompliantJoints),
+        symmetries_(scene, found.path.symmetries),
         interval_(sampleInterval),
         observer_(observer),
         bricks_(makeBricks(scene.model.tiles, scene.brick)),
@@ -310,7 +313,9 @@ class Walk {
   Poses between(const Poses& from, double share) {
     if (share >= 1) return *poses_;
     Poses poses = interpolate(from, *poses_, share);
-    if (!hasCompliantJoints_) projection_->assemble(poses);
+    if (hasCompliantJoints_) return symmetricMean(poses, path_.symmetries);
+    projection_->assemble(poses);
+    symmetries_.restore(poses, *projection_);
     return poses;
   }
 
@@ -324,6 +329,7 @@ class Walk {
   const Scene& scene_;
   const MechanismPath& path_;
   bool hasCompliantJoints_;
+  SymmetricStates symmetries_;
   double interval_;  // seconds
   const SampleObserver& observer_;
   std::vector<Brick> bricks_;
@@ -394,6 +400,35 @@ void addPushedWarning(const Scene& scene, const Poses& closed, DeploymentResult&
 GeometricPaths findGeometricPaths(const Scene& scene, const TargetRoom& room, SearchBudget& budget,
                                   const TrialObserver& observer) {
   return GeometricSearch(scene, room, budget, observer).find();
+}
+
+GeometricPath tracedPath(const Scene& scene, const PathChoice& choice, const TargetRoom& room,
+                         SearchBudget& budget, const TrialObserver& observer) {
+  Scene traced = scene;
+  traced.stop = StopRules{};  // as in its trial
+  bool goesOn = true;
+  const auto tell = [&](double) {
+    goesOn = goesOn && (!observer || observer({kTracing, budget.share()}));
+    return goesOn;
+  };
+  std::vector<Poses> states;
+  RunObservers watch;
+  watch.sampleInterval = traced.solver.timestep;
+  watch.sample = [&](const Sample& sample) {
+    states.push_back(sample.poses);
+    return tell(1);
+  };
+  Run run(traced, room.nearest, watch);
+  run.beTrial();
+  run.keepSymmetries();
+  budget.spend(run.finish().cost.took.work);
+  GeometricPath found;
+  found.hasCompliantJoints = choice.path.jointsGive();
+  found.contacts = traced.environment.contacts;
+  found.reason = "states of a run are walked: " + choice.reason;
+  found.path = continueTo(traced, std::move(states), room.nearest.poses, budget, tell);
+  judge(scene, found);
+  return found;
 }
 
 GeometricPaths findExtension(const Scene& scene, SearchBudget& budget,

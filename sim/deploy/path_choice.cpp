@@ -165,8 +165,9 @@ bool staysClear(const Accuracy& accuracy, double tile) {
 
 /// Runs a scene as the deployment itself would, so that what arrives here arrives there, for as
 /// long as `goesOn` says so and the budget allows.
-TrialEnd tryPath(const Scene& scene, const AssembledState& nearest, const SearchBudget& budget,
+TrialEnd tryPath(const Scene& scene, const TargetRoom& room, const SearchBudget& budget,
                  const std::function<bool(double work)>& goesOn) {
+  const AssembledState& nearest = room.nearest;
   StallWatch stalls(scene);
   const Run* running = nullptr;
   WorkLimit limit(budget);
@@ -181,6 +182,7 @@ TrialEnd tryPath(const Scene& scene, const AssembledState& nearest, const Search
   Run run(scene, nearest, watch);
   running = &run;
   run.beTrial();
+  if (room.isGeometry) run.keepSymmetries();
   const DeploymentResult result = run.finish();
   const Accuracy& accuracy = result.accuracy;
   TrialEnd end;
@@ -208,17 +210,17 @@ PathSettings withExactJoints(const PathSettings& path) {
 /// Looks for a path of one scene.
 class PathSearch {
  public:
-  PathSearch(const Scene& scene, AssembledState nearest, SearchBudget& budget,
+  PathSearch(const Scene& scene, TargetRoom room, SearchBudget& budget,
              const TrialObserver& observer, std::vector<TrialEnd>& trials)
       : scene_(scene),
-        nearestState_(std::move(nearest)),
+        room_(std::move(room)),
         budget_(budget),
         observer_(observer),
         trials_(trials) {}
 
-  PathChoice find(const TargetRoom& room) {
-    const bool roomAtTarget = !room.isBlocked;
-    if (room.isReachedThrough) {
+  PathChoice find() {
+    const bool roomAtTarget = !room_.isBlocked;
+    if (room_.isReachedThrough) {
       return findAmongBricks({{PathKind::Straight}, "a path of the mechanism arrives"},
                              roomAtTarget);
     }
@@ -258,7 +260,7 @@ class PathSearch {
     trial.solver.timestep = stepFactor * scene_.solver.timestep;
     if (count_ == trials_.size()) {
       const TrialEnd end =
-          tryPath(trial, nearestState_, budget_, [&](double work) { return tell(what, work); });
+          tryPath(trial, room_, budget_, [&](double work) { return tell(what, work); });
       if (isOver_) return false;
       trials_.push_back(end);
     }
@@ -297,7 +299,7 @@ class PathSearch {
 
   /// What a path does that comes to where the scene's springs rest.
   std::string arriving() const {
-    return nearestState_.restError <= kFarShare * tileSize(scene_.model)
+    return room_.nearest.restError <= kFarShare * tileSize(scene_.model)
                ? " arrives"
                : " comes as near as joints that stay closed were found to";
   }
@@ -377,7 +379,9 @@ class PathSearch {
       Scene thin = scene_;
       thin.brick.thickness *= share;
       const std::string which = fmt::format("bricks {:.2g} m thick", thin.brick.thickness);
-      PathSearch search(thin, assembleAtTarget(thin, budget_), budget_, observer_, trials_);
+      TargetRoom room = room_;
+      room.nearest = assembleAtTarget(thin, budget_);
+      PathSearch search(thin, std::move(room), budget_, observer_, trials_);
       search.count_ = count_;
       const auto path = search.pathAmongBricks(Paths(kAmongBricks).first(kThinPaths), which);
       count_ = search.count_;
@@ -390,7 +394,7 @@ class PathSearch {
   }
 
   const Scene& scene_;
-  AssembledState nearestState_;  // to the target, joints closed
+  TargetRoom room_;
   SearchBudget& budget_;
   const TrialObserver& observer_;
   std::vector<TrialEnd>& trials_;
@@ -433,7 +437,7 @@ PathChoice choosePath(const Scene& scene, const TargetRoom& room, SearchBudget& 
   if (scene.hinges.areOn()) return {straight, "hinges have springs, whose forces count"};
   if (drive != Drive::Target || !scene.springs.pull())
     return {straight, "nothing pulls to the target"};
-  return PathSearch(scene, room.nearest, budget, watch, trials).find(room);
+  return PathSearch(scene, room, budget, watch, trials).find();
 }
 
 }  // namespace kirireel

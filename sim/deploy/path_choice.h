@@ -56,6 +56,8 @@ struct TargetRoom {
   bool isBlocked = false;  ///< bricks would overlap there; see blockingPairs()
   /// A path is known on which the tiles arrive, but bricks pass through each other.
   bool isReachedThrough = false;
+  /// What arrives is walked as a path of the mechanism: its states keep the model's symmetries.
+  bool isGeometry = false;
 };
 
 /// From this part of a tile on an error is no nearness: the target counts as missed.

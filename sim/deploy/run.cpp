@@ -152,6 +152,10 @@ void Run::start() {
   result_.needs = needs_;
   result_.path = scene_.path;
   static_cast<Subject&>(result_.trajectory) = subjectOf(scene_);
+  if (symmetries_) {
+    symmetries_->keepThoseOf(motion_.poses);
+    symmetries_->restore(motion_, *dynamics_);
+  }
   startPoses_ = motion_.poses;
   figures_.begin(motion_.poses, jointsGiveNow());
   if (mechanics_) mechanics_->begin(0, motion_);
@@ -332,7 +336,10 @@ void Run::followPath() {
 StepReport Run::advanceByFixedSteps() {
   const int count = hasTolerance_ ? kStepsAtOnce : 1;
   StepReport report;
-  for (int k = 0; k < count; ++k) report += dynamics_->advance(motion_, step_ / count, loadsNow());
+  for (int k = 0; k < count; ++k) {
+    report += dynamics_->advance(motion_, step_ / count, loadsNow());
+    if (symmetries_) symmetries_->restore(motion_, *dynamics_);
+  }
   return report;
 }
 

@@ -17,6 +17,7 @@
 #include "sim/deploy/path_follower.h"
 #include "sim/deploy/run_figures.h"
 #include "sim/deploy/run_mechanics.h"
+#include "sim/deploy/symmetric_states.h"
 #include "sim/deploy/timeline_runner.h"
 #include "sim/measure/measures.h"
 
@@ -44,6 +45,9 @@ class Run : private TimelineStage, private ActingForces {
 
   /// To be called before a run that is only tried: the reason for its end is left out.
   void beTrial() { isTrial_ = true; }
+
+  /// To be called before a run of geometry alone: all its states keep the model's symmetries.
+  void keepSymmetries() { symmetries_.emplace(scene_); }
 
   /// Runs to the end, from the checkpoint that was found if there is one. The trajectory holds no
   /// samples: they go to the observer. Interrupted (see sim/base/interruption.h) ends the run after
@@ -191,8 +195,9 @@ class Run : private TimelineStage, private ActingForces {
   double restTime_ = 0;
   double restNeeded_;  // seconds of rest that count; longer after each that was no rest
   bool isTrial_ = false;
-  bool misfit_ = false;        // joints could not be closed
-  bool heldOpen_ = false;      // for bricks that are in the way
+  std::optional<SymmetricStates> symmetries_;  // that states are to keep
+  bool misfit_ = false;                        // joints could not be closed
+  bool heldOpen_ = false;                      // for bricks that are in the way
   double pushedAtStart_ = 0;   // metres that closing the joints pushed bricks into each other
   Poses jamStart_;             // where steps began to fail however short; empty while they do not
   double earlierSeconds_ = 0;  // of CPU time, in the processes before this one

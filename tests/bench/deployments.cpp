@@ -1,7 +1,8 @@
 // Default deployments: every model of the given folders as `kirireel record` would deploy it, or
 // members of all families drawn at random, one a row. Prints where it ended against the least error
 // found, the path's length over the one of the tiles' own motions, how deep bricks overlapped
-// beyond the start, the largest joint gap, and CPU seconds: of the search, and of the run. Lengths
+// beyond the start, the largest joint gap, how far states are from the symmetries that the model
+// has, and CPU seconds: of the search, and of the run. Lengths
 // are in tiles.
 //
 //     build/release/tests/bench/deployments [FOLDER ...] [--search SECONDS] [--contacts auto]
@@ -21,6 +22,7 @@
 #include "sim/deploy/deployment.h"
 #include "sim/model/alignment.h"
 #include "sim/model/read_model.h"
+#include "sim/model/symmetry.h"
 #include "tests/support/drawn_models.h"
 
 namespace kirireel {
@@ -37,7 +39,8 @@ std::vector<fs::path> modelsIn(const fs::path& folder) {
   if (fs::exists(folder / "vertices.txt") || fs::is_regular_file(folder)) return {folder};
   std::vector<fs::path> models;
   for (const auto& entry : fs::directory_iterator(folder)) {
-    if (fs::exists(entry.path() / "vertices.txt")) models.push_back(entry.path());
+    const bool isContracted = entry.path().filename().string().ends_with("_contracted.obj");
+    if (isContracted || fs::exists(entry.path() / "vertices.txt")) models.push_back(entry.path());
   }
   std::ranges::sort(models);
   return models;
@@ -55,6 +58,17 @@ double windingOf(const Scene& scene, const Trajectory& trajectory) {
   return length / pathDistance(bricks, samples.front().poses, samples.back().poses);
 }
 
+/// How far the run is from the symmetries of its model at most, metres, with how many there are.
+std::string asymmetryOf(const Scene& scene, const Trajectory& trajectory) {
+  const std::vector<Symmetry> group = symmetriesOf(scene.model);
+  const double tile = tileSize(scene.model);
+  double farthest = 0;
+  for (const Sample& sample : trajectory.samples) {
+    farthest = std::max(farthest, asymmetry(sample.poses, group, tile));
+  }
+  return fmt::format("{:8.1e} of {:>2}", farthest / tile, group.size());
+}
+
 void printRow(const std::string& name, Scene scene) {
   if (scene.model.target) alignStartToTarget(scene.model);
   fillFromModel(scene);
@@ -63,13 +77,14 @@ void printRow(const std::string& name, Scene scene) {
   const bool isWalked = result.path.kind == PathKind::Continuation;
   fmt::print(
       "{:<30} {:>4} {:<11} {:<12} error {:8.1e} least {:8.1e} overlap {:8.1e} gap {:8.1e} "
-      "winding {:5.2f} contacts {} {:6.2f} + {:6.2f} s  {}\n",
+      "winding {:5.2f} asymmetry {} contacts {} {:6.2f} + {:6.2f} s  {}\n",
       name, scene.model.tiles.size(), toString(result.outcome),
       isWalked ? "continuation" : "dynamic", result.accuracy.targetErrorEnd / tile,
       result.assembledError / tile, result.accuracy.penetrationGrownMax / tile,
       result.accuracy.jointGapMax / tile, windingOf(scene, result.trajectory),
-      result.needs.contacts.on ? "on " : "off", result.cost.cpuSecondsSearch,
-      result.cost.cpuSeconds, isWalked ? result.needs.contacts.reason : result.pathReason);
+      asymmetryOf(scene, result.trajectory), result.needs.contacts.on ? "on " : "off",
+      result.cost.cpuSecondsSearch, result.cost.cpuSeconds,
+      isWalked ? result.needs.contacts.reason : result.pathReason);
   std::fflush(stdout);
 }
 
