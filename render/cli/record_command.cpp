@@ -1,5 +1,7 @@
 #include "render/cli/record_command.h"
 
+#include <cmath>
+
 #include <CLI/CLI.hpp>
 
 #include "render/cli/contradictions.h"
@@ -44,6 +46,9 @@ void addFolderOptions(CLI::App& command, RecordOrder& order) {
 void addModelOptions(CLI::App& command, RecordOrder& order) {
   OptionGroup group(command, "Model", "model");
   addReadOptions(group, order.reading);
+  group.choice<double>("--unit", order.unit, {{"m", 1}, {"mm", 1e-3}, {"cm", 1e-2}, {"km", 1e3}},
+                       "unit of the model's lengths, and so of every length of the run; --gravity "
+                       "and --density are given in metres all the same");
   group.choice<std::optional<FaceRule>>(
       "--faces", order.faces,
       {{"model", std::nullopt}, {"fold", FaceRule::Fold}, {"pykirigami", FaceRule::PyKirigami}},
@@ -105,6 +110,8 @@ Scene readScene(const RecordOrder& order, std::vector<std::string>& warnings) {
       order.madeModel ? *order.madeModel : readModelAt(order.model, {}, order.reading, warnings);
   completeScene(order.request.parts, scene, warnings);
   fillFromModel(scene);
+  scene.environment.gravity /= order.unit;
+  scene.brick.density *= std::pow(order.unit, 3);
   if (order.faces) chooseJointFaces(scene.model, *order.faces);
   if (order.splitTiles) {
     requireTilesKeepNumbers(scene);

@@ -25,12 +25,13 @@ struct RecordOrder {
   std::optional<Model> madeModel;  ///< takes the place of reading `model`
   std::optional<FaceRule> faces;   ///< how joints' faces are chosen; absent: as the model has them
   std::optional<std::vector<int>> splitTiles;  ///< tiles that bend, all when empty; absent: none
+  double unit = 1;  ///< of length in all files, metres; gravity and density are SI until prepared
   Scene scene = openScene();  ///< everything but the model; the ground's height is not known yet
   SceneRequest request;       ///< what is added to the model
   RecordSettings settings;    ///< the folder is empty when --out was not given
   std::vector<InputFile> inputs;  ///< files that were read so far, but for the scene file
   OrderText text;                 ///< the settings, once the order is complete
-  bool page = false;  ///< page.html beside the other files, once they are in place
+  bool page = false;              ///< page.html beside the other files, once they are in place
   bool printJson = false;         ///< the summary on standard output as JSON
 };
 

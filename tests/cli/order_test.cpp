@@ -26,6 +26,7 @@ const Words kBoundary = {"--actuation", "boundary"};
 const std::vector<Sample>& samples() {
   static const std::vector<Sample> all = {
       {"--fps", {"30", "50"}},
+      {"--unit", {"mm", "km"}},
       {"--faces", {"fold", "pykirigami"}},
       {"--auto-detect-connections", {}},
       {"--split-tiles", {"all", "0,2"}},
@@ -201,6 +202,23 @@ TEST(Orders, AreToldApartByEveryOption) {
     for (std::size_t k = 0; k < values; ++k) terms.insert(termsOf(given(sample, k)));
     EXPECT_EQ(terms.size(), values + 1) << sample.option;
   }
+}
+
+/// 9.81 m/s^2 are 9810 mm/s^2, and a litre of water, 1 kg, is a million cubic millimetres.
+TEST(Orders, HaveGravityAndDensityInTheUnitOfTheModel) {
+  Words words = {"record",    KIRIREEL_SOURCE_DIR "/data/tessellation_4x4",
+                 "--gravity", "-9.81",
+                 "--mass",    "prism",
+                 "--density", "1000",
+                 "--unit",    "mm"};
+  std::vector<std::string> warnings;
+  const Scene small = prepareOrder(std::get<RecordOrder>(parseCommandLine(words)), warnings).scene;
+  EXPECT_DOUBLE_EQ(small.environment.gravity.z(), -9810);
+  EXPECT_DOUBLE_EQ(small.brick.density, 1e-6);
+  words.back() = "m";
+  const Scene usual = prepareOrder(std::get<RecordOrder>(parseCommandLine(words)), warnings).scene;
+  EXPECT_EQ(usual.environment.gravity.z(), -9.81);
+  EXPECT_EQ(usual.brick.density, 1000);
 }
 
 TEST(Orders, AreNotToldApartByWhatDecidesNothing) {
