@@ -105,7 +105,7 @@ class GeometricSearch {
     }
     found_.mayBeExact = found_.through || isCutShort_;
     tryCompliant(touching);
-    if (!found_.compliant && !found_.mayBeExact && wanted == ContactFilter::Auto) {
+    if (!found_.compliant && !found_.through && wanted == ContactFilter::Auto) {
       tryCompliant(ContactFilter::None);
     }
     if (!found_.compliant && !found_.through) found_.trouble = trouble();
