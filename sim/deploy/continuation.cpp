@@ -110,10 +110,15 @@ Scene withoutLoads(Scene scene) {
   return scene;
 }
 
+Vector3 commonCentre(const Poses& poses) {
+  Vector3 sum = Vector3::Zero();
+  for (const Pose& pose : poses) sum += pose.position;
+  return sum / static_cast<double>(poses.size());
+}
+
 /// Each brick farther from the common centre by a part.
 Poses spread(Poses poses, double part) {
-  Vector3 centre = Vector3::Zero();
-  for (const Pose& pose : poses) centre += pose.position / static_cast<double>(poses.size());
+  const Vector3 centre = commonCentre(poses);
   for (Pose& pose : poses) pose.position += part * (pose.position - centre);
   return poses;
 }
@@ -161,7 +166,7 @@ class Mechanism {
   }
 
   const std::vector<Brick>& bricks() const { return bricks_; }
-  bool close(Poses& poses) { return dynamics_->assemble(poses); }
+  bool close(Poses& poses) { return closeInPlace(poses, *dynamics_); }
   void restore(const SymmetricStates& symmetries, Poses& poses) {
     symmetries.restore(poses, *dynamics_);
   }
@@ -543,6 +548,14 @@ MechanismPath closedExactly(const Scene& scene, MechanismPath rounded, double co
 }
 
 }  // namespace
+
+bool closeInPlace(Poses& poses, Dynamics& dynamics) {
+  const Vector3 centre = commonCentre(poses);
+  if (!dynamics.assemble(poses)) return false;
+  const Vector3 drift = commonCentre(poses) - centre;
+  for (Pose& pose : poses) pose.position -= drift;
+  return true;
+}
 
 double pathDistance(const std::vector<Brick>& bricks, const Poses& from, const Poses& to) {
   double sum = 0;

@@ -8,6 +8,7 @@
 
 #include "sim/base/geometry.h"
 #include "sim/brick/brick.h"
+#include "sim/deploy/dynamics.h"
 #include "sim/deploy/search_budget.h"
 #include "sim/model/symmetry.h"
 #include "sim/scene/scene.h"
@@ -33,6 +34,10 @@ struct MechanismPath {
 /// dx the move of the centre of mass, dphi the turn in radians, and rho the root mean square
 /// distance of the brick's bottom vertices from its centre of mass.
 double pathDistance(const std::vector<Brick>& bricks, const Poses& from, const Poses& to);
+
+/// Closes joints as Dynamics::assemble() does, and leaves the bricks' common centre in its place:
+/// near singular states closing would carry the whole along, by rounding times its stiffness.
+bool closeInPlace(Poses& poses, Dynamics& dynamics);
 
 /// How a path is followed.
 struct ContinuationSettings {

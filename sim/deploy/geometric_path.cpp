@@ -289,7 +289,7 @@ class Walk {
   /// When a state is reached, seconds.
   double timeAt(std::size_t state) const {
     const double whole = std::min(scene_.path.walkTime, scene_.stop.duration);
-    return path_.length() > 0 ? whole * path_.lengths[state] / path_.length() : 0;
+    return path_.length() > 0 ? whole * (path_.lengths[state] / path_.length()) : 0;
   }
 
   void step(std::size_t state) {
@@ -314,7 +314,7 @@ class Walk {
     if (share >= 1) return *poses_;
     Poses poses = interpolate(from, *poses_, share);
     if (hasCompliantJoints_) return symmetricMean(poses, path_.symmetries);
-    projection_->assemble(poses);
+    closeInPlace(poses, *projection_);
     symmetries_.restore(poses, *projection_);
     return poses;
   }
