@@ -28,8 +28,12 @@ namespace {
 using Vector = ElasticSheet::Vector;
 using Matrix = ElasticSheet::Matrix;
 
-// Weight of the constraints beside the stiffest spring.
-constexpr double kConstraintWeight = 1e6;
+// Weights of the constraints beside the stiffest spring. A heavier one is rounded more; it is taken
+// where constraints are so nearly redundant, as in sheets that are almost shut, that the lightest
+// does not outweigh the forces that the sheet carries.
+constexpr double kLeastWeight = 1e6;
+constexpr double kMostWeight = 1e12;
+constexpr double kHeavier = 1e2;
 // An entry of D below this part of the stiffest spring counts as none.
 constexpr double kNoStiffness = 1e-8;
 constexpr int kRefinements = 20;
@@ -61,9 +65,8 @@ class Equations {
   Equations(const ElasticSheet& sheet, const PathPoint& at)
       : H_(sheet.hessian(at.q, at.load, at.multipliers)),
         J_(sheet.jacobian(at.q)),
-        weight_(kConstraintWeight * sheet.stiffnessScale()),
         scale_(sheet.stiffnessScale()) {
-    factor_.compute(Matrix(H_ + weight_ * Matrix(J_.transpose() * J_)));
+    factorise(kLeastWeight * scale_);
   }
 
   /// Adds as much to all stiffnesses as it takes for the energy to rise in all directions.
@@ -73,37 +76,66 @@ class Equations {
     for (double shift = kFirstShift * scale_; negatives() > 0 && shift < kMostShift * scale_;
          shift *= 4) {
       H_ += shift * identity;
-      factor_.compute(Matrix(H_ + weight_ * Matrix(J_.transpose() * J_)));
+      factorise(weight_);
     }
   }
 
   bool isFactored() const { return factor_.info() == Eigen::Success; }
+  /// Of the directions that constraints leave: exact after solve().
   int negatives() const { return static_cast<int>((factor_.vectorD().array() < 0).count()); }
   /// Whether some motion meets no resistance to speak of.
   bool isLoose() const {
     return !isFactored() || factor_.vectorD().cwiseAbs().minCoeff() < kNoStiffness * scale_;
   }
 
-  /// Solves for the change of q and of the multipliers.
-  std::pair<Vector, Vector> solve(const Vector& forces, const Vector& gaps) const {
-    Vector dq = Vector::Zero(H_.cols()), dm = Vector::Zero(J_.rows());
-    for (int round = 0; round < kRefinements; ++round) {
-      const Vector restOfForces = forces - H_ * dq - J_.transpose() * dm;
-      const Vector restOfGaps = gaps - J_ * dq;
-      const bool isGood =
-          restOfForces.norm() <= kRefined * (forces.norm() + scale_ * gaps.norm()) &&
-          restOfGaps.norm() <= kRefined * (gaps.norm() + dq.norm());
-      if (isGood && round > 0) break;
-      const Vector step = factor_.solve(restOfForces + weight_ * (J_.transpose() * restOfGaps));
-      dq += step;
-      dm += weight_ * (J_ * step - restOfGaps);
+  /// The change of q and of the multipliers.
+  struct Change {
+    Vector q;
+    Vector multipliers;
+    double rest = 0;  ///< what the equations miss by, part of the right side
+  };
+
+  /// Solves for the change, with heavier constraints where refinement needs them.
+  Change solve(const Vector& forces, const Vector& gaps) {
+    double best = weight_;
+    Change found = refine(forces, gaps);
+    while (found.rest > kRefined && weight_ < kMostWeight * scale_) {
+      factorise(kHeavier * weight_);
+      if (!isFactored()) break;
+      Change heavier = refine(forces, gaps);
+      if (!(heavier.rest < found.rest)) continue;
+      found = std::move(heavier);
+      best = weight_;
     }
-    return {dq, dm};
+    if (weight_ != best) factorise(best);
+    return found;
   }
 
  private:
+  void factorise(double weight) {
+    weight_ = weight;
+    factor_.compute(Matrix(H_ + weight_ * Matrix(J_.transpose() * J_)));
+  }
+
+  static double shareOf(double part, double whole) { return part > 0 ? part / whole : 0; }
+
+  Change refine(const Vector& forces, const Vector& gaps) const {
+    Change change{Vector::Zero(H_.cols()), Vector::Zero(J_.rows())};
+    for (int round = 0; round < kRefinements; ++round) {
+      const Vector restOfForces = forces - H_ * change.q - J_.transpose() * change.multipliers;
+      const Vector restOfGaps = gaps - J_ * change.q;
+      change.rest = std::max(shareOf(restOfForces.norm(), forces.norm() + scale_ * gaps.norm()),
+                             shareOf(restOfGaps.norm(), gaps.norm() + change.q.norm()));
+      if (change.rest <= kRefined && round > 0) break;
+      const Vector step = factor_.solve(restOfForces + weight_ * (J_.transpose() * restOfGaps));
+      change.q += step;
+      change.multipliers += weight_ * (J_ * step - restOfGaps);
+    }
+    return change;
+  }
+
   Matrix H_, J_;
-  double weight_;
+  double weight_ = 0;
   double scale_;
   Eigen::SimplicialLDLT<Matrix> factor_;
 };
@@ -184,20 +216,20 @@ class Follower {
       const Vector gaps = sheet_.residual(at.q, 0);
       if (equations.negatives() == 0 && isBalanced(forcesAt(at), gaps, at)) return at;
       equations.makeConvex();
-      const auto [dq, dm] = equations.solve(-forcesAt(at), -gaps);
-      const double share = std::min(1.0, kLongestMove / dq.lpNorm<Eigen::Infinity>());
-      at.q += share * dq;
-      at.multipliers += share * dm;
+      const Equations::Change change = equations.solve(-forcesAt(at), -gaps);
+      const double share = std::min(1.0, kLongestMove / change.q.lpNorm<Eigen::Infinity>());
+      at.q += share * change.q;
+      at.multipliers += share * change.multipliers;
     }
     throw RunError("error: no equilibrium was found near the start, before any load");
   }
 
   Tangent tangentAt(const PathPoint& at, const Tangent* before) const {
-    const Equations equations(sheet_, at);
-    auto [dq, dm] = equations.solve(sheet_.pull(at.q), sheet_.motion());
-    Tangent along{dq, dm, 1, equations.negatives()};
-    const double length = std::sqrt(product(dq, dq) + 1);
-    const bool isBack = before && product(dq, before->q) + before->load < 0;
+    Equations equations(sheet_, at);
+    Equations::Change change = equations.solve(sheet_.pull(at.q), sheet_.motion());
+    const double length = std::sqrt(product(change.q, change.q) + 1);
+    const bool isBack = before && product(change.q, before->q) + before->load < 0;
+    Tangent along{std::move(change.q), std::move(change.multipliers), 1, equations.negatives()};
     const double factor = (isBack ? -1 : 1) / length;
     along.q *= factor;
     along.multipliers *= factor;
@@ -221,15 +253,16 @@ class Follower {
         if (product(along.q, next.q) + along.load * next.load < kStraight) return std::nullopt;
         return Stepped{at, next, round};
       }
-      const Equations equations(sheet_, at);
+      Equations equations(sheet_, at);
       if (!equations.isFactored()) return std::nullopt;
-      const auto [dq, dm] = equations.solve(-forces, -gaps);
-      const auto [tq, tm] = equations.solve(sheet_.pull(at.q), sheet_.motion());
+      const Equations::Change closing = equations.solve(-forces, -gaps);
+      const Equations::Change tangent = equations.solve(sheet_.pull(at.q), sheet_.motion());
       const double off =
           product(along.q, at.q - from.q) + along.load * (at.load - from.load) - step;
-      const double change = -(off + product(along.q, dq)) / (product(along.q, tq) + along.load);
-      at.q += dq + change * tq;
-      at.multipliers += dm + change * tm;
+      const double change =
+          -(off + product(along.q, closing.q)) / (product(along.q, tangent.q) + along.load);
+      at.q += closing.q + change * tangent.q;
+      at.multipliers += closing.multipliers + change * tangent.multipliers;
       at.load += change;
     }
     return std::nullopt;
@@ -242,9 +275,9 @@ class Follower {
       const Vector forces = forcesAt(at);
       const Vector gaps = sheet_.residual(at.q, load);
       if (isBalanced(forces, gaps, at)) return at;
-      const auto [dq, dm] = Equations(sheet_, at).solve(-forces, -gaps);
-      at.q += dq;
-      at.multipliers += dm;
+      const Equations::Change change = Equations(sheet_, at).solve(-forces, -gaps);
+      at.q += change.q;
+      at.multipliers += change.multipliers;
     }
     return std::nullopt;
   }

@@ -230,6 +230,111 @@ TEST(LoadPath, FindsBothStatesOfABistableLinkageAndWhereItSnaps) {
   }
 }
 
+/// A triangle that turns in a frame, on three ligaments from its corners, a from the middle, to
+/// points of the frame, b from it. Every ligament is at rest where the triangle has turned from the
+/// dead point, in which all are shortest, by the angle `rest` to either side.
+struct TurningTriangle {
+  double a = 0.5, b = 1.2, rest = 0.4, stiffness = 30;
+
+  double length(double angle) const {
+    return std::sqrt(a * a + b * b - 2 * a * b * std::cos(angle));
+  }
+  double energy(double angle) const {
+    const double stretch = length(angle) - length(rest);
+    return 1.5 * stiffness * stretch * stretch;
+  }
+  double moment(double angle) const {
+    return 3 * stiffness * (1 - length(rest) / length(angle)) * a * b * std::sin(angle);
+  }
+  /// The frame is a big triangle, whose corners play no part; tile 1 turns in it.
+  ElasticSheet sheet(double amount, bool isForce) const {
+    const auto corner = [](double radius, double angle) {
+      return Vector3(radius * std::cos(angle), radius * std::sin(angle), 0);
+    };
+    Tile frame, inner;
+    for (int k = 0; k < 3; ++k) {
+      frame.vertices.push_back(corner(3, 2 * kPi * k / 3));
+      inner.vertices.push_back(corner(a, 2 * kPi * k / 3 - rest));
+    }
+    const std::vector<Brick> bricks = makeBricks({frame, inner}, {0.02, MassRule::Unit, 1});
+    std::vector<Ligament> ligaments;
+    for (int k = 0; k < 3; ++k) {
+      Ligament ligament{.brickA = 1, .brickB = 0};
+      ligament.pointA = inner.vertices[static_cast<std::size_t>(k)];
+      ligament.pointB = corner(b, 2 * kPi * k / 3);
+      ligament.start = ligament.pointB - ligament.pointA;
+      ligament.stretchStiffness = stiffness;
+      ligaments.push_back(ligament);
+    }
+    const GripHandle middle{.brick = 1};
+    return ElasticSheet(bricks, startPoses({frame, inner}, bricks), {}, {}, {0},
+                        {{{{.brick = 1, .isTurn = true}}, Vector3::UnitX(), amount, isForce},
+                         {{middle}, Vector3::UnitX(), 0, false},
+                         {{middle}, Vector3::UnitY(), 0, false}},
+                        ligaments);
+  }
+};
+
+// The unit of bistable auxetic sheets of triangles: both states, the force on the whole way
+// between them, and where it snaps, against E = 3 k (l - l0)^2 / 2 with the law of cosines.
+TEST(LoadPath, FindsBothStatesOfABistableTriangleAndWhereItSnaps) {
+  const TurningTriangle unit;
+  const double peak = -maximum([&](double angle) { return unit.moment(-angle); }, 0, unit.rest);
+  const double snap = unit.moment(peak);
+  for (const bool isForce : {false, true}) {
+    const LoadPath path = followLoad(unit.sheet(isForce ? 1.5 * snap : 2 * unit.rest, isForce), 0,
+                                     {.longestStep = 0.05}, {});
+    EXPECT_TRUE(path.arrives) << path.trouble;
+    for (const Equilibrium& state : path.states) {
+      const double angle = state.displacements[0] - unit.rest;
+      EXPECT_NEAR(state.forces[0], unit.moment(angle), 1e-7 * snap);  // measured 1.2e-8
+      EXPECT_NEAR(state.energy, unit.energy(angle), 1e-9);
+    }
+    const Equilibrium& limit =
+        firstTurning(path, isForce ? Turning::LoadLimit : Turning::ForceLimit);
+    EXPECT_NEAR(limit.forces[0], snap, 1e-9 * snap);
+    EXPECT_NEAR(limit.displacements[0] - unit.rest, peak, 1e-6);
+    if (isForce) continue;
+    const Equilibrium& other = path.states.back();
+    EXPECT_NEAR(other.forces[0], 0, 1e-7 * snap);
+    EXPECT_NEAR(other.energy, 0, 1e-12);
+    EXPECT_GT(other.stiffness, 0);
+    EXPECT_EQ(other.unstableModes, 0);
+  }
+}
+
+// 4 x 4 squares that a force shuts and pushes through: with the width 3 (cos(t/2) + sin(t/2)) and
+// 24 springs the pull is 16 k (t - t0) / (cos(t/2) - sin(t/2)). Their constraints are redundant
+// at t = 0, and nearly so round it.
+TEST(LoadPath, LeadsThroughSquaresThatAreShut) {
+  const double open = kPi / 6, stiffness = 0.02;
+  TessellationShape shape;
+  shape.startAngle = open;
+  Held held(makeTessellation(shape), stiffness);
+  const auto middles = [&](int column) {
+    std::vector<GripHandle> handles;
+    for (int tile = 4 * column; tile < 4 * column + 4; ++tile) handles.push_back({.brick = tile});
+    return handles;
+  };
+  held.grips = {{middles(0), Vector3::UnitX(), 0, false},
+                {{{.brick = 0}}, Vector3::UnitY(), 0, false},
+                {middles(3), Vector3::UnitX(), -0.4, true}};
+  const LoadPath path = held.follow(2);
+  EXPECT_TRUE(path.arrives) << path.trouble;
+  EXPECT_LT(path.states.back().displacements[2], -0.7);  // shut at -0.674
+  for (const Equilibrium& state : path.states) {
+    // width = 3 sqrt(2) sin(t/2 + pi/4)
+    const double width = 3 * (std::cos(open / 2) + std::sin(open / 2)) + state.displacements[2];
+    const double angle = 2 * std::asin(width / std::sqrt(18.0)) - kPi / 2;
+    const double force =
+        16 * stiffness * (angle - open) / (std::cos(angle / 2) - std::sin(angle / 2));
+    EXPECT_NEAR(state.forces[2], force, 1e-9) << angle;
+    EXPECT_NEAR(state.energy, 12 * stiffness * (angle - open) * (angle - open), 1e-9);
+    EXPECT_EQ(state.unstableModes, 0);
+    EXPECT_EQ(state.turning, Turning::None);
+  }
+}
+
 TEST(LoadPath, IsRefusedWhereNothingResists) {
   TessellationShape shape;
   shape.columns = shape.rows = 2;
