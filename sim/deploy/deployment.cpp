@@ -242,6 +242,11 @@ DeploymentResult deployUnkept(const Scene& given, double sampleInterval,
         "error: --ligaments needs grips, in whose equilibria necks give; add a [[grip]] to "
         "scene.toml, or leave it away");
   }
+  if (scene.grips.empty() && scene.hinges.panels) {
+    throw InputError(
+        "error: --panels needs grips, in whose equilibria tiles bend; add a [[grip]] to "
+        "scene.toml, or leave it away");
+  }
   if (!scene.grips.empty()) return followGrips(scene, sampleInterval, observer);
   double ownSeconds = 0;
   double& searchSeconds = checkpoints ? checkpoints->searchSeconds() : ownSeconds;

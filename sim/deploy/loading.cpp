@@ -1,12 +1,15 @@
 #include "sim/deploy/loading.h"
 
 #include <algorithm>
+#include <memory>
 
 #include <fmt/format.h>
 
 #include "sim/base/error.h"
 #include "sim/deploy/assembled_state.h"
+#include "sim/deploy/bar_hinge_scene.h"
 #include "sim/deploy/geometric_path.h"
+#include "sim/equilibrium/elastic_sheet.h"
 #include "sim/equilibrium/load_path.h"
 #include "sim/scene/hinge_springs.h"
 
@@ -49,9 +52,11 @@ void requireEquilibria(const Scene& scene) {
     throw InputError(
         "error: equilibria under grips are without contacts; leave --contacts away, or the grips");
   }
-  if (const Need planar = sceneNeeds(scene).planar; !planar.on) {
+  if (const Need planar = sceneNeeds(scene).planar; !planar.on && !scene.hinges.panels) {
     throw InputError(fmt::format(
-        "error: grips load sheets in the plane, but {}; leave the grips away", planar.reason));
+        "error: grips load rigid tiles in the plane alone, but {}; let the tiles bend (--panels), "
+        "or leave the grips away",
+        planar.reason));
   }
   const auto isLink = [](const Joint& joint) { return joint.kind == JointKind::Link; };
   if (std::ranges::any_of(scene.model.joints, isLink)) {
@@ -62,52 +67,50 @@ void requireEquilibria(const Scene& scene) {
 }
 
 /// What a grip holds of its tiles: its corners, or the tiles' middles.
-std::vector<GripHandle> pointsOf(const GripSetting& grip, const std::vector<Brick>& bricks) {
+std::vector<GripHandle> handlesOf(const GripOrder& grip, const std::vector<Brick>& bricks) {
   std::vector<GripHandle> points;
-  for (const Corner& corner : grip.corners) {
+  for (const Corner& corner : grip.setting->corners) {
     const Brick& brick = bricks[static_cast<std::size_t>(corner.tile)];
     points.push_back({corner.tile, brick.bottom[static_cast<std::size_t>(corner.vertex)]});
   }
   if (!points.empty()) return points;
-  for (const int tile : grip.tiles) {
-    points.push_back({tile, meanPoint(bricks[static_cast<std::size_t>(tile)].bottom)});
+  for (const int tile : grip.setting->tiles) {
+    points.push_back(
+        {tile, meanPoint(bricks[static_cast<std::size_t>(tile)].bottom), grip.name.isTurn});
   }
   return points;
 }
 
 /// The grips of a scene, one for each direction that it names.
-struct NamedGrips {
-  std::vector<Grip> grips;
-  std::vector<GripName> names;
-  std::size_t leading = 0;
-};
-
-NamedGrips gripsOf(const Scene& scene, const std::vector<Brick>& bricks) {
-  NamedGrips found;
+std::vector<GripOrder> gripsOf(const Scene& scene) {
+  std::vector<GripOrder> found;
   for (std::size_t k = 0; k < scene.grips.size(); ++k) {
     const GripSetting& setting = scene.grips[k];
     const auto add = [&](const std::optional<double>& amount, const Vector3& direction,
                          const char* word) {
       if (!amount) return;
-      Grip grip{pointsOf(setting, bricks), direction, *amount, setting.isForce};
       const bool isTurn = direction.isZero();
-      for (GripHandle& handle : grip.handles) handle.isTurn = isTurn;
-      found.grips.push_back(std::move(grip));
-      found.names.push_back({fmt::format("grip {} {}", k + 1, word), isTurn});
+      found.push_back(
+          {&setting, direction, *amount, {fmt::format("grip {} {}", k + 1, word), isTurn}});
     };
     add(setting.x, Vector3::UnitX(), "x");
     add(setting.y, Vector3::UnitY(), "y");
+    add(setting.z, Vector3::UnitZ(), "z");
     add(setting.turn, Vector3::Zero(), "turn");
   }
+  return found;
+}
+
+/// The first grip that moves or pushes.
+std::size_t leadingOf(const std::vector<GripOrder>& grips) {
   const auto leading =
-      std::ranges::find_if(found.grips, [](const Grip& grip) { return grip.amount != 0; });
-  if (leading == found.grips.end()) {
-    throw inputErrorAt(scene.grips.front().where,
+      std::ranges::find_if(grips, [](const GripOrder& grip) { return grip.amount != 0; });
+  if (leading == grips.end()) {
+    throw inputErrorAt(grips.front().setting->where,
                        "no grip moves or pushes anything; give one of them move = {x = 0.1} or "
                        "another amount that is not 0");
   }
-  found.leading = static_cast<std::size_t>(leading - found.grips.begin());
-  return found;
+  return static_cast<std::size_t>(leading - grips.begin());
 }
 
 /// The direction from a corner into its tile.
@@ -160,11 +163,29 @@ Ties tiesOf(const Scene& scene, const std::vector<Brick>& bricks,
   return ties;
 }
 
+/// The sheet in three coordinates a tile.
+std::unique_ptr<LoadedSheet> planarSheet(const Scene& scene, const std::vector<Brick>& bricks,
+                                         const std::vector<HingeSpring>& springs,
+                                         const std::vector<GripOrder>& grips) {
+  std::vector<Grip> held;
+  for (const GripOrder& grip : grips) {
+    if (grip.setting->z) {
+      throw inputErrorAt(grip.setting->where,
+                         "grips load this sheet in its plane; leave z away, or let the tiles bend "
+                         "(--panels)");
+    }
+    held.push_back({handlesOf(grip, bricks), grip.direction, grip.amount, grip.setting->isForce});
+  }
+  const Ties ties = tiesOf(scene, bricks, springs);
+  return std::make_unique<ElasticSheet>(bricks, startPoses(scene.model.tiles, bricks), springs,
+                                        ties.pivots, pinnedTiles(scene), std::move(held),
+                                        ties.ligaments);
+}
+
 /// The states as a path to be walked.
-GeometricPath walkable(const std::vector<Brick>& bricks, const LoadPath& loaded,
-                       bool hasLigaments) {
+GeometricPath walkable(const std::vector<Brick>& bricks, const LoadPath& loaded, bool isSoft) {
   GeometricPath walked;
-  walked.hasCompliantJoints = hasLigaments;
+  walked.hasCompliantJoints = isSoft;
   walked.contactReason = "equilibria under grips are without contacts";
   walked.reason = "equilibria under grips";
   for (const Equilibrium& state : loaded.states) {
@@ -205,19 +226,25 @@ DeploymentResult followGrips(const Scene& scene, double sampleInterval,
   requireEquilibria(scene);
   const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
   const std::vector<HingeSpring> springs = hingeSprings(scene, bricks);
-  const NamedGrips grips = gripsOf(scene, bricks);
-  const Ties ties = tiesOf(scene, bricks, springs);
-  const ElasticSheet sheet(bricks, startPoses(scene.model.tiles, bricks), springs, ties.pivots,
-                           pinnedTiles(scene), grips.grips, ties.ligaments);
-  const LoadPath loaded = followLoad(sheet, grips.leading, {}, {});
-  const GeometricPath path = walkable(bricks, loaded, !ties.ligaments.empty());
+  const std::vector<GripOrder> grips = gripsOf(scene);
+  const std::size_t leading = leadingOf(grips);
+  const std::unique_ptr<LoadedSheet> sheet =
+      scene.hinges.panels ? makeBarHingeSheet(scene, bricks, springs, pinnedTiles(scene), grips)
+                          : planarSheet(scene, bricks, springs, grips);
+  const bool isSoft = scene.hinges.panels || scene.hinges.areLigaments;
+  LoadPathSettings settings;
+  settings.leastStates = scene.path.loadSteps;
+  settings.mostStates = std::max(settings.mostStates, 20 * scene.path.loadSteps);
+  const LoadPath loaded = followLoad(*sheet, leading, settings, {});
+  const GeometricPath path = walkable(bricks, loaded, isSoft);
   Poses last;
   const SampleObserver watch = [&](const Sample& sample) {
     last = sample.poses;
     return !observer || observer(sample);
   };
   DeploymentResult result = walk(scene, path, assembleAtTarget(scene), sampleInterval, watch);
-  result.loadCurve = LoadCurve{grips.names, grips.leading, loaded.states};
+  result.loadCurve = LoadCurve{{}, leading, loaded.states};
+  for (const GripOrder& grip : grips) result.loadCurve->grips.push_back(grip.name);
   result.elasticity = elasticityOf(springs, loaded.states.front().poses, last);
   result.atTarget.reset();
   noteTurnings(*result.loadCurve, path.path, std::min(scene.path.walkTime, scene.stop.duration),

@@ -62,7 +62,7 @@ constexpr auto kCandidates = std::to_array<PathSettings>({
 
 /// The paths to try with contacts, in this order. Where bricks lie flush from the start on, room is
 /// made first, or joints give a little.
-constexpr auto kAmongBricks = std::to_array<PathSettings>({
+constexpr auto kPathsAmongBricks = std::to_array<PathSettings>({
     {PathKind::Straight},
     {PathKind::Led, 1, 2, 50, kExactJoints},
     {PathKind::Led, 1, 4, 200, kExactJoints},
@@ -331,7 +331,7 @@ class PathSearch {
 
   /// Where bricks meet on the way, other ways are tried with contacts.
   PathChoice findAmongBricks(const PathChoice& first, bool roomAtTarget) {
-    const Paths paths = roomAtTarget ? Paths(kAmongBricks) : Paths(kToBlocked);
+    const Paths paths = roomAtTarget ? Paths(kPathsAmongBricks) : Paths(kToBlocked);
     if (const auto path = pathAmongBricks(paths, "touching bricks")) {
       return {*path, describe(*path) + " among touching bricks" + arriving(), true};
     }
@@ -383,7 +383,7 @@ class PathSearch {
       room.nearest = assembleAtTarget(thin, budget_);
       PathSearch search(thin, std::move(room), budget_, observer_, trials_);
       search.count_ = count_;
-      const auto path = search.pathAmongBricks(Paths(kAmongBricks).first(kThinPaths), which);
+      const auto path = search.pathAmongBricks(Paths(kPathsAmongBricks).first(kThinPaths), which);
       count_ = search.count_;
       isOver_ = search.isOver_;
       cutShort_ += search.cutShort_;

@@ -225,7 +225,12 @@ ElasticSheet::Matrix ElasticSheet::hessian(const Vector& q, double load,
   return matrix;
 }
 
-double ElasticSheet::displacement(const Grip& grip, const Vector& q) const {
+double ElasticSheet::unit(std::size_t grip) const {
+  return grips_[grip].handles.front().isTurn ? 1 : scale_;
+}
+
+double ElasticSheet::displacement(std::size_t number, const Vector& q) const {
+  const Grip& grip = grips_[number];
   const Vector start = startCoordinates();
   double sum = 0;
   for (const GripHandle& handle : grip.handles) {
@@ -235,8 +240,9 @@ double ElasticSheet::displacement(const Grip& grip, const Vector& q) const {
   return sum / static_cast<double>(grip.handles.size());
 }
 
-double ElasticSheet::displacementSlope(const Grip& grip, const Vector& q,
+double ElasticSheet::displacementSlope(std::size_t number, const Vector& q,
                                        const Vector& along) const {
+  const Grip& grip = grips_[number];
   double sum = 0;
   for (const GripHandle& handle : grip.handles) {
     const Vector3 part = slope({handle, grip.direction}, q);

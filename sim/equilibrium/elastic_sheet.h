@@ -4,12 +4,10 @@
 
 #include <vector>
 
-#include <Eigen/Core>
-#include <Eigen/SparseCore>
-
 #include "sim/brick/brick.h"
 #include "sim/brick/hinge.h"
 #include "sim/equilibrium/ligament.h"
+#include "sim/equilibrium/loaded_sheet.h"
 
 namespace kirireel {
 
@@ -31,51 +29,36 @@ struct Grip {
   bool isForce = false;
 };
 
-/// A sheet in the plane. Its coordinates q are x and y of each brick's centre of mass in length
-/// scales and the brick's turn about z since the start in radians; energies are in joules.
-class ElasticSheet {
+/// A sheet in the plane. Its coordinates are x and y of each brick's centre of mass in length
+/// scales and the brick's turn about z since the start in radians.
+class ElasticSheet : public LoadedSheet {
  public:
-  using Vector = Eigen::VectorXd;
-  using Matrix = Eigen::SparseMatrix<double>;
-
   /// `pinned`: the tiles that stay where they are. Pivots must be of joints that are exact: links
   /// are not known, and ligaments take the place of others.
   ElasticSheet(const std::vector<Brick>& bricks, Poses start, std::vector<HingeSpring> springs,
                const std::vector<Pivot>& pivots, const std::vector<int>& pinned,
                std::vector<Grip> grips, std::vector<Ligament> ligaments = {});
 
-  int unknowns() const { return 3 * static_cast<int>(start_.size()); }
-  int rows() const { return static_cast<int>(rows_.size()); }
-  const std::vector<Grip>& grips() const { return grips_; }
-
-  Vector startCoordinates() const;
-  Poses posesAt(const Vector& q) const;
-
-  /// What springs and ligaments hold, joules.
-  double energy(const Vector& q) const;
-  /// The largest stiffness that a coordinate may meet, joules: what tolerances refer to.
-  double stiffnessScale() const;
-  /// d(energy)/dq less the grips' forces, load * pull(q).
-  Vector gradient(const Vector& q, double load) const;
-  /// The grips' forces at the load 1.
-  Vector pull(const Vector& q) const;
-  /// What must be 0: pivots in length scales, pins, and grips that move.
-  Vector residual(const Vector& q, double load) const;
-  /// Its derivative by q.
-  Matrix jacobian(const Vector& q) const;
-  /// Minus its derivative by the load.
-  Vector motion() const;
-  /// The derivative of gradient + jacobian^T multipliers by q.
-  Matrix hessian(const Vector& q, double load, const Vector& multipliers) const;
-
-  /// What a grip's displacement is a multiple of in q: metres, or 1 for turns.
-  double unit(const Grip& grip) const { return grip.handles.front().isTurn ? 1 : scale_; }
-  /// How far a grip has moved since the start, the mean over its handles, metres or radians.
-  double displacement(const Grip& grip, const Vector& q) const;
-  /// Its derivative along a direction of q.
-  double displacementSlope(const Grip& grip, const Vector& q, const Vector& along) const;
-  /// What a grip pulls with along its direction, newtons or N m. Linear in load and multipliers.
-  double force(std::size_t grip, double load, const Vector& multipliers) const;
+  int unknowns() const override { return 3 * static_cast<int>(start_.size()); }
+  int rows() const override { return static_cast<int>(rows_.size()); }
+  std::size_t grips() const override { return grips_.size(); }
+  Vector startCoordinates() const override;
+  Poses posesAt(const Vector& q) const override;
+  double energy(const Vector& q) const override;
+  double stiffnessScale() const override;
+  double noStiffness() const override { return 1e-8; }
+  double constraintWeight() const override { return 1e6; }
+  Vector gradient(const Vector& q, double load) const override;
+  Vector pull(const Vector& q) const override;
+  /// Pivots in length scales, pins, and grips that move.
+  Vector residual(const Vector& q, double load) const override;
+  Matrix jacobian(const Vector& q) const override;
+  Vector motion() const override;
+  Matrix hessian(const Vector& q, double load, const Vector& multipliers) const override;
+  double unit(std::size_t grip) const override;
+  double displacement(std::size_t grip, const Vector& q) const override;
+  double displacementSlope(std::size_t grip, const Vector& q, const Vector& along) const override;
+  double force(std::size_t grip, double load, const Vector& multipliers) const override;
 
  private:
   /// A part of a constraint: the place of a handle along a direction, times a factor.

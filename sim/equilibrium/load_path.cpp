@@ -25,17 +25,14 @@
 namespace kirireel {
 namespace {
 
-using Vector = ElasticSheet::Vector;
-using Matrix = ElasticSheet::Matrix;
+using Vector = LoadedSheet::Vector;
+using Matrix = LoadedSheet::Matrix;
 
-// Weights of the constraints beside the stiffest spring. A heavier one is rounded more; it is taken
-// where constraints are so nearly redundant, as in sheets that are almost shut, that the lightest
-// does not outweigh the forces that the sheet carries.
-constexpr double kLeastWeight = 1e6;
+// Heavier constraints are rounded more; they are taken where constraints are so nearly redundant,
+// as in sheets that are almost shut, that the usual weight does not outweigh the forces that the
+// sheet carries.
 constexpr double kMostWeight = 1e12;
 constexpr double kHeavier = 1e2;
-// An entry of D below this part of the stiffest spring counts as none.
-constexpr double kNoStiffness = 1e-8;
 constexpr int kRefinements = 20;
 constexpr double kRefined = 1e-13;   // of the right side
 constexpr double kClosed = 1e-12;    // constraints, length scales
@@ -62,11 +59,12 @@ struct PathPoint {
 /// The factored equations at one point.
 class Equations {
  public:
-  Equations(const ElasticSheet& sheet, const PathPoint& at)
+  Equations(const LoadedSheet& sheet, const PathPoint& at)
       : H_(sheet.hessian(at.q, at.load, at.multipliers)),
         J_(sheet.jacobian(at.q)),
-        scale_(sheet.stiffnessScale()) {
-    factorise(kLeastWeight * scale_);
+        scale_(sheet.stiffnessScale()),
+        none_(sheet.noStiffness()) {
+    factorise(sheet.constraintWeight() * scale_);
   }
 
   /// Adds as much to all stiffnesses as it takes for the energy to rise in all directions.
@@ -85,7 +83,7 @@ class Equations {
   int negatives() const { return static_cast<int>((factor_.vectorD().array() < 0).count()); }
   /// Whether some motion meets no resistance to speak of.
   bool isLoose() const {
-    return !isFactored() || factor_.vectorD().cwiseAbs().minCoeff() < kNoStiffness * scale_;
+    return !isFactored() || factor_.vectorD().cwiseAbs().minCoeff() < none_ * scale_;
   }
 
   /// The change of q and of the multipliers.
@@ -137,13 +135,14 @@ class Equations {
   Matrix H_, J_;
   double weight_ = 0;
   double scale_;
+  double none_;
   Eigen::SimplicialLDLT<Matrix> factor_;
 };
 
 /// Follows one sheet.
 class Follower {
  public:
-  Follower(const ElasticSheet& sheet, std::size_t leading, const LoadPathSettings& settings,
+  Follower(const LoadedSheet& sheet, std::size_t leading, const LoadPathSettings& settings,
            const EquilibriumObserver& observer)
       : sheet_(sheet), leading_(leading), settings_(settings), observer_(observer) {}
 
@@ -154,6 +153,7 @@ class Follower {
     double step = 0.1 * settings_.longestStep;
     while (goesOn && mayGoOn(at)) {
       checkInterruption();
+      step = std::min(step, longestStep(along));
       const std::optional<Stepped> next = stepFrom(at, along, step);
       if (!next) {
         step *= 0.5;
@@ -166,7 +166,7 @@ class Follower {
       at = next->at;
       along = next->along;
       goesOn = goesOn && note(at, along, Turning::None);
-      if (next->rounds <= kFewRounds) step = std::min(1.5 * step, settings_.longestStep);
+      if (next->rounds <= kFewRounds) step *= 1.5;
     }
     return std::move(path_);
   }
@@ -186,6 +186,10 @@ class Follower {
     Tangent along;
     int rounds = 0;
   };
+
+  double longestStep(const Tangent& along) const {
+    return std::min(settings_.longestStep, 1 / (settings_.leastStates * std::abs(along.load)));
+  }
 
   double product(const Vector& a, const Vector& b) const {
     return 3 * a.dot(b) / static_cast<double>(sheet_.unknowns());
@@ -235,7 +239,7 @@ class Follower {
     along.multipliers *= factor;
     along.load *= factor;
     along.forceSlope = sheet_.force(leading_, along.load, along.multipliers);
-    along.displacementSlope = sheet_.displacementSlope(sheet_.grips()[leading_], at.q, along.q);
+    along.displacementSlope = sheet_.displacementSlope(leading_, at.q, along.q);
     return along;
   }
 
@@ -310,7 +314,7 @@ class Follower {
   Turning turningBetween(const Tangent& a, const Tangent& b) const {
     if (a.load * b.load < 0) return Turning::LoadLimit;
     if (a.negatives != b.negatives) return Turning::Bifurcation;
-    const double noise = kNoSlope * sheet_.stiffnessScale() / sheet_.unit(sheet_.grips()[leading_]);
+    const double noise = kNoSlope * sheet_.stiffnessScale() / sheet_.unit(leading_);
     const bool isClear = std::abs(a.forceSlope - b.forceSlope) > noise;
     return isClear && a.forceSlope * b.forceSlope < 0 ? Turning::ForceLimit : Turning::None;
   }
@@ -336,8 +340,8 @@ class Follower {
     state.load = at.load;
     state.poses = sheet_.posesAt(at.q);
     state.energy = sheet_.energy(at.q);
-    for (std::size_t g = 0; g < sheet_.grips().size(); ++g) {
-      state.displacements.push_back(sheet_.displacement(sheet_.grips()[g], at.q));
+    for (std::size_t g = 0; g < sheet_.grips(); ++g) {
+      state.displacements.push_back(sheet_.displacement(g, at.q));
       state.forces.push_back(sheet_.force(g, at.load, at.multipliers));
     }
     state.stiffness = along.forceSlope / along.displacementSlope;
@@ -347,7 +351,7 @@ class Follower {
     return !observer_ || observer_(path_.states.back());
   }
 
-  const ElasticSheet& sheet_;
+  const LoadedSheet& sheet_;
   std::size_t leading_;
   LoadPathSettings settings_;
   const EquilibriumObserver& observer_;
@@ -356,8 +360,8 @@ class Follower {
 
 }  // namespace
 
-LoadPath followLoad(const ElasticSheet& sheet, std::size_t leading,
-                    const LoadPathSettings& settings, const EquilibriumObserver& observer) {
+LoadPath followLoad(const LoadedSheet& sheet, std::size_t leading, const LoadPathSettings& settings,
+                    const EquilibriumObserver& observer) {
   return Follower(sheet, leading, settings, observer).follow();
 }
 

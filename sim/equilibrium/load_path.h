@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "sim/equilibrium/elastic_sheet.h"
 #include "sim/equilibrium/equilibrium.h"
+#include "sim/equilibrium/loaded_sheet.h"
 
 namespace kirireel {
 
@@ -23,6 +23,7 @@ struct LoadPathSettings {
   /// the load.
   double longestStep = 0.05;
   int mostStates = 2000;
+  int leastStates = 1;  ///< while the load grows by 1
 };
 
 /// Called with each state; return false to end the path.
@@ -32,7 +33,7 @@ using EquilibriumObserver = std::function<bool(const Equilibrium&)>;
 /// is 1. Limit points and bifurcations on the way are located and noted as states of their own; no
 /// branch is taken. `leading`: the grip whose force and stiffness are told. Throws RunError where
 /// no equilibrium is found at the load 0, or the sheet can move without any resistance there.
-LoadPath followLoad(const ElasticSheet& sheet, std::size_t leading,
-                    const LoadPathSettings& settings, const EquilibriumObserver& observer);
+LoadPath followLoad(const LoadedSheet& sheet, std::size_t leading, const LoadPathSettings& settings,
+                    const EquilibriumObserver& observer);
 
 }  // namespace kirireel

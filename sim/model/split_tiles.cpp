@@ -21,26 +21,10 @@ double diagonalsFrom(const Tile& tile, std::size_t corner) {
   return sum;
 }
 
-/// The triangles between the diagonals from one corner, in order round it; of a concave tile, its
-/// ears.
 std::vector<Part> partsOf(const Tile& tile) {
-  if (!isConvexPolygon(tile.vertices, tileNormal(tile))) {
-    std::vector<Part> ears;
-    for (const auto& ear : trianglesOf(tile.vertices, tileNormal(tile))) {
-      ears.emplace_back(ear.begin(), ear.end());
-    }
-    return ears;
-  }
-  const int count = static_cast<int>(tile.vertices.size());
-  int apex = 0;
-  for (int k = 1; k < count; ++k) {
-    // Rounding does not choose between equal corners.
-    if (diagonalsFrom(tile, k) < (1 - 1e-9) * diagonalsFrom(tile, apex)) apex = k;
-  }
   std::vector<Part> parts;
-  for (int k = 1; k + 1 < count; ++k) {
-    parts.push_back({apex, (apex + k) % count, (apex + k + 1) % count});
-  }
+  for (const auto& triangle : tileTriangles(tile))
+    parts.emplace_back(triangle.begin(), triangle.end());
   return parts;
 }
 
@@ -117,6 +101,23 @@ class Splitter {
 };
 
 }  // namespace
+
+std::vector<std::array<int, 3>> tileTriangles(const Tile& tile) {
+  if (!isConvexPolygon(tile.vertices, tileNormal(tile))) {
+    return trianglesOf(tile.vertices, tileNormal(tile));
+  }
+  const int count = static_cast<int>(tile.vertices.size());
+  int apex = 0;
+  for (int k = 1; k < count; ++k) {
+    // Rounding does not choose between equal corners.
+    if (diagonalsFrom(tile, k) < (1 - 1e-9) * diagonalsFrom(tile, apex)) apex = k;
+  }
+  std::vector<std::array<int, 3>> triangles;
+  for (int k = 1; k + 1 < count; ++k) {
+    triangles.push_back({apex, (apex + k) % count, (apex + k + 1) % count});
+  }
+  return triangles;
+}
 
 Model splitTiles(const Model& model, const std::vector<int>& tiles) {
   const int first = model.fileOrder.countsFrom;

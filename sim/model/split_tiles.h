@@ -1,11 +1,16 @@
 /// Tiles that bend: rigid parts hinged along their common edges.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "sim/model/model.h"
 
 namespace kirireel {
+
+/// The triangles that a tile is split into, its corner numbers anticlockwise: by the diagonals from
+/// the corner whose diagonals are shortest, concave tiles into ears.
+std::vector<std::array<int, 3>> tileTriangles(const Tile& tile);
 
 /// The model with the given tiles, in the numbers of its file, (all, when empty) split into triangles by the diagonals from the
 /// corner whose diagonals are shortest, concave ones into ears; triangles stay whole. Parts are

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kMost = 1e12;  // of any amount
 const std::vector<std::string> kGripKeys = {"tile", "tiles", "vertex", "edge", "move", "force"};
-const std::vector<std::string> kAmountKeys = {"x", "y", "turn"};
+const std::vector<std::string> kAmountKeys = {"x", "y", "z", "turn"};
 
 void readAmounts(const TomlEntry& entry, GripSetting& grip) {
   const TomlTable* table = entry.value.table();
@@ -29,6 +29,8 @@ void readAmounts(const TomlEntry& entry, GripSetting& grip) {
       grip.x = read();
     } else if (amount.key == "y") {
       grip.y = read();
+    } else if (amount.key == "z") {
+      grip.z = read();
     } else if (amount.key == "turn") {
       grip.turn = read() * (grip.isForce ? 1 : kDegree);
     } else {

@@ -20,6 +20,7 @@ struct GripSetting {
   bool isForce = false;         ///< newtons and N m that push, else metres and radians of moves
   std::optional<double> x;      ///< 0 holds, where it moves
   std::optional<double> y;      ///< likewise
+  std::optional<double> z;      ///< likewise, of sheets in space
   std::optional<double> turn;   ///< anticlockwise; of whole tiles alone
   FileLocation where;           ///< in the scene file, for messages
 };
@@ -28,7 +29,7 @@ struct GripSetting {
 ///
 ///     tile = NUMBER or tiles = [NUMBERS], and where not all of it: vertex = NUMBER or
 ///     edge = [NUMBER, NUMBER]; then one of move = {x = METRES, y = METRES, turn = DEGREES} and
-///     force = {x = NEWTONS, y = NEWTONS, turn = N_M}, of which any may be left out.
+///     force = {x = NEWTONS, y = NEWTONS, turn = N_M}, of which any may be left out; z likewise.
 ///
 /// Throws InputError with file:line:column for what is none of this.
 std::vector<GripSetting> readGrips(const TomlValue& value);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -75,10 +76,64 @@ void requireRoomAtRest(const HingeSpring& spring, const OwnHingeSpring* line, co
   throw line ? inputErrorAt(line->where, message) : InputError("--hinge-rest: error: " + message);
 }
 
+/// Joins every two corners that joints hold together on a face, also by way of others.
+std::vector<Joint> joinedCorners(const std::vector<Joint>& joints, JointFace face) {
+  using CornerKey = std::pair<int, int>;
+  std::map<CornerKey, int> groupOf;
+  std::vector<std::vector<Corner>> groups;
+  const auto groupAt = [&](const Corner& corner) {
+    const auto [place, isNew] =
+        groupOf.try_emplace({corner.tile, corner.vertex}, static_cast<int>(groups.size()));
+    if (isNew) groups.push_back({corner});
+    return place->second;
+  };
+  for (const Joint& joint : joints) {
+    if (joint.kind != JointKind::Pivot || (joint.face != face && joint.face != JointFace::Both)) {
+      continue;
+    }
+    const int kept = groupAt(joint.a), emptied = groupAt(joint.b);
+    if (kept == emptied) continue;
+    for (const Corner& corner : groups[static_cast<std::size_t>(emptied)]) {
+      groupOf[{corner.tile, corner.vertex}] = kept;
+      groups[static_cast<std::size_t>(kept)].push_back(corner);
+    }
+    groups[static_cast<std::size_t>(emptied)].clear();
+  }
+  std::vector<Joint> all;
+  for (const std::vector<Corner>& group : groups) {
+    for (std::size_t b = 1; b < group.size(); ++b) {
+      for (std::size_t a = 0; a < b; ++a) {
+        if (group[a].tile != group[b].tile) all.push_back({group[a], group[b], face});
+      }
+    }
+  }
+  return all;
+}
+
+bool isFold(const Hinge& hinge) {
+  return hinge.least < 0;
+}
+
+/// Adds the folds between tiles whose common corners are joined by way of other tiles, as where
+/// four tiles of an origami meet.
+void addIndirectFolds(const Scene& scene, const std::vector<Brick>& bricks, FoundHinges& found) {
+  std::set<TilePair> known;
+  for (const Hinge& hinge : found.hinges) known.insert(std::minmax(hinge.brickA, hinge.brickB));
+  for (const JointFace face : {JointFace::Bottom, JointFace::Top}) {
+    const FoundHinges joined =
+        findHinges(bricks, makePivots(joinedCorners(scene.model.joints, face), bricks), false);
+    for (const Hinge& hinge : joined.hinges) {
+      const bool isNew = known.insert(std::minmax(hinge.brickA, hinge.brickB)).second;
+      if (isFold(hinge) && isNew) found.hinges.push_back(hinge);
+    }
+  }
+}
+
 /// The hinges of a scene, of which there must be one at least.
 FoundHinges requireHinges(const Scene& scene, const std::vector<Brick>& bricks) {
-  FoundHinges found =
-      findHinges(bricks, makePivots(scene.model.joints, bricks), sceneNeeds(scene).planar.on);
+  const bool isPlanar = sceneNeeds(scene).planar.on;
+  FoundHinges found = findHinges(bricks, makePivots(scene.model.joints, bricks), isPlanar);
+  if (!isPlanar) addIndirectFolds(scene, bricks, found);
   if (!found.hinges.empty()) return found;
   if (found.ballJoints.empty()) {
     throw InputError(

@@ -18,10 +18,10 @@ namespace kirireel {
 /// numbers below 0, tiles that the model does not have, and a hinge that is listed twice.
 std::vector<OwnHingeSpring> readHingeSprings(const std::filesystem::path& file, const Model& model);
 
-/// The springs of a scene's hinges, in the order of findHinges(): those with a stiffness or a
-/// damping. `bricks` are the scene's. Throws InputError where nothing has an axis to turn about,
-/// where a line of the file names no hinge, and where bricks would lie in each other at the rest
-/// angle.
+/// The springs of a scene's hinges, in the order of findHinges(), and then of the folds between
+/// tiles whose common corners are joined by way of others: those with a stiffness or a damping.
+/// `bricks` are the scene's. Throws InputError where nothing has an axis to turn about, where a
+/// line of the file names no hinge, and where bricks would lie in each other at the rest angle.
 std::vector<HingeSpring> hingeSprings(const Scene& scene, const std::vector<Brick>& bricks);
 
 }  // namespace kirireel

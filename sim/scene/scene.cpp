@@ -51,6 +51,7 @@ bool leavesPlane(const InitialVelocity& velocity) {
 
 Need planarNeed(const Scene& scene) {
   if (scene.solver.planar) return {*scene.solver.planar, "asked for"};
+  if (scene.hinges.panels) return {false, "tiles bend"};
   const double tolerance = 1e-9 * modelSize(scene.model);
   if (!liesFlat(scene.model.tiles, tolerance)) return {false, "the start is not flat"};
   for (const std::vector<Tile>* target : targets(scene)) {

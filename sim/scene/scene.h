@@ -82,12 +82,20 @@ struct HingeNeck {
   double poisson = 0.3;  ///< ratio, from 0 to below 0.5
 };
 
+/// The material of tiles that stretch and bend, as thick as the bricks: see BarHingeSheet.
+struct PanelMaterial {
+  double youngs = 0;      ///< modulus, Pa, above 0
+  double poisson = 0.3;   ///< ratio, from 0 to below 0.5
+  double foldLength = 0;  ///< see foldStiffness(), metres; 0: folds are as stiff as hinges are
+};
+
 /// Torsional springs at the hinges: see HingeSpring.
 struct HingeSettings {
   double stiffness = 0;           ///< of all hinges, N m/rad, from 0
   std::optional<HingeNeck> neck;  ///< says the stiffness at corners
   /// Whether necks give in every way, not in their angle alone; under grips.
   bool areLigaments = false;
+  std::optional<PanelMaterial> panels;  ///< tiles give too; under grips
   std::optional<double> rest;       ///< their angle without moment, radians; absent: at the start
   double damping = 0;               ///< N m s/rad, from 0
   std::filesystem::path file;       ///< springs of hinges one by one; empty: there is none
@@ -149,6 +157,8 @@ struct PathSettings {
   /// Seconds in which a path of the mechanism is walked, at an even pace, above 0. A shorter
   /// duration of the run comes first.
   double walkTime = 6;
+  /// Equilibria that grips lead through, at the least, while the load grows from 0 to 1; from 1.
+  int loadSteps = 1;
 
   /// Whether joints are springs from the start on.
   bool jointsGive() const { return std::isfinite(jointStiffness); }

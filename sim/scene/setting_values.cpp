@@ -90,6 +90,21 @@ HingeNeck parseNeck(const TypedValue& value) {
   return neck;
 }
 
+PanelMaterial parsePanels(const TypedValue& value) {
+  const std::vector<std::string_view> parts = split(value.text, ',');
+  if (parts.empty() || parts.size() > 3) {
+    throw valueError(value,
+                     "Young's modulus, Poisson's ratio and a length of folds, for example 2e9,0.3");
+  }
+  const auto part = [&](std::size_t k, const Range& range) {
+    return parseNumber({value.name, std::string(parts[k])}, range);
+  };
+  PanelMaterial panels{part(0, {1e-9, 1e15})};
+  if (parts.size() > 1) panels.poisson = part(1, {0, 0.5, true});
+  if (parts.size() > 2) panels.foldLength = part(2, {0, 1e9});
+  return panels;
+}
+
 InputError valueError(const TypedValue& value, const std::string& wanted) {
   return InputError(fmt::format("error: {}: '{}' is not allowed; give {}", value.name,
                                 shown(value.text), wanted));
@@ -133,6 +148,11 @@ std::string vectorText(const Vector3& vector) {
 std::string neckText(const HingeNeck& neck) {
   const auto& [width, length, youngs, poisson] = neck;
   return quotedText(fmt::format("{},{},{},{}", width, length, youngs, poisson));
+}
+
+std::string panelsText(const PanelMaterial& panels) {
+  const auto& [youngs, poisson, foldLength] = panels;
+  return quotedText(fmt::format("{},{},{}", youngs, poisson, foldLength));
 }
 
 std::string listWords(const std::vector<std::string>& words) {

@@ -55,6 +55,10 @@ Vector3 parseGravity(const TypedValue& value);
 /// Poisson's ratio.
 HingeNeck parseNeck(const TypedValue& value);
 
+/// "2e9", "2e9,0.3" or "2e9,0.3,0.05": Young's modulus, above 0, Poisson's ratio and the length
+/// scale of folds, from 0.
+PanelMaterial parsePanels(const TypedValue& value);
+
 /// The error of a value that is not allowed: "NAME: 'TEXT' is not allowed; give WANTED".
 InputError valueError(const TypedValue& value, const std::string& wanted);
 
@@ -79,6 +83,7 @@ double numberReadAs(double wanted, double guess, const std::function<double(doub
 
 std::string vectorText(const Vector3& vector);
 std::string neckText(const HingeNeck& neck);
+std::string panelsText(const PanelMaterial& panels);
 
 /// "all, unjoined or none".
 std::string listWords(const std::vector<std::string>& words);

@@ -232,6 +232,15 @@ SettingGroup hingeSettings() {
            "necks stretch, shear and bend, instead of bending about exact joints; with "
            "[[grip]]")
            .with(hasNecks, "--hinge-neck"),
+       special(
+           "panels", "E[,NU[,LENGTH]]", "",
+           "tiles that stretch and bend, as bars and hinges: Young's modulus in Pa, Poisson's "
+           "ratio (0.3), and the length scale of folds in metres, which says their stiffness; "
+           "with [[grip]]",
+           [](Scene& scene, const TypedValue& typed) { scene.hinges.panels = parsePanels(typed); },
+           [](const Scene& scene) {
+             return scene.hinges.panels ? panelsText(*scene.hinges.panels) : "";
+           }),
        hingeRest().with(hasHingeSprings, "--hinge-stiffness, --hinge-neck or --hinge-file"),
        number<&Scene::hinges, &HingeSettings::damping>("hinge_damping", kFromZero, "N*M*S/RAD",
                                                        "damping of the hinges' angles")
@@ -264,6 +273,9 @@ SettingGroup pathSettings() {
        number<&Scene::path, &PathSettings::walkTime>(
            "walk_time", {1e-6, 1e6}, "SECONDS",
            "in which a path of continuation is walked, at an even pace"),
+       whole<&Scene::path, &PathSettings::loadSteps>(
+           "load_steps", {1, 1e6}, "COUNT",
+           "equilibria at the least on the way to the full load, with [[grip]]"),
        number<&Scene::path, &PathSettings::openTime>(
            "open_time", kFromZero, "SECONDS", "of expansion from the centre first, with --path led")
            .with(isLed, kLed),

@@ -54,5 +54,51 @@ TEST(ProgramLoad, FindsTheEquilibriaOfScipysMinimiser) {
   EXPECT_LT(forces, 1e-9) << judged.out;     // measured 1e-11
 }
 
+/// What bar_and_hinge.py says of a run.
+struct BarsAndHinges {
+  double forces = 1, energies = 1;  ///< by how much they miss, parts of the largest
+  double softest = 0;               ///< the least stiffness, N/m
+  double largest = 0;               ///< force, N
+};
+
+BarsAndHinges judgedAsBarsAndHinges(const char* which) {
+  const ScratchFolder scratch;
+  const std::string script = KIRIREEL_SOURCE_DIR "/tests/cli/bar_and_hinge.py";
+  const std::string folder = scratch.path(), run = scratch / "run";
+  EXPECT_EQ(runTool(kPython, {script, "make", which, folder}).exitCode, 0);
+  const ProgramEnd end = runKirireel(
+      {"simulate", folder + "/model.fold", "--scene", folder + "/scene.toml", "--out", run});
+  EXPECT_EQ(end.exitCode, 0) << end.err;
+  const ProgramEnd judged = runTool(kPython, {script, "judge", which, folder, run});
+  EXPECT_EQ(judged.exitCode, 0) << judged.err;
+  std::istringstream said(judged.out);
+  BarsAndHinges found;
+  said >> found.forces >> found.energies >> found.softest >> found.largest;
+  return found;
+}
+
+bool hasNumpy() {
+  return !test::outputOf(fmt::format("{} -c 'import numpy; print(1)'", kPython)).empty();
+}
+
+// A Miura sheet of 3 x 3 cells under tension, its tiles bending, against bars and hinges written
+// anew (bar_and_hinge.py).
+TEST(ProgramLoad, PullsAMiuraSheetAsBarsAndHingesDo) {
+  if (!hasNumpy()) GTEST_SKIP() << "install python3-numpy to judge origami by bars and hinges";
+  const BarsAndHinges found = judgedAsBarsAndHinges("miura");
+  EXPECT_LT(found.forces, 1e-8);     // measured 8e-11
+  EXPECT_LT(found.energies, 1e-10);  // measured 2e-15
+  EXPECT_GT(found.softest, 0);
+}
+
+// A storey of a Kresling tower that is pressed until it snaps through.
+TEST(ProgramLoad, SnapsAKreslingTowerAsBarsAndHingesDo) {
+  if (!hasNumpy()) GTEST_SKIP() << "install python3-numpy to judge origami by bars and hinges";
+  const BarsAndHinges found = judgedAsBarsAndHinges("kresling");
+  EXPECT_LT(found.forces, 1e-10);    // measured 1e-13
+  EXPECT_LT(found.energies, 1e-10);  // measured 1e-15
+  EXPECT_LT(found.softest, 0);
+}
+
 }  // namespace
 }  // namespace kirireel

@@ -109,7 +109,7 @@ TEST(Loading, RefusesWhatEquilibriaDoNotKnow) {
   EXPECT_THAT(refusalOf(scene), HasSubstr("but there is gravity; leave that away, or the grips"));
   scene = turnedUnit();
   scene.solver.planar = false;
-  EXPECT_THAT(refusalOf(scene), HasSubstr("grips load sheets in the plane, but asked for"));
+  EXPECT_THAT(refusalOf(scene), HasSubstr("grips load rigid tiles in the plane alone, but asked for"));
   scene = turnedUnit();
   scene.grips[1].turn = 0;
   EXPECT_THAT(refusalOf(scene), HasSubstr("no grip moves or pushes anything"));

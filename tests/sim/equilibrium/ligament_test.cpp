@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/equilibrium/elastic_sheet.h"
 #include "sim/equilibrium/load_path.h"
 #include "sim/model/tessellation.h"
 

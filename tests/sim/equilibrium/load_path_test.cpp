@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
+#include "sim/equilibrium/elastic_sheet.h"
 #include "sim/model/tessellation.h"
 
 namespace kirireel {

@@ -1,0 +1,214 @@
+// The sheet's energy is the sum over bars of k (l - l0)^2 / 2, with
+//   dl/dx = n,   d^2l/dx^2 = (1 - n n^T) / l   at the second end, minus that at the first,
+// and over folds of k (angle - rest)^2 / 2 (fold.cpp). Nodes that stay and handles that are moved
+// are linear in the coordinates. Schenk and Guest, Origami folding: a structural engineering
+// approach, Origami 5, 2011; Liu and Paulino 2017 (as in fold.cpp).
+#include "sim/equilibrium/bar_hinge_sheet.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/model/alignment.h"
+
+namespace kirireel {
+namespace {
+
+using Triplets = std::vector<Eigen::Triplet<double>>;
+
+double meanLength(const std::vector<Bar>& bars) {
+  double sum = 0;
+  for (const Bar& bar : bars) sum += bar.rest;
+  return bars.empty() ? 1 : sum / static_cast<double>(bars.size());
+}
+
+/// The derivative of a handle's place along a direction by the coordinates of its nodes.
+template <typename Add>
+void addHandle(const std::vector<int>& nodes, const Vector3& direction, const Add& add) {
+  for (const int node : nodes) {
+    for (int k = 0; k < 3; ++k) {
+      add(3 * node + k, direction[k] / static_cast<double>(nodes.size()));
+    }
+  }
+}
+
+double handlePlace(const std::vector<int>& nodes, const Vector3& direction,
+                   const Eigen::VectorXd& q) {
+  double sum = 0;
+  addHandle(nodes, direction, [&](int index, double part) { sum += part * q[index]; });
+  return sum;
+}
+
+}  // namespace
+
+BarHingeSheet::BarHingeSheet(BarHingeModel model, std::vector<NodeGrip> grips)
+    : model_(std::move(model)), grips_(std::move(grips)), scale_(meanLength(model_.bars)) {
+  for (const Bar& bar : model_.bars) {
+    stiffness_ = std::max(stiffness_, bar.stiffness * scale_ * scale_);
+  }
+  for (const Fold& fold : model_.folds) stiffness_ = std::max(stiffness_, fold.stiffness);
+  addRows();
+}
+
+void BarHingeSheet::addRows() {
+  Triplets entries;
+  std::vector<double> motions;
+  const auto addRow = [&](const std::vector<int>& nodes, const Vector3& direction, double motion) {
+    const int row = static_cast<int>(motions.size());
+    addHandle(nodes, direction,
+              [&](int index, double part) { entries.emplace_back(row, index, part); });
+    motions.push_back(motion);
+  };
+  for (const int node : model_.fixed) {
+    for (int k = 0; k < 3; ++k) addRow({node}, Vector3::Unit(k), 0);
+  }
+  for (const NodeGrip& grip : grips_) {
+    firstRow_.push_back(static_cast<Eigen::Index>(motions.size()));
+    if (grip.isForce) continue;
+    for (const std::vector<int>& handle : grip.handles) {
+      addRow(handle, grip.direction, grip.amount / scale_);
+    }
+  }
+  jacobian_.resize(static_cast<Eigen::Index>(motions.size()), unknowns());
+  jacobian_.setFromTriplets(entries.begin(), entries.end());
+  motion_ = Eigen::Map<const Vector>(motions.data(), static_cast<Eigen::Index>(motions.size()));
+  offset_ = jacobian_ * startCoordinates();
+}
+
+BarHingeSheet::Vector BarHingeSheet::startCoordinates() const {
+  Vector q(unknowns());
+  for (std::size_t i = 0; i < model_.nodes.size(); ++i) {
+    q.segment<3>(3 * static_cast<Eigen::Index>(i)) = model_.nodes[i] / scale_;
+  }
+  return q;
+}
+
+Poses BarHingeSheet::posesAt(const Vector& q) const {
+  Poses poses = model_.start;
+  for (std::size_t t = 0; t < poses.size(); ++t) {
+    std::vector<Vector3> before, now;
+    for (const int node : model_.tiles[t]) {
+      before.push_back(model_.nodes[static_cast<std::size_t>(node)]);
+      now.push_back(place(node, q));
+    }
+    const RigidMotion motion = bestRigidMotion(before, now);
+    poses[t].position = motion.apply(poses[t].position);
+    poses[t].rotation = (Quaternion(motion.rotation) * poses[t].rotation).normalized();
+  }
+  return poses;
+}
+
+FoldPoints BarHingeSheet::pointsOf(const Fold& fold, const Vector& q) const {
+  FoldPoints points;
+  std::ranges::transform(fold.nodes, points.begin(), [&](int node) { return place(node, q); });
+  return points;
+}
+
+double BarHingeSheet::energy(const Vector& q) const {
+  double sum = 0;
+  for (const Bar& bar : model_.bars) {
+    const double stretch = (place(bar.nodeB, q) - place(bar.nodeA, q)).norm() - bar.rest;
+    sum += 0.5 * bar.stiffness * stretch * stretch;
+  }
+  for (const Fold& fold : model_.folds) {
+    const double turn = foldAngle(pointsOf(fold, q)) - fold.rest;
+    sum += 0.5 * fold.stiffness * turn * turn;
+  }
+  return sum;
+}
+
+BarHingeSheet::Vector BarHingeSheet::pull(const Vector& q) const {
+  Vector forces = Vector::Zero(q.size());
+  for (const NodeGrip& grip : grips_) {
+    if (!grip.isForce) continue;
+    const double each = scale_ * grip.amount / static_cast<double>(grip.handles.size());
+    for (const std::vector<int>& handle : grip.handles) {
+      addHandle(handle, grip.direction,
+                [&](int index, double part) { forces[index] += each * part; });
+    }
+  }
+  return forces;
+}
+
+BarHingeSheet::Vector BarHingeSheet::gradient(const Vector& q, double load) const {
+  Vector sum = -load * pull(q);
+  for (const Bar& bar : model_.bars) {
+    const Vector3 along = place(bar.nodeB, q) - place(bar.nodeA, q);
+    const double length = along.norm();
+    const Vector3 force = scale_ * bar.stiffness * (length - bar.rest) / length * along;
+    sum.segment<3>(3 * bar.nodeA) -= force;
+    sum.segment<3>(3 * bar.nodeB) += force;
+  }
+  for (const Fold& fold : model_.folds) {
+    const FoldPoints points = pointsOf(fold, q);
+    const Vector12 slope =
+        scale_ * fold.stiffness * (foldAngle(points) - fold.rest) * foldSlope(points);
+    for (int i = 0; i < 4; ++i) {
+      sum.segment<3>(3 * fold.nodes[static_cast<std::size_t>(i)]) += slope.segment<3>(3 * i);
+    }
+  }
+  return sum;
+}
+
+BarHingeSheet::Vector BarHingeSheet::residual(const Vector& q, double load) const {
+  return jacobian_ * q - offset_ - load * motion_;
+}
+
+BarHingeSheet::Matrix BarHingeSheet::hessian(const Vector& q, double, const Vector&) const {
+  Triplets entries;
+  const auto add = [&](int nodeA, int nodeB, const Matrix3& block) {
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) entries.emplace_back(3 * nodeA + i, 3 * nodeB + j, block(i, j));
+    }
+  };
+  const double square = scale_ * scale_;
+  for (const Bar& bar : model_.bars) {
+    const Vector3 along = place(bar.nodeB, q) - place(bar.nodeA, q);
+    const double length = along.norm();
+    const Matrix3 line = along * along.transpose() / (length * length);
+    const Matrix3 block =
+        square * bar.stiffness * (line + (1 - bar.rest / length) * (Matrix3::Identity() - line));
+    add(bar.nodeA, bar.nodeA, block);
+    add(bar.nodeB, bar.nodeB, block);
+    add(bar.nodeA, bar.nodeB, -block);
+    add(bar.nodeB, bar.nodeA, -block);
+  }
+  for (const Fold& fold : model_.folds) {
+    const FoldPoints points = pointsOf(fold, q);
+    const Vector12 slope = foldSlope(points);
+    const Matrix12 blocks =
+        square * fold.stiffness *
+        (slope * slope.transpose() + (foldAngle(points) - fold.rest) * foldBend(points));
+    for (int i = 0; i < 4; ++i) {
+      for (int j = 0; j < 4; ++j) {
+        add(fold.nodes[static_cast<std::size_t>(i)], fold.nodes[static_cast<std::size_t>(j)],
+            blocks.block<3, 3>(3 * i, 3 * j));
+      }
+    }
+  }
+  Matrix matrix(unknowns(), unknowns());
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
+
+double BarHingeSheet::displacement(std::size_t grip, const Vector& q) const {
+  return displacementSlope(grip, q, q - startCoordinates());
+}
+
+double BarHingeSheet::displacementSlope(std::size_t grip, const Vector&,
+                                        const Vector& along) const {
+  const NodeGrip& found = grips_[grip];
+  double sum = 0;
+  for (const std::vector<int>& handle : found.handles) {
+    sum += scale_ * handlePlace(handle, found.direction, along);
+  }
+  return sum / static_cast<double>(found.handles.size());
+}
+
+double BarHingeSheet::force(std::size_t grip, double load, const Vector& multipliers) const {
+  const NodeGrip& found = grips_[grip];
+  if (found.isForce) return load * found.amount;
+  const auto count = static_cast<Eigen::Index>(found.handles.size());
+  return -multipliers.segment(firstRow_[grip], count).sum() / scale_;
+}
+
+}  // namespace kirireel

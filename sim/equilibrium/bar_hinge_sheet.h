@@ -1,0 +1,88 @@
+/// The energy of a sheet in space whose tiles stretch and bend, by bars and hinges: the edges of
+/// triangles are bars, and where two triangles meet the sheet folds or a tile bends.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "sim/equilibrium/fold.h"
+#include "sim/equilibrium/loaded_sheet.h"
+
+namespace kirireel {
+
+/// A bar between two nodes: stiffness (length - rest)^2 / 2.
+struct Bar {
+  int nodeA = 0;
+  int nodeB = 0;
+  double rest = 0;       ///< its length without force, metres
+  double stiffness = 0;  ///< N/m
+};
+
+/// A linear torsional spring between two triangles: stiffness (angle - rest)^2 / 2, see
+/// foldAngle().
+struct Fold {
+  std::array<int, 4> nodes{};  ///< as FoldPoints has them
+  double stiffness = 0;        ///< N m/rad
+  double rest = 0;             ///< radians
+};
+
+/// What moves or pushes parts of the sheet, see Grip.
+struct NodeGrip {
+  /// One or more handles; each is the middle of its nodes.
+  std::vector<std::vector<int>> handles;
+  Vector3 direction = Vector3::UnitX();  ///< unit
+  double amount = 0;                     ///< at the load 1, metres or newtons
+  bool isForce = false;
+};
+
+/// What a sheet of bars and hinges is made of.
+struct BarHingeModel {
+  std::vector<Vector3> nodes;  ///< at the start, metres
+  std::vector<Bar> bars;
+  std::vector<Fold> folds;
+  std::vector<int> fixed;               ///< nodes that stay where they are
+  std::vector<std::vector<int>> tiles;  ///< the nodes of each tile, whose poses are told
+  Poses start;                          ///< of the tiles
+};
+
+/// A sheet of bars and hinges. Its coordinates are the places of its nodes in length scales.
+class BarHingeSheet : public LoadedSheet {
+ public:
+  BarHingeSheet(BarHingeModel model, std::vector<NodeGrip> grips);
+
+  int unknowns() const override { return 3 * static_cast<int>(model_.nodes.size()); }
+  int rows() const override { return static_cast<int>(offset_.size()); }
+  std::size_t grips() const override { return grips_.size(); }
+  Vector startCoordinates() const override;
+  /// Each tile where its nodes are fitted best.
+  Poses posesAt(const Vector& q) const override;
+  double energy(const Vector& q) const override;
+  double stiffnessScale() const override { return stiffness_; }
+  double noStiffness() const override { return 1e-12; }
+  double constraintWeight() const override { return 1e2; }
+  Vector gradient(const Vector& q, double load) const override;
+  Vector pull(const Vector& q) const override;
+  Vector residual(const Vector& q, double load) const override;
+  Matrix jacobian(const Vector&) const override { return jacobian_; }
+  Vector motion() const override { return motion_; }
+  Matrix hessian(const Vector& q, double load, const Vector& multipliers) const override;
+  double unit(std::size_t) const override { return scale_; }
+  double displacement(std::size_t grip, const Vector& q) const override;
+  double displacementSlope(std::size_t grip, const Vector& q, const Vector& along) const override;
+  double force(std::size_t grip, double load, const Vector& multipliers) const override;
+
+ private:
+  Vector3 place(int node, const Vector& q) const { return scale_ * q.segment<3>(3 * node); }
+  FoldPoints pointsOf(const Fold& fold, const Vector& q) const;
+  void addRows();
+
+  BarHingeModel model_;
+  std::vector<NodeGrip> grips_;
+  double scale_ = 1;      // metres
+  double stiffness_ = 0;  // joules
+  Matrix jacobian_;
+  Vector offset_, motion_;
+  std::vector<Eigen::Index> firstRow_;  // of each grip, where it moves
+};
+
+}  // namespace kirireel
