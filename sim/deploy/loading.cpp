@@ -1,7 +1,9 @@
 #include "sim/deploy/loading.h"
 
 #include <algorithm>
+#include <array>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -11,6 +13,7 @@
 #include "sim/deploy/geometric_path.h"
 #include "sim/equilibrium/elastic_sheet.h"
 #include "sim/equilibrium/load_path.h"
+#include "sim/model/neck_stiffness.h"
 #include "sim/scene/hinge_springs.h"
 
 namespace kirireel {
@@ -122,6 +125,32 @@ Vector3 inwardAt(const Brick& brick, int corner) {
   return next.normalized() + last.normalized();
 }
 
+/// The edge of both tiles that starts at their joint, unit, where a shut slit lies along one.
+std::optional<Vector3> slitAt(const Pivot& pivot, const std::vector<Brick>& bricks) {
+  constexpr double kFlush = 1e-6;  // of the cosine
+  const auto edges = [&](int brick, int corner) {
+    const std::vector<Vector3>& bottom = bricks[static_cast<std::size_t>(brick)].bottom;
+    const std::size_t count = bottom.size();
+    const auto k = static_cast<std::size_t>(corner);
+    return std::array{Vector3((bottom[(k + 1) % count] - bottom[k]).normalized()),
+                      Vector3((bottom[(k + count - 1) % count] - bottom[k]).normalized())};
+  };
+  for (const Vector3& a : edges(pivot.brickA, pivot.cornerA)) {
+    for (const Vector3& b : edges(pivot.brickB, pivot.cornerB)) {
+      if (a.dot(b) > 1 - kFlush) return a;
+    }
+  }
+  return std::nullopt;
+}
+
+/// A joint that is a neck has its axis beside the corner, where it closes the end of a slit.
+Pivot atAxis(Pivot pivot, const std::vector<Brick>& bricks, const HingeNeck& neck) {
+  const Vector3 slit = slitAt(pivot, bricks).value_or(Vector3::Zero());
+  pivot.pointA += neckAxis(neck.width, neck.length) * slit;
+  pivot.pointB += neckAxis(neck.width, neck.length) * slit;
+  return pivot;
+}
+
 /// The neck at a joint as a ligament: its middle is the joint, and it runs from one tile to the
 /// other.
 Ligament ligamentAt(const Pivot& pivot, const std::vector<Brick>& bricks, const Scene& scene) {
@@ -148,12 +177,13 @@ struct Ties {
 Ties tiesOf(const Scene& scene, const std::vector<Brick>& bricks,
             const std::vector<HingeSpring>& springs) {
   Ties ties;
-  for (const Pivot& pivot : makePivots(scene.model.joints, bricks)) {
+  for (Pivot pivot : makePivots(scene.model.joints, bricks)) {
     const bool isHinge = std::ranges::any_of(springs, [&](const HingeSpring& spring) {
       return std::minmax(spring.hinge.brickA, spring.hinge.brickB) ==
              std::minmax(pivot.brickA, pivot.brickB);
     });
     if (pivot.isUpper) continue;
+    if (isHinge && scene.hinges.neck) pivot = atAxis(pivot, bricks, *scene.hinges.neck);
     if (isHinge && scene.hinges.areLigaments) {
       ties.ligaments.push_back(ligamentAt(pivot, bricks, scene));
     } else {
@@ -175,6 +205,11 @@ std::unique_ptr<LoadedSheet> planarSheet(const Scene& scene, const std::vector<B
                          "(--panels)");
     }
     held.push_back({handlesOf(grip, bricks), grip.direction, grip.amount, grip.setting->isForce});
+  }
+  if (scene.hinges.areLigaments && scene.hinges.neck->length == 0) {
+    throw InputError(
+        "error: --ligaments needs necks with a length, for a neck without one neither stretches "
+        "nor shears; give one in --hinge-neck, or leave --ligaments away");
   }
   const Ties ties = tiesOf(scene, bricks, springs);
   return std::make_unique<ElasticSheet>(bricks, startPoses(scene.model.tiles, bricks), springs,

@@ -26,4 +26,10 @@ double neckStiffness(double youngs, double thickness, double width, double lengt
   return youngs * thickness * width * width / (12 * (widths + endsOf(widths)));
 }
 
+double neckAxis(double width, double length) {
+  constexpr double kOwn = 0.5, kOfEnds = 0.73;  ///< widths
+  const double widths = length / width, ends = endsOf(widths);
+  return width * (kOwn * widths + kOfEnds * ends) / (widths + ends);
+}
+
 }  // namespace kirireel

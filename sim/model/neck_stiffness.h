@@ -18,4 +18,11 @@ namespace kirireel {
 /// 1960.
 double neckStiffness(double youngs, double thickness, double width, double length);
 
+/// How far from the tiles' common corner, along the slit, such a neck's axis lies, metres: about
+/// which tiles turn under a moment, and through which a force turns none. It is the mean of the
+/// neck's own, in its middle, and of its ends', 0.73 widths from the corner, weighed by what each
+/// gives: slits that are shut end in tiles that give more on the slit's side. The 0.73 comes from
+/// decks of sheets whose necks have no length (tests/cli/program_load_test.cpp).
+double neckAxis(double width, double length);
+
 }  // namespace kirireel

@@ -77,7 +77,7 @@ struct OwnHingeSpring {
 /// the bricks: see neckStiffness().
 struct HingeNeck {
   double width = 0;      ///< metres, above 0
-  double length = 0;     ///< metres, above 0
+  double length = 0;     ///< metres, from 0
   double youngs = 0;     ///< modulus, Pa, above 0
   double poisson = 0.3;  ///< ratio, from 0 to below 0.5
 };

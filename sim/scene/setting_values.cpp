@@ -85,7 +85,7 @@ HingeNeck parseNeck(const TypedValue& value) {
   const auto part = [&](std::size_t k, const Range& range) {
     return parseNumber({value.name, std::string(parts[k])}, range);
   };
-  HingeNeck neck{part(0, {1e-9, 1e6}), part(1, {1e-9, 1e6}), part(2, {1e-9, 1e15})};
+  HingeNeck neck{part(0, {1e-9, 1e6}), part(1, {0, 1e6}), part(2, {1e-9, 1e15})};
   if (parts.size() == 4) neck.poisson = part(3, {0, 0.5, true});
   return neck;
 }

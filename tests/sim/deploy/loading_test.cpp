@@ -2,6 +2,7 @@
 #include "sim/deploy/loading.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -109,7 +110,8 @@ TEST(Loading, RefusesWhatEquilibriaDoNotKnow) {
   EXPECT_THAT(refusalOf(scene), HasSubstr("but there is gravity; leave that away, or the grips"));
   scene = turnedUnit();
   scene.solver.planar = false;
-  EXPECT_THAT(refusalOf(scene), HasSubstr("grips load rigid tiles in the plane alone, but asked for"));
+  EXPECT_THAT(refusalOf(scene),
+              HasSubstr("grips load rigid tiles in the plane alone, but asked for"));
   scene = turnedUnit();
   scene.grips[1].turn = 0;
   EXPECT_THAT(refusalOf(scene), HasSubstr("no grip moves or pushes anything"));
@@ -125,6 +127,69 @@ TEST(Loading, RefusesWhatEquilibriaDoNotKnow) {
   scene.hinges.areLigaments = true;
   scene.grips.clear();
   EXPECT_THAT(refusalOf(scene), HasSubstr("--ligaments needs grips"));
+  scene = turnedUnit();
+  scene.hinges.neck = HingeNeck{0.02, 0, 1e6, 0.3};
+  scene.hinges.areLigaments = true;
+  EXPECT_THAT(refusalOf(scene), HasSubstr("--ligaments needs necks with a length"));
+  scene = turnedUnit();
+  scene.grips[0].z = 0;
+  EXPECT_THAT(refusalOf(scene), HasSubstr("grips load this sheet in its plane; leave z away"));
+}
+
+/// Two squares in the plane, joined at both ends of a common edge x = 1 as in folded sheets. The
+/// left one is held, and the outer edge of the right one lifted.
+Scene liftedFold() {
+  Scene scene;
+  scene.model.tiles = {Tile{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}},
+                       Tile{{{1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}}}};
+  scene.model.joints = {{{0, 1}, {1, 0}}, {{0, 2}, {1, 3}}};
+  scene.brick.thickness = 0.01;
+  scene.environment.contacts = ContactFilter::Auto;
+  scene.path.kind = PathKind::Auto;
+  scene.hinges.stiffness = 0.5;
+  scene.hinges.panels = PanelMaterial{1e9, 0.3, 0};
+  GripSetting held, lifted;
+  held.tiles = {0};
+  held.corners = {{0, 0}, {0, 1}, {0, 2}, {0, 3}};
+  held.x = held.y = held.z = 0;
+  lifted.tiles = {1};
+  lifted.corners = {{1, 1}, {1, 2}};
+  lifted.z = 0.6;
+  scene.grips = {held, lifted};
+  return scene;
+}
+
+// The fold's moment k t is that of the force at the arm cos(t), sin(t) = 0.6 up.
+TEST(Loading, LiftsATileAboutAFold) {
+  const DeploymentResult run = deploy(liftedFold(), 0.5, nullptr);
+  EXPECT_EQ(run.outcome, Outcome::Settled) << run.reason;
+  const Equilibrium& last = run.loadCurve->states.back();
+  const double angle = std::asin(0.6);
+  EXPECT_NEAR(last.forces[3], 0.5 * angle / 0.8, 1e-5);  // bars are not rigid
+  EXPECT_NEAR(last.energy, 0.25 * angle * angle, 1e-5);
+}
+
+// Without springs the length scale says how stiff folds are: E t^3 / (12 (1 - nu^2)) / scale.
+TEST(Loading, FoldsAreAsStiffAsTheirLengthScaleSays) {
+  Scene scene = liftedFold();
+  scene.hinges.stiffness = 0;
+  scene.hinges.panels->foldLength = 200;
+  const DeploymentResult run = deploy(scene, 0.5, nullptr);
+  const double angle = std::asin(0.6), stiffness = 1e9 * 1e-6 / (12 * 0.91) / 200;
+  EXPECT_NEAR(run.loadCurve->states.back().forces[3], stiffness * angle / 0.8, 1e-5);
+}
+
+TEST(Loading, RefusesWhatBarsAndHingesDoNotKnow) {
+  Scene scene = liftedFold();
+  scene.model.joints[0].face = JointFace::Both;
+  EXPECT_THAT(refusalOf(scene), HasSubstr("tiles that bend are joined at one face, not at both"));
+  scene = liftedFold();
+  scene.grips[1].corners.clear();
+  scene.grips[1].turn = 0.1;
+  EXPECT_THAT(refusalOf(scene), HasSubstr("tiles that bend have no turn of their own"));
+  scene = liftedFold();
+  scene.grips.clear();
+  EXPECT_THAT(refusalOf(scene), HasSubstr("--panels needs grips"));
 }
 
 }  // namespace
