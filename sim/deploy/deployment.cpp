@@ -157,10 +157,13 @@ void chooseWay(Scene& scene, Search& found, SearchBudget& budget, const TrialObs
     found.walked = &*geometric.clear;
     return;
   }
-  const auto passThrough = [&] {
-    found.walked = &*geometric.through;
+  const auto sayPassingThrough = [&] {
     found.warnings.push_back(passingThrough(scene, *found.walked));
     watch({kAssembling, budget.share(), found.warnings.back()});
+  };
+  const auto passThrough = [&] {
+    found.walked = &*geometric.through;
+    sayPassingThrough();
   };
   if (!scene.model.target && geometric.through) return passThrough();
   // Where bricks alone are in the way, dynamics may find a path on which joints stay closed.
@@ -177,8 +180,9 @@ void chooseWay(Scene& scene, Search& found, SearchBudget& budget, const TrialObs
       (kind == PathKind::Auto || kind == PathKind::Continuation) && isQuasiStatic(scene, reason);
   if (kind == PathKind::Auto || kind == PathKind::Continuation) kind = PathKind::Dynamic;
   if (isGeometry) scene.solver.tolerance = 0;  // in time, which a path does not have
-  const TargetRoom room = {found.nearest, !found.blocking.empty(), geometric.through.has_value(),
-                           isGeometry};
+  // Where bricks pass through each other anyway, joints that dynamics may keep stiffer count more.
+  const bool isThroughExact = geometric.through && !geometric.through->hasCompliantJoints;
+  const TargetRoom room = {found.nearest, !found.blocking.empty(), isThroughExact, isGeometry};
   found.choice = choosePath(scene, room, budget, watch, trials);
   const bool isExact = found.choice.isFound && !found.choice.path.jointsGive();
   if (geometric.compliant && !isExact) {
@@ -186,18 +190,23 @@ void chooseWay(Scene& scene, Search& found, SearchBudget& budget, const TrialObs
     return;
   }
   if (isContactOpen && found.choice.isClear) contacts = ContactFilter::None;
-  if (!found.choice.isFound && isContactOpen && geometric.through) return passThrough();
+  const bool isOtherThrough = isThroughExact || !found.choice.through;
+  if (!found.choice.isFound && isContactOpen && geometric.through && isOtherThrough) {
+    return passThrough();
+  }
   if (!found.choice.isFound && isContactOpen && found.choice.through) {
     contacts = ContactFilter::None;
     found.choice.path = *found.choice.through;
     found.choice.reason = found.choice.throughReason;
   }
   const bool isRounded = std::isfinite(roundedJointStiffness(scene.model));
-  if (isGeometry && found.choice.isFound && !isRounded) {
+  if (isGeometry && (found.choice.isFound || found.choice.through) && !isRounded) {
     Scene chosen = scene;
     chosen.path = found.choice.path;
     found.traced = tracedPath(chosen, found.choice, room, budget, watch);
+    found.traced->passesThrough = !found.choice.isFound;
     found.walked = &*found.traced;
+    if (found.traced->passesThrough) sayPassingThrough();
     return;
   }
   if (!geometric.trouble.empty()) found.choice.reason += "; dynamics: " + geometric.trouble;
