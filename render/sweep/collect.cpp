@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-const Json::json_pointer kThickness("/settings/thickness");
+const Json::json_pointer kThickness("/settings/model/thickness");
 
 /// A column of the results and where summary.json has it.
 struct Figure {
