@@ -47,7 +47,7 @@ std::vector<std::vector<int>> nodesOfTiles(const Model& model, int& count) {
 }
 
 /// One triangle at an edge.
-struct Side {
+struct PanelSide {
   int tile = 0;
   int from = 0, to = 0;  // anticlockwise in the triangle
   int wing = 0;          // its third node
@@ -55,7 +55,7 @@ struct Side {
 };
 
 using Edge = std::pair<int, int>;
-using Edges = std::map<Edge, std::vector<Side>>;
+using Edges = std::map<Edge, std::vector<PanelSide>>;
 
 Edges edgesOf(const Model& model, const std::vector<std::vector<int>>& nodes) {
   Edges edges;
@@ -93,8 +93,8 @@ class BarHingeMaker {
       const auto [a, b] = std::pair(spring.hinge.brickA, spring.hinge.brickB);
       bool isFound = false;
       for (const auto& [edge, sides] : edges_) {
-        for (const Side& left : sides) {
-          for (const Side& right : sides) {
+        for (const PanelSide& left : sides) {
+          for (const PanelSide& right : sides) {
             if (left.tile != a || right.tile != b) continue;
             addFold(left, right, spring.stiffness).rest = spring.rest;
             isFound = true;
@@ -166,9 +166,9 @@ class BarHingeMaker {
   const Vector3& at(int node) const { return made_.nodes[static_cast<std::size_t>(node)]; }
   double lengthOf(const Edge& edge) const { return (at(edge.second) - at(edge.first)).norm(); }
 
-  void addBar(const Edge& edge, const std::vector<Side>& sides) {
+  void addBar(const Edge& edge, const std::vector<PanelSide>& sides) {
     double area = 0;
-    for (const Side& side : sides) {
+    for (const PanelSide& side : sides) {
       const auto& [a, b, c] = side.corners;
       area += barArea({at(a), at(b), at(c)}, thickness_, material_.poisson);
     }
@@ -177,10 +177,10 @@ class BarHingeMaker {
   }
 
   /// Where a tile bends: between two of its triangles.
-  void addBends(const std::vector<Side>& sides) {
+  void addBends(const std::vector<PanelSide>& sides) {
     for (std::size_t b = 1; b < sides.size(); ++b) {
       for (std::size_t a = 0; a < b; ++a) {
-        const Side &left = sides[a], &right = sides[b];
+        const PanelSide &left = sides[a], &right = sides[b];
         if (left.tile != right.tile) continue;
         const std::array<Vector3, 4> corners = {at(left.from), at(right.wing), at(left.to),
                                                 at(left.wing)};
@@ -191,7 +191,7 @@ class BarHingeMaker {
     }
   }
 
-  Fold& addFold(const Side& left, const Side& right, double stiffness) {
+  Fold& addFold(const PanelSide& left, const PanelSide& right, double stiffness) {
     Fold fold{{left.from, left.to, left.wing, right.wing}, stiffness, 0};
     fold.rest = foldAngle({at(left.from), at(left.to), at(left.wing), at(right.wing)});
     return made_.folds.emplace_back(fold);

@@ -74,8 +74,8 @@ TEST_F(Grips, AreRefusedInOneLine) {
   EXPECT_THAT(refusal("tile = 1\nedge = [1]\nmove = {x = 1}\n"),
               HasSubstr("give two vertex numbers, [0, 1]"));
   EXPECT_THAT(refusal("tile = 1\nmove = {}\n"), HasSubstr("give metres and degrees, {x = 0.1"));
-  EXPECT_THAT(refusal("tile = 1\nforce = {z = 1}\n"),
-              HasSubstr("unknown key of a grip's force z, did you mean x?"));
+  EXPECT_THAT(refusal("tile = 1\nforce = {xx = 1}\n"),
+              HasSubstr("unknown key of a grip's force xx, did you mean x?"));
   EXPECT_THAT(refusal("tile = -1\nmove = {x = 1}\n"), HasSubstr("give a tile number"));
   EXPECT_THAT(refusal("tyle = 1\nmove = {x = 1}\n"), HasSubstr("tile"));
 }
