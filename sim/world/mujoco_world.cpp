@@ -18,6 +18,10 @@
 namespace kirireel {
 namespace {
 
+// Loops are as hard as MuJoCo lets them be: they close within two steps, which is the soonest that
+// it allows for, and hardly give.
+constexpr double kSoonClosed = 1e-5;
+constexpr double kHard = 0.9999;
 // Velocities that are written are what a push of so many seconds gives.
 constexpr double kPush = 1e-3;
 
@@ -77,9 +81,11 @@ class MujocoText {
       bodies += bodyText(static_cast<int>(k), Vector3::Zero(), rootJoints());
     }
     return fmt::format(
-        "<mujoco><option gravity=\"{}\" integrator=\"Euler\"><flag contact=\"disable\"/></option>"
+        "<mujoco><size njmax=\"{}\"/>"
+        "<option gravity=\"{}\" integrator=\"Euler\"><flag contact=\"disable\"/></option>"
+        "<default><equality solref=\"{} 1\" solimp=\"{} {} 0.001\"/></default>"
         "<worldbody>{}</worldbody><equality>{}</equality></mujoco>",
-        vectorWords(gravity_), bodies, loops_);
+        6 * pairs_.size() + 1, vectorWords(gravity_), kSoonClosed, kHard, kHard, bodies, loops_);
   }
 
  private:
@@ -188,6 +194,7 @@ class MujocoWorld : public BrickWorld {
         environment_(environment),
         model_(readModelText(MujocoText(bricks, start, pivots, environment, planar).write())),
         data_(mj_makeData(model_.get())) {
+    mju_user_warning = [](const char*) {};  // else they go to a file where the program runs
     for (std::size_t k = 0; k < bricks.size(); ++k) {
       bodies_.push_back(mj_name2id(model_.get(), mjOBJ_BODY, fmt::format("b{}", k).c_str()));
     }
