@@ -37,7 +37,7 @@ class CollectTest : public testing::Test {
 };
 
 constexpr const char* kSummary =
-    "{\"settings\": {\"thickness\": 0.3}, \"outcome\": \"settled\", \"accuracy\": "
+    "{\"settings\": {\"model\": {\"thickness\": 0.3}}, \"outcome\": \"settled\", \"accuracy\": "
     "{\"joint_gap_max\": 0.5, \"rigid_bound\": null},"
     " \"cost\": {\"steps\": 7, \"wall_seconds\": 1.5}}";
 
