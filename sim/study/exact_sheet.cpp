@@ -49,6 +49,27 @@ VertexError vertexError(const std::vector<Tile>& found, const std::vector<Tile>&
   return error;
 }
 
+SheetWay limitOfSteps(const SheetWay& coarse, const SheetWay& middle, const SheetWay& fine) {
+  SheetWay limit = fine;
+  for (std::size_t k = 0; k < limit.size(); ++k) {
+    for (std::size_t i = 0; i < limit[k].size(); ++i) {
+      for (std::size_t v = 0; v < limit[k][i].vertices.size(); ++v) {
+        Vector3& vertex = limit[k][i].vertices[v];
+        vertex = (8 * vertex - 6 * middle[k][i].vertices[v] + coarse[k][i].vertices[v]) / 3;
+      }
+    }
+  }
+  return limit;
+}
+
+double wayError(const SheetWay& found, const SheetWay& wanted) {
+  double largest = 0;
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    largest = std::max(largest, vertexError(found[k], wanted[k]).max);
+  }
+  return largest;
+}
+
 VertexError sheetError(int side, double angle, const std::vector<Tile>& found) {
   TessellationShape shape;
   shape.columns = shape.rows = side;

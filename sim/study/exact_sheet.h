@@ -24,6 +24,16 @@ struct VertexError {
 /// How far corresponding vertices are apart.
 VertexError vertexError(const std::vector<Tile>& found, const std::vector<Tile>& wanted);
 
+/// The states that a sheet passes through, at equal times.
+using SheetWay = std::vector<std::vector<Tile>>;
+
+/// The limit of ever shorter steps of first order: their error is a power series in the step, so
+/// that ways in steps of h, h / 2 and h / 4 give it but for the third order.
+SheetWay limitOfSteps(const SheetWay& coarse, const SheetWay& middle, const SheetWay& fine);
+
+/// The farthest that a vertex is on one way from where it is on another at that time, metres.
+double wayError(const SheetWay& found, const SheetWay& wanted);
+
 /// How far a sheet is from the exact one at the same opening angle, wherever that one is placed.
 VertexError sheetError(int side, double angle, const std::vector<Tile>& found);
 

@@ -29,19 +29,17 @@ struct MovingJob {
   bool planar = true;
 };
 
-using States = std::vector<std::vector<Tile>>;
-
 /// What one run leaves; an engine in which the sheet flies apart has no errors worth a number.
 struct MovingRun {
-  States states;
+  SheetWay states;
   double cpuSeconds = 0;
   double gap = 0;
 };
 
 MovingRun runMoving(const MovingJob& job) {
   const bool isPoint = job.planar && job.method.engine != Engine::Direct;
-  Scene scene = sheetScene(job.side, job.planar, isPoint ? JointFace::Bottom : JointFace::Both,
-                           kFirstAngle);
+  Scene scene =
+      sheetScene(job.side, job.planar, isPoint ? JointFace::Bottom : JointFace::Both, kFirstAngle);
   SteppedScene run(scene, job.method);
   MovingRun result;
   const int steps = static_cast<int>(std::lround(kSeconds * job.method.rate));
@@ -67,40 +65,24 @@ MovingRun runMovingTimed(const MovingJob& job) {
   return result;
 }
 
-States limitOfFixedSteps(int side) {
+SheetWay limitOfFixedSteps(int side) {
   const auto statesAt = [&](int rate) {
     return runMoving({{Engine::Direct, rate}, side, true}).states;
   };
-  States limit = statesAt(4 * kReferenceRate);
-  const States middle = statesAt(2 * kReferenceRate);
-  const States coarse = statesAt(kReferenceRate);
-  for (std::size_t k = 0; k < limit.size(); ++k) {
-    for (std::size_t i = 0; i < limit[k].size(); ++i) {
-      for (std::size_t v = 0; v < limit[k][i].vertices.size(); ++v) {
-        Vector3& vertex = limit[k][i].vertices[v];
-        vertex = (8 * vertex - 6 * middle[k][i].vertices[v] + coarse[k][i].vertices[v]) / 3;
-      }
-    }
-  }
-  return limit;
+  return limitOfSteps(statesAt(kReferenceRate), statesAt(2 * kReferenceRate),
+                      statesAt(4 * kReferenceRate));
 }
 
 /// Made once for all methods.
-const States& movingReference(int side) {
-  static std::map<int, States> made;
+const SheetWay& movingReference(int side) {
+  static std::map<int, SheetWay> made;
   const auto found = made.find(side);
   return found != made.end() ? found->second
                              : made.emplace(side, limitOfFixedSteps(side)).first->second;
 }
 
 double errorInTime(const MovingRun& run, int side) {
-  if (std::isnan(run.gap)) return run.gap;
-  const States& wanted = movingReference(side);
-  double largest = 0;
-  for (std::size_t k = 0; k < run.states.size(); ++k) {
-    largest = std::max(largest, vertexError(run.states[k], wanted[k]).max);
-  }
-  return largest;
+  return std::isnan(run.gap) ? run.gap : wayError(run.states, movingReference(side));
 }
 
 std::vector<Row> measureMoving(const MovingJob& job) {
@@ -162,8 +144,8 @@ std::vector<StudyCase> movingCases(Extent extent) {
   return made;
 }
 
-/// Over all settings of an engine, the least ratio of its CPU time to our cheapest setting that errs
-/// no more in time.
+/// Over all settings of an engine, the least ratio of its CPU time to our cheapest setting that
+/// errs no more in time.
 double leastCostAtEqualError(const Table& table, const std::string& engine,
                              const std::string& motion, const std::string& tiles) {
   double least = std::nan("");
@@ -207,20 +189,21 @@ std::vector<Finding> movingFindings(const Table& table) {
 }  // namespace
 
 Study movingStudy() {
-  return {"moving",
-          "CPU time against error in time while all of a sheet moves, 100 and 400 squares",
-          {{"engine", "what held the joints"},
-           {"motion", "plane or space"},
-           {"tiles", "squares of the sheet"},
-           {"rate", "steps a simulated second"},
-           {"substeps", "in each step"},
-           {"iterations", "in each substep"},
-           {"tolerance", "of our steps in time, tiles; 0 where steps are fixed"},
-           {"cpu_ms_per_s", "CPU milliseconds a simulated second"},
-           {"gap_m", "largest joint gap of all steps, metres; none where the sheet flew apart"},
-           {"error_m", "largest distance of a vertex from where it should be at that time, metres"}},
-          movingCases,
-          movingFindings};
+  return {
+      "moving",
+      "CPU time against error in time while all of a sheet moves, 100 and 400 squares",
+      {{"engine", "what held the joints"},
+       {"motion", "plane or space"},
+       {"tiles", "squares of the sheet"},
+       {"rate", "steps a simulated second"},
+       {"substeps", "in each step"},
+       {"iterations", "in each substep"},
+       {"tolerance", "of our steps in time, tiles; 0 where steps are fixed"},
+       {"cpu_ms_per_s", "CPU milliseconds a simulated second"},
+       {"gap_m", "largest joint gap of all steps, metres; none where the sheet flew apart"},
+       {"error_m", "largest distance of a vertex from where it should be at that time, metres"}},
+      movingCases,
+      movingFindings};
 }
 
 }  // namespace kirireel

@@ -22,9 +22,6 @@ constexpr double kQuickBudget = 3;
 constexpr double kTimedFor = 0.3;  // CPU seconds
 constexpr int kMostRuns = 5;
 
-/// The states that a sheet passes through, kSamplesASecond times a second.
-using Way = std::vector<std::vector<Tile>>;
-
 struct Job {
   Method method;
   bool planar = true;
@@ -35,7 +32,7 @@ struct Job {
 
 /// What one run leaves.
 struct Measured {
-  Way way;
+  SheetWay way;
   double cpuSeconds = 0;
   double simulated = 0;   // seconds
   double gap = 0;         // largest
@@ -77,37 +74,17 @@ Measured runTimed(const Job& job) {
   return measured;
 }
 
-/// Where the sheet is by time, as ever shorter fixed steps have it: their error is a power series
-/// in the step, so three runs give its limit but for the third order.
-Way referenceWay(double seconds) {
+/// Where the sheet is by time, as ever shorter fixed steps have it.
+SheetWay referenceWay(double seconds) {
   const auto wayAt = [&](int rate) {
     return runOnce({{Engine::Direct, rate}, true, JointFace::Both, seconds}).way;
   };
-  Way limit = wayAt(4 * kFineRate);
-  const Way middle = wayAt(2 * kFineRate);
-  const Way coarse = wayAt(kFineRate);
-  for (std::size_t k = 0; k < limit.size(); ++k) {
-    for (std::size_t i = 0; i < limit[k].size(); ++i) {
-      for (std::size_t v = 0; v < limit[k][i].vertices.size(); ++v) {
-        Vector3& vertex = limit[k][i].vertices[v];
-        vertex = (8 * vertex - 6 * middle[k][i].vertices[v] + coarse[k][i].vertices[v]) / 3;
-      }
-    }
-  }
-  return limit;
-}
-
-double wayError(const Way& found, const Way& wanted) {
-  double largest = 0;
-  for (std::size_t k = 0; k < found.size(); ++k) {
-    largest = std::max(largest, vertexError(found[k], wanted[k]).max);
-  }
-  return largest;
+  return limitOfSteps(wayAt(kFineRate), wayAt(2 * kFineRate), wayAt(4 * kFineRate));
 }
 
 /// Made once: all methods are compared with the same.
-const Way& referenceFor(double seconds) {
-  static std::map<double, Way> made;
+const SheetWay& referenceFor(double seconds) {
+  static std::map<double, SheetWay> made;
   const auto found = made.find(seconds);
   if (found != made.end()) return found->second;
   return made.emplace(seconds, referenceWay(seconds)).first->second;
