@@ -95,11 +95,11 @@ void OptionGroup::setting(const Setting& setting, Scene& scene) {
     }).saidAs(write);
     return;
   }
-  Statement term =
+  Statement statement =
       value(name, setting.unit, setting.usual, setting.help,
             [&setting, &scene](const TypedValue& typed) { setting.read(scene, typed); });
-  term.saidAs(write);
-  if (!setting.words.empty()) term.accepts(setting.words);
+  statement.saidAs(write);
+  if (!setting.words.empty()) statement.accepts(setting.words);
 }
 
 void OptionGroup::number(const std::string& name, double& target, Range range,
