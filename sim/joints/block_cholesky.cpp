@@ -30,61 +30,57 @@ double workOf(double columns, double rows) {
 template <int D>
 void BlockCholesky<D>::analyze(int nodeCount, const std::vector<std::pair<int, int>>& edges) {
   plan_ = planElimination(nodeCount, edges);
-  edges_ = edges;
-  diagonal_.assign(nodeCount, Block::Zero());
-  offDiagonal_.assign(edges.size(), Block::Zero());
   std::size_t size = 0;
-  largestBelow_ = 0;
+  int largestFront = 0;
   work_ = 0;
   panelStart_.clear();
-  for (const Supernode& node : plan_.supernodes) {
+  for (int s = 0; s < static_cast<int>(plan_.supernodes.size()); ++s) {
+    const Supernode& node = plan_.supernodes[s];
+    const int rows = paddedRows(frontRows(s));
     panelStart_.push_back(size);
-    largestBelow_ = std::max(largestBelow_, static_cast<int>(node.rows.size()));
+    largestFront = std::max(largestFront, rows);
     work_ += workOf(D * node.columnCount, static_cast<double>(D * node.rows.size()));
-    size += D * D * node.columnCount * (node.columnCount + node.rows.size());
+    size += static_cast<std::size_t>(rows) * (D * node.columnCount);
   }
-  panels_.assign(size, 0.0);
-  placeDiagonals();
-  placeEdges();
+  panels_.assign(size + kRowsTogether, 0.0);
+  front_.resize(largestFront);
+  permuted_.resize(D * nodeCount);
+  placeBlocks(edges);
   placeUpdates();
 }
 
 template <int D>
-void BlockCholesky<D>::placeDiagonals() {
-  std::vector<int> nodeAt(diagonal_.size());
-  for (std::size_t node = 0; node < diagonal_.size(); ++node)
-    nodeAt[plan_.place[node]] = static_cast<int>(node);
-  diagonalEntries_.assign(plan_.supernodes.size(), {});
-  for (std::size_t s = 0; s < plan_.supernodes.size(); ++s) {
-    for (int c = 0; c < plan_.supernodes[s].columnCount; ++c) {
-      diagonalEntries_[s].push_back({nodeAt[plan_.supernodes[s].firstColumn + c], c, c, false});
-    }
-  }
-}
-
-template <int D>
-void BlockCholesky<D>::placeEdges() {
-  std::vector<int> supernodeAt(diagonal_.size());
+void BlockCholesky<D>::placeBlocks(const std::vector<std::pair<int, int>>& edges) {
+  const std::size_t count = plan_.place.size();
+  std::vector<int> supernodeAt(count);
   for (std::size_t s = 0; s < plan_.supernodes.size(); ++s) {
     const Supernode& node = plan_.supernodes[s];
     std::fill_n(supernodeAt.begin() + node.firstColumn, node.columnCount, static_cast<int>(s));
   }
-  edgeEntries_.assign(plan_.supernodes.size(), {});
-  for (std::size_t e = 0; e < edges_.size(); ++e) {
-    checkInterruption();
-    const int first = plan_.place[edges_[e].first];
-    const int second = plan_.place[edges_[e].second];
-    const auto [column, row] = std::minmax(first, second);
+  // A block row of the panel of `column`, which both are numbers of the permuted matrix.
+  const auto placeOf = [&](int column, int row) {
     const int s = supernodeAt[column];
     const Supernode& node = plan_.supernodes[s];
-    int place = row - node.firstColumn;
-    if (place >= node.columnCount) {
+    int inPanel = row - node.firstColumn;
+    if (inPanel >= node.columnCount) {
       const auto found = std::lower_bound(node.rows.begin(), node.rows.end(), row);
-      place = node.columnCount + static_cast<int>(found - node.rows.begin());
+      inPanel = node.columnCount + static_cast<int>(found - node.rows.begin());
     }
-    // The panel holds H(row, column); the edge holds H(first, second).
-    edgeEntries_[s].push_back(
-        {static_cast<int>(e), place, column - node.firstColumn, first == column});
+    const int stride = paddedRows(frontRows(s));
+    const std::size_t start = static_cast<std::size_t>(D * (column - node.firstColumn)) * stride;
+    return Place{panelStart_[s] + start + D * inPanel, stride};
+  };
+  diagonalPlaces_.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    diagonalPlaces_[i] = placeOf(plan_.place[i], plan_.place[i]);
+  }
+  edgePlaces_.clear();
+  for (const auto& [first, second] : edges) {
+    checkInterruption();
+    const auto [column, row] = std::minmax(plan_.place[first], plan_.place[second]);
+    // The panel holds H(row, column); the edge is H(first, second).
+    edgePlaces_.push_back(placeOf(column, row));
+    edgePlaces_.back().isTransposed = plan_.place[first] == column;
   }
 }
 
@@ -97,7 +93,9 @@ void BlockCholesky<D>::placeUpdates() {
   for (std::size_t s = nodes.size(); s-- > 0;) {
     for (const int child : nodes[s].children) stackOf[child] = 1 - stackOf[s];
   }
-  const auto size = [&](int s) { return D * D * nodes[s].rows.size() * nodes[s].rows.size(); };
+  const auto size = [&](int s) {
+    return static_cast<std::size_t>(updateRows(s)) * paddedRows(updateRows(s));
+  };
   std::array<std::size_t, 2> top = {0, 0};
   std::array<std::size_t, 2> highest = {0, 0};
   updateStart_.resize(nodes.size());
@@ -109,13 +107,12 @@ void BlockCholesky<D>::placeUpdates() {
     for (const int child : nodes[s].children) top[1 - stack] -= size(child);
   }
   for (std::size_t s = 0; s < nodes.size(); ++s) updateStart_[s] += stackOf[s] * highest[0];
-  updates_.assign(highest[0] + highest[1], 0.0);
+  updates_.assign(highest[0] + highest[1] + kRowsTogether, 0.0);
 }
 
 template <int D>
 void BlockCholesky<D>::setZero() {
-  std::fill(diagonal_.begin(), diagonal_.end(), Block::Zero());
-  std::fill(offDiagonal_.begin(), offDiagonal_.end(), Block::Zero());
+  Eigen::Map<Eigen::VectorXd>(panels_.data(), static_cast<Eigen::Index>(panels_.size())).setZero();
 }
 
 template <int D>
@@ -125,65 +122,44 @@ int BlockCholesky<D>::frontRows(int supernode) const {
 }
 
 template <int D>
-typename BlockCholesky<D>::MatrixMap BlockCholesky<D>::panel(int supernode) {
-  return {panels_.data() + panelStart_[supernode], frontRows(supernode),
-          D * plan_.supernodes[supernode].columnCount};
-}
-
-template <int D>
-typename BlockCholesky<D>::MatrixMap BlockCholesky<D>::update(int supernode) {
-  const int rows = D * static_cast<int>(plan_.supernodes[supernode].rows.size());
-  return {updates_.data() + updateStart_[supernode], rows, rows};
+int BlockCholesky<D>::updateRows(int supernode) const {
+  return D * static_cast<int>(plan_.supernodes[supernode].rows.size());
 }
 
 template <int D>
 bool BlockCholesky<D>::factor() {
   for (int s = 0; s < static_cast<int>(plan_.supernodes.size()); ++s) {
     checkInterruption();
-    assemble(s);
     addChildren(s);
     if (!eliminate(s)) return false;
   }
   return true;
 }
 
-template <int D>
-void BlockCholesky<D>::assemble(int supernode) {
-  MatrixMap front = panel(supernode);
-  front.setZero();
-  for (const Entry& entry : diagonalEntries_[supernode]) {
-    front.template block<D, D>(D * entry.row, D * entry.column) = diagonal_[entry.source];
-  }
-  for (const Entry& entry : edgeEntries_[supernode]) {
-    auto place = front.template block<D, D>(D * entry.row, D * entry.column);
-    if (entry.transposed) {
-      place += offDiagonal_[entry.source].transpose();
-    } else {
-      place += offDiagonal_[entry.source];
-    }
-  }
-  update(supernode).setZero();
-}
-
+/// Adds the updates of the children to the front's own blocks. The columns of a child that the
+/// front eliminates go into its panel, the others into its own update.
 template <int D>
 void BlockCholesky<D>::addChildren(int supernode) {
   const Supernode& node = plan_.supernodes[supernode];
-  MatrixMap front = panel(supernode);
-  MatrixMap own = update(supernode);
+  double* const panel = panels_.data() + panelStart_[supernode];
+  double* const own = updates_.data() + updateStart_[supernode];
+  const int panelStride = paddedRows(frontRows(supernode));
+  const int ownStride = paddedRows(updateRows(supernode));
+  Eigen::Map<Eigen::MatrixXd>(own, ownStride, updateRows(supernode)).setZero();
   for (std::size_t c = 0; c < node.children.size(); ++c) {
     const std::vector<int>& places = node.childPlaces[c];
     const int size = static_cast<int>(places.size());
-    const MatrixMap child = update(node.children[c]);
-    for (int j = 0; j < size; ++j) {
-      const int column = places[j];
-      for (int i = j; i < size; ++i) {
-        const auto block = child.template block<D, D>(D * i, D * j);
-        if (column < node.columnCount) {
-          front.template block<D, D>(D * places[i], D * column) += block;
-        } else {
-          own.template block<D, D>(D * (places[i] - node.columnCount),
-                                   D * (column - node.columnCount)) += block;
-        }
+    const double* const child = updates_.data() + updateStart_[node.children[c]];
+    const int childStride = paddedRows(updateRows(node.children[c]));
+    for (int j = 0; j < D * size; ++j) {
+      const int column = places[j / D];
+      const bool isOwn = column >= node.columnCount;
+      const int firstRow = isOwn ? node.columnCount : 0;
+      const std::ptrdiff_t place = D * (column - firstRow) + j % D;
+      double* const to = isOwn ? own + place * ownStride : panel + place * panelStride;
+      const double* const from = child + static_cast<std::ptrdiff_t>(j) * childStride;
+      for (int i = j / D; i < size; ++i) {
+        for (int k = 0; k < D; ++k) to[D * (places[i] - firstRow) + k] += from[D * i + k];
       }
     }
   }
@@ -193,37 +169,49 @@ template <int D>
 bool BlockCholesky<D>::eliminate(int supernode) {
   return denseKernels().eliminate(panels_.data() + panelStart_[supernode], frontRows(supernode),
                                   D * plan_.supernodes[supernode].columnCount,
-                                  update(supernode).data());
+                                  updates_.data() + updateStart_[supernode]);
+}
+
+/// Sets front_ to the values of a front's rows; those below its columns are zero on the way up.
+template <int D>
+void BlockCholesky<D>::gather(const Supernode& node, bool withBelow) const {
+  const int columns = D * node.columnCount;
+  const int rows = columns + D * static_cast<int>(node.rows.size());
+  front_.head(columns) = permuted_.segment(D * node.firstColumn, columns);
+  front_.segment(columns, paddedRows(rows) - columns).setZero();
+  if (!withBelow) return;
+  for (std::size_t r = 0; r < node.rows.size(); ++r) {
+    front_.segment<D>(columns + D * r) = permuted_.segment<D>(D * node.rows[r]);
+  }
 }
 
 template <int D>
 void BlockCholesky<D>::solveInPlace(Eigen::VectorXd& right) const {
   checkInterruption();
   const int count = static_cast<int>(plan_.place.size());
-  Eigen::VectorXd x(right.size());
   for (int node = 0; node < count; ++node) {
-    x.segment<D>(D * plan_.place[node]) = right.segment<D>(D * node);
+    permuted_.segment<D>(D * plan_.place[node]) = right.segment<D>(D * node);
   }
   const DenseKernels& kernels = denseKernels();
-  Eigen::VectorXd below(D * largestBelow_);
   for (int s = 0; s < static_cast<int>(plan_.supernodes.size()); ++s) {
     const Supernode& node = plan_.supernodes[s];
-    kernels.solveForward(panels_.data() + panelStart_[s], frontRows(s), D * node.columnCount,
-                         x.data() + D * node.firstColumn, below.data());
+    const int columns = D * node.columnCount;
+    gather(node, false);
+    kernels.solveForward(panels_.data() + panelStart_[s], frontRows(s), columns, front_.data());
+    permuted_.segment(D * node.firstColumn, columns) = front_.head(columns);
     for (std::size_t r = 0; r < node.rows.size(); ++r) {
-      x.segment<D>(D * node.rows[r]) -= below.segment<D>(D * r);
+      permuted_.segment<D>(D * node.rows[r]) += front_.segment<D>(columns + D * r);
     }
   }
   for (int s = static_cast<int>(plan_.supernodes.size()) - 1; s >= 0; --s) {
     const Supernode& node = plan_.supernodes[s];
-    for (std::size_t r = 0; r < node.rows.size(); ++r) {
-      below.segment<D>(D * r) = x.segment<D>(D * node.rows[r]);
-    }
-    kernels.solveBackward(panels_.data() + panelStart_[s], frontRows(s), D * node.columnCount,
-                          x.data() + D * node.firstColumn, below.data());
+    const int columns = D * node.columnCount;
+    gather(node, true);
+    kernels.solveBackward(panels_.data() + panelStart_[s], frontRows(s), columns, front_.data());
+    permuted_.segment(D * node.firstColumn, columns) = front_.head(columns);
   }
   for (int node = 0; node < count; ++node) {
-    right.segment<D>(D * node) = x.segment<D>(D * plan_.place[node]);
+    right.segment<D>(D * node) = permuted_.segment<D>(D * plan_.place[node]);
   }
 }
 

@@ -22,15 +22,21 @@ class BlockCholesky {
   /// start at zero.
   void analyze(int nodeCount, const std::vector<std::pair<int, int>>& edges);
 
-  /// Sets all values to zero.
+  /// Sets all values to zero: before H is summed up again, since factor() uses its values up.
   void setZero();
 
-  /// H(node, node), to be written before factor().
-  Block& diagonal(int node) { return diagonal_[node]; }
+  /// Adds to H(node, node).
+  void addToDiagonal(int node, const Block& block) { add(diagonalPlaces_[node], block); }
 
-  /// H(edges[edge].first, edges[edge].second), to be written before factor(); its transpose is
-  /// implied.
-  Block& offDiagonal(int edge) { return offDiagonal_[edge]; }
+  /// Adds to H(edges[edge].first, edges[edge].second); its transpose is implied.
+  void addToOffDiagonal(int edge, const Block& block) {
+    const Place& place = edgePlaces_[edge];
+    if (place.isTransposed) {
+      add(place, block.transpose());
+    } else {
+      add(place, block);
+    }
+  }
 
   /// Factors the values at hand. Returns false when H is not positive definite to rounding.
   bool factor();
@@ -43,40 +49,38 @@ class BlockCholesky {
   void solveInPlace(Eigen::VectorXd& right) const;
 
  private:
-  using Matrix = Eigen::MatrixXd;
-  using MatrixMap = Eigen::Map<Matrix>;
-  using ConstMatrixMap = Eigen::Map<const Matrix>;
-
-  /// Where one block of H goes in its front's panel.
-  struct Entry {
-    int source = 0;  // node or edge
-    int row = 0;     // block row in the panel
-    int column = 0;  // block column in the panel
-    bool transposed = false;
+  /// Where one block of H stands in the panels.
+  struct Place {
+    std::size_t start = 0;
+    int stride = 0;
+    bool isTransposed = false;
   };
 
-  void placeDiagonals();
-  void placeEdges();
+  template <typename Summand>
+  void add(const Place& place, const Summand& block) {
+    for (int column = 0; column < D; ++column) {
+      double* const to = panels_.data() + place.start + column * place.stride;
+      for (int row = 0; row < D; ++row) to[row] += block(row, column);
+    }
+  }
+
+  void placeBlocks(const std::vector<std::pair<int, int>>& edges);
   void placeUpdates();
-  void assemble(int supernode);
   void addChildren(int supernode);
   bool eliminate(int supernode);
   int frontRows(int supernode) const;
-  MatrixMap panel(int supernode);
-  MatrixMap update(int supernode);
+  int updateRows(int supernode) const;
+  void gather(const Supernode& node, bool withBelow) const;
 
   Elimination plan_;
   double work_ = 0;
-  std::vector<std::pair<int, int>> edges_;
-  std::vector<Block, Eigen::aligned_allocator<Block>> diagonal_;
-  std::vector<Block, Eigen::aligned_allocator<Block>> offDiagonal_;
-  std::vector<std::vector<Entry>> diagonalEntries_;  // one list a supernode
-  std::vector<std::vector<Entry>> edgeEntries_;
-  int largestBelow_ = 0;  // rows below any panel, in blocks
+  std::vector<Place> diagonalPlaces_, edgePlaces_;
   std::vector<std::size_t> panelStart_;
-  std::vector<double> panels_;  // the factor: one panel a supernode, column-major
+  std::vector<double> panels_;  // H, then its factor: one panel a supernode, column-major
   std::vector<std::size_t> updateStart_;
   std::vector<double> updates_;  // Schur complements that wait for their parents, on two stacks
+  mutable Eigen::VectorXd permuted_;  // a solve's values, in the order of elimination
+  mutable Eigen::VectorXd front_;     // and those of a front, padded
 };
 
 extern template class BlockCholesky<3>;

@@ -37,14 +37,15 @@ struct Coordinates {
     }
   }
 
-  /// Inertia of a brick: mass and world inertia about the centre of mass.
-  static Block inertia(double mass, const Matrix3& worldInertia) {
+  /// Inertia of a brick in world axes: its mass, its inertia about the centre of mass in its own
+  /// axes, and their rotation.
+  static Block inertia(double mass, const Matrix3& ownInertia, const Matrix3& rotation) {
     Block block = Block::Zero();
     if constexpr (D == 6) {
       block.template topLeftCorner<3, 3>().diagonal().setConstant(mass);
-      block.template bottomRightCorner<3, 3>() = worldInertia;
+      block.template bottomRightCorner<3, 3>() = rotation * ownInertia * rotation.transpose();
     } else {
-      block.diagonal() << mass, mass, worldInertia(2, 2);
+      block.diagonal() << mass, mass, rotation.row(2).dot(ownInertia * rotation.row(2).transpose());
     }
     return block;
   }

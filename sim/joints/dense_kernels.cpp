@@ -2,6 +2,14 @@
 // and, for all but the baseline, with Eigen's namespace renamed: else the linker might pick the
 // newer instructions' copy of an Eigen function for the whole program. For the same reason this
 // file uses nothing else that is inline.
+//
+// A front is worked on three columns at a time, which D divides into, from the left. What the
+// columns before take from them, and from the update behind the panel, is one product,
+//   to(r, c) -= sum_k left(r, k) left(row + c, k),
+// whose sums stay in registers: eight rows by three columns. Rows are taken by whole registers, the
+// rest of a column being padding, so that numbers above the diagonal are written too and never
+// read. Wide fronts, of sheets with thousands of tiles, go through Eigen, which splits the product
+// to fit the caches.
 #include "sim/joints/dense_kernels.h"
 
 #include <Eigen/Cholesky>
@@ -10,51 +18,159 @@
 namespace kirireel::KIRIREEL_KERNELS {
 namespace {
 
-using Matrix = Eigen::MatrixXd;
-using Vector = Eigen::VectorXd;
+constexpr int kTogether = 3;           // columns
+constexpr int kLanes = kRowsTogether;  // rows in a register
+// From this many columns on Eigen's blocked product is faster.
+constexpr int kWide = 60;
 
-// Below this many columns plain column operations beat Eigen's blocked triangular solve.
-constexpr int kNarrow = 25;
+/// The rows of a register.
+using Lanes = double __attribute__((vector_size(kLanes * sizeof(double)), aligned(8), may_alias));
 
-/// lower = lower * pivot^-T, column by column.
-template <typename Pivot, typename Lower>
-void divideNarrow(const Pivot& pivot, Lower& lower) {
-  for (int j = 0; j < lower.cols(); ++j) {
-    for (int k = 0; k < j; ++k) lower.col(j) -= pivot(j, k) * lower.col(k);
-    lower.col(j) *= 1.0 / pivot(j, j);
+inline const Lanes& lanesAt(const double* place) {
+  return *reinterpret_cast<const Lanes*>(place);
+}
+
+inline Lanes& lanesAt(double* place) {
+  return *reinterpret_cast<Lanes*>(place);
+}
+
+inline int wholeRegisters(int rows) {
+  return rows / kLanes * kLanes;
+}
+
+/// to(r, c) -= sum_k left(r, k) right(c, k) for kRegisters registers of rows and three columns.
+template <int kRegisters>
+inline void takeProduct(double* to, int toStride, const double* left, const double* right,
+                        int stride, int columns) {
+  Lanes sum[kTogether][kRegisters] = {};
+  for (int k = 0; k < columns; ++k, left += stride, right += stride) {
+    for (int c = 0; c < kTogether; ++c) {
+      for (int n = 0; n < kRegisters; ++n) sum[c][n] += lanesAt(left + kLanes * n) * right[c];
+    }
+  }
+  for (int c = 0; c < kTogether; ++c) {
+    for (int n = 0; n < kRegisters; ++n) lanesAt(to + c * toStride + kLanes * n) -= sum[c][n];
   }
 }
 
-bool eliminate(double* panel, int rows, int columns, double* update) {
-  Eigen::Map<Matrix> front(panel, rows, columns);
-  auto pivot = front.topRows(columns);
-  if (Eigen::internal::llt_inplace<double, Eigen::Lower>::blocked(pivot) >= 0) return false;
-  const int below = rows - columns;
-  if (below == 0) return true;
-  auto lower = front.bottomRows(below);
-  if (columns < kNarrow) {
-    divideNarrow(pivot, lower);
-  } else {
-    pivot.triangularView<Eigen::Lower>().transpose().solveInPlace<Eigen::OnTheRight>(lower);
+/// The same for all rows from `first` to `last`, counted from `to` and `left`.
+inline void takeProducts(double* to, int toStride, const double* left, const double* right,
+                         int stride, int columns, int first, int last) {
+  int row = wholeRegisters(first);
+  for (; row + 2 * kLanes <= last; row += 2 * kLanes) {
+    takeProduct<2>(to + row, toStride, left + row, right, stride, columns);
   }
-  Eigen::Map<Matrix> schur(update, below, below);
-  schur.selfadjointView<Eigen::Lower>().rankUpdate(lower, -1.0);
+  if (row < last) takeProduct<1>(to + row, toStride, left + row, right, stride, columns);
+}
+
+/// Factors three columns, of which the triangle begins at `row`; the reciprocals of its diagonal
+/// are left there.
+inline bool factorColumns(double* columns, int stride, int row) {
+  double* const a = columns;
+  double* const b = columns + stride;
+  double* const c = columns + 2 * stride;
+  if (!(a[row] > 0)) return false;
+  const double overA = 1 / __builtin_sqrt(a[row]);
+  const double ab = a[row + 1] * overA;
+  const double ac = a[row + 2] * overA;
+  const double squareB = b[row + 1] - ab * ab;
+  if (!(squareB > 0)) return false;
+  const double overB = 1 / __builtin_sqrt(squareB);
+  const double bc = (b[row + 2] - ab * ac) * overB;
+  const double squareC = c[row + 2] - ac * ac - bc * bc;
+  if (!(squareC > 0)) return false;
+  const double overC = 1 / __builtin_sqrt(squareC);
+  for (int r = wholeRegisters(row); r < stride; r += kLanes) {
+    lanesAt(a + r) *= overA;
+    lanesAt(b + r) = (lanesAt(b + r) - lanesAt(a + r) * ab) * overB;
+    lanesAt(c + r) = (lanesAt(c + r) - lanesAt(a + r) * ac - lanesAt(b + r) * bc) * overC;
+  }
+  a[row] = overA;
+  b[row + 1] = overB;
+  c[row + 2] = overC;
   return true;
 }
 
-void solveForward(const double* panel, int rows, int columns, double* top, double* below) {
-  const Eigen::Map<const Matrix> front(panel, rows, columns);
-  Eigen::Map<Vector> x(top, columns);
-  front.topRows(columns).triangularView<Eigen::Lower>().solveInPlace(x);
-  Eigen::Map<Vector>(below, rows - columns).noalias() = front.bottomRows(rows - columns) * x;
+bool eliminateWide(double* panel, int stride, int rows, int columns, double* update,
+                   int updateStride) {
+  using Stride = Eigen::OuterStride<>;
+  using Map = Eigen::Map<Eigen::MatrixXd, 0, Stride>;
+  Map front(panel, rows, columns, Stride(stride));
+  auto pivot = front.topRows(columns);
+  if (Eigen::internal::llt_inplace<double, Eigen::Lower>::blocked(pivot) >= 0) return false;
+  auto lower = front.bottomRows(rows - columns);
+  pivot.triangularView<Eigen::Lower>().transpose().solveInPlace<Eigen::OnTheRight>(lower);
+  Map schur(update, rows - columns, rows - columns, Stride(updateStride));
+  schur.selfadjointView<Eigen::Lower>().rankUpdate(lower, -1.0);
+  front.diagonal() = front.diagonal().cwiseInverse();
+  return true;
 }
 
-void solveBackward(const double* panel, int rows, int columns, double* top, const double* below) {
-  const Eigen::Map<const Matrix> front(panel, rows, columns);
-  Eigen::Map<Vector> x(top, columns);
-  x.noalias() -= front.bottomRows(rows - columns).transpose() *
-                 Eigen::Map<const Vector>(below, rows - columns);
-  front.topRows(columns).triangularView<Eigen::Lower>().transpose().solveInPlace(x);
+bool eliminate(double* panel, int rows, int columns, double* update) {
+  const int stride = paddedRows(rows);
+  const int below = rows - columns;
+  if (columns >= kWide) {
+    return eliminateWide(panel, stride, rows, columns, update, paddedRows(below));
+  }
+  for (int j = 0; j < columns; j += kTogether) {
+    double* const to = panel + j * stride;
+    takeProducts(to, stride, panel, panel + j, stride, j, j, stride);
+    if (!factorColumns(to, stride, j)) return false;
+  }
+  const double* const lower = panel + columns;
+  const int updateStride = paddedRows(below);
+  for (int j = 0; j < below; j += kTogether) {
+    takeProducts(update + j * updateStride, updateStride, lower, lower + j, stride, columns, j,
+                 updateStride);
+  }
+  return true;
+}
+
+void solveForward(const double* panel, int rows, int columns, double* x) {
+  const int stride = paddedRows(rows);
+  for (int j = 0; j < columns; j += kTogether) {
+    const double* const a = panel + j * stride;
+    const double* const b = a + stride;
+    const double* const c = b + stride;
+    const double first = x[j] *= a[j];
+    const double second = x[j + 1] = (x[j + 1] - a[j + 1] * first) * b[j + 1];
+    const double third = x[j + 2] = (x[j + 2] - a[j + 2] * first - b[j + 2] * second) * c[j + 2];
+    int r = j + kTogether;
+    for (; r % kLanes != 0; ++r) x[r] -= a[r] * first + b[r] * second + c[r] * third;
+    for (; r < stride; r += kLanes) {
+      lanesAt(x + r) -= lanesAt(a + r) * first + lanesAt(b + r) * second + lanesAt(c + r) * third;
+    }
+  }
+}
+
+void solveBackward(const double* panel, int rows, int columns, double* x) {
+  const int stride = paddedRows(rows);
+  for (int j = columns - kTogether; j >= 0; j -= kTogether) {
+    const double* const a = panel + j * stride;
+    const double* const b = a + stride;
+    const double* const c = b + stride;
+    double first = x[j], second = x[j + 1], third = x[j + 2];
+    int r = j + kTogether;
+    for (; r % kLanes != 0; ++r) {
+      first -= a[r] * x[r];
+      second -= b[r] * x[r];
+      third -= c[r] * x[r];
+    }
+    Lanes sum[kTogether] = {};
+    for (; r < stride; r += kLanes) {
+      sum[0] += lanesAt(a + r) * lanesAt(x + r);
+      sum[1] += lanesAt(b + r) * lanesAt(x + r);
+      sum[2] += lanesAt(c + r) * lanesAt(x + r);
+    }
+    for (int n = 0; n < kLanes; ++n) {
+      first -= sum[0][n];
+      second -= sum[1][n];
+      third -= sum[2][n];
+    }
+    x[j + 2] = third *= c[j + 2];
+    x[j + 1] = second = (second - b[j + 2] * third) * b[j + 1];
+    x[j] = (first - a[j + 1] * second - a[j + 2] * third) * a[j];
+  }
 }
 
 }  // namespace

@@ -3,20 +3,31 @@
 
 namespace kirireel {
 
-/// Works on one front's panel: column-major, `columns` wide; its first `columns` rows are the pivot
-/// block (lower triangle), the rows below it follow.
+/// The rows of a register. A column of a panel or of an update is padded to whole registers.
+inline constexpr int kRowsTogether = 4;
+
+/// The length of a column with so many rows, its padding included.
+[[gnu::always_inline]] inline int paddedRows(int rows) {
+  return (rows + kRowsTogether - 1) / kRowsTogether * kRowsTogether;
+}
+
+/// Works on one front's panel: column-major, `columns` wide, a multiple of three; its first
+/// `columns` rows are the pivot block, the rows below it follow, and zeros pad its columns. Numbers
+/// above the diagonal have no meaning. Behind a panel and an update kRowsTogether more values can
+/// be read.
 struct DenseKernels {
   /// Factors the pivot block in place, divides the rows below by it, and takes their product off
-  /// `update` (lower triangle, square, rows - columns wide). Returns false when the pivot block is
-  /// not positive definite.
+  /// `update` (lower triangle, square, rows - columns wide, its columns padded). On the diagonal of
+  /// the factor its reciprocals are left. Returns false when the pivot block is not positive
+  /// definite.
   bool (*eliminate)(double* panel, int rows, int columns, double* update);
 
-  /// top = L^-1 top; below = (rows below) * top.
-  void (*solveForward)(const double* panel, int rows, int columns, double* top, double* below);
+  /// Of x, with a value a row and zeros for padding: top = L^-1 top, and the rows below lose what
+  /// they have of it, (rows below) * top.
+  void (*solveForward)(const double* panel, int rows, int columns, double* x);
 
   /// top = L^-T (top - (rows below)^T * below).
-  void (*solveBackward)(const double* panel, int rows, int columns, double* top,
-                        const double* below);
+  void (*solveBackward)(const double* panel, int rows, int columns, double* x);
 
   const char* name;  ///< of the instruction set
 };

@@ -21,8 +21,15 @@ constexpr double kWorkOfRow = 500;
 /// Mass and inertia of a brick in world axes.
 template <int D>
 typename Coordinates<D>::Block massMatrix(const Brick& brick, const Pose& pose) {
-  const Matrix3 R = pose.rotation.toRotationMatrix();
-  return Coordinates<D>::inertia(brick.mass, R * brick.inertia * R.transpose());
+  return Coordinates<D>::inertia(brick.mass, brick.inertia, pose.rotation.toRotationMatrix());
+}
+
+/// The rotations of all bricks as matrices: a brick has several pivots.
+std::vector<Matrix3> rotationMatrices(const Poses& poses) {
+  std::vector<Matrix3> matrices;
+  matrices.reserve(poses.size());
+  for (const Pose& pose : poses) matrices.push_back(pose.rotation.toRotationMatrix());
+  return matrices;
 }
 
 }  // namespace
@@ -137,11 +144,12 @@ void StepSystem<D>::setSprings(const Poses& poses, double step) {
 
 template <int D>
 void StepSystem<D>::placeJoints(const Poses& poses) {
+  const std::vector<Matrix3> turns = rotationMatrices(poses);
   for (std::size_t p = 0; p < pivots_.size(); ++p) {
     const Pivot& pivot = pivots_[p];
     JointRows& rows = jointRows_[p];
-    rows.a = Space::pointVelocity(poses[pivot.brickA].rotation * pivot.pointA);
-    rows.b = -Space::pointVelocity(poses[pivot.brickB].rotation * pivot.pointB);
+    rows.a = Space::pointVelocity(turns[pivot.brickA] * pivot.pointA);
+    rows.b = -Space::pointVelocity(turns[pivot.brickB] * pivot.pointB);
     if (pivot.distance > 0) keepLengthwiseRow(pivot, poses, rows);
     if (pinned_[pivot.brickA]) rows.a.setZero();
     if (pinned_[pivot.brickB]) rows.b.setZero();
@@ -161,20 +169,22 @@ void StepSystem<D>::keepLengthwiseRow(const Pivot& pivot, const Poses& poses, Jo
   rows.b.row(0) = alongB;
 }
 
-/// Adds weight * [a b]^T [a b] for one row of a pair of bricks; the row of a brick that does not
-/// move is left out.
+/// Adds weight * [a b]^T [a b] for rows of a pair of bricks; those of a brick that does not move
+/// are left out.
 template <int D>
-void StepSystem<D>::addRowToMatrix(const PairOnGraph& pair, const RowVector& a, const RowVector& b,
-                                   double weight) {
-  const RowVector weightedA = weight * a;
-  matrix_.diagonal(pair.brickA).noalias() += weightedA.transpose() * a;
+template <int kRows>
+void StepSystem<D>::addRowsToMatrix(const PairOnGraph& pair,
+                                    const Eigen::Matrix<double, kRows, D>& a,
+                                    const Eigen::Matrix<double, kRows, D>& b, double weight) {
+  const Eigen::Matrix<double, D, kRows> weightedA = weight * a.transpose();
+  matrix_.addToDiagonal(pair.brickA, weightedA.lazyProduct(a));
   if (pair.brickB == kFixed) return;
-  const RowVector weightedB = weight * b;
-  matrix_.diagonal(pair.brickB).noalias() += weightedB.transpose() * b;
+  const Eigen::Matrix<double, D, kRows> weightedB = weight * b.transpose();
+  matrix_.addToDiagonal(pair.brickB, weightedB.lazyProduct(b));
   if (pair.brickA < pair.brickB) {
-    matrix_.offDiagonal(pair.edge).noalias() += weightedA.transpose() * b;
+    matrix_.addToOffDiagonal(pair.edge, weightedA.lazyProduct(b));
   } else {
-    matrix_.offDiagonal(pair.edge).noalias() += weightedB.transpose() * a;
+    matrix_.addToOffDiagonal(pair.edge, weightedB.lazyProduct(a));
   }
 }
 
@@ -182,10 +192,8 @@ template <int D>
 void StepSystem<D>::addJointsToMatrix() {
   for (std::size_t p = 0; p < pivots_.size(); ++p) {
     const JointRows& rows = jointRows_[p];
-    const PairOnGraph pair{pivots_[p].brickA, pivots_[p].brickB, rows.edge};
-    for (int k = 0; k < Space::kJointRows; ++k) {
-      addRowToMatrix(pair, rows.a.row(k), rows.b.row(k), kappa_);
-    }
+    addRowsToMatrix<Space::kJointRows>({pivots_[p].brickA, pivots_[p].brickB, rows.edge}, rows.a,
+                                       rows.b, kappa_);
   }
 }
 
@@ -194,8 +202,8 @@ void StepSystem<D>::addSpringsToMatrix() {
   for (std::size_t s = 0; s < springs_.size(); ++s) {
     const SpringRow& row = springRows_[s];
     if (row.weight == 0) continue;
-    addRowToMatrix({springs_[s].hinge.brickA, springs_[s].hinge.brickB, row.edge}, row.a, row.b,
-                   row.weight);
+    addRowsToMatrix<1>({springs_[s].hinge.brickA, springs_[s].hinge.brickB, row.edge}, row.a, row.b,
+                       row.weight);
   }
 }
 
@@ -203,7 +211,7 @@ template <int D>
 void StepSystem<D>::addContactToMatrix(const ContactRow<D>& row) {
   PairOnGraph pair{row.contact.brickA, row.contact.brickB};
   if (pair.brickB != kFixed) pair.edge = edgeOf(pair.brickA, pair.brickB);
-  if (row.active) addRowToMatrix(pair, row.normalA, row.normalB, rho_);
+  if (row.active) addRowsToMatrix<1>(pair, row.normalA, row.normalB, rho_);
   if (!row.rubs()) return;
   // The tangents along the slip stiffness' own directions.
   Eigen::SelfAdjointEigenSolver<typename ContactRow<D>::TangentMatrix> own;
@@ -211,7 +219,7 @@ void StepSystem<D>::addContactToMatrix(const ContactRow<D>& row) {
   const typename ContactRow<D>::TangentRows a = own.eigenvectors().transpose() * row.tangentA;
   const typename ContactRow<D>::TangentRows b = own.eigenvectors().transpose() * row.tangentB;
   for (int k = 0; k < ContactRow<D>::kTangents; ++k) {
-    addRowToMatrix(pair, a.row(k), b.row(k), rho_ * own.eigenvalues()[k]);
+    addRowsToMatrix<1>(pair, a.row(k), b.row(k), rho_ * own.eigenvalues()[k]);
   }
 }
 
@@ -223,7 +231,7 @@ bool StepSystem<D>::factor(const std::vector<ContactRow<D>>& contacts) {
   if (graphChanged_) matrix_.analyze(brickCount(), edges_);
   graphChanged_ = false;
   matrix_.setZero();
-  for (int i = 0; i < brickCount(); ++i) matrix_.diagonal(i) = A_[i];
+  for (int i = 0; i < brickCount(); ++i) matrix_.addToDiagonal(i, A_[i]);
   addJointsToMatrix();
   addSpringsToMatrix();
   for (const ContactRow<D>& row : contacts) {
@@ -330,11 +338,12 @@ void StepSystem<D>::addJointImpulse(double scale, const Vector& multipliers, Vec
 template <int D>
 Eigen::VectorXd StepSystem<D>::jointGaps(const Poses& poses) const {
   constexpr int kRows = Space::kJointRows;
+  const std::vector<Matrix3> turns = rotationMatrices(poses);
   Vector result(jointRowCount());
   for (std::size_t p = 0; p < pivots_.size(); ++p) {
     const Pivot& pivot = pivots_[p];
-    const Vector3 between =
-        poses[pivot.brickA].apply(pivot.pointA) - poses[pivot.brickB].apply(pivot.pointB);
+    const Vector3 between = poses[pivot.brickA].position - poses[pivot.brickB].position +
+                            turns[pivot.brickA] * pivot.pointA - turns[pivot.brickB] * pivot.pointB;
     typename Space::Gap gap = Space::gap(between);
     if (pivot.distance > 0) gap = (between.norm() - pivot.distance) * Space::Gap::UnitX();
     result.segment<kRows>(kRows * p) = gap;

@@ -112,8 +112,9 @@ class StepSystem {
   };
 
   int edgeOf(int brickA, int brickB);
-  void addRowToMatrix(const PairOnGraph& pair, const RowVector& a, const RowVector& b,
-                      double weight);
+  template <int kRows>
+  void addRowsToMatrix(const PairOnGraph& pair, const Eigen::Matrix<double, kRows, D>& a,
+                       const Eigen::Matrix<double, kRows, D>& b, double weight);
   void addJointsToMatrix();
   void addSpringsToMatrix();
   void addContactToMatrix(const ContactRow<D>& row);
