@@ -74,9 +74,10 @@ struct Extrapolation::Trial {
   /// The step, crossed in so many Euler steps.
   struct Crossing {
     Motion end;
-    Momentum given;       // by the loads
-    double damped = 0;    // energy that dampers took, joules
-    double impacted = 0;  // and contacts
+    std::vector<Vector3> turns;  // of the bricks from the step's start, rotation vectors
+    Momentum given;              // by the loads
+    double damped = 0;           // energy that dampers took, joules
+    double impacted = 0;         // and contacts
   };
 
   const Motion& start;
@@ -122,6 +123,9 @@ bool Extrapolation::addRow(Trial& trial, const TimedLoads& loads, StepReport& re
     report += taken;
     if (taken.unconverged > 0) return false;
   }
+  for (std::size_t i = 0; i < bricks_.size(); ++i) {
+    row.turns.push_back(turnBetween(trial.start.poses[i].rotation, row.end.poses[i].rotation));
+  }
   trial.rows.push_back(std::move(row));
   return true;
 }
@@ -136,11 +140,11 @@ Motion Extrapolation::combine(const Trial& trial, int first, int last) const {
     Velocity velocity;
     for (int j = first; j <= last; ++j) {
       const double share = shares[static_cast<std::size_t>(j - first)];
-      const Motion& row = trial.rows[static_cast<std::size_t>(j - 1)].end;
-      move += share * (row.poses[i].position - start.position);
-      turn += share * turnBetween(start.rotation, row.poses[i].rotation);
-      velocity.linear += share * row.velocities[i].linear;
-      velocity.angular += share * row.velocities[i].angular;
+      const Trial::Crossing& row = trial.rows[static_cast<std::size_t>(j - 1)];
+      move += share * (row.end.poses[i].position - start.position);
+      turn += share * row.turns[i];
+      velocity.linear += share * row.end.velocities[i].linear;
+      velocity.angular += share * row.end.velocities[i].angular;
     }
     sum.poses[i].position += move;
     sum.poses[i].rotation = (rotationFromVector(turn) * start.rotation).normalized();

@@ -17,9 +17,14 @@ constexpr double kJumpShare = 0.3;          // of what the step moved: so far ma
 constexpr double kJumpFloor = 1e-9;
 constexpr double kBend = 0.01;        // closing that moves less than this part bends a smooth path
 constexpr double kForeseeable = 0.1;  // largest ratio of closing moves taken for steady
+constexpr double kFactorKept = 0.03;  // a move that leaves less of the gap had a good factor
 constexpr int kClosingRounds = 12;
 constexpr int kOverlapRounds = 3;
 constexpr int kAssemblyRounds = 100;
+
+double largestOf(const Eigen::VectorXd& gaps) {
+  return gaps.size() > 0 ? gaps.lpNorm<Eigen::Infinity>() : 0;
+}
 
 }  // namespace
 
@@ -75,20 +80,22 @@ bool Stepper<D>::closeJoints(const std::vector<Row>& contacts, double step) {
   const double scale = settings_.lengthScale;
   const double allowed = kJumpShare * step * norm(program_.x) + kJumpFloor * scale;
   double moved = 0;
-  double gap = largestGap();
+  Vector gaps = system_.jointGaps(poses_);
+  double gap = largestOf(gaps);
   bool refactored = false;
   closing_ = Vector::Zero(program_.x.size());
   Vector lastMove = closing_;
   for (int round = 0; round < kClosingRounds && (moved <= allowed || isShortest_); ++round) {
     const bool overlapping = round < kOverlapRounds && anyOverlap(contacts);
     if (gap <= kGapTolerance * scale && !overlapping) break;
-    const Vector move = foreseen(closingMove(contacts, overlapping), lastMove);
+    const Vector move = foreseen(closingMove(gaps, contacts, overlapping), lastMove);
     lastMove = move;
     closing_ += move;
     displace(move);
     moved += norm(move);
     const double before = gap;
-    gap = largestGap();
+    gaps = system_.jointGaps(poses_);
+    gap = largestOf(gaps);
     if (!std::isfinite(gap)) return false;
     if (gap <= std::max(0.1 * before, kGapTolerance * scale) || overlapping) continue;
     if (gap <= 0.1 * kGapAccepted * scale && refactored) break;
@@ -102,9 +109,10 @@ bool Stepper<D>::closeJoints(const std::vector<Row>& contacts, double step) {
 }
 
 template <int D>
-Eigen::VectorXd Stepper<D>::closingMove(const std::vector<Row>& contacts, bool withOverlaps) const {
+Eigen::VectorXd Stepper<D>::closingMove(const Vector& gaps, const std::vector<Row>& contacts,
+                                        bool withOverlaps) const {
   Vector move = Vector::Zero(program_.x.size());
-  system_.addJointImpulse(-system_.kappa(), system_.jointGaps(poses_), move);
+  system_.addJointImpulse(-system_.kappa(), gaps, move);
   if (withOverlaps) {
     for (const Row& row : contacts) {
       if (row.active) row.addNormal(system_.rho() * overlap(row), move);
@@ -133,11 +141,6 @@ bool Stepper<D>::anyOverlap(const std::vector<Row>& contacts) const {
   return std::any_of(contacts.begin(), contacts.end(), [&](const Row& row) {
     return row.active && overlap(row) > kOverlapTolerance * settings_.lengthScale;
   });
-}
-
-template <int D>
-double Stepper<D>::largestGap() const {
-  return system_.hasJoints() ? system_.jointGaps(poses_).template lpNorm<Eigen::Infinity>() : 0;
 }
 
 /// Scalar product of two moves of all bricks, turns counted at one length scale from the centre.
@@ -208,41 +211,52 @@ double Stepper<D>::assemble(Poses& poses) {
   return closeGaps(poses, {});
 }
 
+/// The largest gap of joints, whose gaps are given, and of these contacts.
 template <int D>
-double Stepper<D>::largestGap(const std::vector<Row>& held) const {
-  double largest = largestGap();
+double Stepper<D>::largestGap(const Vector& gaps, const std::vector<Row>& held) const {
+  double largest = largestOf(gaps);
   for (const Row& row : held) {
     largest = std::max(largest, std::abs(contactGap(row.contact, poses_)));
   }
   return largest;
 }
 
+/// Factors the masses with the joints and these contacts, where the bricks are.
+template <int D>
+bool Stepper<D>::factorMasses(std::vector<Row>& held) {
+  system_.setMasses(poses_);
+  system_.placeJoints(poses_);
+  for (Row& row : held) {
+    placeRow(row, poses_);
+    holdPinned(row);
+    row.active = true;
+    row.slipBound = 0;
+  }
+  return system_.factor(held);
+}
+
 /// Closes the joints and the gaps of these contacts, moving the bricks as little as their masses
-/// allow. Returns the largest gap left.
+/// allow. A factor is kept while it shrinks the gap enough. Returns the largest gap left.
 template <int D>
 double Stepper<D>::closeGaps(Poses& poses, std::vector<Row> held) {
   const double scale = settings_.lengthScale;
   poses_ = poses;
-  double gap = largestGap(held);
+  Vector gaps = system_.jointGaps(poses_);
+  double gap = largestGap(gaps, held);
+  bool isCurrent = false;
   for (int round = 0; round < kAssemblyRounds && gap > kGapTolerance * scale; ++round) {
-    system_.setMasses(poses_);
-    system_.placeJoints(poses_);
-    for (Row& row : held) {
-      placeRow(row, poses_);
-      holdPinned(row);
-      row.active = true;
-      row.slipBound = 0;
-    }
-    if (!system_.factor(held)) break;
+    if (!isCurrent && !factorMasses(held)) break;
     Vector move = Vector::Zero(D * bricks_.size());
-    system_.addJointImpulse(-system_.kappa(), system_.jointGaps(poses_), move);
+    system_.addJointImpulse(-system_.kappa(), gaps, move);
     for (const Row& row : held) {
       row.addNormal(-system_.rho() * contactGap(row.contact, poses_), move);
     }
     system_.solveInPlace(move);
     displace(move);
     const double before = gap;
-    gap = largestGap(held);
+    gaps = system_.jointGaps(poses_);
+    gap = largestGap(gaps, held);
+    isCurrent = gap < kFactorKept * before;
     if (gap > 0.9 * before && gap < kGapAccepted * scale) break;
   }
   poses = poses_;

@@ -243,7 +243,7 @@ bool Stepper<D>::solveVelocities(const Poses& start) {
     const double speed = std::max(system_.largestSpeed(program_.x), slow);
     const bool refined = report.change <= kChangeTolerance * speed &&
                          report.contactChange <= kContactSpeedTolerance * speed;
-    if (refined && (!program_.exactJoints || jointSpeed() <= kSpeedTolerance * speed)) break;
+    if (refined && report.jointSpeed <= kSpeedTolerance * speed) break;
   }
   return true;  // the rest is judged by the gap after closing
 }
@@ -257,13 +257,6 @@ void Stepper<D>::forbidWork() {
   const double cost = program_.x.dot(system_.timesA(program_.x));
   const double means = program_.x.dot(system_.force());
   if (cost > (1 + kWorkTolerance) * means) program_.x *= std::max(0.0, means / cost);
-}
-
-/// The largest component of J x in the velocities' program.
-template <int D>
-double Stepper<D>::jointSpeed() const {
-  if (!system_.hasJoints()) return 0;
-  return system_.jointVelocity(program_.x).template lpNorm<Eigen::Infinity>();
 }
 
 template <int D>

@@ -8,8 +8,8 @@
 // search only where whole steps run in circles (semismooth Newton). Then the multipliers move to
 //   l - kappa J x,   p = max(0, p - rho (c x - b)),   s likewise,
 // and the next round begins. With kappa and rho large against A a round gains ten digits or so.
-// Rockafellar, "Augmented Lagrange multiplier functions and duality in nonconvex programming", 1974;
-// Qi and Sun, "A nonsmooth version of Newton's method", 1993.
+// Rockafellar, "Augmented Lagrange multiplier functions and duality in nonconvex programming",
+// 1974; Qi and Sun, "A nonsmooth version of Newton's method", 1993.
 #include "sim/joints/step_program.h"
 
 #include <algorithm>
@@ -130,8 +130,10 @@ template <int D>
 RoundReport solveRound(StepSystem<D>& system, StepProgram<D>& program, double slow) {
   RoundReport report = minimize(system, program, slow);
   if (!report.found) return report;
-  if (program.exactJoints) {
-    program.multipliers -= system.kappa() * system.jointVelocity(program.x);
+  if (program.exactJoints && system.hasJoints()) {
+    const Eigen::VectorXd speeds = system.jointVelocity(program.x);
+    program.multipliers -= system.kappa() * speeds;
+    report.jointSpeed = speeds.template lpNorm<Eigen::Infinity>();
   }
   double& change = report.contactChange;
   for (ContactRow<D>& row : program.contacts) {

@@ -24,6 +24,7 @@ struct RoundReport {
   bool found = false;        ///< whether the minimum for the multipliers at hand was found
   double change = 0;         ///< of x in the last Newton step, m/s
   double contactChange = 0;  ///< by how much contact rows still were off, m/s
+  double jointSpeed = 0;     ///< the largest component of J x, m/s; not of joints that are springs
 };
 
 /// One round: minimises the augmented Lagrangian for the multipliers at hand by semismooth Newton

@@ -58,8 +58,9 @@ class Stepper : public JointSolver {
   bool solveWithFriction(const Poses& start);
   bool boundFriction();
   bool projectVelocities(Motion& motion, bool withFriction);
+  bool factorMasses(std::vector<Row>& held);
   double closeGaps(Poses& poses, std::vector<Row> held);
-  double largestGap(const std::vector<Row>& held) const;
+  double largestGap(const Vector& gaps, const std::vector<Row>& held) const;
   void countLosses(double step);
   void addImpulses(const Poses& poses, double step, Momentum& given) const;
   StepOutcome tryStep(const Motion& start, double step, bool warm);
@@ -77,12 +78,10 @@ class Stepper : public JointSolver {
   void payForClosing(const Poses& start, double step);
   void standStill(const Poses& start);
   bool closeJoints(const std::vector<Row>& contacts, double step);
-  Vector closingMove(const std::vector<Row>& contacts, bool withOverlaps) const;
+  Vector closingMove(const Vector& gaps, const std::vector<Row>& contacts, bool withOverlaps) const;
   Vector foreseen(const Vector& move, const Vector& lastMove) const;
   double overlap(const Row& row) const;
   bool anyOverlap(const std::vector<Row>& contacts) const;
-  double largestGap() const;
-  double jointSpeed() const;
   void displace(const Vector& move);
   double product(const Vector& a, const Vector& b) const;
   double norm(const Vector& move) const;
