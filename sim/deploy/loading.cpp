@@ -1,7 +1,6 @@
 #include "sim/deploy/loading.h"
 
 #include <algorithm>
-#include <array>
 #include <memory>
 #include <optional>
 
@@ -11,9 +10,9 @@
 #include "sim/deploy/assembled_state.h"
 #include "sim/deploy/bar_hinge_scene.h"
 #include "sim/deploy/geometric_path.h"
+#include "sim/deploy/neck_ties.h"
 #include "sim/equilibrium/elastic_sheet.h"
 #include "sim/equilibrium/load_path.h"
-#include "sim/model/neck_stiffness.h"
 #include "sim/scene/hinge_springs.h"
 
 namespace kirireel {
@@ -116,86 +115,9 @@ std::size_t leadingOf(const std::vector<GripOrder>& grips) {
   return static_cast<std::size_t>(leading - grips.begin());
 }
 
-/// The direction from a corner into its tile.
-Vector3 inwardAt(const Brick& brick, int corner) {
-  const std::size_t count = brick.bottom.size();
-  const auto k = static_cast<std::size_t>(corner);
-  const Vector3 next = brick.bottom[(k + 1) % count] - brick.bottom[k];
-  const Vector3 last = brick.bottom[(k + count - 1) % count] - brick.bottom[k];
-  return next.normalized() + last.normalized();
-}
-
-/// The edge of both tiles that starts at their joint, unit, where a shut slit lies along one.
-std::optional<Vector3> slitAt(const Pivot& pivot, const std::vector<Brick>& bricks) {
-  constexpr double kFlush = 1e-6;  // of the cosine
-  const auto edges = [&](int brick, int corner) {
-    const std::vector<Vector3>& bottom = bricks[static_cast<std::size_t>(brick)].bottom;
-    const std::size_t count = bottom.size();
-    const auto k = static_cast<std::size_t>(corner);
-    return std::array{Vector3((bottom[(k + 1) % count] - bottom[k]).normalized()),
-                      Vector3((bottom[(k + count - 1) % count] - bottom[k]).normalized())};
-  };
-  for (const Vector3& a : edges(pivot.brickA, pivot.cornerA)) {
-    for (const Vector3& b : edges(pivot.brickB, pivot.cornerB)) {
-      if (a.dot(b) > 1 - kFlush) return a;
-    }
-  }
-  return std::nullopt;
-}
-
-/// A joint that is a neck has its axis beside the corner, where it closes the end of a slit.
-Pivot atAxis(Pivot pivot, const std::vector<Brick>& bricks, const HingeNeck& neck) {
-  const Vector3 slit = slitAt(pivot, bricks).value_or(Vector3::Zero());
-  pivot.pointA += neckAxis(neck.width, neck.length) * slit;
-  pivot.pointB += neckAxis(neck.width, neck.length) * slit;
-  return pivot;
-}
-
-/// The neck at a joint as a ligament: its middle is the joint, and it runs from one tile to the
-/// other.
-Ligament ligamentAt(const Pivot& pivot, const std::vector<Brick>& bricks, const Scene& scene) {
-  const HingeNeck& neck = *scene.hinges.neck;
-  const Vector3 across =
-      inwardAt(bricks[static_cast<std::size_t>(pivot.brickB)], pivot.cornerB).normalized() -
-      inwardAt(bricks[static_cast<std::size_t>(pivot.brickA)], pivot.cornerA).normalized();
-  Ligament ligament{pivot.brickA, pivot.brickB};
-  ligament.start = neck.length * across.normalized();
-  ligament.pointA = pivot.pointA - 0.5 * ligament.start;
-  ligament.pointB = pivot.pointB + 0.5 * ligament.start;
-  setNeckStiffness(neck.youngs, neck.poisson, scene.brick.thickness, neck.width, neck.length,
-                   ligament);
-  return ligament;
-}
-
-/// Which joints stay exact, and the ligaments in the place of the others: those at springs, which
-/// are the hinges.
-struct Ties {
-  std::vector<Pivot> pivots;
-  std::vector<Ligament> ligaments;
-};
-
-Ties tiesOf(const Scene& scene, const std::vector<Brick>& bricks,
-            const std::vector<HingeSpring>& springs) {
-  Ties ties;
-  for (Pivot pivot : makePivots(scene.model.joints, bricks)) {
-    const bool isHinge = std::ranges::any_of(springs, [&](const HingeSpring& spring) {
-      return std::minmax(spring.hinge.brickA, spring.hinge.brickB) ==
-             std::minmax(pivot.brickA, pivot.brickB);
-    });
-    if (pivot.isUpper) continue;
-    if (isHinge && scene.hinges.neck) pivot = atAxis(pivot, bricks, *scene.hinges.neck);
-    if (isHinge && scene.hinges.areLigaments) {
-      ties.ligaments.push_back(ligamentAt(pivot, bricks, scene));
-    } else {
-      ties.pivots.push_back(pivot);
-    }
-  }
-  return ties;
-}
-
 /// The sheet in three coordinates a tile.
 std::unique_ptr<LoadedSheet> planarSheet(const Scene& scene, const std::vector<Brick>& bricks,
-                                         const std::vector<HingeSpring>& springs,
+                                         const std::vector<HingeSpring>& springs, const Ties& ties,
                                          const std::vector<GripOrder>& grips) {
   std::vector<Grip> held;
   for (const GripOrder& grip : grips) {
@@ -206,12 +128,6 @@ std::unique_ptr<LoadedSheet> planarSheet(const Scene& scene, const std::vector<B
     }
     held.push_back({handlesOf(grip, bricks), grip.direction, grip.amount, grip.setting->isForce});
   }
-  if (scene.hinges.areLigaments && scene.hinges.neck->length == 0) {
-    throw InputError(
-        "error: --ligaments needs necks with a length, for a neck without one neither stretches "
-        "nor shears; give one in --hinge-neck, or leave --ligaments away");
-  }
-  const Ties ties = tiesOf(scene, bricks, springs);
   return std::make_unique<ElasticSheet>(bricks, startPoses(scene.model.tiles, bricks), springs,
                                         ties.pivots, pinnedTiles(scene), std::move(held),
                                         ties.ligaments);
@@ -263,10 +179,11 @@ DeploymentResult followGrips(const Scene& scene, double sampleInterval,
   const std::vector<HingeSpring> springs = hingeSprings(scene, bricks);
   const std::vector<GripOrder> grips = gripsOf(scene);
   const std::size_t leading = leadingOf(grips);
+  const Ties ties = scene.hinges.panels ? Ties{} : tiesOf(scene, bricks, springs);
   const std::unique_ptr<LoadedSheet> sheet =
       scene.hinges.panels ? makeBarHingeSheet(scene, bricks, springs, pinnedTiles(scene), grips)
-                          : planarSheet(scene, bricks, springs, grips);
-  const bool isSoft = scene.hinges.panels || scene.hinges.areLigaments;
+                          : planarSheet(scene, bricks, springs, ties, grips);
+  const bool isSoft = scene.hinges.panels || !ties.ligaments.empty();
   LoadPathSettings settings;
   settings.leastStates = scene.path.loadSteps;
   settings.mostStates = std::max(settings.mostStates, 20 * scene.path.loadSteps);

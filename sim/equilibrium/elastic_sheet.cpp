@@ -94,9 +94,10 @@ double ElasticSheet::stiffnessScale() const {
   double largest = 0;
   for (const HingeSpring& spring : springs_) largest = std::max(largest, spring.stiffness);
   for (const Ligament& ligament : ligaments_) {
-    const double across = ligament.shearStiffness / ligament.start.squaredNorm();
-    largest = std::max({largest, ligament.shearStiffness,
-                        scale_ * scale_ * std::max(across, ligament.stretchStiffness)});
+    const double area = scale_ * scale_, shear = ligament.shearStiffness;
+    const double across = ligament.isPin() ? shear : shear / ligament.start.squaredNorm();
+    largest = std::max(largest, area * std::max(across, ligament.stretchStiffness));
+    if (!ligament.isPin()) largest = std::max(largest, shear);
   }
   return largest;
 }

@@ -6,7 +6,7 @@
 
 #include "sim/brick/brick.h"
 #include "sim/brick/hinge.h"
-#include "sim/equilibrium/ligament.h"
+#include "sim/brick/ligament.h"
 #include "sim/equilibrium/loaded_sheet.h"
 
 namespace kirireel {

@@ -19,6 +19,21 @@ double endsOf(double length) {
   return std::lerp(below.ends, above->ends, share);
 }
 
+/// The table's row at a width in sides: between rows, and before the first, what bends along a
+/// straight line of the width, what stretches and shears along one of its logarithm.
+CornerNeckRow cornerRow(double width) {
+  const auto& table = kCornerNeckTable;
+  width = std::min(width, table.back().width);
+  const auto isWider = [&](const CornerNeckRow& row) { return row.width >= width; };
+  const auto above = std::find_if(std::next(table.begin()), table.end(), isWider);
+  const CornerNeckRow& a = *std::prev(above);
+  const CornerNeckRow& b = *above;
+  const double share = (width - a.width) / (b.width - a.width);
+  const double inLog = std::log(width / a.width) / std::log(b.width / a.width);
+  return {width, std::lerp(a.bend, b.bend, share), std::lerp(a.axis, b.axis, share),
+          std::lerp(a.stretch, b.stretch, inLog), std::lerp(a.shear, b.shear, inLog)};
+}
+
 }  // namespace
 
 double neckStiffness(double youngs, double thickness, double width, double length) {
@@ -26,10 +41,17 @@ double neckStiffness(double youngs, double thickness, double width, double lengt
   return youngs * thickness * width * width / (12 * (widths + endsOf(widths)));
 }
 
-double neckAxis(double width, double length) {
-  constexpr double kOwn = 0.5, kOfEnds = 0.73;  ///< widths
+double neckAxis(double width, double length, double side) {
+  constexpr double kOwn = 0.5;  ///< widths
   const double widths = length / width, ends = endsOf(widths);
-  return width * (kOwn * widths + kOfEnds * ends) / (widths + ends);
+  return width * (kOwn * widths + cornerRow(width / side).axis * ends) / (widths + ends);
+}
+
+CornerNeck cornerNeck(double youngs, double thickness, double width, double side) {
+  const CornerNeckRow row = cornerRow(width / side);
+  const double sheet = youngs * thickness;
+  return {sheet * width * width / row.bend, row.axis * width, sheet / row.stretch,
+          sheet / row.shear, kCornerNeckOpening};
 }
 
 }  // namespace kirireel

@@ -148,9 +148,15 @@ FoundHinges requireHinges(const Scene& scene, const std::vector<Brick>& bricks) 
 }
 
 /// What a hinge has of which no line of the file says more.
-double stiffnessOf(const HingeSettings& all, const Hinge& hinge, const BrickRule& rule) {
+double stiffnessOf(const HingeSettings& all, const Hinge& hinge, const std::vector<Brick>& bricks,
+                   const BrickRule& rule) {
   const bool isCorner = hinge.least == 0;
   if (!all.neck || !isCorner) return all.stiffness;
+  const bool isShut = hinge.start <= kAngleRounding;
+  if (isShut && all.neck->length == 0) {
+    const double side = neckSide(bricks, hinge.brickA, hinge.brickB);
+    return cornerNeck(all.neck->youngs, rule.thickness, all.neck->width, side).bending;
+  }
   return neckStiffness(all.neck->youngs, rule.thickness, all.neck->width, all.neck->length);
 }
 
@@ -175,6 +181,14 @@ std::map<TilePair, const OwnHingeSpring*> byTiles(const std::vector<OwnHingeSpri
 }
 
 }  // namespace
+
+double neckSide(const std::vector<Brick>& bricks, int brickA, int brickB) {
+  const auto areaOf = [&](int brick) {
+    const Brick& found = bricks[static_cast<std::size_t>(brick)];
+    return found.volume / found.thickness;
+  };
+  return std::sqrt(0.5 * (areaOf(brickA) + areaOf(brickB)));
+}
 
 std::vector<OwnHingeSpring> readHingeSprings(const std::filesystem::path& file,
                                              const Model& model) {
@@ -208,7 +222,8 @@ std::vector<HingeSpring> hingeSprings(const Scene& scene, const std::vector<Bric
       lines.erase(line);
     }
     const std::optional<double> rest = own.rest ? own.rest : all.rest;
-    const HingeSpring spring{hinge, own.stiffness.value_or(stiffnessOf(all, hinge, scene.brick)),
+    const HingeSpring spring{hinge,
+                             own.stiffness.value_or(stiffnessOf(all, hinge, bricks, scene.brick)),
                              rest.value_or(hinge.start), own.damping.value_or(all.damping)};
     if (spring.stiffness == 0 && spring.damping == 0) continue;
     if (rest) requireRoomAtRest(spring, own.rest ? &own : nullptr, scene.model);

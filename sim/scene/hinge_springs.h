@@ -24,4 +24,8 @@ std::vector<OwnHingeSpring> readHingeSprings(const std::filesystem::path& file, 
 /// line of the file names no hinge, and where bricks would lie in each other at the rest angle.
 std::vector<HingeSpring> hingeSprings(const Scene& scene, const std::vector<Brick>& bricks);
 
+/// What the size of tiles beside a neck is told by, metres: the side of a square of the mean area
+/// of the two.
+double neckSide(const std::vector<Brick>& bricks, int brickA, int brickB);
+
 }  // namespace kirireel

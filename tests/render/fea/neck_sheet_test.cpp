@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <iterator>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -151,29 +152,88 @@ double endsByDeck(double lengthInWidths) {
   return youngs * thickness * width * width / (12 * stiffness) - lengthInWidths;
 }
 
-/// Writes the rows of the table anew.
-void updateTable(const std::vector<NeckRow>& rows) {
+bool isToUpdate() {
+  const char* wish = std::getenv("KIRIREEL_GOLDEN");
+  return wish != nullptr && std::string(wish) == "update";
+}
+
+/// Writes the rows of a table anew.
+void updateTable(const std::string& type, const std::string& lines) {
   const std::string file = KIRIREEL_SOURCE_DIR "/sim/model/neck_table.h";
   std::string text = test::bytesOf(file);
-  const std::string begin = "std::to_array<NeckRow>({\n", end = "});";
+  const std::string begin = fmt::format("std::to_array<{}>({{\n", type), end = "});";
   const std::size_t first = text.find(begin) + begin.size();
-  std::string lines;
-  for (const NeckRow& row : rows)
-    lines += fmt::format("    {{{}, {:.3f}}},\n", row.length, row.ends);
   writeTextFile(file, text.replace(first, text.find(end, first) - first, lines));
 }
 
 TEST_F(NeckSheet, TableIsThatOfDecks) {
-  const char* wish = std::getenv("KIRIREEL_GOLDEN");
   std::vector<NeckRow> rows;
+  std::string lines;
   for (const NeckRow& row : kNeckTable) {
     rows.push_back({row.length, endsByDeck(row.length)});
-    if (wish != nullptr) continue;
+    lines += fmt::format("    {{{}, {:.3f}}},\n", row.length, rows.back().ends);
+    if (isToUpdate()) continue;
     EXPECT_NEAR((row.length + row.ends) / (row.length + rows.back().ends), 1, 1e-3) << row.length;
   }
-  if (wish != nullptr && std::string(wish) == "update") updateTable(rows);
+  if (isToUpdate()) updateTable("NeckRow", lines);
   // A deep crack's, 15.8 / 12. Measured: 1.3115.
   EXPECT_NEAR(rows.front().ends, 15.8 / 12, 0.01);
+}
+
+/// What neck_compliance.py says of the neck between two squares.
+std::vector<double> cornerByDeck(double width, const std::string& moment = "") {
+  const test::TemporaryFolder folder;
+  const auto file = folder / "sheet.inp";
+  writeTextFile(
+      file, meshDeck(makeNeckMesh(twoSquares(), 0.02, plane({.width = width}, 16)), {}, kOrigin));
+  std::istringstream said(test::outputOf(fmt::format(
+      "python3 '" KIRIREEL_SOURCE_DIR "/tests/render/fea/neck_compliance.py' '{}' {} {}",
+      file.string(), width, moment)));
+  return {std::istream_iterator<double>(said), {}};
+}
+
+TEST_F(NeckSheet, TableOfCornersIsThatOfDecks) {
+  std::string lines;
+  for (const CornerNeckRow& row : kCornerNeckTable) {
+    const std::vector<double> found = cornerByDeck(row.width);
+    ASSERT_EQ(found.size(), 4U) << row.width;
+    lines += fmt::format("    {{{}, {:.3f}, {:.4f}, {:.3f}, {:.3f}}},\n", row.width, found[0],
+                         found[1], found[2], found[3]);
+    if (isToUpdate()) continue;
+    EXPECT_NEAR(row.bend / found[0], 1, 1e-3) << row.width;
+    EXPECT_NEAR(row.axis / found[1], 1, 1e-3) << row.width;
+    EXPECT_NEAR(row.stretch / found[2], 1, 1e-3) << row.width;
+    EXPECT_NEAR(row.shear / found[3], 1, 1e-3) << row.width;
+  }
+  if (isToUpdate()) updateTable("CornerNeckRow", lines);
+}
+
+// Between the rows of the table.
+TEST_F(NeckSheet, CornersBetweenThoseOfTheTableAreAsDecksHaveThem) {
+  for (const double width : {0.035, 0.13, 0.23, 0.35}) {
+    const std::vector<double> found = cornerByDeck(width);
+    ASSERT_EQ(found.size(), 4U) << width;
+    const CornerNeck neck = cornerNeck(1, 1, width, 1);
+    // Measured: see the tolerances of the row beside; at most 0.002.
+    EXPECT_NEAR(width * width / neck.bending / found[0], 1, 5e-3) << width;
+    EXPECT_NEAR(neck.axis / width / found[1], 1, 5e-3) << width;
+    EXPECT_NEAR(1 / neck.stretch / found[2], 1, 1e-2) << width;
+    EXPECT_NEAR(1 / neck.shear / found[3], 1, 1e-2) << width;
+  }
+}
+
+// The moment over the angle, as slits open, with large displacements.
+TEST_F(NeckSheet, CornersStiffenAsTheyOpen) {
+  const double width = 0.1;
+  const CornerNeck neck = cornerNeck(1e9, 0.002, width, 1);
+  const std::vector<double> found = cornerByDeck(width, "-400");
+  ASSERT_EQ(found.size(), 20U);
+  for (std::size_t k = 0; k < found.size(); k += 2) {
+    const double angle = -found[k];
+    const double moment =
+        neck.bending * angle * (1 + neck.opening[0] * angle + neck.opening[1] * angle * angle);
+    EXPECT_NEAR(moment / -found[k + 1], 1, 0.01) << angle;
+  }
 }
 
 }  // namespace

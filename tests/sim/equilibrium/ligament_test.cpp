@@ -1,5 +1,5 @@
 // Ligaments: derivatives, large turns, beam theory, and sheets of them.
-#include "sim/equilibrium/ligament.h"
+#include "sim/brick/ligament.h"
 
 #include <array>
 #include <cmath>
@@ -52,6 +52,43 @@ TEST(Ligaments, HaveTheDerivativesOfTheirEnergy) {
       EXPECT_LT((found.hessian.col(k) - (above.gradient - below.gradient) / (2 * h)).norm(), 1e-7);
     }
   }
+}
+
+/// A pin that gives, its points together at the start.
+Two twoPinned() {
+  Two two;
+  two.ligament.start.setZero();
+  two.ligament.across = Vector3(0.6, 0.8, 0);
+  two.ligament.opening = {0.9, -0.4};
+  return two;
+}
+
+TEST(Ligaments, WithoutLengthHaveTheDerivativesOfTheirEnergy) {
+  const Two two = twoPinned();
+  const double h = 1e-5;
+  for (const double size : {0.0, 0.1, 0.5, 1.2}) {
+    Vector6 u = two.rest();
+    u += size * (Vector6() << 0.2, -0.3, 0.6, 0.25, 0.35, -0.5).finished();
+    const LigamentEnergy found = two.at(u);
+    for (int k = 0; k < 6; ++k) {
+      Vector6 more = u, less = u;
+      more[k] += h;
+      less[k] -= h;
+      const LigamentEnergy above = two.at(more), below = two.at(less);
+      EXPECT_NEAR(found.gradient[k], (above.energy - below.energy) / (2 * h), 1e-8);
+      EXPECT_LT((found.hessian.col(k) - (above.gradient - below.gradient) / (2 * h)).norm(), 1e-7);
+    }
+  }
+}
+
+TEST(Ligaments, WithoutLengthPartAndSlide) {
+  const Two two = twoPinned();
+  Vector6 u = two.rest();
+  u.segment<2>(3) += 0.1 * Vector3(0.6, 0.8, 0).head<2>();
+  EXPECT_NEAR(two.at(u).energy, 0.5 * 3 * 0.01, 1e-15);
+  u = two.rest();
+  u.segment<2>(3) += 0.1 * Vector3(-0.8, 0.6, 0).head<2>();
+  EXPECT_NEAR(two.at(u).energy, 0.5 * 0.7 * 0.01, 1e-15);
 }
 
 TEST(Ligaments, HoldNothingAsTheWholeTurns) {

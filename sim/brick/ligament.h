@@ -1,6 +1,8 @@
 /// Elastic ligaments in place of exact joints: what stretching and shearing a neck costs. Its
-/// bending is that of the spring at its hinge.
+/// bending is that of the spring at its hinge. In the plane.
 #pragma once
+
+#include <array>
 
 #include <Eigen/Core>
 
@@ -8,15 +10,23 @@
 
 namespace kirireel {
 
-/// A straight neck between a point of one brick and a point of another.
+/// A straight neck between a point of one brick and a point of another; without a length a pin that
+/// gives: two points that are one at the start, and part across a slit or slide along it.
 struct Ligament {
   int brickA = 0;
   int brickB = 0;
   Vector3 pointA = Vector3::Zero();  ///< in the axes of brick A
   Vector3 pointB = Vector3::Zero();  ///< in the axes of brick B
-  Vector3 start = Vector3::UnitX();  ///< from point A to point B at the start, world axes, metres
-  double stretchStiffness = 0;       ///< N/m
-  double shearStiffness = 0;         ///< N m/rad
+  /// From point A to point B at the start, world axes, metres; zero for a pin.
+  Vector3 start = Vector3::UnitX();
+  Vector3 across = Vector3::UnitX();  ///< of a pin: unit, where its points part, at the start
+  double stretchStiffness = 0;        ///< N/m
+  double shearStiffness = 0;          ///< N m/rad; of a pin N/m
+  /// Of a pin, what the moment is beyond its hinge's spring: opening[0] a^2 + opening[1] a^3 with a
+  /// the turn of brick B against A since the start, about z; N m/rad^2, N m/rad^3.
+  std::array<double, 2> opening = {};
+
+  bool isPin() const { return start.isZero(); }
 };
 
 /// The stiffnesses of a neck as a beam of Timoshenko's: with A = w t, I = t w^3 / 12, G = E / (2 (1

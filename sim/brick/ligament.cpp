@@ -6,7 +6,13 @@
 // the strains of Bordiga, Medina, Jafarzadeh et al., Automated discovery of reprogrammable
 // nonlinear dynamic metamaterials, Nat. Mater. 23, 2024. A beam whose ends turn by a and b against
 // its chord has E I / L (2 a^2 + 2 a b + 2 b^2) = 12 E I / L gamma^2 / 2 + E I / L (b - a)^2 / 2.
-#include "sim/equilibrium/ligament.h"
+//
+// A pin parts by d from point A to point B. With n and t the directions across and along its slit,
+// turned by the mean m of both bricks' turns since the start, of which dn/dm = t and dt/dm = -n,
+//   E = k_l (n . d)^2 / 2 + k_s (t . d)^2 / 2,
+//   d(n . d) = n . dd + (t . d) dm,   d(t . d) = t . dd - (n . d) dm,
+// and what opening costs beyond a linear spring, b a^3 / 3 + c a^4 / 4 with a = phi_B - phi_A.
+#include "sim/brick/ligament.h"
 
 #include <cmath>
 #include <numbers>
@@ -31,6 +37,58 @@ Matrix6 bendOf(const Vector3& armA, const Vector3& armB, const Eigen::Vector2d& 
   return bend;
 }
 
+/// A component of d, its derivatives by the coordinates of both bricks.
+struct PinComponent {
+  double value = 0;
+  Vector6 slope = Vector6::Zero();
+  Matrix6 bend = Matrix6::Zero();
+};
+
+/// The component along a direction that turns with the mean; `turned`: its derivative by that.
+PinComponent componentAlong(const Eigen::Vector2d& d, const Eigen::Vector2d& direction,
+                            const Eigen::Vector2d& turned, const Eigen::Vector2d& armA,
+                            const Eigen::Vector2d& armB) {
+  const auto slopeAlong = [&](const Eigen::Vector2d& along) {
+    Vector6 slope;
+    slope << -along, along.x() * armA.y() - along.y() * armA.x(), along,
+        along.y() * armB.x() - along.x() * armB.y();
+    return slope;
+  };
+  Vector6 mean = Vector6::Zero();
+  mean[2] = mean[5] = 0.5;
+  PinComponent found{direction.dot(d), slopeAlong(direction) + turned.dot(d) * mean};
+  const Matrix6 mixed = slopeAlong(turned) * mean.transpose();
+  found.bend = mixed + mixed.transpose() - found.value * mean * mean.transpose();
+  found.bend(2, 2) += direction.dot(armA);
+  found.bend(5, 5) -= direction.dot(armB);
+  return found;
+}
+
+void addPinSpring(double stiffness, const PinComponent& of, LigamentEnergy& sum) {
+  sum.energy += 0.5 * stiffness * of.value * of.value;
+  sum.gradient += stiffness * of.value * of.slope;
+  sum.hessian += stiffness * (of.slope * of.slope.transpose() + of.value * of.bend);
+}
+
+LigamentEnergy pinEnergy(const Ligament& pin, const Vector3& between, const Vector3& armA,
+                         const Vector3& armB, double turnA, double turnB) {
+  const Eigen::Vector2d d = (between + armB - armA).head<2>();
+  const Vector3 across = rotationFromVector(Vector3(0, 0, 0.5 * (turnA + turnB))) * pin.across;
+  const Eigen::Vector2d n = across.head<2>(), t(-n.y(), n.x());
+  LigamentEnergy sum;
+  addPinSpring(pin.stretchStiffness, componentAlong(d, n, t, armA.head<2>(), armB.head<2>()), sum);
+  addPinSpring(pin.shearStiffness, componentAlong(d, t, -n, armA.head<2>(), armB.head<2>()), sum);
+  const double a = turnB - turnA;
+  const auto [square, cube] = pin.opening;
+  Vector6 turning = Vector6::Zero();
+  turning[2] = -1;
+  turning[5] = 1;
+  sum.energy += a * a * a * (square / 3 + cube * a / 4);
+  sum.gradient += a * a * (square + cube * a) * turning;
+  sum.hessian += a * (2 * square + 3 * cube * a) * turning * turning.transpose();
+  return sum;
+}
+
 }  // namespace
 
 void setNeckStiffness(double youngs, double poisson, double thickness, double width, double length,
@@ -45,6 +103,7 @@ void setNeckStiffness(double youngs, double poisson, double thickness, double wi
 
 LigamentEnergy ligamentEnergy(const Ligament& ligament, const Vector3& between, const Vector3& armA,
                               const Vector3& armB, double turnA, double turnB) {
+  if (ligament.isPin()) return pinEnergy(ligament, between, armA, armB, turnA, turnB);
   const Eigen::Vector2d l = (between + armB - armA).head<2>();
   const Eigen::Vector2d l0 = ligament.start.head<2>();
   const double length = l.norm();
