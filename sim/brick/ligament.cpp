@@ -130,4 +130,22 @@ LigamentEnergy ligamentEnergy(const Ligament& ligament, const Vector3& between, 
               ks * (ofShear * ofShear.transpose() + shear * shearBend)};
 }
 
+LigamentEnergy ligamentEnergy(const Ligament& ligament, const Poses& poses) {
+  const Pose& a = poses[static_cast<std::size_t>(ligament.brickA)];
+  const Pose& b = poses[static_cast<std::size_t>(ligament.brickB)];
+  const auto turnOf = [](const Quaternion& rotation) {
+    return 2 * std::atan2(rotation.z(), rotation.w());
+  };
+  const double turnA = turnOf(a.rotation);
+  const double turnB = turnA + std::remainder(turnOf(b.rotation) - turnA, 2 * std::numbers::pi);
+  return ligamentEnergy(ligament, b.position - a.position, a.rotation * ligament.pointA,
+                        b.rotation * ligament.pointB, turnA, turnB);
+}
+
+double elasticEnergy(std::span<const Ligament> ligaments, const Poses& poses) {
+  double sum = 0;
+  for (const Ligament& ligament : ligaments) sum += ligamentEnergy(ligament, poses).energy;
+  return sum;
+}
+
 }  // namespace kirireel

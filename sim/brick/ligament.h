@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 
 #include <Eigen/Core>
 
@@ -15,6 +16,7 @@ namespace kirireel {
 struct Ligament {
   int brickA = 0;
   int brickB = 0;
+  int joint = 0;                     ///< of the model, see Pivot
   Vector3 pointA = Vector3::Zero();  ///< in the axes of brick A
   Vector3 pointB = Vector3::Zero();  ///< in the axes of brick B
   /// From point A to point B at the start, world axes, metres; zero for a pin.
@@ -48,5 +50,12 @@ struct LigamentEnergy {
 /// the points from there, turned with the bricks; world axes.
 LigamentEnergy ligamentEnergy(const Ligament& ligament, const Vector3& between, const Vector3& armA,
                               const Vector3& armB, double turnA, double turnB);
+
+/// At poses whose rotations are turns about z since the start. Bricks turn by less than half a turn
+/// against each other.
+LigamentEnergy ligamentEnergy(const Ligament& ligament, const Poses& poses);
+
+/// What ligaments hold at these poses, joules.
+double elasticEnergy(std::span<const Ligament> ligaments, const Poses& poses);
 
 }  // namespace kirireel

@@ -12,6 +12,7 @@
 #include "sim/deploy/assembled_state.h"
 #include "sim/deploy/geometric_path.h"
 #include "sim/deploy/loading.h"
+#include "sim/deploy/neck_ties.h"
 #include "sim/deploy/rounded_joints.h"
 #include "sim/deploy/run.h"
 #include "sim/deploy/target_warnings.h"
@@ -53,7 +54,8 @@ void requireSense(const Scene& scene, double sampleInterval) {
   if (scene.model.tiles.empty())
     throw InputError("the model has no tiles; add one to vertices.txt");
   const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
-  static_cast<void>(hingeSprings(scene, bricks));
+  const std::vector<HingeSpring> springs = hingeSprings(scene, bricks);
+  if (scene.grips.empty()) static_cast<void>(dynamicTies(scene, bricks, springs));
   static_cast<void>(makeDriveForce(scene, bricks));
 }
 
@@ -246,11 +248,6 @@ DeploymentResult deployUnkept(const Scene& given, double sampleInterval,
   fillFromModel(scene);
   requireSense(scene, sampleInterval);
   if (scene.solver.kind == SolverKind::Bullet) checkpoints = nullptr;
-  if (scene.grips.empty() && scene.hinges.areLigaments) {
-    throw InputError(
-        "error: --ligaments needs grips, in whose equilibria necks give; add a [[grip]] to "
-        "scene.toml, or leave it away");
-  }
   if (scene.grips.empty() && scene.hinges.panels) {
     throw InputError(
         "error: --panels needs grips, in whose equilibria tiles bend; add a [[grip]] to "

@@ -10,6 +10,7 @@
 #include "sim/actuation/environment_load.h"
 #include "sim/base/error.h"
 #include "sim/base/interruption.h"
+#include "sim/deploy/neck_ties.h"
 #include "sim/measure/measures.h"
 #include "sim/scene/hinge_springs.h"
 
@@ -109,6 +110,18 @@ double momentOfClosing(Contact contact, const Motion& from, const Motion& to, do
   return open;
 }
 
+/// The solver of a scene's joints, springs and ligaments, for its bricks and what else is a body.
+std::unique_ptr<JointSolver> solverOf(const Scene& scene, const Needs& needs,
+                                      const std::vector<Brick>& bricks,
+                                      const std::vector<Brick>& bodies) {
+  const std::vector<HingeSpring> springs = hingeSprings(scene, bricks);
+  Ties ties = dynamicTies(scene, bricks, springs);
+  return makeJointSolver(
+      bodies, ties.pivots,
+      {needs.planar.on, tileSize(scene.model), groundSupports(scene, needs, bricks), springs,
+       std::move(ties.ligaments)});
+}
+
 void requireSpace(const Scene& scene, const Needs& needs) {
   if (!needs.planar.on || scene.environment.obstacles.empty()) return;
   throw InputError(
@@ -126,9 +139,7 @@ DirectDynamics::DirectDynamics(const Scene& scene, const Needs& needs,
       environment_(scene.environment),
       obstacles_(obstacleParts(scene.environment.obstacles)),
       bodies_(bodiesOf(bricks, obstacles_)),
-      solver_(makeJointSolver(bodies_, makePivots(scene.model.joints, bricks),
-                              {needs.planar.on, tileSize_, groundSupports(scene, needs, bricks),
-                               hingeSprings(scene, bricks)})),
+      solver_(solverOf(scene, needs, bricks, bodies_)),
       substeps_(scene.solver.substeps.value_or(1)),
       isRubbing_(!groundSupports(scene, needs, bricks).empty()) {
   requireSpace(scene, needs);

@@ -6,6 +6,8 @@
 #include <set>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "sim/base/error.h"
 #include "sim/model/neck_stiffness.h"
 #include "sim/scene/hinge_springs.h"
@@ -47,7 +49,7 @@ Ligament ligamentAt(const Pivot& pivot, const std::vector<Brick>& bricks, const 
   const Vector3 across =
       inwardAt(bricks[static_cast<std::size_t>(pivot.brickB)], pivot.cornerB).normalized() -
       inwardAt(bricks[static_cast<std::size_t>(pivot.brickA)], pivot.cornerA).normalized();
-  Ligament ligament{pivot.brickA, pivot.brickB};
+  Ligament ligament{pivot.brickA, pivot.brickB, pivot.joint};
   ligament.start = neck.length * across.normalized();
   ligament.pointA = pivot.pointA - 0.5 * ligament.start;
   ligament.pointB = pivot.pointB + 0.5 * ligament.start;
@@ -62,7 +64,8 @@ Ligament pinAt(const Pivot& pivot, const std::vector<Brick>& bricks, const Vecto
   const CornerNeck neck =
       cornerNeck(scene.hinges.neck->youngs, scene.brick.thickness, scene.hinges.neck->width,
                  neckSide(bricks, pivot.brickA, pivot.brickB));
-  Ligament pin{pivot.brickA, pivot.brickB, pivot.pointA, pivot.pointB, Vector3::Zero()};
+  Ligament pin{pivot.brickA, pivot.brickB, pivot.joint,
+               pivot.pointA, pivot.pointB, Vector3::Zero()};
   pin.across = slit.cross(Vector3::UnitZ());
   pin.stretchStiffness = neck.stretch;
   pin.shearStiffness = neck.shear;
@@ -120,6 +123,16 @@ Ties tiesOf(const Scene& scene, const std::vector<Brick>& bricks,
     }
   }
   return ties;
+}
+
+Ties dynamicTies(const Scene& scene, const std::vector<Brick>& bricks,
+                 const std::vector<HingeSpring>& springs) {
+  if (!scene.hinges.areLigaments) return {makePivots(scene.model.joints, bricks), {}};
+  if (const Need planar = sceneNeeds(scene).planar; !planar.on) {
+    throw InputError(fmt::format(
+        "error: --ligaments gives necks in the plane alone, but {}; leave it away", planar.reason));
+  }
+  return tiesOf(scene, bricks, springs);
 }
 
 }  // namespace kirireel

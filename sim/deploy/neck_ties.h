@@ -22,4 +22,9 @@ struct Ties {
 Ties tiesOf(const Scene& scene, const std::vector<Brick>& bricks,
             const std::vector<HingeSpring>& springs);
 
+/// The ties of a scene that moves masses: as tiesOf() where it asks for ligaments, which needs a
+/// planar one; else its joints are exact, and turn about the tiles' corners. Throws InputError.
+Ties dynamicTies(const Scene& scene, const std::vector<Brick>& bricks,
+                 const std::vector<HingeSpring>& springs);
+
 }  // namespace kirireel

@@ -13,6 +13,7 @@
 #include "sim/deploy/rest_probe.h"
 #include "sim/deploy/rounded_joints.h"
 #include "sim/measure/mobility.h"
+#include "sim/scene/hinge_springs.h"
 
 namespace kirireel {
 namespace {
@@ -44,6 +45,7 @@ Run::Run(const Scene& scene, const AssembledState& nearest, const RunObservers& 
       checkpoints_(checkpoints),
       bricks_(makeBricks(scene.model.tiles, scene.brick)),
       pivots_(makePivots(scene.model.joints, bricks_)),
+      ties_(dynamicTies(scene, bricks_, hingeSprings(scene, bricks_))),
       motion_{startPoses(scene.model.tiles, bricks_), {}},
       target_(scene.model.target ? &*scene.model.target : nullptr),
       needs_(sceneNeeds(scene)),
@@ -66,8 +68,8 @@ Run::Run(const Scene& scene, const AssembledState& nearest, const RunObservers& 
     timeline_.addDrags(time() + seconds, poses, loads);
   };
   if (observers_.sample && scene.solver.kind == SolverKind::Direct) {
-    mechanics_.emplace(bricks_, pivots_, scene.model.joints.size(), needs_.planar.on, tileSize_,
-                       static_cast<const ActingForces&>(*this));
+    mechanics_.emplace(bricks_, ties_.pivots, scene.model.joints.size(), needs_.planar.on,
+                       tileSize_, static_cast<const ActingForces&>(*this));
   }
 }
 

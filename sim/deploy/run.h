@@ -14,6 +14,7 @@
 #include "sim/deploy/assembled_state.h"
 #include "sim/deploy/deployment.h"
 #include "sim/deploy/dynamics.h"
+#include "sim/deploy/neck_ties.h"
 #include "sim/deploy/path_follower.h"
 #include "sim/deploy/run_figures.h"
 #include "sim/deploy/run_mechanics.h"
@@ -72,8 +73,10 @@ class Run : private TimelineStage, private ActingForces {
   const TargetSprings* targetSprings() const;
   double springEnergy(double time, const Poses& poses) const override;
   double hingeEnergy(const Poses& poses) const override {
-    return elasticEnergy(result_.trajectory.hingeSprings, poses);
+    return elasticEnergy(result_.trajectory.hingeSprings, poses) +
+           elasticEnergy(ties_.ligaments, poses);
   }
+  void addLigamentForces(const Poses& poses, std::vector<Vector3>& jointForces) const override;
   std::vector<Vector3> freeForces(const Poses& poses) const override;
   std::vector<Vector6> appliedForces(double time, const Motion& motion) const override;
   double jointStiffness() const override { return dynamics_->jointStiffness(); }
@@ -103,6 +106,7 @@ class Run : private TimelineStage, private ActingForces {
   bool isOnPath() const { return isOpening() || follower_.has_value(); }
   /// Whether joints are compliant on purpose.
   bool jointsGiveNow() const {
+    if (!ties_.ligaments.empty()) return true;
     return isOnPath() ? scene_.path.jointsGive() : jointsGiveThroughout();
   }
   void showStep();
@@ -130,7 +134,10 @@ class Run : private TimelineStage, private ActingForces {
   /// What the hinges' springs hold at the start and at the end.
   void noteElasticity() {
     const std::vector<HingeSpring>& springs = result_.trajectory.hingeSprings;
-    if (!springs.empty()) result_.elasticity = elasticityOf(springs, startPoses_, motion_.poses);
+    if (springs.empty()) return;
+    result_.elasticity = elasticityOf(springs, startPoses_, motion_.poses);
+    result_.elasticity->energyStart += elasticEnergy(ties_.ligaments, startPoses_);
+    result_.elasticity->energyEnd += elasticEnergy(ties_.ligaments, motion_.poses);
   }
   /// Whether springs at hinges may move bricks; expansion would drive them on for ever.
   bool hingesPull() const { return scene_.hinges.areOn() && !(drive_ && drive_->isEndless()); }
@@ -161,6 +168,7 @@ class Run : private TimelineStage, private ActingForces {
   Checkpoints* checkpoints_;
   std::vector<Brick> bricks_;
   std::vector<Pivot> pivots_;
+  Ties ties_;  // pivots that are exact, ligaments in the place of the others
   Motion motion_;
   Poses startPoses_;                 // joints closed unless they give
   const std::vector<Tile>* target_;  // the one headed for at present; null when there is none

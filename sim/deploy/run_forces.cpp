@@ -80,7 +80,23 @@ std::vector<Vector6> Run::appliedForces(double time, const Motion& motion) const
     forces[hinge.brickA].tail<3>() -= onB;
     forces[hinge.brickB].tail<3>() += onB;
   }
+  for (const Ligament& ligament : ties_.ligaments) {
+    const Vector6 slope = ligamentEnergy(ligament, motion.poses).gradient;
+    const auto pull = [&](int brick, const Vector3& by) {
+      forces[brick].head<2>() -= by.head<2>();
+      forces[brick][5] -= by[2];
+    };
+    pull(ligament.brickA, slope.head<3>());
+    pull(ligament.brickB, slope.tail<3>());
+  }
   return forces;
+}
+
+void Run::addLigamentForces(const Poses& poses, std::vector<Vector3>& jointForces) const {
+  for (const Ligament& ligament : ties_.ligaments) {
+    const Vector6 slope = ligamentEnergy(ligament, poses).gradient;
+    jointForces[static_cast<std::size_t>(ligament.joint)].head<2>() -= slope.head<2>();
+  }
 }
 
 std::vector<bool> Run::pinned() const {

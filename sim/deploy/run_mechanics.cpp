@@ -119,6 +119,7 @@ Mechanics RunMechanics::at(double time, const Motion& motion, double share) {
   for (std::size_t p = 0; p < pivots_.size(); ++p) {
     result.jointForces[static_cast<std::size_t>(pivots_[p].joint)] += reactions.pivotForces[p];
   }
+  acting_.addLigamentForces(motion.poses, result.jointForces);
   result.isIndeterminate = std::isfinite(stiffness) ? std::vector<bool>(joints_, false)
                                                     : reactions_->indeterminateJoints(joints_);
   for (std::size_t i = 0; i < pinned.size(); ++i) {

@@ -22,6 +22,8 @@ class ActingForces {
   virtual double springEnergy(double time, const Poses& poses) const = 0;
   /// The same in springs at hinges.
   virtual double hingeEnergy(const Poses& poses) const = 0;
+  /// Adds what ligaments pull the first tile of their joint with, newtons; one entry a joint.
+  virtual void addLigamentForces(const Poses& poses, std::vector<Vector3>& jointForces) const = 0;
   /// Forces on the bricks' centres of mass that store no energy here: gravity and expansion, N.
   virtual std::vector<Vector3> freeForces(const Poses& poses) const = 0;
   /// Everything that is applied to bricks that move so, contacts apart: force and torque about the

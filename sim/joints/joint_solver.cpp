@@ -3,6 +3,7 @@
 #include "sim/joints/joint_solver.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -29,6 +30,10 @@ constexpr int kContactRounds = 25;
 // Bounds of friction that change by less than this part are settled.
 constexpr double kBoundTolerance = 1e-7;
 constexpr int kFrictionRounds = 20;
+// Of ligaments: Newton steps in a step, the speed that they leave, and the least part of one.
+constexpr int kLigamentRounds = 20;
+constexpr double kLigamentTolerance = 1e-8;
+constexpr double kLeastShare = 1e-6;
 
 }  // namespace
 
@@ -115,8 +120,8 @@ StepOutcome Stepper<D>::tryStep(const Motion& start, double step, bool warm) {
 template <int D>
 StepOutcome Stepper<D>::solveContactRounds(const Poses& start, double step) {
   for (int round = 0; round < kContactRounds; ++round) {
-    if (!solveVelocities(start)) return StepOutcome::JointsOpen;
-    if (boundNewFriction() && !solveVelocities(start)) return StepOutcome::JointsOpen;
+    if (!solveWithLigaments(start, step)) return StepOutcome::JointsOpen;
+    if (boundNewFriction() && !solveWithLigaments(start, step)) return StepOutcome::JointsOpen;
     forbidWork();
     if (!moveAndClose(start, step)) return StepOutcome::JointsOpen;
     payForClosing(start, step);
@@ -246,6 +251,35 @@ bool Stepper<D>::solveVelocities(const Poses& start) {
     if (refined && report.jointSpeed <= kSpeedTolerance * speed) break;
   }
   return true;  // the rest is judged by the gap after closing
+}
+
+/// Finds the velocities of the step with the ligaments as they are at its end: Newton's method from
+/// rest, each step cut until what is minimised falls, so that a step gains no energy however stiff
+/// ligaments are. Joints and contacts allow all velocities between two that they allow; joints that
+/// give are not in what is minimised, and steps are whole beside them.
+template <int D>
+bool Stepper<D>::solveWithLigaments(const Poses& start, double step) {
+  if (!system_.hasLigaments()) return solveVelocities(start);
+  Vector known = Vector::Zero(program_.x.size());
+  double least = system_.potential(step, known);
+  for (int round = 0; round < kLigamentRounds; ++round) {
+    system_.setLigamentsAbout(known);
+    program_.force = system_.force();
+    if (!solveVelocities(start)) return false;
+    const Vector change = program_.x - known;
+    double share = 1, potential = system_.potential(step, program_.x);
+    while (potential > least && share > kLeastShare && program_.exactJoints) {
+      share *= 0.5;
+      potential = system_.potential(step, known + share * change);
+    }
+    const double speed = std::max(system_.largestSpeed(program_.x), kSlow * settings_.lengthScale);
+    if (potential > least && program_.exactJoints) share = 0;
+    known += share * change;
+    least = std::min(least, potential);
+    if (share == 0 || system_.largestSpeed(share * change) <= kLigamentTolerance * speed) break;
+  }
+  program_.x = known;
+  return true;
 }
 
 /// Joints and contacts do no work on the bricks: x.Ax, what moving costs, is at most x.f, what
@@ -506,6 +540,7 @@ template class Stepper<6>;
 std::unique_ptr<JointSolver> makeJointSolver(const std::vector<Brick>& bricks,
                                              std::span<const Pivot> pivots,
                                              const JointSolverSettings& settings) {
+  assert(settings.planar || settings.ligaments.empty());
   if (settings.planar) return std::make_unique<Stepper<3>>(bricks, pivots, settings);
   return std::make_unique<Stepper<6>>(bricks, pivots, settings);
 }

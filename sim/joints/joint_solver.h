@@ -8,11 +8,12 @@
 #include <vector>
 
 #include "sim/base/geometry.h"
-#include "sim/base/step_report.h"
 #include "sim/base/state_tape.h"
+#include "sim/base/step_report.h"
 #include "sim/brick/brick.h"
 #include "sim/brick/contact.h"
 #include "sim/brick/hinge.h"
+#include "sim/brick/ligament.h"
 #include "sim/brick/load.h"
 
 namespace kirireel {
@@ -30,6 +31,8 @@ struct JointSolverSettings {
   double lengthScale = 1;  ///< a typical tile edge, metres: tolerances refer to it
   std::vector<Support> supports;
   std::vector<HingeSpring> hingeSprings;  ///< implicit in the step
+  /// In the plane alone: implicit in the step, which finds its end by Newton's method.
+  std::vector<Ligament> ligaments;
 };
 
 /// Writes the load on every brick at the given poses; `loads` has one entry a brick, to be

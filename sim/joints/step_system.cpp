@@ -36,13 +36,15 @@ std::vector<Matrix3> rotationMatrices(const Poses& poses) {
 
 template <int D>
 StepSystem<D>::StepSystem(const std::vector<Brick>& bricks, std::span<const Pivot> pivots,
-                          double lengthScale, std::vector<HingeSpring> springs)
+                          double lengthScale, std::vector<HingeSpring> springs,
+                          std::vector<Ligament> ligaments)
     : bricks_(bricks),
       lengthScale_(lengthScale),
       pinned_(bricks.size(), false),
       edgesAt_(bricks.size()),
       springs_(std::move(springs)),
       springRows_(springs_.size()),
+      ligaments_(std::move(ligaments), lengthScale),
       A_(bricks.size()),
       f_(D * bricks.size()) {
   for (const Pivot& pivot : pivots) {
@@ -55,6 +57,10 @@ StepSystem<D>::StepSystem(const std::vector<Brick>& bricks, std::span<const Pivo
   }
   for (std::size_t s = 0; s < springs_.size(); ++s) {
     springRows_[s].edge = edgeOf(springs_[s].hinge.brickA, springs_[s].hinge.brickB);
+  }
+  for (std::size_t k = 0; k < ligaments_.size(); ++k) {
+    const Ligament& ligament = ligaments_.ligament(k);
+    ligamentEdges_.push_back(edgeOf(ligament.brickA, ligament.brickB));
   }
 }
 
@@ -87,6 +93,7 @@ void StepSystem<D>::setMasses(const Poses& poses) {
   }
   f_.setZero();
   for (SpringRow& row : springRows_) row.weight = row.moment = 0;
+  ligaments_.clear();
   kappa_ = kJointWeight * sum / static_cast<double>(bricks_.size());
   rho_ = kContactWeight * sum / static_cast<double>(bricks_.size());
 }
@@ -110,9 +117,27 @@ void StepSystem<D>::setStep(const Motion& motion, const std::vector<Load>& loads
     sum += A_[i](0, 0);
   }
   setSprings(motion.poses, step);
+  ligaments_.begin(motion.poses, step, pinned_);
+  ownForce_ = f_;
+  ligaments_.addForce(f_);
   kappa_ = std::isfinite(jointStiffness) ? step * step * jointStiffness
                                          : kJointWeight * sum / static_cast<double>(bricks_.size());
   rho_ = kContactWeight * sum / static_cast<double>(bricks_.size());
+}
+
+template <int D>
+void StepSystem<D>::setLigamentsAbout(const Vector& x) {
+  ligaments_.setAbout(x);
+  f_ = ownForce_;
+  ligaments_.addForce(f_);
+}
+
+template <int D>
+double StepSystem<D>::potential(double step, const Vector& x) const {
+  Vector own = timesA(x), blocks = Vector::Zero(x.size());
+  ligaments_.addProduct(x, blocks);
+  own -= blocks;
+  return x.dot(0.5 * own - ownForce_) + ligaments_.energyAfter(step * x);
 }
 
 /// Sets the rate of a hinge's angle; a brick that is held takes no part in it.
@@ -208,6 +233,21 @@ void StepSystem<D>::addSpringsToMatrix() {
 }
 
 template <int D>
+void StepSystem<D>::addLigamentsToMatrix() {
+  if constexpr (D == 3) {
+    for (std::size_t k = 0; k < ligaments_.size(); ++k) {
+      const Ligament& ligament = ligaments_.ligament(k);
+      const Matrix6& weight = ligaments_.block(k).weight;
+      matrix_.addToDiagonal(ligament.brickA, weight.template topLeftCorner<3, 3>());
+      matrix_.addToDiagonal(ligament.brickB, weight.template bottomRightCorner<3, 3>());
+      const Block across = weight.template topRightCorner<3, 3>();
+      const bool isInOrder = ligament.brickA < ligament.brickB;
+      matrix_.addToOffDiagonal(ligamentEdges_[k], isInOrder ? across : Block(across.transpose()));
+    }
+  }
+}
+
+template <int D>
 void StepSystem<D>::addContactToMatrix(const ContactRow<D>& row) {
   PairOnGraph pair{row.contact.brickA, row.contact.brickB};
   if (pair.brickB != kFixed) pair.edge = edgeOf(pair.brickA, pair.brickB);
@@ -234,6 +274,7 @@ bool StepSystem<D>::factor(const std::vector<ContactRow<D>>& contacts) {
   for (int i = 0; i < brickCount(); ++i) matrix_.addToDiagonal(i, A_[i]);
   addJointsToMatrix();
   addSpringsToMatrix();
+  addLigamentsToMatrix();
   for (const ContactRow<D>& row : contacts) {
     if (row.acts()) addContactToMatrix(row);
   }
@@ -269,7 +310,7 @@ double StepSystem<D>::workAgainst(const std::vector<Load>& loads, const Vector& 
     const double middle = springRate(s, first) + 0.5 * turn;
     work -= turn * (springRows_[s].moment - springs_[s].stiffness * middle);
   }
-  return work;
+  return work + ligaments_.energyAfter(first + further) - ligaments_.energyAfter(first);
 }
 
 template <int D>
@@ -293,6 +334,7 @@ Eigen::VectorXd StepSystem<D>::timesA(const Vector& x) const {
     result.segment<D>(D * springs_[s].hinge.brickA) += share * row.a.transpose();
     result.segment<D>(D * springs_[s].hinge.brickB) += share * row.b.transpose();
   }
+  ligaments_.addProduct(x, result);
   return result;
 }
 

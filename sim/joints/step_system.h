@@ -12,15 +12,17 @@
 #include "sim/joints/block_cholesky.h"
 #include "sim/joints/contact_rows.h"
 #include "sim/joints/coordinates.h"
+#include "sim/joints/ligament_blocks.h"
 
 namespace kirireel {
 
 /// The matrices of one step in D degrees of freedom a brick:
 ///   A = M + h D + h^2 K + S^T W S,   f = M u0 + h F + h S^T m,   joint rows J, contact rows C,
 ///   H = A + kappa J^T J + rho C^T C (over the contacts that act),
-/// on the graph of bricks that share a joint or have touched. S has a row for each hinge with a
-/// spring, the rate of its angle; m are the springs' moments at the start of the step, and
-/// W = h^2 k + h c their stiffness and damping. About the axis of a closed hinge the rate is exact.
+/// with the blocks of ligaments added to A and f (LigamentBlocks), on the graph of bricks that
+/// share a joint, a ligament, or have touched. S has a row for each hinge with a spring, the rate
+/// of its angle; m are the springs' moments at the start of the step, and W = h^2 k + h c their
+/// stiffness and damping. About the axis of a closed hinge the rate is exact.
 template <int D>
 class StepSystem {
  public:
@@ -32,7 +34,7 @@ class StepSystem {
   /// `lengthScale` in metres makes turning and moving comparable. `springs` are at hinges of the
   /// pivots.
   StepSystem(const std::vector<Brick>& bricks, std::span<const Pivot> pivots, double lengthScale,
-             std::vector<HingeSpring> springs = {});
+             std::vector<HingeSpring> springs = {}, std::vector<Ligament> ligaments = {});
 
   int brickCount() const { return static_cast<int>(bricks_.size()); }
   int jointRowCount() const { return Space::kJointRows * static_cast<int>(pivots_.size()); }
@@ -46,6 +48,12 @@ class StepSystem {
   /// springs: kappa = h^2 k; infinity makes them exact.
   void setStep(const Motion& motion, const std::vector<Load>& loads, double step,
                double jointStiffness);
+  bool hasLigaments() const { return !ligaments_.empty(); }
+  /// Sets the ligaments' part of A and f anew, about velocities x of the step.
+  void setLigamentsAbout(const Vector& x);
+  /// What the step minimises, the ligaments' own energy in the place of their blocks, for
+  /// velocities x, joules.
+  double potential(double step, const Vector& x) const;
   /// Sets A = M alone, f = 0: for closing an open state.
   void setMasses(const Poses& poses);
   /// Sets the joint rows at these poses.
@@ -57,8 +65,8 @@ class StepSystem {
 
   /// Of bricks at these poses that move with velocities x, joules.
   double kineticEnergy(const Poses& poses, const Vector& x) const;
-  /// What a further displacement costs against the loads, and the hinges' springs as they were set
-  /// last, after a first one, joules.
+  /// What a further displacement costs against the loads, the hinges' springs as they were set
+  /// last, and the ligaments, after a first one, joules.
   double workAgainst(const std::vector<Load>& loads, const Vector& first,
                      const Vector& further) const;
   /// What the hinges' dashpots take in a step with velocities x, joules.
@@ -117,6 +125,7 @@ class StepSystem {
                        const Eigen::Matrix<double, kRows, D>& b, double weight);
   void addJointsToMatrix();
   void addSpringsToMatrix();
+  void addLigamentsToMatrix();
   void addContactToMatrix(const ContactRow<D>& row);
 
   const std::vector<Brick>& bricks_;
@@ -130,6 +139,9 @@ class StepSystem {
   std::vector<JointRows> jointRows_;
   std::vector<HingeSpring> springs_;
   std::vector<SpringRow> springRows_;  // without weight while only masses count
+  LigamentBlocks ligaments_;           // likewise
+  std::vector<int> ligamentEdges_;
+  Vector ownForce_;  // f without ligaments
   std::vector<Block, Eigen::aligned_allocator<Block>> A_;
   Vector f_;
   double kappa_ = 0;

@@ -22,7 +22,7 @@ class Stepper : public JointSolver {
           const JointSolverSettings& settings)
       : bricks_(bricks),
         settings_(settings),
-        system_(bricks, pivots, settings.lengthScale, settings.hingeSprings),
+        system_(bricks, pivots, settings.lengthScale, settings.hingeSprings, settings.ligaments),
         loads_(bricks.size()) {
     program_.multipliers = Vector::Zero(system_.jointRowCount());
     program_.x = Vector::Zero(D * bricks.size());
@@ -73,6 +73,7 @@ class Stepper : public JointSolver {
   Row contactRow(const Contact& contact, const Poses& start, double step) const;
   void holdPinned(Row& row) const;
   bool solveVelocities(const Poses& start);
+  bool solveWithLigaments(const Poses& start, double step);
   void forbidWork();
   bool moveAndClose(const Poses& start, double step);
   void payForClosing(const Poses& start, double step);

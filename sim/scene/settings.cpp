@@ -229,8 +229,7 @@ SettingGroup hingeSettings() {
            .with(isDirect, kDirect),
        flag<&Scene::hinges, &HingeSettings::areLigaments>(
            "ligaments",
-           "necks stretch, shear and bend, instead of bending about exact joints; with "
-           "[[grip]]")
+           "necks stretch, shear and bend, instead of bending about exact joints; in the plane")
            .with(hasNecks, "--hinge-neck"),
        special(
            "panels", "E[,NU[,LENGTH]]", "",

@@ -20,7 +20,7 @@ struct JoinedBricks {
         motion{startPoses(start.tiles, bricks), std::vector<Velocity>(bricks.size())} {}
 
   std::unique_ptr<JointSolver> solver(bool planar) const {
-    return makeJointSolver(bricks, pivots, {planar, tileSize(model), {}, springs});
+    return makeJointSolver(bricks, pivots, {planar, tileSize(model), {}, springs, ligaments});
   }
 
   Model model;
@@ -28,6 +28,7 @@ struct JoinedBricks {
   std::vector<Pivot> pivots;
   Motion motion;
   std::vector<HingeSpring> springs;  // at hinges
+  std::vector<Ligament> ligaments;
 };
 
 /// An opened sheet of unit squares, whose target is half open.

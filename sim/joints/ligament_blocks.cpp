@@ -1,0 +1,86 @@
+#include "sim/joints/ligament_blocks.h"
+
+#include <Eigen/Eigenvalues>
+
+#include "sim/joints/coordinates.h"
+
+namespace kirireel {
+namespace {
+
+using Plane = Coordinates<3>;
+
+/// A symmetric matrix without its negative part, as seen in units in which turns are lengths.
+Matrix6 withoutNegative(const Matrix6& matrix, double lengthScale) {
+  Vector6 units;
+  units << 1, 1, 1 / lengthScale, 1, 1, 1 / lengthScale;
+  const Matrix6 scaled = units.asDiagonal() * matrix * units.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Matrix6> own(scaled);
+  const Vector6 kept = own.eigenvalues().cwiseMax(0);
+  const Matrix6 cut = own.eigenvectors() * kept.asDiagonal() * own.eigenvectors().transpose();
+  const Vector6 back = units.cwiseInverse();
+  return back.asDiagonal() * cut * back.asDiagonal();
+}
+
+Vector6 pairOf(const Ligament& ligament, const Eigen::VectorXd& x) {
+  Vector6 pair;
+  pair << x.segment<3>(3 * ligament.brickA), x.segment<3>(3 * ligament.brickB);
+  return pair;
+}
+
+void addPair(const Ligament& ligament, const Vector6& pair, Eigen::VectorXd& to) {
+  to.segment<3>(3 * ligament.brickA) += pair.head<3>();
+  to.segment<3>(3 * ligament.brickB) += pair.tail<3>();
+}
+
+}  // namespace
+
+void LigamentBlocks::begin(const Poses& poses, double step, const std::vector<bool>& held) {
+  if (empty()) return;
+  start_ = poses;
+  step_ = step;
+  held_ = held;
+  setAbout(Vector::Zero(static_cast<Eigen::Index>(3 * poses.size())));
+}
+
+Poses LigamentBlocks::posesAfter(const Vector& displacement) const {
+  Poses poses = start_;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    Plane::displace(poses[i], displacement.segment<3>(3 * static_cast<Eigen::Index>(i)));
+  }
+  return poses;
+}
+
+void LigamentBlocks::setAbout(const Vector& x0) {
+  const Poses poses = posesAfter(step_ * x0);
+  for (std::size_t k = 0; k < ligaments_.size(); ++k) {
+    const Ligament& ligament = ligaments_[k];
+    const LigamentEnergy energy = ligamentEnergy(ligament, poses);
+    LigamentBlock& block = blocks_[k];
+    block.weight = step_ * step_ * withoutNegative(energy.hessian, lengthScale_);
+    block.force = block.weight * pairOf(ligament, x0) - step_ * energy.gradient;
+    const auto leaveOut = [&](int brick, int first) {
+      if (!held_[static_cast<std::size_t>(brick)]) return;
+      block.force.segment<3>(first).setZero();
+      block.weight.middleRows<3>(first).setZero();
+      block.weight.middleCols<3>(first).setZero();
+    };
+    leaveOut(ligament.brickA, 0);
+    leaveOut(ligament.brickB, 3);
+  }
+}
+
+double LigamentBlocks::energyAfter(const Vector& displacement) const {
+  return empty() ? 0 : elasticEnergy(ligaments_, posesAfter(displacement));
+}
+
+void LigamentBlocks::addForce(Vector& f) const {
+  for (std::size_t k = 0; k < ligaments_.size(); ++k) addPair(ligaments_[k], blocks_[k].force, f);
+}
+
+void LigamentBlocks::addProduct(const Vector& x, Vector& to) const {
+  for (std::size_t k = 0; k < ligaments_.size(); ++k) {
+    addPair(ligaments_[k], blocks_[k].weight * pairOf(ligaments_[k], x), to);
+  }
+}
+
+}  // namespace kirireel
