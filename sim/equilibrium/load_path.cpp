@@ -159,6 +159,9 @@ class Follower {
         step *= 0.5;
         if (step >= kShortestStep * settings_.longestStep) continue;
         path_.trouble = fmt::format("no equilibrium was found beyond the load {:.6g}", at.load);
+        // A start where what grips move is at its limit, as a sheet of squares is at 90 degrees,
+        // can leave it to two sides.
+        if (at.load == 0) path_.trouble += "; start a little beside where the sheet may turn back";
         break;
       }
       if (next->at.load >= 1) return arrive(at, next->at, along, goesOn);

@@ -336,6 +336,23 @@ TEST(LoadPath, LeadsThroughSquaresThatAreShut) {
   }
 }
 
+// Squares at 90 degrees are as long as they get, and can turn back to two sides.
+TEST(LoadPath, SaysWhyItDoesNotLeaveALimitOfTheMechanism) {
+  TessellationShape shape;
+  shape.columns = shape.rows = 2;
+  shape.startAngle = 0.5 * kPi;
+  Held unit(makeTessellation(shape), 3);
+  const auto middle = [](int tile) { return GripHandle{.brick = tile}; };
+  for (const int tile : {0, 1}) unit.hold(middle(tile), Vector3::UnitX());
+  unit.hold(middle(0), Vector3::UnitY());
+  unit.grips.push_back({{middle(2), middle(3)}, Vector3::UnitX(), -0.2, false});
+  const LoadPath path = unit.follow(3);
+  EXPECT_FALSE(path.arrives);
+  EXPECT_EQ(path.trouble,
+            "no equilibrium was found beyond the load 0; start a little beside where the sheet may "
+            "turn back");
+}
+
 TEST(LoadPath, IsRefusedWhereNothingResists) {
   TessellationShape shape;
   shape.columns = shape.rows = 2;
