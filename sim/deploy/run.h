@@ -134,10 +134,7 @@ class Run : private TimelineStage, private ActingForces {
   /// What the hinges' springs hold at the start and at the end.
   void noteElasticity() {
     const std::vector<HingeSpring>& springs = result_.trajectory.hingeSprings;
-    if (springs.empty()) return;
-    result_.elasticity = elasticityOf(springs, startPoses_, motion_.poses);
-    result_.elasticity->energyStart += elasticEnergy(ties_.ligaments, startPoses_);
-    result_.elasticity->energyEnd += elasticEnergy(ties_.ligaments, motion_.poses);
+    if (!springs.empty()) result_.elasticity = elasticityOf(springs, startPoses_, motion_.poses);
   }
   /// Whether springs at hinges may move bricks; expansion would drive them on for ever.
   bool hingesPull() const { return scene_.hinges.areOn() && !(drive_ && drive_->isEndless()); }

@@ -92,6 +92,21 @@ TEST(Loading, NecksGiveWhereTheyAreLigaments) {
   EXPECT_EQ(pinned.accuracy.jointOpeningMax, 0);
 }
 
+TEST(Loading, NecksGiveInMotionToo) {
+  Scene scene = turnedUnit();
+  scene.grips.clear();
+  scene.hinges.stiffness = 0;
+  scene.hinges.neck = HingeNeck{0.02, 0.1, 1e6, 0.3};
+  scene.hinges.areLigaments = true;
+  scene.environment.contacts = ContactFilter::None;
+  scene.stop.duration = 0.5;
+  const DeploymentResult run = deploy(scene, 0.1, nullptr);
+  EXPECT_GT(run.accuracy.jointOpeningMax, 1e-6);
+  ASSERT_TRUE(run.elasticity.has_value());
+  const Poses& last = run.trajectory.samples.back().poses;
+  EXPECT_EQ(run.elasticity->energyEnd, elasticEnergy(run.trajectory.hingeSprings, last));
+}
+
 std::string refusalOf(const Scene& scene) {
   try {
     deploy(scene, 1, nullptr);
