@@ -4,15 +4,20 @@
 
 namespace kirireel {
 
-void addEnvironmentLoad(const Environment& environment, const Brick& brick, const Pose& pose,
-                        Load& load) {
-  load.force.head<3>() += brick.mass * environment.gravity;
+void addEnvironmentLoads(const Environment& environment, std::span<const Brick> bricks,
+                         const Poses& poses, std::vector<Load>& loads) {
   // exp(-rate) is the part of the velocity that is left after a second.
   const double linearRate = -std::log1p(-environment.linearDamping);
   const double angularRate = -std::log1p(-environment.angularDamping);
-  const Matrix3 R = pose.rotation.toRotationMatrix();
-  load.damping.topLeftCorner<3, 3>().diagonal().array() += linearRate * brick.mass;
-  load.damping.bottomRightCorner<3, 3>() += angularRate * R * brick.inertia * R.transpose();
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    const Brick& brick = bricks[i];
+    Load& load = loads[i];
+    load.force.head<3>() += brick.mass * environment.gravity;
+    load.damping.topLeftCorner<3, 3>().diagonal().array() += linearRate * brick.mass;
+    if (angularRate == 0) continue;
+    const Matrix3 R = poses[i].rotation.toRotationMatrix();
+    load.damping.bottomRightCorner<3, 3>() += angularRate * R * brick.inertia * R.transpose();
+  }
 }
 
 }  // namespace kirireel

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
@@ -199,9 +200,7 @@ TimedLoads DirectDynamics::allLoads(const TimedLoads& actuation) const {
     brickPoses.assign(poses.begin(), poses.begin() + static_cast<std::ptrdiff_t>(brickCount_));
     loads.resize(brickCount_);
     actuation(seconds, brickPoses, loads);
-    for (std::size_t i = 0; i < brickCount_; ++i) {
-      addEnvironmentLoad(environment_, bodies_[i], poses[i], loads[i]);
-    }
+    addEnvironmentLoads(environment_, std::span(bodies_).first(brickCount_), poses, loads);
     loads.resize(bodies_.size());
   };
 }

@@ -64,9 +64,9 @@ std::vector<Vector3> Run::freeForces(const Poses& poses) const {
 std::vector<Vector6> Run::appliedForces(double time, const Motion& motion) const {
   std::vector<Load> loads(bricks_.size());
   actuation_(time - this->time(), motion.poses, loads);
+  addEnvironmentLoads(scene_.environment, bricks_, motion.poses, loads);
   std::vector<Vector6> forces;
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
-    addEnvironmentLoad(scene_.environment, bricks_[i], motion.poses[i], loads[i]);
     Vector6 velocity;
     velocity << motion.velocities[i].linear, motion.velocities[i].angular;
     forces.push_back(loads[i].force - loads[i].damping * velocity);

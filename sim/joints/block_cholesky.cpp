@@ -25,6 +25,24 @@ double workOf(double columns, double rows) {
   return factor + columns * rows * rows / 2 + kSolves * columns * (columns + rows);
 }
 
+/// Adds so many rows of kColumns columns.
+template <int kColumns>
+void addRun(const double* __restrict from, int fromStride, int rows, double* __restrict to,
+            int toStride) {
+  for (int column = 0; column < kColumns; ++column, from += fromStride, to += toStride) {
+    for (int row = 0; row < rows; ++row) to[row] += from[row];
+  }
+}
+
+/// For each place in a list, where the run of consecutive numbers that it stands in ends.
+std::vector<int> endsOfRuns(const std::vector<int>& numbers) {
+  std::vector<int> ends(numbers.size(), static_cast<int>(numbers.size()));
+  for (std::size_t k = numbers.size(); k-- > 1;) {
+    ends[k - 1] = numbers[k] == numbers[k - 1] + 1 ? ends[k] : static_cast<int>(k);
+  }
+  return ends;
+}
+
 }  // namespace
 
 template <int D>
@@ -47,6 +65,12 @@ void BlockCholesky<D>::analyze(int nodeCount, const std::vector<std::pair<int, i
   permuted_.resize(D * nodeCount);
   placeBlocks(edges);
   placeUpdates();
+  runEnds_.assign(plan_.supernodes.size(), {});
+  for (const Supernode& node : plan_.supernodes) {
+    for (std::size_t c = 0; c < node.children.size(); ++c) {
+      runEnds_[node.children[c]] = endsOfRuns(node.childPlaces[c]);
+    }
+  }
 }
 
 template <int D>
@@ -148,18 +172,20 @@ void BlockCholesky<D>::addChildren(int supernode) {
   Eigen::Map<Eigen::MatrixXd>(own, ownStride, updateRows(supernode)).setZero();
   for (std::size_t c = 0; c < node.children.size(); ++c) {
     const std::vector<int>& places = node.childPlaces[c];
+    const std::vector<int>& ends = runEnds_[node.children[c]];
     const int size = static_cast<int>(places.size());
     const double* const child = updates_.data() + updateStart_[node.children[c]];
     const int childStride = paddedRows(updateRows(node.children[c]));
-    for (int j = 0; j < D * size; ++j) {
-      const int column = places[j / D];
-      const bool isOwn = column >= node.columnCount;
-      const int firstRow = isOwn ? node.columnCount : 0;
-      const std::ptrdiff_t place = D * (column - firstRow) + j % D;
-      double* const to = isOwn ? own + place * ownStride : panel + place * panelStride;
-      const double* const from = child + static_cast<std::ptrdiff_t>(j) * childStride;
-      for (int i = j / D; i < size; ++i) {
-        for (int k = 0; k < D; ++k) to[D * (places[i] - firstRow) + k] += from[D * i + k];
+    for (int j = 0; j < size; ++j) {
+      const bool isOwn = places[j] >= node.columnCount;
+      const int first = isOwn ? node.columnCount : 0;
+      const int stride = isOwn ? ownStride : panelStride;
+      double* const to =
+          (isOwn ? own : panel) + static_cast<std::ptrdiff_t>(D * (places[j] - first)) * stride;
+      const double* const from = child + static_cast<std::ptrdiff_t>(D * j) * childStride;
+      for (int i = j; i < size; i = ends[i]) {
+        addRun<D>(from + D * i, childStride, D * (ends[i] - i), to + D * (places[i] - first),
+                  stride);
       }
     }
   }

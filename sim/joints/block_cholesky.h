@@ -78,6 +78,8 @@ class BlockCholesky {
   std::vector<std::size_t> panelStart_;
   std::vector<double> panels_;  // H, then its factor: one panel a supernode, column-major
   std::vector<std::size_t> updateStart_;
+  /// For each block row of a supernode's update, where a run that its parent keeps together ends.
+  std::vector<std::vector<int>> runEnds_;
   std::vector<double> updates_;  // Schur complements that wait for their parents, on two stacks
   mutable Eigen::VectorXd permuted_;  // a solve's values, in the order of elimination
   mutable Eigen::VectorXd front_;     // and those of a front, padded

@@ -97,7 +97,7 @@ bool Stepper<D>::closeJoints(const std::vector<Row>& contacts, double step) {
     gaps = system_.jointGaps(poses_);
     gap = largestOf(gaps);
     if (!std::isfinite(gap)) return false;
-    if (gap <= std::max(0.1 * before, kGapTolerance * scale) || overlapping) continue;
+    if (gap <= std::max(0.2 * before, kGapTolerance * scale) || overlapping) continue;
     if (gap <= 0.1 * kGapAccepted * scale && refactored) break;
     system_.placeJoints(poses_);
     if (!system_.factor(contacts)) return false;

@@ -95,7 +95,7 @@ std::vector<Row> measureMoving(const MovingJob& job) {
 }
 
 void addOurs(std::vector<Method>& methods) {
-  for (const int rate : {60, 120, 240, 480, 960}) methods.push_back({Engine::Direct, rate});
+  for (const int rate : {30, 60, 90, 120, 240, 480, 960}) methods.push_back({Engine::Direct, rate});
   for (const double tolerance : {1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 1e-4, 1e-5, 1e-6}) {
     methods.push_back({.engine = Engine::Direct, .rate = 30, .tolerance = tolerance});
   }

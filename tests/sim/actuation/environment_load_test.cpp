@@ -9,12 +9,20 @@ Brick flatBrick() {
   return makeBrick({{{0, 0, 0}, {3, 0, 0}, {3, 1, 0}, {0, 1, 0}}}, {0.5, MassRule::Prism, 2});
 }
 
+/// What the environment adds to the load of a brick.
+Load added(const Environment& environment, const Brick& brick, const Pose& pose,
+           const Load& before = {}) {
+  std::vector<Load> loads = {before};
+  addEnvironmentLoads(environment, {&brick, 1}, {pose}, loads);
+  return loads.front();
+}
+
 TEST(EnvironmentLoad, GravityPullsByMass) {
   Environment environment;
   environment.gravity = {1, 2, -10};
-  Load load;
-  load.force.setOnes();
-  addEnvironmentLoad(environment, flatBrick(), {}, load);
+  Load pushed;
+  pushed.force.setOnes();
+  const Load load = added(environment, flatBrick(), {}, pushed);
   Vector6 expected;
   expected << 4, 7, -29, 1, 1, 1;  // 3 kg
   EXPECT_LT((load.force - expected).norm(), 1e-12);
@@ -28,8 +36,7 @@ TEST(EnvironmentLoad, DampingTakesItsPartASecond) {
   environment.angularDamping = 0.6;
   const Brick brick = flatBrick();
   const Pose pose{Vector3(1, 2, 3), rotationFromVector({0.4, -1, 0.3})};
-  Load load;
-  addEnvironmentLoad(environment, brick, pose, load);
+  const Load load = added(environment, brick, pose);
   const Matrix3 R = pose.rotation.toRotationMatrix();
   Matrix6 mass = Matrix6::Zero();
   mass.topLeftCorner<3, 3>().diagonal().setConstant(brick.mass);
@@ -43,8 +50,7 @@ TEST(EnvironmentLoad, DampingTakesItsPartASecond) {
 TEST(EnvironmentLoad, NoneAsksForNothing) {
   Environment environment;
   environment.linearDamping = environment.angularDamping = 0;
-  Load load;
-  addEnvironmentLoad(environment, flatBrick(), {}, load);
+  const Load load = added(environment, flatBrick(), {});
   EXPECT_EQ(load.force, Vector6::Zero());
   EXPECT_EQ(load.damping, Matrix6::Zero());
 }

@@ -45,8 +45,8 @@ inline LoadSource springLoads(const JoinedBricks& sheet, const TargetSprings& sp
   return [&sheet, &springs, environment](const Poses& poses, std::vector<Load>& loads) {
     for (std::size_t i = 0; i < poses.size(); ++i) {
       loads[i] = springs.load(static_cast<int>(i), poses[i], 1);
-      addEnvironmentLoad(environment, sheet.bricks[i], poses[i], loads[i]);
     }
+    addEnvironmentLoads(environment, sheet.bricks, poses, loads);
   };
 }
 
