@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -54,7 +55,8 @@ Run::Run(const Scene& scene, const AssembledState& nearest, const RunObservers& 
       timeline_(scene.timeline, bricks_, scene.model.fileOrder.countsFrom),
       stiffness_(false),
       hasTolerance_(keepsTolerance(scene)),
-      step_(scene.solver.timestep * (hasTolerance_ ? kStepsAtOnce : 1)),
+      look_(scene.solver.timestep * (hasTolerance_ ? kStepsAtOnce : 1)),
+      length_(look_),
       size_(modelSize(scene.model)),
       tileSize_(tileSize(scene.model)),
       springSettings_(springsOf(scene)),
@@ -77,7 +79,7 @@ std::unique_ptr<Dynamics> Run::makeSolver() const {
   std::unique_ptr<Dynamics> solver =
       makeDynamics(scene_, needs_, bricks_, startPoses(scene_.model.tiles, bricks_));
   if (hasTolerance_) {
-    solver->setTolerance({scene_.solver.tolerance, scene_.solver.timestep, step_});
+    solver->setTolerance({scene_.solver.tolerance, scene_.solver.timestep, look_});
   }
   return solver;
 }
@@ -172,8 +174,8 @@ void Run::showStep() {
 void Run::takeSamples() {
   for (;;) {
     const double due = static_cast<double>(sampleCount_) * observers_.sampleInterval;
-    if (!(due <= time() + kSameTime * step_)) return;  // also when not a number
-    const bool isAtStep = due >= time() - kSameTime * step_;
+    if (!(due <= time() + kSameTime * look_)) return;  // also when not a number
+    const bool isAtStep = due >= time() - kSameTime * look_;
     takeSample(isAtStep ? time() : due, isAtStep ? motion_.poses : posesAt(due));
   }
 }
@@ -185,7 +187,7 @@ void Run::takeLastSample() {
 
 void Run::takeSample(double time, Poses poses) {
   // What may be ended from within comes first.
-  const double share = 1 - (this->time() - time) / step_;
+  const double share = 1 - (this->time() - time) / length_;
   std::optional<Mechanics> mechanics;
   if (mechanics_) mechanics = mechanics_->at(time, motionAt(time, poses), share);
   ++sampleCount_;
@@ -200,9 +202,9 @@ void Run::takeSample(double time, Poses poses) {
 /// The poses at a time within the last step, joints as they come: by the velocities on both sides
 /// where a tolerance was kept, else places go straight and rotations by the shortest turn.
 Poses Run::openPosesAt(double time) const {
-  const double seconds = time - (this->time() - step_);
-  if (!wasSmooth_) return interpolate(before_.poses, motion_.poses, seconds / step_);
-  return posesBetween(before_, dynamics_->passed(), motion_, step_, seconds);
+  const double seconds = time - (this->time() - length_);
+  if (!wasSmooth_) return interpolate(before_.poses, motion_.poses, seconds / length_);
+  return posesBetween(before_, dynamics_->passed(), motion_, length_, seconds);
 }
 
 /// The same with the joints closed, where those of the step's two ends are.
@@ -226,7 +228,7 @@ void Run::note(Sample& sample) {
 }
 
 void Run::transferFigures(StateTape& tape) {
-  tape.transfer(stepCount_, sampleCount_, lastSampleTime_, figures_);
+  tape.transfer(lookCount_, sinceLook_, length_, sampleCount_, lastSampleTime_, figures_);
 }
 
 /// What the run goes on from, apart from its figures.
@@ -293,7 +295,7 @@ bool Run::goesOn() {
   if (ended_) return false;
   if (checkpoints_ && (isAskedToEnd_ || checkpoints_->isDue())) saveState();
   if (isAskedToEnd_) interrupt();
-  return !ended_ && time() < scene_.stop.duration - 0.5 * step_;
+  return !ended_ && time() < scene_.stop.duration - 0.5 * look_;
 }
 
 double Run::spentSeconds() const {
@@ -327,7 +329,7 @@ void Run::followPath() {
     departureTime_ = time();
     tieSprings();
   }
-  if (!follower_ || follower_->prepareStep(time() + step_, *dynamics_)) return;
+  if (!follower_ || follower_->prepareStep(time() + length_, *dynamics_)) return;
   const bool closed = closeJoints();
   if (scene_.path.jointsGive())
     dynamics_->setJointStiffness(closed ? kExactJoints : kMisfitStiffness);
@@ -339,7 +341,7 @@ StepReport Run::advanceByFixedSteps() {
   const int count = hasTolerance_ ? kStepsAtOnce : 1;
   StepReport report;
   for (int k = 0; k < count; ++k) {
-    report += dynamics_->advance(motion_, step_ / count, loadsNow());
+    report += dynamics_->advance(motion_, length_ / count, loadsNow());
     if (symmetries_) symmetries_->restore(motion_, *dynamics_);
   }
   return report;
@@ -350,13 +352,13 @@ StepReport Run::advanceStep() {
   const bool isExact = hasTolerance_ && !misfit_;
   if (mechanics_) mechanics_->begin(time(), motion_);
   const StepReport report =
-      isExact ? dynamics_->advanceToTolerance(motion_, step_, actuation_) : advanceByFixedSteps();
+      isExact ? dynamics_->advanceToTolerance(motion_, length_, actuation_) : advanceByFixedSteps();
   if (mechanics_) {
-    mechanics_->end({time(), step_, before_, motion_, dynamics_->passed(), isExact, report.damped,
+    mechanics_->end({time(), length_, before_, motion_, dynamics_->passed(), isExact, report.damped,
                      report.impacted});
   }
   wasSmooth_ = isExact && report.touchingTime == 0 && report.singularTime == 0;
-  ++stepCount_;
+  passTime();
   watchJam(report);
   return report;
 }
@@ -398,14 +400,14 @@ bool Run::isOnItsWay() {
   StateTape recorded;
   recorded.transfer(*dynamics_);
   StateTape(recorded.numbers()).transfer(*dynamics);
-  const RestProbe probe = probeRest(*dynamics, motion_, step_, loadsNow(), tileSize_);
+  const RestProbe probe = probeRest(*dynamics, motion_, look_, loadsNow(), tileSize_);
   figures_.addWork(probe.work);
   return probe.movesOn;
 }
 
 void Run::updateRest() {
   const bool rests = fastestSpeed() < scene_.stop.settleSpeed * size_ || isStuck();
-  restTime_ = !isOnPath() && rests ? restTime_ + step_ : 0;
+  restTime_ = !isOnPath() && rests ? restTime_ + length_ : 0;
 }
 
 bool Run::isLost() const {
@@ -502,12 +504,12 @@ std::string Run::jointTrouble() const {
 /// it began. Nor is one that is ended from within.
 void Run::takeStep() {
   before_ = motion_;
-  const long stepsBefore = stepCount_;
+  const auto timeBefore = std::pair(lookCount_, sinceLook_);
   const auto account = mechanics_ ? mechanics_->account() : RunMechanics::Account{};
   const auto takeBack = [&] {
     if (mechanics_) mechanics_->goBackTo(account);
     motion_ = before_;
-    stepCount_ = stepsBefore;
+    std::tie(lookCount_, sinceLook_) = timeBefore;
   };
   try {
     const StepReport report = advanceStep();
@@ -526,20 +528,38 @@ void Run::takeStep() {
   }
 }
 
+/// A step ends where something of the run comes due, however steps lie, and with the next look.
+double Run::nextLength() const {
+  double due = timeline_.nextMoment(time());
+  if (isOpening()) due = std::min(due, openedAt_);
+  const double untilLook = look_ - sinceLook_;
+  const double untilDue = due - time();
+  return untilDue < untilLook - kSameTime * look_ ? untilDue : untilLook;
+}
+
+/// Lets the time of a step pass. Looks are counted, so that their times do not gather rounding.
+void Run::passTime() {
+  sinceLook_ += length_;
+  if (sinceLook_ < look_ - kSameTime * look_) return;
+  ++lookCount_;
+  sinceLook_ = 0;
+}
+
 void Run::advance() {
   followTimeline(false);
   if (ended_) return;
   wasSmooth_ = false;
+  length_ = nextLength();
   if (timeline_.isPaused(time())) {
     before_ = motion_;
-    ++stepCount_;
+    passTime();
     return takeSamples();
   }
   takeStep();
   if (ended_) return;
   showStep();
   if (pullsToTarget() && !isOnPath() && timeline_.forcesAreOn()) {
-    stiffness_.observe(currentTargetError(), step_);
+    stiffness_.observe(currentTargetError(), length_);
   }
   updateRest();
   takeSamples();

@@ -142,7 +142,9 @@ class Run : private TimelineStage, private ActingForces {
   void endAtRest();
   std::string holdup() const;
   std::string jointTrouble() const;
-  double time() const { return static_cast<double>(stepCount_) * step_; }
+  double time() const { return static_cast<double>(lookCount_) * look_ + sinceLook_; }
+  double nextLength() const;
+  void passTime();
   bool hasSprings() const { return scene_.actuation.drive == Drive::Target && target_; }
   /// Springs without stiffness damp alone, but a led tile is pulled all the same.
   bool pullsToTarget() const {
@@ -184,14 +186,16 @@ class Run : private TimelineStage, private ActingForces {
   AdaptiveStiffness stiffness_;
   TimedLoads actuation_;
   bool hasTolerance_;  // in time, where steps are not fixed
-  double step_;        // seconds from one look at the run to the next
+  double look_;        // seconds after which steps end at the latest, at multiples of it
+  double length_;      // of the last step, or of that in work: what is due ends steps too
   double size_;
   double tileSize_;
   TargetSpringSettings springSettings_;
   AssembledState nearest_;
   RunFigures figures_;
   std::optional<RunMechanics> mechanics_;  // where samples are taken that can have them
-  long stepCount_ = 0;                     // pauses included
+  long lookCount_ = 0;                     // pauses included
+  double sinceLook_ = 0;                   // seconds
   long sampleCount_ = 0;                   // samples taken
   double lastSampleTime_ = 0;              // seconds
   Motion before_;                          // at the start of the step

@@ -119,14 +119,14 @@ std::vector<Hold> Run::holds(double time, const Motion& motion) const {
   }
   std::ranges::stable_sort(holds, {}, &Hold::tile);
   const std::vector<Hold> contacts =
-      stepCount_ > 0 ? dynamics_->contacts(motion.poses) : std::vector<Hold>{};
+      this->time() > 0 ? dynamics_->contacts(motion.poses) : std::vector<Hold>{};
   holds.insert(holds.end(), contacts.begin(), contacts.end());
   return holds;
 }
 
 /// How the bricks move in these poses at a time within the last step.
 Motion Run::motionAt(double time, const Poses& poses) const {
-  const double share = 1 - (this->time() - time) / step_;
+  const double share = 1 - (this->time() - time) / length_;
   Motion motion{poses, motion_.velocities};
   if (time == this->time()) return motion;
   for (std::size_t i = 0; i < poses.size(); ++i) {

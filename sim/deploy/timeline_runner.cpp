@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -107,12 +108,16 @@ bool TimelineRunner::carryOut(const TimelineView& view, TimelineStage& stage,
   return next_ > before;
 }
 
+/// When what is due by itself is due, seconds.
+double TimelineRunner::dueTime(const Occasion& moment) const {
+  return moment.kind == Occasion::Kind::After ? lastTime_ + moment.value : moment.value;
+}
+
 bool TimelineRunner::isDue(const Occasion& moment, const TimelineView& view) const {
   switch (moment.kind) {
     case Occasion::Kind::AtTime:
-      return view.time >= moment.value - kTimeRounding;
     case Occasion::Kind::After:
-      return view.time >= lastTime_ + moment.value - kTimeRounding;
+      return view.time >= dueTime(moment) - kTimeRounding;
     case Occasion::Kind::AtRest:
       return view.atRest;
     case Occasion::Kind::AtTarget:
@@ -190,6 +195,17 @@ void TimelineRunner::transfer(StateTape& tape) {
 
 bool TimelineRunner::isOver(double time) const {
   return next_ == timeline_.size() && drags_.empty() && !isPaused(time);
+}
+
+double TimelineRunner::nextMoment(double time) const {
+  double next = std::numeric_limits<double>::infinity();
+  const auto consider = [&](double moment) {
+    if (moment > time + kTimeRounding) next = std::min(next, moment);
+  };
+  if (waitsForTime()) consider(dueTime(timeline_[next_].when));
+  for (const ActiveDrag& active : drags_) consider(active.from + dragOf(active).seconds);
+  consider(pausedUntil_ + kTimeRounding);
+  return next;
 }
 
 bool TimelineRunner::waitsForTime() const {

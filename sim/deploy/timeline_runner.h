@@ -60,6 +60,9 @@ class TimelineRunner {
   bool isPaused(double time) const { return time < pausedUntil_; }
   /// Whether anything is to come or still under way.
   bool isOver(double time) const;
+  /// When, after this time, the next entry comes due by itself, or a drag or a pause ends; infinity
+  /// where nothing does.
+  double nextMoment(double time) const;
   /// Whether the next entry comes due by itself, even where nothing moves.
   bool waitsForTime() const;
   /// Whether the next entry waits for rest, a target, an error or a progress, and no drag or pause
@@ -88,6 +91,7 @@ class TimelineRunner {
     return std::get<timeline::Drag>(timeline_.at(active.entry).action);
   }
 
+  double dueTime(const Occasion& moment) const;
   bool isDue(const Occasion& moment, const TimelineView& view) const;
   void carryOut(const timeline::Action& action, const TimelineView& view, TimelineStage& stage);
   void pin(const std::vector<int>& tiles, bool pinned, TimelineStage& stage);

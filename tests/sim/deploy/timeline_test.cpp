@@ -162,6 +162,31 @@ TEST(Timelines, ResetGoesBackToTheStart) {
   EXPECT_TRUE(samples[15].pinned.empty());
 }
 
+TEST(Timelines, EntriesActAtTheirOwnTimeHoweverStepsLie) {
+  Scene scene = sheetScene();
+  scene.solver.tolerance = 1e-6;
+  scene.timeline = {{{Occasion::Kind::AtTime, 0.21}, Forces{false}},
+                    {{Occasion::Kind::After, 0.0123}, Pause{0.1}},
+                    {{Occasion::Kind::AtTime, 0.43}, Forces{true}}};
+  scene.stop.duration = 0.5;
+  std::vector<DeploymentResult> runs;
+  for (const double timestep : {1.0 / 240, 1.0 / 80}) {
+    scene.solver.timestep = timestep;
+    runs.push_back(deploy(scene, 0.05, nullptr));
+    const std::vector<Event>& events = runs.back().trajectory.events;
+    ASSERT_EQ(events.size(), 4u);  // and the end
+    EXPECT_NEAR(events[0].time, 0.21, 1e-12);
+    EXPECT_NEAR(events[1].time, 0.2223, 1e-12);
+    EXPECT_NEAR(events[2].time, 0.43, 1e-12);
+  }
+  const auto& a = runs[0].trajectory.samples;
+  const auto& b = runs[1].trajectory.samples;
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_LT(largestMove(a[i].poses, b[i].poses), 1e-5) << a[i].time;
+  }
+}
+
 TEST(Timelines, WaitingInVainEndsTheRun) {
   Scene scene = sheetScene();
   scene.timeline = {{{Occasion::Kind::ErrorBelow, 0}, Quit{}}};
