@@ -20,7 +20,7 @@ GLuint attach(GLenum format, GLenum attachment, int width, int height) {
 
 }  // namespace
 
-Framebuffer::Framebuffer(int width, int height) {
+Framebuffer::Framebuffer(int width, int height) : sides_(width, height) {
   glGenFramebuffers(1, &framebuffer_);
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
   colour_ = attach(GL_RGBA8, GL_COLOR_ATTACHMENT0, width, height);
@@ -40,9 +40,9 @@ Framebuffer::~Framebuffer() {
   glDeleteRenderbuffers(1, &depth_);
 }
 
-void Framebuffer::drawInto(int width, int height) const {
+void Framebuffer::drawInto() const {
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
-  glViewport(0, 0, width, height);
+  glViewport(0, 0, sides_.x(), sides_.y());
 }
 
 void Framebuffer::read(const Eigen::AlignedBox2i& box, int rowPixels, std::uint8_t* pixels) const {

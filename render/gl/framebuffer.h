@@ -16,8 +16,11 @@ class Framebuffer {
   Framebuffer(const Framebuffer&) = delete;
   Framebuffer& operator=(const Framebuffer&) = delete;
 
-  /// Draws go to the lower left width x height pixels of this framebuffer from now on.
-  void drawInto(int width, int height) const;
+  /// Width and height, pixels.
+  const Eigen::Vector2i& sides() const { return sides_; }
+
+  /// Draws go to this framebuffer from now on.
+  void drawInto() const;
 
   /// Copies a box of pixels out as RGBA, rows in OpenGL's order (row 0 is where y is 0). The box's
   /// right and last row are not in it. rowPixels: pixels from one row's start to the next in the
@@ -26,6 +29,7 @@ class Framebuffer {
   void read(const Eigen::AlignedBox2i& box, int rowPixels, std::uint8_t* pixels) const;
 
  private:
+  Eigen::Vector2i sides_;
   unsigned int framebuffer_ = 0;
   unsigned int colour_ = 0;
   unsigned int depth_ = 0;

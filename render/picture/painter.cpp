@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <span>
 
 #include "render/gl/context.h"
@@ -20,6 +21,10 @@ namespace {
 /// pictures. Smaller parts cost more than they gain by staying in the processor's cache.
 constexpr int kMostPartWidth = 2048;
 constexpr int kMostPartHeight = 1024;
+
+/// Parts begin and end at multiples of this, pixels, so that they seldom change from frame to
+/// frame.
+constexpr int kPartStep = 64;
 
 /// Rows of pixels whose samples are read back at once: few enough to stay in the processor's cache
 /// until they are averaged.
@@ -216,13 +221,18 @@ class MeshBuffer {
 /// A rectangle of the picture, pixels from its top left corner; right and lower are not in it.
 using PixelBox = Eigen::AlignedBox2i;
 
-std::vector<PixelBox> pictureParts(FrameSize size) {
+/// What is drawn at once of the touched pixels of a picture; nothing where there are none.
+std::vector<PixelBox> pictureParts(const PixelBox& touched, FrameSize size) {
   std::vector<PixelBox> parts;
-  for (int upper = 0; upper < size.height; upper += kMostPartHeight) {
-    for (int left = 0; left < size.width; left += kMostPartWidth) {
+  if ((touched.max().array() <= touched.min().array()).any()) return parts;
+  const Eigen::Array2i first = touched.min().array() / kPartStep * kPartStep;
+  const Eigen::Array2i last = ((touched.max().array() + kPartStep - 1) / kPartStep * kPartStep)
+                                  .min(Eigen::Array2i(size.width, size.height));
+  for (int upper = first.y(); upper < last.y(); upper += kMostPartHeight) {
+    for (int left = first.x(); left < last.x(); left += kMostPartWidth) {
       parts.emplace_back(Eigen::Vector2i(left, upper),
-                         Eigen::Vector2i(std::min(left + kMostPartWidth, size.width),
-                                         std::min(upper + kMostPartHeight, size.height)));
+                         Eigen::Vector2i(std::min(left + kMostPartWidth, last.x()),
+                                         std::min(upper + kMostPartHeight, last.y())));
     }
   }
   return parts;
@@ -271,7 +281,7 @@ struct Painter::Parts {
   int samplesDown;  ///< of a pixel
   PaintedBricks subject;
   Context context;
-  Framebuffer samples;
+  std::optional<Framebuffer> samples;  ///< as large as the part that is drawn
   Program facePainter;
   MeshBuffer meshBuffer;
   // Kept between frames for their memory.
@@ -285,6 +295,7 @@ struct Painter::Parts {
         Smoothness smoothness);
 
   void collectTriangles(const Shot& shot, const Camera& camera);
+  void fitSamples(const PixelBox& part);
   void chooseTriangles(const PixelBox& part);
   void drawSamples(const PixelBox& part, const PixelBox& touched) const;
   void drawLayers() const;
@@ -296,8 +307,6 @@ Painter::Parts::Parts(FrameSize frameSize, const std::vector<Brick>& bricks, con
     : size(validated(frameSize)),
       samplesDown(smoothness == Smoothness::Still ? kMostSamplesDown : 2),
       subject(bricks, style),
-      samples(std::min(size.width, kMostPartWidth) * kSamplesAcross,
-              std::min(size.height, kMostPartHeight) * samplesDown),
       facePainter(kFaceVertexShader, kFaceFragmentShader) {
   glDepthFunc(GL_LESS);
 }
@@ -313,6 +322,13 @@ void Painter::Parts::collectTriangles(const Shot& shot, const Camera& camera) {
   mesh.solidEnd = mesh.facetCount();
   tessellator.append(sketch.overlay);
   MeshBuffer::loadVertices(mesh.vertices);
+}
+
+void Painter::Parts::fitSamples(const PixelBox& part) {
+  const Eigen::Vector2i wanted(part.sizes().x() * kSamplesAcross, part.sizes().y() * samplesDown);
+  if (samples && samples->sides() == wanted) return;
+  samples.reset();
+  samples.emplace(wanted.x(), wanted.y());
 }
 
 /// Those that may touch the rows of a part.
@@ -346,11 +362,11 @@ void Painter::Parts::drawLayers() const {
 
 void Painter::Parts::drawSamples(const PixelBox& part, const PixelBox& touched) const {
   const Eigen::Vector2i sides = part.sizes();
-  samples.drawInto(sides.x() * kSamplesAcross, sides.y() * samplesDown);
+  samples->drawInto();
   const std::array<std::uint8_t, 4> back = bytes(subject.background);
   const auto channel = [&back](int k) { return static_cast<float>(back[k]) / 255.0F; };
   glClearColor(channel(0), channel(1), channel(2), channel(3));
-  // Clearing everything is quicker here than clearing a box.
+  // Clearing everything is quicker here than clearing a box, and so is a framebuffer that fits.
   glDisable(GL_SCISSOR_TEST);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   glEnable(GL_SCISSOR_TEST);
@@ -378,9 +394,9 @@ void Painter::Parts::readMeans(const PixelBox& part, const PixelBox& touched, Fr
     const int rows = std::min(kStripRows, touched.max().y() - upper);
     // OpenGL's rows start at the lower border.
     const int lowest = (part.max().y() - upper - rows) * samplesDown;
-    samples.read({Eigen::Vector2i(left, lowest),
-                  Eigen::Vector2i(left + rowSamples, lowest + rows * samplesDown)},
-                 rowSamples, strip.data());
+    samples->read({Eigen::Vector2i(left, lowest),
+                   Eigen::Vector2i(left + rowSamples, lowest + rows * samplesDown)},
+                  rowSamples, strip.data());
     for (int row = 0; row < rows; ++row) {
       const std::size_t first = std::size_t{4} * rowSamples * (rows - 1 - row) * samplesDown;
       averageRow(
@@ -415,9 +431,9 @@ Frame Painter::paint(const Shot& shot, const Camera& camera) {
   parts_->collectTriangles(shot, camera);
   Frame frame = makeFrame(size(), parts_->subject.background);
   const PixelBox touched = touchedPixels(parts_->mesh.vertices, frame.size);
-  for (const PixelBox& part : pictureParts(frame.size)) {
+  for (const PixelBox& part : pictureParts(touched, frame.size)) {
     const PixelBox inside = part.intersection(touched);
-    if ((inside.max().array() <= inside.min().array()).any()) continue;
+    parts_->fitSamples(part);
     parts_->chooseTriangles(part);
     parts_->drawSamples(part, inside);
     parts_->readMeans(part, inside, frame);

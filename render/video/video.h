@@ -29,7 +29,7 @@ struct VideoFormat {
   const char* name;     ///< that people know it by
   const char* muxer;    ///< of libavformat
   const char* encoder;  ///< of libavcodec, unless another is asked for
-  /// Filters of libavfilter from sRGB to what the encoder takes.
+  /// Filters of libavfilter from sRGB to what the encoder takes; null: toVideoColours().
   const char* conversion;
   bool evenSides;    ///< colour planes of half the size
   bool transparent;  ///< keeps alpha; else what is transparent shows white

@@ -13,10 +13,6 @@ namespace {
 constexpr std::array kPresets = {"ultrafast", "superfast", "veryfast", "faster",   "fast",
                                  "medium",    "slow",      "slower",   "veryslow", "placebo"};
 
-// libswscale must be told both matrices: it assumes BT.601 otherwise.
-constexpr const char* kToVideoColours =
-    "scale=in_range=pc:out_range=tv:out_color_matrix=bt709:"
-    "flags=bicubic+accurate_rnd+full_chroma_inp,format=yuv420p";
 // GIF counts hundredths of a second, and players slow down what has fewer than two a frame.
 // Without dither, flat faces stay flat.
 constexpr const char* kToPalette =
@@ -54,8 +50,8 @@ void requireFittingQuality(const VideoFormat& format, std::optional<int> crf) {
 
 const std::vector<VideoFormat>& videoFormats() {
   static const std::vector<VideoFormat> formats = {
-      {".mp4", "H.264", "mp4", "libx264", kToVideoColours, true, false, 18, 51},
-      {".webm", "VP9", "webm", "libvpx-vp9", kToVideoColours, true, false, 24, 63},
+      {".mp4", "H.264", "mp4", "libx264", nullptr, true, false, 18, 51},
+      {".webm", "VP9", "webm", "libvpx-vp9", nullptr, true, false, 24, 63},
       {".gif", "GIF", "gif", "gif", kToPalette, false, false, -1, -1},
       {".apng", "APNG", "apng", "apng", "format=rgba", false, true, -1, -1},
       {".mkv", "FFV1", "matroska", "ffv1", "format=bgr0", false, false, -1, -1},

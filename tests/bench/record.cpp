@@ -28,6 +28,11 @@ namespace fs = std::filesystem;
 constexpr int kSide = 10;  // 100 bricks
 constexpr int kRate = 60;  // frames a second
 
+/// To BT.709, as precisely as libswscale can.
+constexpr const char* kPeerColours =
+    "scale=in_range=pc:out_range=tv:out_color_matrix=bt709:"
+    "flags=bicubic+accurate_rnd+full_chroma_inp,format=yuv420p";
+
 double cpuSeconds(int who) {
   rusage usage{};
   ::getrusage(who, &usage);
@@ -115,8 +120,7 @@ void printEncoding(int frames, const PaintedSheet& sheet, Painter& painter,
       "ffmpeg -v error -y -f rawvideo -pix_fmt rgba -s {}x{} -r {} -i - -vf '{}' -c:v libx264 "
       "-preset "
       "veryfast -crf 18 -threads 1 '{}'",
-      kSize.width, kSize.height, kRate, videoFormatOf("a.mp4").conversion,
-      (folder / "peer.mp4").string());
+      kSize.width, kSize.height, kRate, kPeerColours, (folder / "peer.mp4").string());
   const double childrenBefore = cpuSeconds(RUSAGE_CHILDREN);
   std::FILE* pipe = ::popen(command.c_str(), "w");
   VideoWriter writer(folder / "ours.mp4", {.size = kSize, .framesPerSecond = kRate});
