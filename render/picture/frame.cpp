@@ -1,7 +1,6 @@
 #include "render/picture/frame.h"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 
 #include <fmt/format.h>
@@ -36,9 +35,10 @@ Frame makeFrame(FrameSize size, Colour colour) {
   requireValidSize(size);
   Frame frame{size, {}};
   frame.pixels.resize(frame.rowStart(size.height));
-  for (std::size_t pixel = 0; pixel < frame.pixels.size(); pixel += 4) {
-    const std::array<std::uint8_t, 4> bytes = {colour.red, colour.green, colour.blue, colour.alpha};
-    std::copy_n(bytes.data(), bytes.size(), frame.pixels.data() + pixel);
+  for (int x = 0; x < size.width; ++x) frame.set(x, 0, colour);
+  const std::size_t rowBytes = frame.rowStart(1);
+  for (int y = 1; y < size.height; ++y) {
+    std::copy_n(frame.pixels.data(), rowBytes, frame.pixels.data() + frame.rowStart(y));
   }
   return frame;
 }
