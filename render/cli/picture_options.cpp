@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include <CLI/CLI.hpp>
+#include <fmt/ranges.h>
 
 #include "render/cli/look_options.h"
 #include "render/cli/option_group.h"
@@ -19,10 +20,16 @@ double parseLength(const TypedValue& value, const std::string& unit, Range range
   return parseNumber({value.name, digits}, range);
 }
 
+std::vector<std::string> parseWords(const std::string& text) {
+  std::vector<std::string> words;
+  std::istringstream list(text);
+  for (std::string word; std::getline(list, word, ',');) words.push_back(word);
+  return words;
+}
+
 std::vector<PageFormat> parsePages(const TypedValue& value) {
   std::vector<PageFormat> pages;
-  std::istringstream words(value.text);
-  for (std::string word; std::getline(words, word, ',');) {
+  for (const std::string& word : parseWords(value.text)) {
     const auto format = parseChoice<PageFormat>(
         {value.name, word}, {{"svg", PageFormat::Svg}, {"pdf", PageFormat::Pdf}});
     if (std::ranges::find(pages, format) == pages.end()) pages.push_back(format);
@@ -56,6 +63,13 @@ void addPrintOptions(OptionGroup& group, PictureSettings& settings) {
              [&](const TypedValue& typed) { settings.font = typed.text; })
       .saidAs([&] { return quotedText(settings.font); });
   group.flag("--letters", settings.letters, "(a), (b), ... over the grid's pictures");
+  group.flag("--arrows", settings.arrows,
+             "from each of the grid's pictures to the next in its row");
+  group
+      .value("--column-heads", "LIST", "none",
+             "over the grid's columns, in place of captions, commas between them: flat,half,open",
+             [&](const TypedValue& typed) { settings.columnHeads = parseWords(typed.text); })
+      .saidAs([&] { return quotedText(fmt::format("{}", fmt::join(settings.columnHeads, ","))); });
   group
       .value("--figure", "LIST", "none",
              "the whole grid as vector graphics too: svg, pdf, as snapshots.svg, snapshots.pdf",

@@ -26,6 +26,14 @@ constexpr double kBaselineEms = 1.25;
 constexpr double kLineEms = 1.25;
 constexpr double kLetterEms = 1.4;
 constexpr double kLetterBaselineEms = 1;
+/// Strip over the columns with their heads, and its baseline; ems.
+constexpr double kHeadEms = 1.6;
+constexpr double kHeadBaselineEms = 1.1;
+
+/// Em of an arrow between two pictures, in ems of the text; and the gap that it has room in, in
+/// heights of a picture.
+constexpr double kArrowEms = 1.5;
+constexpr double kArrowGap = 0.14;
 
 /// Height of the strip of a scale below the pictures, in ems of its text; and the longest bar of
 /// length, in widths of a picture.
@@ -72,11 +80,13 @@ Frame cutOut(const Frame& frame, const PictureBox& part) {
   return cut;
 }
 
-/// The size at which the widest caption fits under its picture, at most the layout's.
-int captionSize(const std::vector<std::string>& captions, const GridLayout& layout) {
+/// The size at which the widest caption or head fits at its picture, at most the layout's.
+int captionSize(const std::vector<std::string>& captions, const GridLayout& layout,
+                const GridStyle& style) {
   const LabelWriter writer(layout.textSize);
   int widest = 1;
   for (const std::string& caption : captions) widest = std::max(widest, writer.width(caption));
+  for (const std::string& head : style.heads) widest = std::max(widest, writer.width(head));
   const double share = std::min(1.0, static_cast<double>(layout.picture.width) / widest);
   return std::max(kSmallestText, static_cast<int>(share * layout.textSize));
 }
@@ -95,6 +105,34 @@ std::string panelLetter(int number) {
     letters.insert(letters.begin(), static_cast<char>('a' + rest % 26));
   }
   return '(' + letters + ')';
+}
+
+/// One line in the middle of `width` pixels.
+void drawCentred(Surface& sheet, const std::string& line, int left, int width, double baseline,
+                 int em, Colour colour) {
+  sheet.text(line, left + (width - LabelWriter(em).width(line)) / 2, baseline, em, colour);
+}
+
+void drawHeads(Surface& sheet, const GridLayout& layout, const GridStyle& style, int em) {
+  const double baseline = layout.gap + std::round(kHeadBaselineEms * layout.textSize);
+  for (int column = 0; column < static_cast<int>(style.heads.size()); ++column) {
+    drawCentred(sheet, style.heads[column], layout.left(column), layout.picture.width, baseline, em,
+                style.text);
+  }
+}
+
+/// Between pictures side by side, at half their height.
+void drawArrows(Surface& sheet, const GridLayout& layout, const GridStyle& style, int cells,
+                int columns) {
+  const int em = std::max(
+      1, std::min(layout.columnGap, static_cast<int>(std::lround(kArrowEms * layout.textSize))));
+  for (int cell = 0; cell + 1 < cells; ++cell) {
+    if (cell % columns == columns - 1) continue;
+    // The middle of the arrow stands about a third of an em above the baseline.
+    const double baseline = layout.upper(cell / columns) + layout.picture.height / 2 + em / 3;
+    drawCentred(sheet, kArrow, layout.left(cell % columns) + layout.picture.width, layout.columnGap,
+                baseline, em, style.text);
+  }
 }
 
 /// Draws the scales that all pictures share, one below the other at the lower end of the sheet.
@@ -137,18 +175,33 @@ void requireFitting(const std::vector<GridPicture>& pictures, GridShape shape) {
   }
 }
 
-}  // namespace
-
-GridLayout layOutGrid(FrameSize picture, GridShape shape, const GridStyle& style, int lines) {
+void requireShape(GridShape shape, const GridStyle& style) {
   if (shape.rows < 1 || shape.columns < 1) {
     throw InputError(
         fmt::format("error: a grid cannot have {} x {} cells; give at least one row and one "
                     "column, for example --grid 3x3",
                     shape.rows, shape.columns));
   }
+  const std::size_t heads = style.heads.size();
+  if (heads == 0 || heads == static_cast<std::size_t>(shape.columns)) return;
+  throw InputError(
+      fmt::format("error: {} columns have {} heads; give --column-heads one for each, with commas "
+                  "between them, or change --grid",
+                  shape.columns, heads));
+}
+
+}  // namespace
+
+double columnGap(const GridStyle& style) {
+  return style.arrows ? kArrowGap : style.gap;
+}
+
+GridLayout layOutGrid(FrameSize picture, GridShape shape, const GridStyle& style, int lines) {
+  requireShape(shape, style);
   GridLayout layout;
   layout.picture = picture;
   layout.gap = static_cast<int>(std::lround(style.gap * picture.height));
+  layout.columnGap = static_cast<int>(std::lround(columnGap(style) * picture.height));
   layout.textSize =
       std::max(kSmallestText, static_cast<int>(std::lround(style.captionSize * picture.height)));
   if (style.textSize) layout.textSize = *style.textSize;
@@ -157,15 +210,18 @@ GridLayout layOutGrid(FrameSize picture, GridShape shape, const GridStyle& style
   if (style.letters) {
     layout.letterHeight = static_cast<int>(std::lround(kLetterEms * layout.textSize));
   }
+  if (!style.heads.empty()) {
+    layout.headHeight = static_cast<int>(std::lround(kHeadEms * layout.textSize));
+  }
   const double scaleEms = kScaleEms + (style.colourScale ? kColourBarHeight - 1 : 0);
   layout.scaleHeight = static_cast<int>(std::lround(scaleEms * layout.textSize));
   layout.scales =
       (style.colourScale ? 1 : 0) + (style.legend.empty() ? 0 : 1) + (style.metresPerPixel ? 1 : 0);
   // In 64 bits: rows and columns may be anything that a person typed.
-  const long long width =
-      layout.gap + shape.columns * static_cast<long long>(picture.width + layout.gap);
+  const long long width = 2LL * layout.gap + shape.columns * static_cast<long long>(picture.width) +
+                          (shape.columns - 1) * static_cast<long long>(layout.columnGap);
   const long long height =
-      layout.gap +
+      layout.gap + layout.headHeight +
       shape.rows * static_cast<long long>(layout.letterHeight + picture.height +
                                           layout.captionHeight + layout.gap) +
       static_cast<long long>(layout.scales) * layout.scaleHeight;
@@ -192,8 +248,12 @@ GridLayout layOutGrid(FrameSize picture, GridShape shape, const GridStyle& style
 
 void drawGridText(Surface& surface, const GridLayout& layout, const GridStyle& style,
                   const std::vector<std::string>& captions, int columns) {
-  const int em = style.textSize ? *style.textSize : captionSize(captions, layout);
+  const int em = style.textSize ? *style.textSize : captionSize(captions, layout, style);
   const LabelWriter writer(em);
+  drawHeads(surface, layout, style, em);
+  if (style.arrows) {
+    drawArrows(surface, layout, style, static_cast<int>(captions.size()), columns);
+  }
   for (int cell = 0; cell < static_cast<int>(captions.size()); ++cell) {
     const int left = layout.left(cell % columns), upper = layout.upper(cell / columns);
     if (style.letters) {
@@ -203,8 +263,7 @@ void drawGridText(Surface& surface, const GridLayout& layout, const GridStyle& s
     double baseline = upper + layout.picture.height + std::lround(kBaselineEms * layout.textSize);
     const int width = style.textSize ? layout.picture.width : std::numeric_limits<int>::max();
     for (const std::string& line : captionLines(captions[cell], writer, width)) {
-      const int indent = (layout.picture.width - writer.width(line)) / 2;
-      surface.text(line, left + indent, baseline, em, style.text);
+      drawCentred(surface, line, left, layout.picture.width, baseline, em, style.text);
       baseline += std::round(kLineEms * layout.textSize);
     }
   }

@@ -10,6 +10,9 @@
 
 namespace kirireel {
 
+/// Drawn from a picture to the next one.
+inline constexpr const char* kArrow = "\u2192";
+
 /// Rows and columns of a grid, each at least 1.
 struct GridShape {
   int rows = 3;
@@ -52,6 +55,9 @@ struct GridStyle {
   /// Em of all text, pixels, whatever the pictures' size; captions that need more room get lines.
   std::optional<int> textSize;
   bool letters = false;  ///< (a), (b), ... over the pictures
+  bool arrows = false;   ///< from each picture to the next one in its row
+  /// Over the columns, one for each; none when empty.
+  std::vector<std::string> heads;
   /// What the colours of all pictures mean: drawn below them when given.
   std::optional<ColourScale> colourScale;
   /// The same where colours stand for kinds of bricks.
@@ -65,6 +71,8 @@ struct GridLayout {
   FrameSize sheet;        ///< the whole grid
   FrameSize picture;      ///< one picture
   int gap = 0;            ///< around every cell
+  int columnGap = 0;      ///< from one column to the next
+  int headHeight = 0;     ///< strip over the first row with the heads of the columns
   int letterHeight = 0;   ///< strip over each picture
   int captionHeight = 0;  ///< strip under each picture
   int textSize = 0;       ///< em of the caption
@@ -72,15 +80,20 @@ struct GridLayout {
   int scales = 0;         ///< strips below all pictures
 
   /// Left edge of a column of pictures.
-  int left(int column) const { return gap + column * (picture.width + gap); }
+  int left(int column) const { return gap + column * (picture.width + columnGap); }
   /// Upper edge of a row of pictures.
   int upper(int row) const {
-    return gap + letterHeight + row * (letterHeight + picture.height + captionHeight + gap);
+    return gap + headHeight + letterHeight +
+           row * (letterHeight + picture.height + captionHeight + gap);
   }
 };
 
+/// The gap between columns, in heights of a picture.
+double columnGap(const GridStyle& style);
+
 /// The layout of a grid of pictures of one size, with so many lines of caption under each. Throws
-/// InputError when the shape is empty or the sheet would be larger than kMaxFrameSide.
+/// InputError when the shape is empty, the columns have another number of heads, or the sheet would
+/// be larger than kMaxFrameSide.
 GridLayout layOutGrid(FrameSize picture, GridShape shape, const GridStyle& style = {},
                       int captionLines = 1);
 

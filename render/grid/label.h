@@ -52,4 +52,8 @@ class LabelWriter {
   std::unique_ptr<Face> face_;
 };
 
+/// Throws InputError that names the option when a text is not UTF-8 or has a character that the
+/// font lacks, and OutputError when the font is missing.
+void requireDrawable(const char* option, const std::string& text);
+
 }  // namespace kirireel

@@ -29,6 +29,8 @@ GridStyle gridStyle(const Stage& stage, const PictureSettings& settings) {
   style.legend = stage.legend();
   if (settings.scaleBar) style.metresPerPixel = stage.metresPerPixel();
   style.letters = settings.letters;
+  style.arrows = settings.arrows;
+  style.heads = settings.columnHeads;
   return style;
 }
 
@@ -90,8 +92,8 @@ double PanelSheet::enlargement(const PictureBox& part, const GridStyle& style) c
   const double wanted = *settings_.gridWidth / kMillimetresPerInch * settings_.gridDotsPerInch();
   const int columns = shape_.columns;
   const double most = kMaxFrameSide / std::max(settings_.size.width, settings_.size.height);
-  return std::min(
-      most, wanted / (columns * part.size.width + (columns + 1) * style.gap * part.size.height));
+  const double gaps = (2 * style.gap + (columns - 1) * columnGap(style)) * part.size.height;
+  return std::min(most, wanted / (columns * part.size.width + gaps));
 }
 
 /// Em of the text that is to have a size in print, pixels.

@@ -47,10 +47,19 @@ void requireWithin(double value, double least, double most, const char* option,
                                option, value, meaning, least, most));
 }
 
+/// What makes a grid impossible, before anything is deployed.
+void requireGrid(const PictureSettings& settings) {
+  GridStyle style;
+  style.heads = settings.columnHeads;
+  layOutGrid(settings.size, settings.grid, style);
+  for (const std::string& head : settings.columnHeads) requireDrawable("--column-heads", head);
+  if (settings.arrows) requireDrawable("--arrows", kArrow);
+}
+
 void requireValidSettings(const PictureSettings& settings) {
   setFont(settings.font);
   requireValidSize(settings.size);
-  if (settings.snapshots) layOutGrid(settings.size, settings.grid);
+  if (settings.snapshots) requireGrid(settings);
   if (settings.video) requireValidSettings(settings.videoFile, videoSettings(settings));
   if (settings.framesPerSecond < 1 || settings.framesPerSecond > 240) {
     throw InputError(fmt::format("error: {} frames a second are not possible; give --fps 1 to 240",

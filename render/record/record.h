@@ -61,8 +61,8 @@ struct PictureSettings {
   std::string subtitle;
   Look look;  ///< of all pictures
   GridShape grid;
-  /// Under the grid's pictures and the video's frames; absent: progress at an even pace, time at
-  /// real pace, under the grid alone.
+  /// Under the grid's pictures and the video's frames; absent: under the grid alone, progress at an
+  /// even pace, time at real pace, nothing where its columns have heads.
   std::optional<CaptionParts> captions;
   /// A length under the grid and the video; needs a parallel projection.
   bool scaleBar = false;
@@ -72,8 +72,10 @@ struct PictureSettings {
   std::optional<double> fontPoints;   ///< size of its text in print; needs gridWidth
   std::string font;                   ///< family of all text; empty: the program's
   bool letters = false;               ///< (a), (b), ... over the grid's pictures
-  std::vector<PageFormat> pages;      ///< the grid as vector graphics too, as snapshots.svg, .pdf
-  std::string madeBy;                 ///< who makes the pictures from what, noted in the files
+  bool arrows = false;                ///< from each of the grid's pictures to the next in its row
+  std::vector<std::string> columnHeads;  ///< over the grid's columns, one each; none when empty
+  std::vector<PageFormat> pages;  ///< the grid as vector graphics too, as snapshots.svg, .pdf
+  std::string madeBy;             ///< who makes the pictures from what, noted in the files
   SnapshotSpacing spacing = SnapshotSpacing::Progress;
   bool video = true;
   std::string videoFile = "deployment.mp4";  ///< its ending chooses the format
@@ -96,8 +98,8 @@ struct PictureSettings {
   /// Of the grid in print, where it has a width.
   double gridDotsPerInch() const { return dotsPerInch.value_or(300); }
   CaptionParts captionParts() const {
-    return captions.value_or(pace == Pace::Even ? CaptionParts{.progress = true}
-                                                : CaptionParts{.time = true});
+    if (captions || !columnHeads.empty()) return captions.value_or(CaptionParts{});
+    return pace == Pace::Even ? CaptionParts{.progress = true} : CaptionParts{.time = true};
   }
 };
 

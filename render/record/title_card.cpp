@@ -49,24 +49,6 @@ void shrinkToFit(std::vector<CardLine>& lines, FrameSize size) {
   for (CardLine& line : lines) line.em *= share;
 }
 
-void requireDrawable(const char* option, const std::string& text) {
-  const std::optional<std::u32string> letters = codePoints(text);
-  if (!letters) {
-    throw InputError(
-        fmt::format("error: {}: '{}' is not UTF-8; give the title in that encoding, which "
-                    "terminals use",
-                    option, shown(text)));
-  }
-  std::u32string drawn = *letters;
-  std::erase(drawn, U'\n');
-  const std::optional<char32_t> missing = LabelWriter(1).missingGlyph(drawn);
-  if (!missing) return;
-  throw InputError(fmt::format(
-      "error: {}: the font has no U+{:04X}, character {} of '{}'; leave it out, or "
-      "set KIRIREEL_FONT to a TrueType file that has it",
-      option, static_cast<std::uint32_t>(*missing), letters->find(*missing) + 1, oneLine(text)));
-}
-
 }  // namespace
 
 void requireTitle(const Title& title) {

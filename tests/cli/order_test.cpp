@@ -112,6 +112,8 @@ const std::vector<Sample>& samples() {
       {"--width", {"180mm", "88"}},
       {"--font-size", {"7pt", "8.5"}},
       {"--letters", {}},
+      {"--arrows", {}},
+      {"--column-heads", {"flat,half,open", "0%,1°,\"x\""}},
       {"--figure", {"svg", "pdf,svg"}},
       {"--snapshots", {"time"}},
       {"--frames", {}},

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "render/grid/label.h"
 #include "sim/base/error.h"
 
 namespace kirireel {
@@ -197,6 +198,59 @@ TEST(Grid, LettersItsPanels) {
   // Over its picture, under the caption of the one above.
   EXPECT_LT(surface.places[2 * 3].second, layout.upper(1));
   EXPECT_GT(surface.places[2 * 3].second, layout.upper(0) + 40 + layout.captionHeight);
+}
+
+TEST(Grid, SaysWhatItsColumnsAre) {
+  GridStyle style;
+  style.heads = {"flat", "Öffnung 45°"};
+  const GridLayout layout = layOutGrid({100, 60}, {2, 2}, style);
+  NotedSurface surface;
+  drawGridText(surface, layout, style, std::vector<std::string>(4), 2);
+  ASSERT_GE(surface.lines.size(), 2);
+  for (int column = 0; column < 2; ++column) {
+    EXPECT_EQ(surface.lines[column], style.heads[column]);
+    const auto& [left, baseline] = surface.places[column];
+    const int width = LabelWriter(surface.ems[column]).width(style.heads[column]);
+    EXPECT_NEAR(left + width / 2.0, layout.left(column) + 50, 1);
+    EXPECT_LT(baseline, layout.upper(0));
+  }
+  EXPECT_EQ(layout.upper(1) - layout.upper(0),
+            layOutGrid({100, 60}, {2, 2}).upper(1) - layOutGrid({100, 60}, {2, 2}).upper(0));
+}
+
+TEST(Grid, RefusesOtherNumbersOfHeads) {
+  GridStyle style;
+  style.heads = {"flat", "open"};
+  try {
+    layOutGrid({100, 60}, {2, 3}, style);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "error: 3 columns have 2 heads; give --column-heads one for each, with commas "
+                 "between them, or change --grid");
+  }
+}
+
+TEST(Grid, LeadsFromPictureToPictureByArrows) {
+  GridStyle style;
+  style.arrows = true;
+  const GridLayout layout = layOutGrid({100, 60}, {2, 3}, style);
+  NotedSurface surface;
+  // Five pictures: two arrows in the first row, one in the second.
+  drawGridText(surface, layout, style, std::vector<std::string>(5), 3);
+  int arrows = 0;
+  for (std::size_t k = 0; k < surface.lines.size(); ++k) {
+    if (surface.lines[k] != kArrow) continue;
+    const auto& [left, baseline] = surface.places[k];
+    const int column = arrows % 2, row = arrows / 2;
+    EXPECT_GE(left, layout.left(column) + 100);
+    EXPECT_LE(left + LabelWriter(surface.ems[k]).width(kArrow), layout.left(column + 1));
+    EXPECT_GT(baseline, layout.upper(row));
+    EXPECT_LT(baseline, layout.upper(row) + 60);
+    ++arrows;
+  }
+  EXPECT_EQ(arrows, 3);
+  EXPECT_EQ(layout.sheet.width, layout.left(2) + 100 + layout.gap);
 }
 
 TEST(CaptionText, SaysTheChosenParts) {
