@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -31,9 +32,9 @@ void Frame::set(int x, int y, Colour colour) {
   pixel[3] = colour.alpha;
 }
 
-Frame makeFrame(FrameSize size, Colour colour) {
+Frame makeFrame(FrameSize size, Colour colour, Frame storage) {
   requireValidSize(size);
-  Frame frame{size, {}};
+  Frame frame{size, std::move(storage.pixels)};
   frame.pixels.resize(frame.rowStart(size.height));
   for (int x = 0; x < size.width; ++x) frame.set(x, 0, colour);
   const std::size_t rowBytes = frame.rowStart(1);

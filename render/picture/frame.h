@@ -45,8 +45,9 @@ struct Frame {
   std::size_t rowStart(int y) const { return static_cast<std::size_t>(y) * size.width * 4; }
 };
 
-/// A picture of one colour. Throws InputError for a size out of range.
-Frame makeFrame(FrameSize size, Colour colour);
+/// A picture of one colour. storage: a frame that is needed no more, whose memory it gets. Throws
+/// InputError for a size out of range.
+Frame makeFrame(FrameSize size, Colour colour, Frame storage = {});
 
 /// Copies source onto target with its top left corner at (x, y); it must fit inside.
 void pasteFrame(Frame& target, const Frame& source, int x, int y);

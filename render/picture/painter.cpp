@@ -426,10 +426,10 @@ Frame Painter::paint(const Poses& poses, const Camera& camera) {
   return paint(Shot{poses}, camera);
 }
 
-Frame Painter::paint(const Shot& shot, const Camera& camera) {
+Frame Painter::paint(const Shot& shot, const Camera& camera, Frame storage) {
   parts_->context.makeCurrent();
   parts_->collectTriangles(shot, camera);
-  Frame frame = makeFrame(size(), parts_->subject.background);
+  Frame frame = makeFrame(size(), parts_->subject.background, std::move(storage));
   const PixelBox touched = touchedPixels(parts_->mesh.vertices, frame.size);
   for (const PixelBox& part : pictureParts(touched, frame.size)) {
     const PixelBox inside = part.intersection(touched);

@@ -37,8 +37,9 @@ class Painter {
   /// takes longer to make than many small pictures to paint.
   void show(const std::vector<Brick>& bricks, const Style& style);
 
-  /// What the shot shows. Throws OutputError.
-  Frame paint(const Shot& shot, const Camera& camera);
+  /// What the shot shows. storage: a frame that is needed no more, whose memory the picture gets.
+  /// Throws OutputError.
+  Frame paint(const Shot& shot, const Camera& camera, Frame storage = {});
 
   /// The picture of the bricks alone at these poses, in the colours of the style.
   Frame paint(const Poses& poses, const Camera& camera);

@@ -151,6 +151,7 @@ void Album::makeFrames(const TrajectoryReader& run, const MotionCurve& motion,
   const int painters = std::min(settings_.painters(), static_cast<int>(moments.size()));
   OrderQueue orders(kWaitingSamples);
   FrameQueue frames(kWaitingFrames + painters);
+  FramePool pool;
   Crew crew([&] {
     orders.stop();
     frames.stop();
@@ -163,30 +164,30 @@ void Album::makeFrames(const TrajectoryReader& run, const MotionCurve& motion,
     orders.close();
     frames.close();
   });
-  crew.start([&] { encode(frames); });
+  crew.start([&] { encode(frames, pool); });
   for (int k = 1; k < painters; ++k) {
     crew.start([&] {
       Studio studio(frames_);
-      paint(studio, orders);
+      paint(studio, orders, pool);
     });
   }
-  crew.run([&] { paint(frames_, orders); });
+  crew.run([&] { paint(frames_, orders, pool); });
   crew.finish();
 }
 
-void Album::paint(Studio& studio, OrderQueue& orders) {
+void Album::paint(Studio& studio, OrderQueue& orders, FramePool& pool) {
   double seconds = 0;
   {
     const CpuTimer timer(seconds);
     while (std::optional<FrameOrder> order = orders.pop()) {
-      order->frame.set_value(takeFrame(studio, *order->state));
+      order->frame.set_value(takeFrame(studio, *order->state, pool.take()));
     }
   }
   const std::lock_guard lock(reporting_);
   report_.recordCost.cpuSecondsRender += seconds;
 }
 
-void Album::encode(FrameQueue& frames) {
+void Album::encode(FrameQueue& frames, FramePool& pool) {
   FrameSink sink(settings_, report_);
   const Style& style = frames_.stage().style();
   const Title title{settings_.title, settings_.subtitle};
@@ -194,12 +195,16 @@ void Album::encode(FrameQueue& frames) {
     sink.putTitle(titleCard(title, settings_.size, style.background, style.text));
   }
   // A painter that fails breaks its promise, and has told the crew why.
-  while (std::optional<std::future<Frame>> frame = frames.pop()) sink.put(frame->get());
+  while (std::optional<std::future<Frame>> frame = frames.pop()) {
+    Frame spare = sink.put(frame->get());
+    if (!spare.pixels.empty()) pool.giveBack(std::move(spare));
+  }
   if (!frames.isStopped()) sink.finish();
 }
 
-Frame Album::takeFrame(Studio& studio, const FrameState& state) const {
-  return studio.take(stillOf(state), {captions_.inVideo(state), state.moment.progress});
+Frame Album::takeFrame(Studio& studio, const FrameState& state, Frame storage) const {
+  return studio.take(stillOf(state), {captions_.inVideo(state), state.moment.progress},
+                     std::move(storage));
 }
 
 Frame Album::takeStill(const FrameState& state) {

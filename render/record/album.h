@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "render/record/bounded_queue.h"
+#include "render/record/frame_pool.h"
 #include "render/record/pace.h"
 #include "render/record/record.h"
 #include "render/record/replay.h"
@@ -74,9 +75,9 @@ class Album {
   using OrderQueue = BoundedQueue<FrameOrder>;
   using FrameQueue = BoundedQueue<std::future<Frame>>;
 
-  void paint(Studio& studio, OrderQueue& orders);
-  void encode(FrameQueue& frames);
-  Frame takeFrame(Studio& studio, const FrameState& state) const;
+  void paint(Studio& studio, OrderQueue& orders, FramePool& pool);
+  void encode(FrameQueue& frames, FramePool& pool);
+  Frame takeFrame(Studio& studio, const FrameState& state, Frame storage = {}) const;
   Frame takeStill(const FrameState& state);
   void writeGrid(const TrajectoryReader& run, const MotionCurve& motion);
   void writeMoments(const TrajectoryReader& run, const MotionCurve& motion);

@@ -1,6 +1,7 @@
 #include "render/record/frame_sink.h"
 
 #include <cmath>
+#include <utility>
 
 #include "render/folder/output_folder.h"
 #include "render/png/png.h"
@@ -51,7 +52,7 @@ void FrameSink::putTitle(const Frame& card) {
   if (video_) encode(card, static_cast<int>(kTitleSeconds * settings_.framesPerSecond));
 }
 
-void FrameSink::put(Frame frame) {
+Frame FrameSink::put(Frame frame) {
   const CpuTimer timer(report_.recordCost.cpuSecondsEncode);
   if (video_) encode(frame, number_ == 0 ? 1 + heldFrames_ : 1);
   if (settings_.frames) {
@@ -59,7 +60,8 @@ void FrameSink::put(Frame frame) {
     files_.push_back(frameFile(number_).string());
   }
   ++number_;
-  last_ = std::move(frame);
+  std::swap(last_, frame);
+  return frame;
 }
 
 void FrameSink::finish() {

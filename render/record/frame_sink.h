@@ -28,8 +28,8 @@ class FrameSink {
   /// Shows a card before the first frame. Throws OutputError.
   void putTitle(const Frame& card);
 
-  /// Throws OutputError.
-  void put(Frame frame);
+  /// Returns a frame that is needed no more, empty at first. Throws OutputError.
+  Frame put(Frame frame);
 
   /// Puts the video in place and reports; without it, no video is left. Throws OutputError.
   void finish();

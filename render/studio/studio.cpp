@@ -223,9 +223,9 @@ void Studio::show(const Look& look, Motif motif) {
   makePainter();
 }
 
-Frame Studio::take(const Moment& moment, const StripText& text) {
+Frame Studio::take(const Moment& moment, const StripText& text, Frame storage) {
   const Camera camera = stage_->camera(moment);
-  Frame frame = painter_->paint(stage_->shot(moment), camera);
+  Frame frame = painter_->paint(stage_->shot(moment), camera, std::move(storage));
   strip_->append(frame, text, stage_->colourScale(), stage_->legend(), metresPerPixel_);
   return frame;
 }

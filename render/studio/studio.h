@@ -113,9 +113,9 @@ class Studio {
   /// Throws as Stage does.
   void show(const Look& look, Motif motif);
 
-  /// The picture of a moment with its strip. Throws InputError when the camera stands within a
-  /// brick.
-  Frame take(const Moment& moment, const StripText& text = {});
+  /// The picture of a moment with its strip. storage: a frame that is needed no more, whose memory
+  /// the picture gets. Throws InputError when the camera stands within a brick.
+  Frame take(const Moment& moment, const StripText& text = {}, Frame storage = {});
 
   const Stage& stage() const { return *stage_; }
 
