@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <limits>
 #include <optional>
 #include <span>
+#include <utility>
 
 #include "render/gl/context.h"
 #include "render/gl/framebuffer.h"
@@ -70,24 +70,23 @@ std::array<float, 4> toClip(const Eigen::Matrix4d& clipFromAxes, const Vector3& 
   return {clip.x(), clip.y(), clip.z(), clip.w()};
 }
 
-/// Heights in a picture as clip coordinates have them: from -1 at its lower border to 1.
-struct HeightRange {
-  float least = std::numeric_limits<float>::infinity();
-  float most = -std::numeric_limits<float>::infinity();
-
+/// A rectangle as clip coordinates have it: the picture's is from -1 at its left and lower borders
+/// to 1.
+struct ClipBox : Eigen::AlignedBox2f {
   void add(const Vertex& vertex) {
     const auto& [x, y, z, w] = vertex.clip;
-    // Behind the eye there is no telling where a triangle goes.
-    const bool isBehind = w <= 0;
-    least = std::min(least, isBehind ? -1 : y / w);
-    most = std::max(most, isBehind ? 1 : y / w);
+    if (w > 0) {
+      extend(Eigen::Vector2f(x / w, y / w));
+    } else {
+      // Behind the eye there is no telling where a triangle goes.
+      extend(Eigen::Vector2f(-1, -1)).extend(Eigen::Vector2f(1, 1));
+    }
   }
-  bool meets(const HeightRange& other) const { return most >= other.least && least <= other.most; }
 };
 
 /// The triangles of one facet.
 struct FacetTriangles {
-  HeightRange height;
+  ClipBox place;
   int first = 0;  ///< of its corners in the indices
   int end = 0;
 };
@@ -120,18 +119,18 @@ class Tessellator {
       checkInterruption();
       FacetTriangles& made = mesh_.facets.emplace_back();
       made.first = static_cast<int>(mesh_.indices.size());
-      append(facet, made.height);
+      append(facet, made.place);
       made.end = static_cast<int>(mesh_.indices.size());
     }
   }
 
  private:
-  void append(const Facet& facet, HeightRange& height) {
+  void append(const Facet& facet, ClipBox& place) {
     const auto count = static_cast<GLuint>(facet.count);
-    const GLuint inner = appendCorners(sketch_.inner(facet), facet.colour, height);
+    const GLuint inner = appendCorners(sketch_.inner(facet), facet.colour, place);
     for (GLuint k = 2; k < count; ++k) triangle(inner, inner + k - 1, inner + k);
     if (!facet.outlined) return;
-    const GLuint outer = appendCorners(sketch_.corners(facet), sketch_.outlineOf(facet), height);
+    const GLuint outer = appendCorners(sketch_.corners(facet), sketch_.outlineOf(facet), place);
     for (GLuint k = 0; k < count; ++k) {
       const GLuint next = (k + 1) % count;
       triangle(outer + next, inner + next, outer + k);
@@ -140,12 +139,12 @@ class Tessellator {
   }
 
   /// Returns the index of the first.
-  GLuint appendCorners(std::span<const Vector3> points, Colour colour, HeightRange& height) {
+  GLuint appendCorners(std::span<const Vector3> points, Colour colour, ClipBox& place) {
     const auto first = static_cast<GLuint>(mesh_.vertices.size());
     const std::array<std::uint8_t, 4> channels = bytes(colour);
     for (const Vector3& point : points) {
       mesh_.vertices.push_back({toClip(clipFromWorld_, point), channels});
-      height.add(mesh_.vertices.back());
+      place.add(mesh_.vertices.back());
     }
     return first;
   }
@@ -221,10 +220,14 @@ class MeshBuffer {
 /// A rectangle of the picture, pixels from its top left corner; right and lower are not in it.
 using PixelBox = Eigen::AlignedBox2i;
 
+bool hasNoPixel(const PixelBox& box) {
+  return (box.max().array() <= box.min().array()).any();
+}
+
 /// What is drawn at once of the touched pixels of a picture; nothing where there are none.
 std::vector<PixelBox> pictureParts(const PixelBox& touched, FrameSize size) {
   std::vector<PixelBox> parts;
-  if ((touched.max().array() <= touched.min().array()).any()) return parts;
+  if (hasNoPixel(touched)) return parts;
   const Eigen::Array2i first = touched.min().array() / kPartStep * kPartStep;
   const Eigen::Array2i last = ((touched.max().array() + kPartStep - 1) / kPartStep * kPartStep)
                                   .min(Eigen::Array2i(size.width, size.height));
@@ -238,22 +241,45 @@ std::vector<PixelBox> pictureParts(const PixelBox& touched, FrameSize size) {
   return parts;
 }
 
-/// The pixels that triangles can touch: elsewhere there is background, not worth any drawing.
-PixelBox touchedPixels(const std::vector<Vertex>& vertices, FrameSize size) {
-  const Eigen::Array2d corner(size.width, size.height);
-  Eigen::AlignedBox2d box;
-  for (const Vertex& vertex : vertices) {
-    const auto& [x, y, z, w] = vertex.clip;
-    // Behind the eye there is no telling where a triangle goes.
-    if (w <= 0) return {Eigen::Vector2i(0, 0), Eigen::Vector2i(size.width, size.height)};
-    box.extend(Eigen::Vector2d((Eigen::Array2d(1 + x / w, 1 - y / w) * 0.5 * corner).matrix()));
+/// The pixels that triangles can touch: elsewhere there is background, not worth any work.
+class TouchedPixels {
+ public:
+  TouchedPixels(const std::vector<FacetTriangles>& facets, FrameSize size)
+      : strips_((size.height + kStripRows - 1) / kStripRows) {
+    const Eigen::Array2d corner(size.width, size.height);
+    const auto inPicture = [&](const Eigen::Array2d& point) {
+      return Eigen::Vector2i(point.max(0).min(corner).cast<int>().matrix());
+    };
+    for (const FacetTriangles& facet : facets) {
+      const Eigen::Array2d least = facet.place.min().cast<double>().array();
+      const Eigen::Array2d most = facet.place.max().cast<double>().array();
+      const Eigen::Array2d upper = Eigen::Array2d(1 + least.x(), 1 - most.y()) * 0.5 * corner;
+      const Eigen::Array2d lower = Eigen::Array2d(1 + most.x(), 1 - least.y()) * 0.5 * corner;
+      add({inPicture(upper.floor() - 1), inPicture(lower.ceil() + 1)});
+    }
   }
-  if (box.isEmpty()) return {};
-  const auto inPicture = [&](const Eigen::Array2d& point) {
-    return Eigen::Vector2i(point.max(0).min(corner).cast<int>().matrix());
-  };
-  return {inPicture(box.min().array().floor() - 1), inPicture(box.max().array().ceil() + 1)};
-}
+
+  /// A box around all of them.
+  const PixelBox& all() const { return all_; }
+
+  /// A box around those in rows upper to upper + kStripRows - 1; upper is a multiple of it.
+  const PixelBox& strip(int upper) const { return strips_[upper / kStripRows]; }
+
+ private:
+  void add(const PixelBox& box) {
+    if (hasNoPixel(box)) return;
+    all_.extend(box);
+    for (int upper = box.min().y() / kStripRows * kStripRows; upper < box.max().y();
+         upper += kStripRows) {
+      const PixelBox rows(Eigen::Vector2i(box.min().x(), upper),
+                          Eigen::Vector2i(box.max().x(), upper + kStripRows));
+      strips_[upper / kStripRows].extend(rows.intersection(box));
+    }
+  }
+
+  PixelBox all_;
+  std::vector<PixelBox> strips_;
+};
 
 /// Refuses a bad size before any graphics memory is asked for.
 FrameSize validated(FrameSize size) {
@@ -299,7 +325,8 @@ struct Painter::Parts {
   void chooseTriangles(const PixelBox& part);
   void drawSamples(const PixelBox& part, const PixelBox& touched) const;
   void drawLayers() const;
-  void readMeans(const PixelBox& part, const PixelBox& touched, Frame& frame);
+  void readMeans(const PixelBox& part, const TouchedPixels& touched, Frame& frame);
+  void readStrip(const PixelBox& part, const PixelBox& box, Frame& frame);
 };
 
 Painter::Parts::Parts(FrameSize frameSize, const std::vector<Brick>& bricks, const Style& style,
@@ -335,14 +362,14 @@ void Painter::Parts::fitSamples(const PixelBox& part) {
 void Painter::Parts::chooseTriangles(const PixelBox& part) {
   const auto heightOf = [this](int row) { return static_cast<float>(1 - 2.0 * row / size.height); };
   // A row more on each side, for rounding.
-  const HeightRange rows{heightOf(part.max().y() + 1), heightOf(part.min().y() - 1)};
+  const float lower = heightOf(part.max().y() + 1), upper = heightOf(part.min().y() - 1);
   indices.clear();
   int facet = 0;
   const std::array<int, 3> ends = {mesh.groundEnd, mesh.solidEnd, mesh.facetCount()};
   for (std::size_t layer = 0; layer < ends.size(); ++layer) {
     for (; facet < ends[layer]; ++facet) {
-      const auto& [height, first, end] = mesh.facets[facet];
-      if (!height.meets(rows)) continue;
+      const auto& [place, first, end] = mesh.facets[facet];
+      if (place.max().y() < lower || place.min().y() > upper) continue;
       indices.insert(indices.end(), mesh.indices.begin() + first, mesh.indices.begin() + end);
     }
     layerEnds[layer] = static_cast<int>(indices.size());
@@ -385,24 +412,35 @@ void Painter::Parts::drawSamples(const PixelBox& part, const PixelBox& touched) 
   drawLayers();
 }
 
-void Painter::Parts::readMeans(const PixelBox& part, const PixelBox& touched, Frame& frame) {
-  const int left = (touched.min().x() - part.min().x()) * kSamplesAcross;
-  const int rowSamples = touched.sizes().x() * kSamplesAcross;
-  strip.resize(std::size_t{4} * rowSamples * kStripRows * samplesDown);
-  for (int upper = touched.min().y(); upper < touched.max().y(); upper += kStripRows) {
+void Painter::Parts::readMeans(const PixelBox& part, const TouchedPixels& touched, Frame& frame) {
+  const PixelBox inside = part.intersection(touched.all());
+  for (int upper = inside.min().y() / kStripRows * kStripRows; upper < inside.max().y();
+       upper += kStripRows) {
     checkInterruption();
-    const int rows = std::min(kStripRows, touched.max().y() - upper);
-    // OpenGL's rows start at the lower border.
-    const int lowest = (part.max().y() - upper - rows) * samplesDown;
-    samples->read({Eigen::Vector2i(left, lowest),
-                   Eigen::Vector2i(left + rowSamples, lowest + rows * samplesDown)},
-                  rowSamples, strip.data());
-    for (int row = 0; row < rows; ++row) {
-      const std::size_t first = std::size_t{4} * rowSamples * (rows - 1 - row) * samplesDown;
-      averageRow(
-          {strip.data() + first, rowSamples, subject.opaque, samplesDown}, touched.sizes().x(),
-          frame.pixels.data() + frame.rowStart(upper + row) + std::size_t{4} * touched.min().x());
-    }
+    // Of pictures with alpha the whole box is read: nothing is black there, not the background.
+    const PixelBox rows(Eigen::Vector2i(inside.min().x(), upper),
+                        Eigen::Vector2i(inside.max().x(), upper + kStripRows));
+    const PixelBox box = (subject.opaque ? touched.strip(upper) : rows).intersection(inside);
+    if (!hasNoPixel(box)) readStrip(part, box, frame);
+  }
+}
+
+/// The pixels of a box of a few rows.
+void Painter::Parts::readStrip(const PixelBox& part, const PixelBox& box, Frame& frame) {
+  const auto [columns, rows] = std::pair(box.sizes().x(), box.sizes().y());
+  const int left = (box.min().x() - part.min().x()) * kSamplesAcross;
+  const int rowSamples = columns * kSamplesAcross;
+  // OpenGL's rows start at the lower border.
+  const int lowest = (part.max().y() - box.max().y()) * samplesDown;
+  strip.resize(std::size_t{4} * rowSamples * rows * samplesDown);
+  samples->read({Eigen::Vector2i(left, lowest),
+                 Eigen::Vector2i(left + rowSamples, lowest + rows * samplesDown)},
+                rowSamples, strip.data());
+  for (int row = 0; row < rows; ++row) {
+    const std::size_t first = std::size_t{4} * rowSamples * (rows - 1 - row) * samplesDown;
+    averageRow(
+        {strip.data() + first, rowSamples, subject.opaque, samplesDown}, columns,
+        frame.pixels.data() + frame.rowStart(box.min().y() + row) + std::size_t{4} * box.min().x());
   }
 }
 
@@ -430,13 +468,12 @@ Frame Painter::paint(const Shot& shot, const Camera& camera, Frame storage) {
   parts_->context.makeCurrent();
   parts_->collectTriangles(shot, camera);
   Frame frame = makeFrame(size(), parts_->subject.background, std::move(storage));
-  const PixelBox touched = touchedPixels(parts_->mesh.vertices, frame.size);
-  for (const PixelBox& part : pictureParts(touched, frame.size)) {
-    const PixelBox inside = part.intersection(touched);
+  const TouchedPixels touched(parts_->mesh.facets, frame.size);
+  for (const PixelBox& part : pictureParts(touched.all(), frame.size)) {
     parts_->fitSamples(part);
     parts_->chooseTriangles(part);
-    parts_->drawSamples(part, inside);
-    parts_->readMeans(part, inside, frame);
+    parts_->drawSamples(part, part.intersection(touched.all()));
+    parts_->readMeans(part, touched, frame);
   }
   return frame;
 }

@@ -86,9 +86,7 @@ void copyPixels(const Frame& frame, bool keepAlpha, AVFrame& image) {
 }
 
 VideoPlanes planesOf(const AVFrame& image) {
-  const auto plane = [&image](int k) {
-    return VideoPlanes::Plane{image.data[k], image.linesize[k]};
-  };
+  const auto plane = [&image](int k) { return VideoPlane{image.data[k], image.linesize[k]}; };
   return {plane(0), plane(1), plane(2)};
 }
 

@@ -8,16 +8,17 @@
 
 namespace kirireel {
 
-/// Where the three planes of a picture go. The second and the third have half as many rows and
-/// columns as the first.
+/// Where a plane of a picture goes.
+struct VideoPlane {
+  std::uint8_t* rows = nullptr;  ///< the first row
+  std::ptrdiff_t stride = 0;     ///< bytes from one row's start to the next
+};
+
+/// All of a picture. The second and the third have half as many rows and columns as the first.
 struct VideoPlanes {
-  struct Plane {
-    std::uint8_t* rows = nullptr;  ///< the first row
-    std::ptrdiff_t stride = 0;     ///< bytes from one row's start to the next
-  };
-  Plane brightness;  ///< Y': 16 (black) to 235 (white)
-  Plane blueness;    ///< Cb: 16 to 240, 128 for grey
-  Plane redness;     ///< Cr, likewise
+  VideoPlane brightness;  ///< Y': 16 (black) to 235 (white)
+  VideoPlane blueness;    ///< Cb: 16 to 240, 128 for grey
+  VideoPlane redness;     ///< Cr, likewise
 };
 
 /// Copies a row of RGBA pixels as it looks on white.

@@ -381,6 +381,46 @@ TEST(Painter, SharesAThreadWithAnother) {
 }
 
 /// What picture_hash prints under these settings of the environment.
+/// Only where bricks may be is anything drawn and read: a plate that looks like the background
+/// makes that everywhere.
+TEST(Painter, LeavesOutNothingThatBricksTouch) {
+  const SampleBricks sample = tumbledBricks();
+  Style bare;
+  Style covered;
+  covered.ground = covered.background;
+  covered.plate = groundUnder(brickCorners(sample.bricks, sample.poses), -10);
+  covered.plate->shadow = false;
+  Painter painter({331, 217}, sample.bricks, bare);
+  for (const double height : {2.0, 5.0, 30.0, 2.0}) {
+    Camera camera = fittedCamera(sample, {331, 217}, kIsometricView);
+    camera.orthographic = true;
+    camera.viewHeight = height;
+    painter.show(sample.bricks, bare);
+    const Frame tight = painter.paint(sample.poses, camera);
+    painter.show(sample.bricks, covered);
+    const Frame whole = painter.paint(sample.poses, camera);
+    int different = 0;
+    for (std::size_t k = 0; k < tight.pixels.size(); ++k) {
+      different += std::abs(tight.pixels[k] - whole.pixels[k]) > 2 ? 1 : 0;
+    }
+    // Rounding of places within a part moves few samples.
+    EXPECT_LT(different, 60) << height;
+  }
+}
+
+/// The memory of a frame of any size becomes that of another.
+TEST(Painter, PaintsTheSameIntoMemoryThatWasUsed) {
+  const SampleBricks sample = tumbledBricks();
+  const Camera camera = fittedCamera(sample, {120, 80}, kIsometricView);
+  Painter painter({120, 80}, sample.bricks, {});
+  const Frame fresh = painter.paint(Shot{sample.poses, {}, {}, {}, {}, {}}, camera);
+  for (const FrameSize size : {FrameSize{8, 8}, FrameSize{400, 300}}) {
+    const Frame again = painter.paint(Shot{sample.poses, {}, {}, {}, {}, {}}, camera,
+                                      makeFrame(size, {1, 2, 3, 4}));
+    EXPECT_EQ(again.pixels, fresh.pixels);
+  }
+}
+
 std::string hashUnder(const std::string& environment, const std::string& library = "") {
   return test::outputOf("env " + environment + " " PICTURE_HASH_PROGRAM " " + library);
 }
