@@ -585,6 +585,16 @@ MechanismPath continueTo(const Scene& scene, std::vector<Poses> states, const Po
   return path.beyond(std::move(states), goal);
 }
 
+MechanismPath connect(const Scene& scene, std::vector<Poses> guide, SearchBudget& budget,
+                      const PathObserver& goesOn) {
+  Scene between = scene;
+  between.solver.planar = sceneNeeds(scene).planar.on;
+  between.model.target.reset();
+  const double exact = std::numeric_limits<double>::infinity();
+  return Continuation(between, guide.front(), {.leap = 0}, exact, budget, goesOn)
+      .along(std::move(guide));
+}
+
 MechanismPath continueToExtension(const Scene& scene, SearchBudget& budget,
                                   const PathObserver& goesOn) {
   const Poses start = startPoses(scene.model.tiles, makeBricks(scene.model.tiles, scene.brick));

@@ -75,6 +75,12 @@ MechanismPath continueAlong(const Scene& scene, std::vector<Poses> guide,
 MechanismPath continueTo(const Scene& scene, std::vector<Poses> states, const Poses& goal,
                          SearchBudget& budget, const PathObserver& goesOn = {});
 
+/// A path from the first state of a guide, whose joints are closed, as near as the mechanism comes
+/// to the last; joints exact, among the contacts that the scene asks for. The scene's target is
+/// left out.
+MechanismPath connect(const Scene& scene, std::vector<Poses> guide, SearchBudget& budget,
+                      const PathObserver& goesOn = {});
+
 /// Follows the mechanism from the scene's start away from the tiles' common centre, up to the
 /// state in which the sum of squared distances from it is greatest: full extension.
 MechanismPath continueToExtension(const Scene& scene, SearchBudget& budget,

@@ -10,6 +10,7 @@
 #include "sim/base/interruption.h"
 #include "sim/deploy/rounded_joints.h"
 #include "sim/deploy/run_figures.h"
+#include "sim/deploy/shortcuts.h"
 #include "sim/deploy/symmetric_states.h"
 #include "sim/measure/measures.h"
 
@@ -44,6 +45,8 @@ constexpr double kPathShare = 0.1;
 constexpr double kParts = 5;
 // Extending without contacts may cost this part of the budget, so that enough is left with them.
 constexpr double kAloneShare = 0.4;
+// Cutting detours out of a path that was found may cost this part of it.
+constexpr double kShorteningShare = 0.15;
 // An extension shorter than this part of a tile is none.
 constexpr double kLeastExtension = 1e-3;
 
@@ -74,7 +77,20 @@ void judge(const Scene& scene, GeometricPath& found) {
           : "no bricks meet on the way";
 }
 
+/// Cuts detours out of a path with exact joints, at a part of the budget.
+void shorten(const Scene& scene, GeometricPath& found, SearchBudget& budget,
+             const PathObserver& goesOn) {
+  if (found.hasCompliantJoints || !isDetour(scene, found.path)) return;
+  Scene touching = scene;
+  touching.environment.contacts = found.contacts;
+  SearchBudget part(std::min(budget.left() / kWorkPerSecond, kShorteningShare * budget.seconds()));
+  found.path = withShortcuts(touching, std::move(found.path), kClearShare * tileSize(scene.model),
+                             part, goesOn);
+  budget.spend(part.spent());
+}
+
 const char* const kAmongBricks = "a path of the mechanism among touching bricks";
+const char* const kShortening = "shorter ways along the path that was found";
 const char* const kCompliantTried = "a path of the mechanism with compliant joints";
 
 /// Tries the paths of one scene.
@@ -93,8 +109,12 @@ class GeometricSearch {
     const ContactFilter wanted = scene_.environment.contacts;
     for (const ContinuationSettings& settings : kAlone) {
       tryAlone(settings);
-      if (found_.clear || isOver_) return std::move(found_);
-      if (isCutShort_) break;
+      if (isOver_) return std::move(found_);
+      if (isCutShort_ || (found_.clear && !isDetour(scene_, found_.clear->path))) break;
+    }
+    if (found_.clear) {
+      shorten(scene_, *found_.clear, budget_, [&](double) { return tell(kShortening); });
+      return std::move(found_);
     }
     const ContactFilter touching = wanted == ContactFilter::Auto ? ContactFilter::All : wanted;
     if (wanted != ContactFilter::None && found_.through) {
@@ -122,8 +142,7 @@ class GeometricSearch {
     SearchBudget part(budget_.left() / kWorkPerSecond);
     const double least = kPathShare * budget_.seconds();
     const auto goesOn = [&](double progress) {
-      isOver_ = isOver_ || (observer_ && !observer_({what, budget_.share()}));
-      return !isOver_ && part.spentSeconds() <= least * (1 + (kParts - 1) * progress);
+      return tell(what) && part.spentSeconds() <= least * (1 + (kParts - 1) * progress);
     };
     MechanismPath path = continueAlong(trial, std::move(guide), settings, part, goesOn);
     budget_.spend(part.spent());
@@ -150,7 +169,8 @@ class GeometricSearch {
     trial.reason = "a path of the mechanism, nothing given needs dynamics";
     judge(scene_, trial);
     if (!trial.passesThrough) {
-      found_.clear = std::move(trial);
+      const bool isShorter = !found_.clear || trial.path.length() < found_.clear->path.length();
+      if (isShorter) found_.clear = std::move(trial);
     } else if (!found_.through || trial.grown < found_.through->grown) {
       found_.through = std::move(trial);
     }
@@ -165,7 +185,14 @@ class GeometricSearch {
     trial.reason = "a path of the mechanism among touching bricks, nothing given needs dynamics";
     judge(scene_, trial);
     if (contacts == ContactFilter::All && !isClear(scene_, trial)) return;
+    shorten(scene_, trial, budget_, [&](double) { return tell(kShortening); });
     found_.clear = std::move(trial);
+  }
+
+  /// Tells what is being tried. Returns whether to go on.
+  bool tell(const char* what) {
+    isOver_ = isOver_ || (observer_ && !observer_({what, budget_.share()}));
+    return !isOver_;
   }
 
   /// Compliant joints, opening as little as they can: once a path is found, it guides the next.
@@ -427,6 +454,7 @@ GeometricPath tracedPath(const Scene& scene, const PathChoice& choice, const Tar
   found.contacts = traced.environment.contacts;
   found.reason = "states of a run are walked: " + choice.reason;
   found.path = continueTo(traced, std::move(states), room.nearest.poses, budget, tell);
+  shorten(traced, found, budget, tell);
   judge(scene, found);
   return found;
 }

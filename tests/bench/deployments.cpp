@@ -1,9 +1,10 @@
 // Default deployments: every model of the given folders as `kirireel record` would deploy it, or
 // members of all families drawn at random, one a row. Prints where it ended against the least error
-// found, the path's length over the one of the tiles' own motions, how deep bricks overlapped
-// beyond the start, the largest joint gap, how far states are from the symmetries that the model
-// has, and CPU seconds: of the search, and of the run. Lengths
-// are in tiles.
+// found (without a target, the factor by which the tiles' squared distances from their centre
+// grew), how deep bricks overlapped beyond the start, the largest joint gap, the path's length over
+// the one of the tiles' own motions (where that is long, in how many ways the tiles can move), how
+// far states are from the symmetries that the model has, and CPU seconds: of the search, and of the
+// run. Lengths are in tiles.
 //
 //     build/release/tests/bench/deployments [FOLDER ...] [--search SECONDS] [--contacts auto]
 //     build/release/tests/bench/deployments --seed 1 --count 40 [--tiles 100]
@@ -20,6 +21,8 @@
 #include "sim/base/error.h"
 #include "sim/deploy/continuation.h"
 #include "sim/deploy/deployment.h"
+#include "sim/deploy/shortcuts.h"
+#include "sim/measure/mobility.h"
 #include "sim/model/alignment.h"
 #include "sim/model/read_model.h"
 #include "sim/model/symmetry.h"
@@ -58,6 +61,49 @@ double windingOf(const Scene& scene, const Trajectory& trajectory) {
   return length / pathDistance(bricks, samples.front().poses, samples.back().poses);
 }
 
+/// In how many ways the tiles can move half way along the run, beyond moves of the whole.
+int freedomsOf(const Scene& scene, const Trajectory& trajectory) {
+  const Sample& middle = trajectory.samples[trajectory.samples.size() / 2];
+  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
+  std::vector<Tile> tiles = scene.model.tiles;
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    for (std::size_t k = 0; k < tiles[i].vertices.size(); ++k) {
+      tiles[i].vertices[k] = middle.poses[i].apply(bricks[i].bottom[k]);
+    }
+  }
+  const Freedom freedom = sceneNeeds(scene).planar.on ? Freedom::Plane : Freedom::Space;
+  return mobility(scene.model, tiles, freedom, scene.brick.thickness).freedoms;
+}
+
+/// How much longer than its tiles' own motions a run is; of a long one also how many ways there
+/// are in which its tiles can move, since a mechanism with one has no other path.
+std::string windingWords(const Scene& scene, const Trajectory& trajectory) {
+  const double winding = windingOf(scene, trajectory);
+  if (winding <= kDetour) return fmt::format("{:5.2f}", winding);
+  return fmt::format("{:5.2f} freedom {}", winding, freedomsOf(scene, trajectory));
+}
+
+/// The sum of squared distances of the tiles' centres from their common centre, square metres.
+double extentOf(const Poses& poses) {
+  Vector3 centre = Vector3::Zero();
+  for (const Pose& pose : poses) centre += pose.position / static_cast<double>(poses.size());
+  double sum = 0;
+  for (const Pose& pose : poses) sum += (pose.position - centre).squaredNorm();
+  return sum;
+}
+
+/// Where a run ended: its target error, or how much a sheet without a target has extended.
+std::string endWords(const Scene& scene, const DeploymentResult& result) {
+  const std::vector<Sample>& samples = result.trajectory.samples;
+  if (!scene.model.target) {
+    return fmt::format("extended {:.9f}",
+                       extentOf(samples.back().poses) / extentOf(samples.front().poses));
+  }
+  const double tile = tileSize(scene.model);
+  return fmt::format("error {:8.1e} least {:8.1e}", result.accuracy.targetErrorEnd / tile,
+                     result.assembledError / tile);
+}
+
 /// How far the run is from the symmetries of its model at most, metres, with how many there are.
 std::string asymmetryOf(const Scene& scene, const Trajectory& trajectory) {
   const std::vector<Symmetry> group = symmetriesOf(scene.model);
@@ -76,15 +122,14 @@ void printRow(const std::string& name, Scene scene) {
   const double tile = tileSize(scene.model);
   const bool isWalked = result.path.kind == PathKind::Continuation;
   fmt::print(
-      "{:<30} {:>4} {:<11} {:<12} error {:8.1e} least {:8.1e} overlap {:8.1e} gap {:8.1e} "
-      "winding {:5.2f} asymmetry {} contacts {} {:6.2f} + {:6.2f} s  {}\n",
+      "{:<30} {:>4} {:<11} {:<12} {} overlap {:8.1e} gap {:8.1e} "
+      "winding {} asymmetry {} contacts {} {:6.2f} + {:6.2f} s  {}\n",
       name, scene.model.tiles.size(), toString(result.outcome),
-      isWalked ? "continuation" : "dynamic", result.accuracy.targetErrorEnd / tile,
-      result.assembledError / tile, result.accuracy.penetrationGrownMax / tile,
-      result.accuracy.jointGapMax / tile, windingOf(scene, result.trajectory),
-      asymmetryOf(scene, result.trajectory), result.needs.contacts.on ? "on " : "off",
-      result.cost.cpuSecondsSearch, result.cost.cpuSeconds,
-      isWalked ? result.needs.contacts.reason : result.pathReason);
+      isWalked ? "continuation" : "dynamic", endWords(scene, result),
+      result.accuracy.penetrationGrownMax / tile, result.accuracy.jointGapMax / tile,
+      windingWords(scene, result.trajectory), asymmetryOf(scene, result.trajectory),
+      result.needs.contacts.on ? "on " : "off", result.cost.cpuSecondsSearch,
+      result.cost.cpuSeconds, isWalked ? result.needs.contacts.reason : result.pathReason);
   std::fflush(stdout);
 }
 
