@@ -16,6 +16,7 @@
 #include "sim/generate/tiling.h"
 #include "sim/measure/sheet.h"
 #include "sim/model/face_choice.h"
+#include "sim/model/symmetry.h"
 #include "sim/model/tessellation.h"
 
 namespace kirireel {
@@ -493,6 +494,7 @@ Model generateModel(const Family& family, const std::map<std::string, double>& g
   Model model = family.make(checkedValues(family, given));
   model.name = family.name;
   chooseJointFaces(model, FaceRule::Fold);
+  symmetrise(model);  // a fit ends within its own tolerance of the symmetries that it keeps
   const std::string fault = modelFault(model, family.isConcave);
   if (fault.empty()) return model;
   throw InputError(

@@ -6,6 +6,11 @@
 // a tile is the one that stands where A takes it, at the start and at the target. Tiles are sorted
 // by their distance from the centre, which A keeps, so that few are candidates.
 //
+// What one tile says of A is as good as its coordinates. A group knows better: A(g) is replaced by
+// the rotation or reflection nearest to the mean over h in G of A(h)^T A(h g), which is exact to
+// the square of what A was off by. Grove, Karcher, Ruh (1974), "Group actions and curvature",
+// Invent. math. 23.
+//
 // The mean over a group G of a state's images, q -> sum of g q / |G|, is mapped onto itself by each
 // g, since g only changes the order of the sum. Places are averaged as they are, and rotations as
 // quaternions, whose mean is the rotation nearest to them all to second order: Gramkow (2001), "On
@@ -20,11 +25,19 @@
 #include <utility>
 
 #include <Eigen/LU>
+#include <Eigen/SVD>
 
 namespace kirireel {
 namespace {
 
 constexpr double kSamePart = 1e-9;  // of a tile
+// Isometries of larger groups stay as one tile says: each is compared with each product of two.
+constexpr std::size_t kLargestPolished = 64;
+constexpr int kPolishings = 2;
+// Products of two isometries are a third up to this.
+constexpr double kSameTurn = 1e-3;
+// Vertices that are farther than this part of a tile from their images are moved.
+constexpr double kSymmetricPart = 1e-13;
 
 /// The tiles of one state about their common centre.
 struct CentredState {
@@ -187,6 +200,92 @@ class SymmetrySearch {
   std::set<JointKey> joints_;
 };
 
+Matrix3 nearestOrthogonal(const Matrix3& matrix) {
+  const Eigen::JacobiSVD<Matrix3> parts(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  return parts.matrixU() * parts.matrixV().transpose();
+}
+
+/// The number of the member that turns so, and maps the first tile there; none where the members
+/// are no group.
+std::optional<std::size_t> memberThat(const std::vector<Symmetry>& group, const Matrix3& turn,
+                                      int imageOfFirst) {
+  for (std::size_t k = 0; k < group.size(); ++k) {
+    if (group[k].images.front() != imageOfFirst) continue;
+    if ((group[k].turn - turn).norm() < kSameTurn) return k;
+  }
+  return {};
+}
+
+/// Makes the isometries of a group exact to the square of what they are off by.
+void polish(std::vector<Symmetry>& group) {
+  std::vector<Matrix3> means(group.size(), Matrix3::Zero());
+  for (std::size_t k = 0; k < group.size(); ++k) {
+    for (const Symmetry& first : group) {
+      const int image = first.images[static_cast<std::size_t>(group[k].images.front())];
+      const auto both = memberThat(group, first.turn * group[k].turn, image);
+      if (!both) return;
+      means[k] += first.turn.transpose() * group[*both].turn;
+    }
+  }
+  for (std::size_t k = 0; k < group.size(); ++k) group[k].turn = nearestOrthogonal(means[k]);
+}
+
+/// The means of the tiles' images under a group of symmetries about their common centre. A vertex
+/// is mapped to the one of the image tile that is nearest.
+std::vector<Tile> symmetricMean(const std::vector<Tile>& tiles, std::span<const Symmetry> group) {
+  std::vector<Vector3> centroids;
+  for (const Tile& tile : tiles) centroids.push_back(tileCentroid(tile));
+  const Vector3 centre = meanPoint(centroids);
+  std::vector<Tile> mean = tiles;
+  for (Tile& tile : mean) {
+    for (Vector3& vertex : tile.vertices) vertex.setZero();
+  }
+  for (const Symmetry& symmetry : group) {
+    for (std::size_t i = 0; i < tiles.size(); ++i) {
+      const auto there = static_cast<std::size_t>(symmetry.images[i]);
+      for (const Vector3& vertex : tiles[i].vertices) {
+        const Vector3 image = centre + symmetry.turn * (vertex - centre);
+        const std::vector<Vector3>& corners = tiles[there].vertices;
+        const auto nearest = std::ranges::min_element(
+            corners, {}, [&](const Vector3& corner) { return (corner - image).squaredNorm(); });
+        mean[there].vertices[static_cast<std::size_t>(nearest - corners.begin())] +=
+            image / static_cast<double>(group.size());
+      }
+    }
+  }
+  return mean;
+}
+
+/// The farthest move of a vertex, metres.
+double farthestMove(const std::vector<Tile>& from, const std::vector<Tile>& to) {
+  double farthest = 0;
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    for (std::size_t k = 0; k < from[i].vertices.size(); ++k) {
+      farthest = std::max(farthest, (to[i].vertices[k] - from[i].vertices[k]).norm());
+    }
+  }
+  return farthest;
+}
+
+/// Flat sheets stay in their plane exactly.
+void keepHeights(const std::vector<Tile>& from, std::vector<Tile>& to) {
+  const double height = from.front().vertices.front().z();
+  for (const Tile& tile : from) {
+    if (std::ranges::any_of(tile.vertices, [&](const Vector3& v) { return v.z() != height; }))
+      return;
+  }
+  for (Tile& tile : to) {
+    for (Vector3& vertex : tile.vertices) vertex.z() = height;
+  }
+}
+
+void symmetriseTiles(std::vector<Tile>& tiles, std::span<const Symmetry> group, double least) {
+  std::vector<Tile> mean = symmetricMean(tiles, group);
+  if (!(farthestMove(tiles, mean) > least)) return;
+  keepHeights(tiles, mean);
+  tiles = std::move(mean);
+}
+
 Vector3 centreOf(const Poses& poses) {
   Vector3 sum = Vector3::Zero();
   for (const Pose& pose : poses) sum += pose.position;
@@ -204,7 +303,18 @@ Pose imageOf(const Pose& pose, const Vector3& centre, const Symmetry& symmetry) 
 }  // namespace
 
 std::vector<Symmetry> symmetriesOf(const Model& model) {
-  return SymmetrySearch(model).find();
+  std::vector<Symmetry> group = SymmetrySearch(model).find();
+  const bool isPolished = group.size() > 1 && group.size() <= kLargestPolished;
+  for (int i = 0; isPolished && i < kPolishings; ++i) polish(group);
+  return group;
+}
+
+void symmetrise(Model& model) {
+  const std::vector<Symmetry> group = symmetriesOf(model);
+  if (group.size() < 2 || model.rounding > 0) return;
+  const double least = kSymmetricPart * tileSize(model);
+  symmetriseTiles(model.tiles, group, least);
+  if (model.target) symmetriseTiles(*model.target, group, least);
 }
 
 double asymmetry(const Poses& poses, std::span<const Symmetry> group, double radius) {

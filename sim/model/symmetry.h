@@ -22,6 +22,11 @@ struct Symmetry {
 /// one: a model that has such tiles has the identity alone.
 std::vector<Symmetry> symmetriesOf(const Model& model);
 
+/// Moves the vertices of start and target to the means of their images under the model's
+/// symmetries: a model that has them within symmetriesOf()'s tolerance has them to rounding then.
+/// One that has them to rounding already, and one whose tiles were rounded, stays as it is.
+void symmetrise(Model& model);
+
 /// How far a state's images under the symmetries are from it, the farthest centre of mass, metres,
 /// or turn times `radius`.
 double asymmetry(const Poses& poses, std::span<const Symmetry> group, double radius);

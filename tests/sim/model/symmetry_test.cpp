@@ -118,5 +118,79 @@ TEST(Symmetry, VelocitiesAreAveragedAsTheStatesThatTheyLeadTo) {
   }
 }
 
+/// A sheet whose vertices, at the start and the target, are off by up to this part of a metre.
+Model shaken(double part) {
+  Model model = sheet(3, 3);
+  std::mt19937 random(7);
+  const auto share = [&] { return random() / 4294967296.0 - 0.5; };
+  for (std::vector<Tile>* tiles : {&model.tiles, &*model.target}) {
+    for (Tile& tile : *tiles) {
+      for (Vector3& vertex : tile.vertices) vertex += part * Vector3(share(), share(), 0);
+    }
+  }
+  return model;
+}
+
+/// The farthest that a vertex is from the nearest one of its image under any isometry, metres.
+double farthestImage(const std::vector<Tile>& tiles, const std::vector<Symmetry>& group) {
+  Vector3 centre = Vector3::Zero();
+  for (const Tile& tile : tiles) centre += tileCentroid(tile) / double(tiles.size());
+  double farthest = 0;
+  for (const Symmetry& symmetry : group) {
+    for (std::size_t i = 0; i < tiles.size(); ++i) {
+      for (const Vector3& vertex : tiles[i].vertices) {
+        const Vector3 image = centre + symmetry.turn * (vertex - centre);
+        double nearest = 1;
+        for (const Vector3& corner : tiles[std::size_t(symmetry.images[i])].vertices) {
+          nearest = std::min(nearest, (corner - image).norm());
+        }
+        farthest = std::max(farthest, nearest);
+      }
+    }
+  }
+  return farthest;
+}
+
+TEST(Symmetry, NearlySymmetricTilesBecomeSymmetricToRounding) {
+  Model model = shaken(2e-10);
+  const std::vector<Symmetry> exact = symmetriesOf(sheet(3, 3));
+  ASSERT_EQ(symmetriesOf(model).size(), exact.size());
+  EXPECT_GT(farthestImage(model.tiles, exact), 1e-10);
+  const Model before = model;
+  symmetrise(model);
+  const std::vector<Symmetry> group = symmetriesOf(model);
+  EXPECT_LT(farthestImage(model.tiles, group), 1e-14);    // measured: 1e-15
+  EXPECT_LT(farthestImage(*model.target, group), 1e-14);  // 1e-15
+  for (std::size_t i = 0; i < model.tiles.size(); ++i) {
+    for (std::size_t k = 0; k < 4; ++k) {
+      EXPECT_LT((model.tiles[i].vertices[k] - before.tiles[i].vertices[k]).norm(), 5e-10);
+      EXPECT_EQ(model.tiles[i].vertices[k].z(), before.tiles[i].vertices[k].z());
+    }
+  }
+}
+
+TEST(Symmetry, SymmetricAndRoundedTilesStayAsTheyAre) {
+  Model symmetric = sheet(3, 3), rounded = shaken(2e-10);
+  rounded.rounding = 1e-9;
+  for (Model* model : {&symmetric, &rounded}) {
+    const Model before = *model;
+    symmetrise(*model);
+    for (std::size_t i = 0; i < model->tiles.size(); ++i) {
+      EXPECT_EQ(model->tiles[i].vertices, before.tiles[i].vertices);
+    }
+  }
+}
+
+TEST(Symmetry, IsometriesOfNearlySymmetricTilesAreAGroupToRounding) {
+  const std::vector<Symmetry> group = symmetriesOf(shaken(2e-10));
+  for (const Symmetry& a : group) {
+    for (const Symmetry& b : group) {
+      double nearest = 1;
+      for (const Symmetry& c : group) nearest = std::min(nearest, (product(a, b) - c.turn).norm());
+      EXPECT_LT(nearest, 1e-14);  // measured: 1e-15
+    }
+  }
+}
+
 }  // namespace
 }  // namespace kirireel
