@@ -1,16 +1,18 @@
 // Default deployments: every model of the given folders as `kirireel record` would deploy it, or
 // members of all families drawn at random, one a row. Prints where it ended against the least error
 // found (without a target, the factor by which the tiles' squared distances from their centre
-// grew), how deep bricks overlapped beyond the start, the largest joint gap, the path's length over
-// the one of the tiles' own motions (where that is long, in how many ways the tiles can move), how
-// far states are from the symmetries that the model has, and CPU seconds: of the search, and of the
-// run. Lengths are in tiles.
+// grew), how deep bricks overlapped beyond the start, the largest joint gap (where joints open,
+// also the least that the string method finds), the path's length over the one of the tiles' own
+// motions (where that is long, in how many ways the tiles can move), how far states are from the
+// symmetries that the model has, and CPU seconds: of the search, and of the run. Lengths are in
+// tiles.
 //
 //     build/release/tests/bench/deployments [FOLDER ...] [--search SECONDS] [--contacts auto]
 //     build/release/tests/bench/deployments --seed 1 --count 40 [--tiles 100]
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <string>
 #include <vector>
@@ -26,12 +28,15 @@
 #include "sim/model/alignment.h"
 #include "sim/model/read_model.h"
 #include "sim/model/symmetry.h"
+#include "tests/bench/string_method.h"
 #include "tests/support/drawn_models.h"
 
 namespace kirireel {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr double kClosed = 1e-9;  // gap in tiles, of joints that are exact
 
 const std::map<std::string, ContactFilter> kFilters = {{"auto", ContactFilter::Auto},
                                                        {"none", ContactFilter::None},
@@ -104,6 +109,23 @@ std::string endWords(const Scene& scene, const DeploymentResult& result) {
                      result.assembledError / tile);
 }
 
+/// How far joints opened; where they did, also the least opening that the string method finds from
+/// the run's own states and from the tiles' own motions, and the ratio of the two.
+std::string gapWords(const Scene& scene, const DeploymentResult& result) {
+  const double tile = tileSize(scene.model);
+  const double opening = std::max(result.accuracy.jointGapMax, result.accuracy.jointOpeningMax);
+  if (opening <= kClosed * tile) return fmt::format("{:8.1e}", opening / tile);
+  std::vector<Poses> states;
+  for (const Sample& sample : result.trajectory.samples) states.push_back(sample.poses);
+  const double most = std::max(kClearShare * tile, result.accuracy.penetrationGrownMax);
+  const double mostGrown =
+      result.needs.contacts.on ? most : std::numeric_limits<double>::infinity();
+  const double least = std::min(leastOpening(scene, states, mostGrown),
+                                leastOpening(scene, {states.front(), states.back()}, mostGrown));
+  return fmt::format("{:8.1e} least {:8.1e} ratio {:.2f}", opening / tile, least / tile,
+                     opening / least);
+}
+
 /// How far the run is from the symmetries of its model at most, metres, with how many there are.
 std::string asymmetryOf(const Scene& scene, const Trajectory& trajectory) {
   const std::vector<Symmetry> group = symmetriesOf(scene.model);
@@ -122,11 +144,11 @@ void printRow(const std::string& name, Scene scene) {
   const double tile = tileSize(scene.model);
   const bool isWalked = result.path.kind == PathKind::Continuation;
   fmt::print(
-      "{:<30} {:>4} {:<11} {:<12} {} overlap {:8.1e} gap {:8.1e} "
+      "{:<30} {:>4} {:<11} {:<12} {} overlap {:8.1e} gap {} "
       "winding {} asymmetry {} contacts {} {:6.2f} + {:6.2f} s  {}\n",
       name, scene.model.tiles.size(), toString(result.outcome),
       isWalked ? "continuation" : "dynamic", endWords(scene, result),
-      result.accuracy.penetrationGrownMax / tile, result.accuracy.jointGapMax / tile,
+      result.accuracy.penetrationGrownMax / tile, gapWords(scene, result),
       windingWords(scene, result.trajectory), asymmetryOf(scene, result.trajectory),
       result.needs.contacts.on ? "on " : "off", result.cost.cpuSecondsSearch,
       result.cost.cpuSeconds, isWalked ? result.needs.contacts.reason : result.pathReason);
