@@ -32,6 +32,7 @@
 #include <utility>
 
 #include "sim/deploy/dynamics.h"
+#include "sim/deploy/path_guide.h"
 #include "sim/deploy/rounded_joints.h"
 #include "sim/deploy/symmetric_states.h"
 #include "sim/measure/measures.h"
@@ -209,33 +210,6 @@ class Mechanism {
   std::unique_ptr<Dynamics> dynamics_;
 };
 
-/// What a path follows: straight from each of its states to the next, at an even pace.
-class Guide {
- public:
-  Guide(const std::vector<Brick>& bricks, std::vector<Poses> states) : states_(std::move(states)) {
-    for (std::size_t k = 1; k < states_.size(); ++k) {
-      lengths_.push_back(lengths_.back() + pathDistance(bricks, states_[k - 1], states_[k]));
-    }
-  }
-
-  double length() const { return lengths_.back(); }
-  const Poses& end() const { return states_.back(); }
-
-  /// The place at a progress from 0 to 1.
-  Poses at(double progress) const {
-    const double length = progress * lengths_.back();
-    const auto next = std::upper_bound(lengths_.begin() + 1, lengths_.end() - 1, length);
-    const auto k = static_cast<std::size_t>(next - lengths_.begin());
-    const double part = lengths_[k] - lengths_[k - 1];
-    const double share = part > 0 ? (length - lengths_[k - 1]) / part : 1;
-    return interpolate(states_[k - 1], states_[k], share);
-  }
-
- private:
-  std::vector<Poses> states_;
-  std::vector<double> lengths_ = {0};  // up to each state, metres
-};
-
 class Continuation {
  public:
   /// `closedStiffness`: of joints that are closed, as ContinuationSettings::jointStiffness.
@@ -261,7 +235,7 @@ class Continuation {
     states.front() = poses_;
     for (const Poses& state : states) symmetries_.keepThoseOf(state);
     for (Poses& state : states) state = symmetricMean(state, symmetries_.group());
-    const Guide guide(mechanism_.bricks(), std::move(states));
+    const PathGuide guide(mechanism_.bricks(), std::move(states));
     path_.guideLength = guide.length();
     const double count =
         std::clamp(path_.guideLength / (kStateShare * tile_), kLeastStates, kMostStates);
@@ -270,7 +244,7 @@ class Continuation {
       if (settings_.leap > 0 && !settings_.areJointsCompliant()) leap(guide);
       if (open()) {
         progress_ = 0;
-        follow(Guide(mechanism_.bricks(), {poses_, guide.end()}), 1 / count);
+        follow(PathGuide(mechanism_.bricks(), {poses_, guide.end()}), 1 / count);
       } else {
         follow(guide, 1 / count);
       }
@@ -390,7 +364,7 @@ class Continuation {
   }
 
   /// Goes to the closed state near the guide, where there is one.
-  void leap(const Guide& guide) {
+  void leap(const PathGuide& guide) {
     Poses first = guide.at(settings_.leap);
     if (!mechanism_.close(first)) return;
     const double far = pathDistance(mechanism_.bricks(), poses_, first);
@@ -420,7 +394,7 @@ class Continuation {
     return true;
   }
 
-  void follow(const Guide& guide, double largest) {
+  void follow(const PathGuide& guide, double largest) {
     double advance = progress_ > 0 ? std::min(progress_, largest) : kFirstProgress;
     int still = 0;
     for (; progress_ < 1 && mayGoOn(); advance = std::min(kGrowth * advance, largest)) {

@@ -120,7 +120,12 @@ class GeometricSearch {
     if (wanted != ContactFilter::None && found_.through) {
       for (const ContinuationSettings& settings : kTouching) {
         tryTouching(settings, touching);
-        if (found_.clear || isOver_) return std::move(found_);
+        if (isOver_) return std::move(found_);
+        if (found_.clear && found_.clear->path.error <= nearEnough(kNearShare)) break;
+      }
+      if (found_.clear) {
+        shorten(scene_, *found_.clear, budget_, [&](double) { return tell(kShortening); });
+        return std::move(found_);
       }
     }
     found_.mayBeExact = found_.through || isCutShort_;
@@ -157,9 +162,11 @@ class GeometricSearch {
     const double enough =
         std::max(1.05 * room_.nearest.error + roundedReach(scene_.model), 1e-6 * tile_);
     if (path.error <= enough) return true;
-    const double near = room_.isBlocked ? kFarShare : kNearShare;
-    return isAmongBricks && path.error <= room_.nearest.error + near * tile_;
+    return isAmongBricks && path.error <= nearEnough(room_.isBlocked ? kFarShare : kNearShare);
   }
+
+  /// The error of a state that is this part of a tile off the nearest one, metres.
+  double nearEnough(double share) const { return room_.nearest.error + share * tile_; }
 
   void tryAlone(const ContinuationSettings& settings) {
     GeometricPath trial;
@@ -185,8 +192,9 @@ class GeometricSearch {
     trial.reason = "a path of the mechanism among touching bricks, nothing given needs dynamics";
     judge(scene_, trial);
     if (contacts == ContactFilter::All && !isClear(scene_, trial)) return;
-    shorten(scene_, trial, budget_, [&](double) { return tell(kShortening); });
-    found_.clear = std::move(trial);
+    if (!found_.clear || trial.path.error < found_.clear->path.error) {
+      found_.clear = std::move(trial);
+    }
   }
 
   /// Tells what is being tried. Returns whether to go on.
