@@ -17,7 +17,10 @@ constexpr double kJumpShare = 0.3;          // of what the step moved: so far ma
 constexpr double kJumpFloor = 1e-9;
 constexpr double kBend = 0.01;        // closing that moves less than this part bends a smooth path
 constexpr double kForeseeable = 0.1;  // largest ratio of closing moves taken for steady
-constexpr double kFactorKept = 0.03;  // a move that leaves less of the gap had a good factor
+// A factor serves the next move too, where gaps are small and a move leaves less of them. Wide gaps
+// want each its own: else the moves are together longer than they need to be.
+constexpr double kSmallGap = 1e-2;
+constexpr double kFactorKept = 0.03;
 constexpr int kClosingRounds = 12;
 constexpr int kOverlapRounds = 3;
 constexpr int kAssemblyRounds = 100;
@@ -236,7 +239,7 @@ bool Stepper<D>::factorMasses(std::vector<Row>& held) {
 }
 
 /// Closes the joints and the gaps of these contacts, moving the bricks as little as their masses
-/// allow. A factor is kept while it shrinks the gap enough. Returns the largest gap left.
+/// allow. Returns the largest gap left.
 template <int D>
 double Stepper<D>::closeGaps(Poses& poses, std::vector<Row> held) {
   const double scale = settings_.lengthScale;
@@ -256,7 +259,7 @@ double Stepper<D>::closeGaps(Poses& poses, std::vector<Row> held) {
     const double before = gap;
     gaps = system_.jointGaps(poses_);
     gap = largestGap(gaps, held);
-    isCurrent = gap < kFactorKept * before;
+    isCurrent = before <= kSmallGap * scale && gap < kFactorKept * before;
     if (gap > 0.9 * before && gap < kGapAccepted * scale) break;
   }
   poses = poses_;
