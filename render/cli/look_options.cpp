@@ -26,14 +26,16 @@ void addColourOptions(OptionGroup& group, Look& look) {
                            {"error", Colouring::TargetError},
                            {"displacement", Colouring::Displacement},
                            {"rotation", Colouring::Rotation},
-                           {"gap", Colouring::JointGap}},
+                           {"gap", Colouring::JointGap},
+                           {"moment", Colouring::Moment},
+                           {"energy", Colouring::Energy}},
                           "what the bricks' colours say");
   group.choice<ColourMap>("--colour-map", look.map,
                           {{"viridis", ColourMap::Viridis}, {"cividis", ColourMap::Cividis}},
                           "scale of colours for a measure");
   group
       .value("--colour-most", "VALUE", "the largest of the run",
-             "value at the bright end of the scale, metres or degrees",
+             "value at the bright end of the scale, in the unit of the measure",
              [&look](const TypedValue& typed) {
                look.colourMost = parseNumber(typed, {1e-15, 1e12});
              })

@@ -188,6 +188,10 @@ const char* colouringWord(Colouring colouring) {
       return "rotation";
     case Colouring::JointGap:
       return "gap";
+    case Colouring::Moment:
+      return "moment";
+    case Colouring::Energy:
+      return "energy";
     case Colouring::Plain:
       break;
   }

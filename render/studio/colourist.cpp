@@ -91,6 +91,10 @@ const char* titleOf(Colouring colouring) {
       return "displacement, m";
     case Colouring::Rotation:
       return "rotation, degrees";
+    case Colouring::Moment:
+      return "moment, N m";
+    case Colouring::Energy:
+      return "energy, J";
     default:
       return "joint gap, m";
   }
@@ -138,6 +142,12 @@ Colourist::Colourist(const Look& look, const Motif& motif)
     throw InputError(
         "error: the model has no target, so there is no target error to show; give another "
         "--colour or add target.txt");
+  }
+  if ((colouring_ == Colouring::Moment || colouring_ == Colouring::Energy) &&
+      motif.hingeSprings.empty()) {
+    throw InputError(
+        "error: the hinges have no springs, so there is no moment or energy to show; give another "
+        "--colour or add --hinge-stiffness or --hinge-neck");
   }
   if (colouring_ == Colouring::Shape) colourShapes();
   if (colouring_ == Colouring::State) {
@@ -188,6 +198,9 @@ double Colourist::largestExpected() const {
                            : 0.5 * diagonal(motif_.points);
     case Colouring::Rotation:
       return 90;
+    case Colouring::Moment:
+    case Colouring::Energy:
+      return 1;
     default:
       // Exact joints stay far below this, a baseline solver's do not.
       return 1e-6 * meanEdge(motif_.bricks);
@@ -205,6 +218,10 @@ std::vector<double> Colourist::values(const Poses& poses) const {
       for (double& angle : degrees) angle /= kDegree;
       return degrees;
     }
+    case Colouring::Moment:
+      return brickMoments(motif_.hingeSprings, poses);
+    case Colouring::Energy:
+      return brickElasticEnergies(motif_.hingeSprings, poses);
     default:
       return brickJointGaps(motif_.pivots, poses);
   }

@@ -9,6 +9,7 @@
 #include "render/picture/sketch.h"
 #include "render/studio/look.h"
 #include "sim/brick/brick.h"
+#include "sim/brick/hinge.h"
 #include "sim/model/model.h"
 
 namespace kirireel {
@@ -18,6 +19,7 @@ struct Motif {
   std::vector<Brick> bricks;
   Poses start;                              ///< one a brick
   std::vector<Pivot> pivots;                ///< of all joints
+  std::vector<HingeSpring> hingeSprings;    ///< of the bricks' hinges
   std::optional<std::vector<Tile>> target;  ///< one tile a brick, world axes
   std::optional<double> groundHeight;       ///< z of the scene's ground, if it has one, metres
   std::vector<Tile> obstacles;              ///< faces of what stays where it is, world axes
@@ -41,8 +43,8 @@ std::vector<int> shapeKinds(const std::vector<Brick>& bricks);
 /// Decides the colours of all bricks in every picture of one run.
 class Colourist {
  public:
-  /// Throws InputError when the colouring needs a target and there is none. The motif must outlive
-  /// the colourist.
+  /// Throws InputError when the colouring needs a target or springs at hinges and there are none.
+  /// The motif must outlive the colourist.
   Colourist(const Look& look, const Motif& motif);
 
   /// One entry a brick; none when all bricks have the style's colours.

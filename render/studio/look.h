@@ -21,6 +21,8 @@ enum class Colouring {
   Displacement,  ///< distance from the start
   Rotation,      ///< angle from the start
   JointGap,      ///< largest gap of the brick's joints
+  Moment,        ///< largest moment of the springs at the brick's hinges
+  Energy,        ///< half of what these springs hold
 };
 
 /// What lies under the bricks.
@@ -44,7 +46,8 @@ struct Look {
   bool transparent = false;  ///< no background
   Colouring colouring = Colouring::Plain;
   ColourMap map = ColourMap::Viridis;  ///< of colours by a measure
-  /// Value at the bright end of the scale, metres or degrees; absent: the largest to be expected.
+  /// Value at the bright end of the scale, in the unit of the measure; absent: the largest to be
+  /// expected.
   std::optional<double> colourMost;
   std::optional<Colour> brickColour;    ///< of all bricks, where the colouring is plain
   std::optional<Colour> backColour;     ///< of the tile's own side, likewise

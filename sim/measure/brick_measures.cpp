@@ -1,6 +1,7 @@
 #include "sim/measure/brick_measures.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace kirireel {
 
@@ -40,6 +41,27 @@ std::vector<double> brickJointGaps(std::span<const Pivot> pivots, const Poses& p
     for (const int brick : {pivot.brickA, pivot.brickB}) gaps[brick] = std::max(gaps[brick], gap);
   }
   return gaps;
+}
+
+std::vector<double> brickMoments(std::span<const HingeSpring> springs, const Poses& poses) {
+  std::vector<double> largest(poses.size(), 0);
+  const std::vector<double> moments = hingeMoments(springs, poses);
+  for (std::size_t s = 0; s < springs.size(); ++s) {
+    for (const int brick : {springs[s].hinge.brickA, springs[s].hinge.brickB}) {
+      largest[brick] = std::max(largest[brick], std::abs(moments[s]));
+    }
+  }
+  return largest;
+}
+
+std::vector<double> brickElasticEnergies(std::span<const HingeSpring> springs, const Poses& poses) {
+  std::vector<double> energies(poses.size(), 0);
+  for (const HingeSpring& spring : springs) {
+    const double half = 0.5 * elasticEnergy({&spring, 1}, poses);
+    energies[spring.hinge.brickA] += half;
+    energies[spring.hinge.brickB] += half;
+  }
+  return energies;
 }
 
 }  // namespace kirireel

@@ -6,6 +6,7 @@
 
 #include "sim/base/geometry.h"
 #include "sim/brick/brick.h"
+#include "sim/brick/hinge.h"
 #include "sim/model/model.h"
 
 namespace kirireel {
@@ -22,5 +23,12 @@ std::vector<double> brickRotations(const Poses& start, const Poses& poses);
 
 /// For each brick the largest gap of its pivots, metres; 0 for a brick without joints.
 std::vector<double> brickJointGaps(std::span<const Pivot> pivots, const Poses& poses);
+
+/// For each brick the largest moment of the springs at its hinges, in size, N m; 0 without any.
+std::vector<double> brickMoments(std::span<const HingeSpring> springs, const Poses& poses);
+
+/// For each brick what the springs at its hinges hold, joules: each of a spring's two bricks counts
+/// one half, so that all bricks together hold what all springs do.
+std::vector<double> brickElasticEnergies(std::span<const HingeSpring> springs, const Poses& poses);
 
 }  // namespace kirireel

@@ -66,6 +66,34 @@ TEST(ShapeKinds, CountsCornersWhenShapesAreMany) {
   EXPECT_EQ(shapeKinds(bricksOf(tiles)), (std::vector<int>{0, 0, 0, 0, 0, 0, 0, 0, 1}));
 }
 
+TEST(Colourist, ShowsWhatSpringsAtHingesPullWithAndHold) {
+  Motif motif = tessellationMotif();
+  // Between the first two tiles, 2 N m/rad and at rest a quarter turn ahead.
+  motif.hingeSprings = {{{0, 1, Vector3::UnitZ(), 0, -10, 10}, 2, 0.5, 0}};
+  motif.states = {motif.start};
+  const Colourist moment(coloured(Colouring::Moment), motif);
+  EXPECT_NEAR(moment.scale()->most, 1, 1e-12);  // 2 * 0.5
+  EXPECT_EQ(moment.scale()->title, "moment, N m");
+  EXPECT_EQ(moment.colours(motif.start)[0].top, mapColour(ColourMap::Viridis, 1));
+  EXPECT_EQ(moment.colours(motif.start)[2].top, mapColour(ColourMap::Viridis, 0));
+  const Colourist energy(coloured(Colouring::Energy), motif);
+  EXPECT_NEAR(energy.scale()->most, 0.125, 1e-12);  // half of 2 * 0.5^2 / 2
+}
+
+TEST(Colourist, MomentsNeedSpringsAtHinges) {
+  const Motif motif = tessellationMotif();
+  for (const Colouring colouring : {Colouring::Moment, Colouring::Energy}) {
+    try {
+      Colourist(coloured(colouring), motif);
+      FAIL() << "accepted";
+    } catch (const InputError& error) {
+      EXPECT_STREQ(error.what(),
+                   "error: the hinges have no springs, so there is no moment or energy to show; "
+                   "give another --colour or add --hinge-stiffness or --hinge-neck");
+    }
+  }
+}
+
 TEST(Colourist, LeavesPlainBricksToTheStyle) {
   const Motif motif = tessellationMotif();
   const Colourist colourist({}, motif);
