@@ -321,9 +321,10 @@ TEST(Path, BricksInTheWayKeepJointsThatGaveOpen) {
   Scene scene = joinedThroughEachOther();
   scene.environment.contacts = ContactFilter::All;
   scene.path = {.kind = PathKind::Led, .ledTime = 1, .jointStiffness = 1e4};
+  scene.solver.seed = 2;  // the nudge decides whether they slip past each other, or are in the way
   const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
   EXPECT_THAT(result.pathReason, HasSubstr("bricks are in the way of closing joints"));
-  // Of a tile of 1 m. Measured 8.0e-5 and 2.4e-4.
+  // Of a tile of 1 m. Measured 8.0e-5 and 1.9.
   EXPECT_LT(result.accuracy.penetrationGrownMax, 1e-4);
   EXPECT_GT(result.accuracy.jointGapEnd, 1e-10);
 }
