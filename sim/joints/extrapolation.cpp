@@ -34,8 +34,6 @@ constexpr double kShortest = 1.0 / 1024;
 constexpr int kRejections = 8;
 constexpr double kCaught = 0.4;  // the part of a step that is tried next where sliding ends in it
 constexpr double kSameTime = 1e-9;
-// How exact the velocities of Euler steps are, as a part of them for each tile of the tolerance.
-constexpr double kSpeedShare = 0.003;
 // Joints count as closed below this part of a length scale.
 constexpr double kClosedGap = 1e-10;
 
@@ -119,8 +117,7 @@ bool Extrapolation::addRow(Trial& trial, const TimedLoads& loads, StepReport& re
     const LoadSource now = [&](const Poses& poses, std::vector<Load>& out) {
       loads((k + 1) * step, poses, out);
     };
-    StepReport taken =
-        solver_.eulerStep(row.end, step, now, kSpeedShare * settings_.tolerance, row.given);
+    StepReport taken = solver_.eulerStep(row.end, step, now, row.given);
     row.damped += std::exchange(taken.damped, 0);
     row.impacted += std::exchange(taken.impacted, 0);
     report += taken;

@@ -17,7 +17,6 @@ namespace {
 // All lengths are in length scales, all speeds in length scales a second.
 constexpr double kSpeedTolerance = 1e-10;        // of joint rows, relative to the fastest brick
 constexpr double kContactSpeedTolerance = 1e-7;  // of contact rows, likewise
-constexpr double kFirstRound = 3e-6;             // what rounding leaves of x in the first round
 constexpr double kChangeTolerance = 1e-6;        // of all rows in a round: the next would gain 1e-4
 constexpr double kSlow = 1e-3;                   // below this speed tolerances shrink no more
 constexpr double kWorkTolerance = 1e-6;          // of impulses, relative to that of the loads
@@ -250,8 +249,6 @@ bool Stepper<D>::solveVelocities(const Poses& start) {
     const bool refined = report.change <= kChangeTolerance * speed &&
                          report.contactChange <= kContactSpeedTolerance * speed;
     if (refined && report.jointSpeed <= kSpeedTolerance * speed) break;
-    const bool isEnough = program_.contacts.empty() && kFirstRound <= accuracy_;
-    if (isEnough && report.jointSpeed <= accuracy_ * speed) break;
   }
   return true;  // the rest is judged by the gap after closing
 }
@@ -506,7 +503,7 @@ bool Stepper<D>::boundFriction() {
 
 template <int D>
 StepReport Stepper<D>::eulerStep(Motion& motion, double step, const LoadSource& loads,
-                                 double accuracy, Momentum& given) {
+                                 Momentum& given) {
   const int before = system_.factorizations();
   const double workBefore = system_.work();
   loads(motion.poses, loads_);
@@ -517,9 +514,7 @@ StepReport Stepper<D>::eulerStep(Motion& motion, double step, const LoadSource& 
   startSpeed_ = program_.x;
   placeHeldRows(motion.poses, step);
   report_ = {.steps = 1};
-  accuracy_ = accuracy;
   if (!solveWithFriction(motion.poses)) report_.unconverged = 1;
-  accuracy_ = 0;
   keepHeldRows(step);
   countLosses(step);
   addImpulses(motion.poses, step, given);

@@ -90,9 +90,9 @@ class JointSolver {
   /// joints are not closed again. While no contact parts or sticks its error is a power series in
   /// the step, so that steps of several lengths can be extrapolated (see Extrapolation). A step
   /// whose velocities were not found counts as unconverged. Adds to `given` the momentum that the
-  /// loads gave. `accuracy` is that of the velocities, as a part of them, where nothing touches.
+  /// loads gave.
   virtual StepReport eulerStep(Motion& motion, double step, const LoadSource& loads,
-                               double accuracy, Momentum& given) = 0;
+                               Momentum& given) = 0;
 
   /// The largest speed along their planes that points of contacts, and supports, have at the start
   /// of a step though they stick at its end, m/s; of the last Euler step's.

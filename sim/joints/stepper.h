@@ -33,7 +33,7 @@ class Stepper : public JointSolver {
                      ContactSource* contacts) override;
   void holdContacts(const std::vector<Contact>& contacts) override;
   std::vector<Contact> heldContacts() const override;
-  StepReport eulerStep(Motion& motion, double step, const LoadSource& loads, double accuracy,
+  StepReport eulerStep(Motion& motion, double step, const LoadSource& loads,
                        Momentum& given) override;
   double caughtSpeed(const Motion& start) const override;
   double project(Motion& motion) override;
@@ -104,7 +104,6 @@ class Stepper : public JointSolver {
   bool jumped_ = false;      // closing moved more than it should
   Poses poses_;              // at its end
   Vector startSpeed_;        // velocities where it starts
-  double accuracy_ = 0;      // of its velocities, as a part of them; 0: what rounding leaves
   Vector closing_;           // what closing added to the move
   StepProgram<D> program_;   // for its velocities; joint multipliers are warm from step to step
   std::vector<Row> kept_;    // held contacts, or planes of those that carried load in the last step
