@@ -221,12 +221,12 @@ Poses Run::posesAt(double time) {
   return poses;
 }
 
-/// Looks between two steps whether the run is to go on.
+/// Looks between two steps whether the run is to go on: to the look nearest to its duration.
 bool Run::goesOn() {
   if (ended_) return false;
   if (checkpoints_ && (isAskedToEnd_ || checkpoints_->isDue())) saveState();
   if (isAskedToEnd_) interrupt();
-  return !ended_ && time() < scene_.stop.duration - 0.5 * look_;
+  return !ended_ && (sinceLook_ > 0 || time() < scene_.stop.duration - 0.5 * look_);
 }
 
 double Run::spentSeconds() const {

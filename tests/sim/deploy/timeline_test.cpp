@@ -187,6 +187,15 @@ TEST(Timelines, EntriesActAtTheirOwnTimeHoweverStepsLie) {
   }
 }
 
+TEST(Timelines, AnEntryJustBeforeTheEndDoesNotShortenTheRun) {
+  Scene scene = sheetScene();
+  scene.timeline = {{{Occasion::Kind::AtTime, 0.495}, Forces{false}}};
+  scene.stop.duration = 0.5;
+  const DeploymentResult result = deploy(scene, 0.05, nullptr);
+  EXPECT_NEAR(result.trajectory.samples.back().time, 0.5, 1e-12);
+  EXPECT_NEAR(result.trajectory.events.front().time, 0.495, 1e-12);
+}
+
 TEST(Timelines, WaitingInVainEndsTheRun) {
   Scene scene = sheetScene();
   scene.timeline = {{{Occasion::Kind::ErrorBelow, 0}, Quit{}}};
