@@ -15,27 +15,27 @@
 namespace kirireel {
 namespace {
 
-/// The direction from a corner into its tile.
-Vector3 inwardAt(const Brick& brick, int corner) {
+/// The directions of both edges from a corner, unit.
+std::array<Vector3, 2> edgesAt(const Brick& brick, int corner) {
   const std::size_t count = brick.bottom.size();
   const auto k = static_cast<std::size_t>(corner);
-  const Vector3 next = brick.bottom[(k + 1) % count] - brick.bottom[k];
-  const Vector3 last = brick.bottom[(k + count - 1) % count] - brick.bottom[k];
-  return next.normalized() + last.normalized();
+  return {(brick.bottom[(k + 1) % count] - brick.bottom[k]).normalized(),
+          (brick.bottom[(k + count - 1) % count] - brick.bottom[k]).normalized()};
+}
+
+/// The direction from a corner into its tile.
+Vector3 inwardAt(const Brick& brick, int corner) {
+  const auto [next, last] = edgesAt(brick, corner);
+  return next + last;
 }
 
 /// The edge of both tiles that starts at their joint, unit, where a shut slit lies along one.
 std::optional<Vector3> slitAt(const Pivot& pivot, const std::vector<Brick>& bricks) {
   constexpr double kFlush = 1e-6;  // of the cosine
-  const auto edges = [&](int brick, int corner) {
-    const std::vector<Vector3>& bottom = bricks[static_cast<std::size_t>(brick)].bottom;
-    const std::size_t count = bottom.size();
-    const auto k = static_cast<std::size_t>(corner);
-    return std::array{Vector3((bottom[(k + 1) % count] - bottom[k]).normalized()),
-                      Vector3((bottom[(k + count - 1) % count] - bottom[k]).normalized())};
-  };
-  for (const Vector3& a : edges(pivot.brickA, pivot.cornerA)) {
-    for (const Vector3& b : edges(pivot.brickB, pivot.cornerB)) {
+  const Brick& brickA = bricks[static_cast<std::size_t>(pivot.brickA)];
+  const Brick& brickB = bricks[static_cast<std::size_t>(pivot.brickB)];
+  for (const Vector3& a : edgesAt(brickA, pivot.cornerA)) {
+    for (const Vector3& b : edgesAt(brickB, pivot.cornerB)) {
       if (a.dot(b) > 1 - kFlush) return a;
     }
   }

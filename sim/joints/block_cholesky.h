@@ -45,7 +45,8 @@ class BlockCholesky {
   /// plan's fronts alone decide. The same on every machine.
   double work() const { return work_; }
 
-  /// Solves H x = right in place; right has D values a node. Needs a successful factor().
+  /// Solves H x = right in place; right has D values a node. Needs a successful factor(). Not for
+  /// several threads at once.
   void solveInPlace(Eigen::VectorXd& right) const;
 
  private:

@@ -134,10 +134,7 @@ void StepSystem<D>::setLigamentsAbout(const Vector& x) {
 
 template <int D>
 double StepSystem<D>::potential(double step, const Vector& x) const {
-  Vector own = timesA(x), blocks = Vector::Zero(x.size());
-  ligaments_.addProduct(x, blocks);
-  own -= blocks;
-  return x.dot(0.5 * own - ownForce_) + ligaments_.energyAfter(step * x);
+  return x.dot(0.5 * ownTimesA(x) - ownForce_) + ligaments_.energyAfter(step * x);
 }
 
 /// Sets the rate of a hinge's angle; a brick that is held takes no part in it.
@@ -322,8 +319,9 @@ double StepSystem<D>::dampedBySprings(double step, const Vector& x) const {
   return energy;
 }
 
+/// A x, but for ligaments.
 template <int D>
-Eigen::VectorXd StepSystem<D>::timesA(const Vector& x) const {
+Eigen::VectorXd StepSystem<D>::ownTimesA(const Vector& x) const {
   Vector result(x.size());
   for (int i = 0; i < brickCount(); ++i) {
     result.segment<D>(D * i) = A_[i] * x.segment<D>(D * i);
@@ -334,6 +332,12 @@ Eigen::VectorXd StepSystem<D>::timesA(const Vector& x) const {
     result.segment<D>(D * springs_[s].hinge.brickA) += share * row.a.transpose();
     result.segment<D>(D * springs_[s].hinge.brickB) += share * row.b.transpose();
   }
+  return result;
+}
+
+template <int D>
+Eigen::VectorXd StepSystem<D>::timesA(const Vector& x) const {
+  Vector result = ownTimesA(x);
   ligaments_.addProduct(x, result);
   return result;
 }

@@ -119,6 +119,7 @@ class StepSystem {
     int edge = 0;
   };
 
+  Vector ownTimesA(const Vector& x) const;
   int edgeOf(int brickA, int brickB);
   template <int kRows>
   void addRowsToMatrix(const PairOnGraph& pair, const Eigen::Matrix<double, kRows, D>& a,
