@@ -1,6 +1,8 @@
 #include "sim/actuation/target_springs.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include <Eigen/Eigenvalues>
 
@@ -8,6 +10,7 @@ namespace kirireel {
 namespace {
 
 constexpr double kStallTime = 60.0 / 240.0;  // seconds without improvement
+constexpr double kSameTime = 1e-9;           // seconds
 constexpr double kLargestFactor = 16;        // of the stiffness
 constexpr double kImprovement = 1 - 0.005;   // of the error, to count as one
 
@@ -104,14 +107,32 @@ double TargetSprings::energy(const Poses& poses, double stiffening) const {
   return stiffening * sum;
 }
 
-void AdaptiveStiffness::observe(double targetError, double step) {
-  if (bestError_ < 0 || targetError < kImprovement * bestError_) {
-    bestError_ = targetError;
-    stalledTime_ = 0;
-    return;
+// An error e improves on the best one, b, where it passes 0.995 b. While it falls steadily it
+// passes b 0.995^k, k = 1, 2, ...; the last of these before the step's end is the new best, and the
+// moment of passing it is taken as if log e were linear in the step.
+void AdaptiveStiffness::observe(double targetError, double time, double step) {
+  const double from = time - step;
+  const bool isFirst = bestError_ < 0;
+  if (isFirst) {
+    bestError_ = lastError_ = targetError;
+    improvedAt_ = time;
+  } else {
+    improvedAt_ += from - lastTime_;
   }
-  stalledTime_ += step;
-  if (stalledTime_ >= kStallTime) stiffen();
+  if (targetError > 0 && targetError < kImprovement * bestError_) {
+    const double passed = std::floor(std::log(targetError / bestError_) / std::log(kImprovement));
+    bestError_ *= std::pow(kImprovement, passed);
+    const double share = std::log(bestError_ / targetError) / std::log(lastError_ / targetError);
+    improvedAt_ = time - std::clamp(share, 0.0, 1.0) * step;
+  }
+  lastError_ = targetError;
+  lastTime_ = time;
+  if (time >= nextMoment() - kSameTime) stiffen();
+}
+
+double AdaptiveStiffness::nextMoment() const {
+  if (exhausted() || bestError_ < 0) return std::numeric_limits<double>::infinity();
+  return improvedAt_ + kStallTime;
 }
 
 bool AdaptiveStiffness::exhausted() const {
@@ -119,7 +140,7 @@ bool AdaptiveStiffness::exhausted() const {
 }
 
 void AdaptiveStiffness::stiffen() {
-  stalledTime_ = 0;
+  improvedAt_ = lastTime_;
   if (!exhausted()) factor_ *= 2;
 }
 

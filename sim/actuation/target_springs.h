@@ -51,13 +51,19 @@ class TargetSprings {
 };
 
 /// Doubles the stiffness when the target error stalls: after 60 steps of 1/240 s without
-/// improvement, up to 16 times (paper, "adaptive stiffness").
+/// improvement by half a percent, up to 16 times (paper, "adaptive stiffness"). When that is does
+/// not depend on the steps: see nextMoment().
 class AdaptiveStiffness {
  public:
   explicit AdaptiveStiffness(bool enabled) : enabled_(enabled) {}
 
-  /// Tells the error after a step of `step` seconds.
-  void observe(double targetError, double step);
+  /// Tells the error at `time`, the end of a step of `step` seconds; doubles where it is time. What
+  /// passes between two steps that are told does not count.
+  void observe(double targetError, double time, double step);
+
+  /// When it will double unless the error improves before, seconds: a step should end there.
+  /// Infinity: it will not, or nothing was told yet.
+  double nextMoment() const;
 
   /// The factor on both stiffnesses, 1 to 16.
   double factor() const { return factor_; }
@@ -68,13 +74,17 @@ class AdaptiveStiffness {
   /// Doubles at once (a deployment that came to rest need not wait).
   void stiffen();
 
-  void transfer(StateTape& tape) { tape.transfer(enabled_, factor_, bestError_, stalledTime_); }
+  void transfer(StateTape& tape) {
+    tape.transfer(enabled_, factor_, bestError_, lastError_, lastTime_, improvedAt_);
+  }
 
  private:
   bool enabled_;
   double factor_ = 1;
-  double bestError_ = -1;  ///< negative until the first observation
-  double stalledTime_ = 0;
+  double bestError_ = -1;  ///< the last error that was an improvement; negative: nothing was told
+  double lastError_ = 0;
+  double lastTime_ = 0;    ///< seconds
+  double improvedAt_ = 0;  ///< when the best error was passed, or the stiffness doubled, seconds
 };
 
 }  // namespace kirireel

@@ -1,15 +1,51 @@
+// A state where forces and joints are in balance is left by nobody but chance. What a run is given
+// there, velocities v_i of a millionth of the model's size a second, grows as exp(s t) with the
+// equilibrium's rate s, so that it takes ln(1e6) / s = 14 / s until it shows.
+//
+// Where the start moves by itself the nudge would only differ from seed to seed: 1e-6 of a tile
+// after half a second of a cap. It moves by itself if what acts on it makes it faster than the
+// nudge within kNudgeTime. At a singular state joints leave 1e-10 of the loads at most, which is
+// slower; coordinates of five digits leave 1e-5 of them, which is faster. A sheet that is pulled as
+// a whole, yet cannot open, has a motion without a difference in angular velocities: that does not
+// count.
+//
+// Symmetries: the mean over the group's images of the v_i keeps a symmetric motion symmetric.
 #include "sim/deploy/nudge.h"
 
+#include <algorithm>
+#include <cmath>
 #include <random>
 
 namespace kirireel {
 namespace {
 
 constexpr double kSpeed = 1e-6;  // model sizes a second
+// Less of the turns that joints leave of a whole nudge is none.
+constexpr double kLeft = 1e-3;
 
 /// Uniform in [-1, 1) with the same bits from every standard library.
 double uniform(std::mt19937& generator) {
   return static_cast<double>(generator()) / 2147483648.0 - 1.0;
+}
+
+/// The largest difference of an angular velocity from the mean, rad/s: 0 where all move as one.
+double fastestOpening(const std::vector<Velocity>& velocities) {
+  Vector3 mean = Vector3::Zero();
+  for (const Velocity& velocity : velocities) mean += velocity.angular;
+  mean /= static_cast<double>(velocities.size());
+  double fastest = 0;
+  for (const Velocity& velocity : velocities) {
+    fastest = std::max(fastest, (velocity.angular - mean).norm());
+  }
+  return fastest;
+}
+
+/// What joints leave of velocities at a state.
+std::vector<Velocity> fitted(const std::vector<Velocity>& velocities, const Poses& poses,
+                             Dynamics& dynamics) {
+  Motion motion = {poses, velocities};
+  dynamics.fitVelocities(motion);
+  return motion.velocities;
 }
 
 }  // namespace
@@ -25,6 +61,25 @@ std::vector<Velocity> nudge(std::size_t count, double modelSize, unsigned seed) 
     velocity.linear = speed * Vector3(x, y, z);
   }
   return velocities;
+}
+
+bool movesByItself(const std::vector<Velocity>& after, bool areJoined, double tileSize,
+                   double modelSize) {
+  double fastest = areJoined ? fastestOpening(after) * tileSize : 0;
+  for (const Velocity& velocity : after) {
+    if (areJoined) break;
+    fastest = std::max(fastest, velocity.linear.norm() + velocity.angular.norm() * tileSize);
+  }
+  return fastest > kSpeed * modelSize;
+}
+
+std::vector<Velocity> symmetricNudge(const std::vector<Velocity>& whole, const Poses& poses,
+                                     std::span<const Symmetry> group, Dynamics& dynamics) {
+  std::vector<Velocity> symmetric = symmetricMean(whole, group);
+  const double left = fastestOpening(fitted(symmetric, poses, dynamics));
+  const double most = fastestOpening(fitted(whole, poses, dynamics));
+  if (!(left > kLeft * most)) return {};
+  return symmetric;
 }
 
 }  // namespace kirireel

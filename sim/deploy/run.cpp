@@ -11,7 +11,6 @@
 #include "sim/base/interruption.h"
 #include "sim/deploy/nudge.h"
 #include "sim/deploy/path_choice.h"
-#include "sim/deploy/rest_probe.h"
 #include "sim/deploy/rounded_joints.h"
 #include "sim/measure/mobility.h"
 #include "sim/scene/hinge_springs.h"
@@ -21,21 +20,12 @@ namespace {
 
 // A run has diverged once a brick is this many model sizes away from where it started.
 constexpr double kLostDistance = 1e3;
-// At a target, a run that is this near to where springs rest, or to it, is not only slow.
-constexpr double kThere = 1.05;
-constexpr double kThereShare = 1e-6;
-// So much of the model's size from the target is arrived: a stiffer pull is not tried.
-constexpr double kArrivedShare = 1e-9;
-// Steps that fail, and bring no brick farther than this part of a tile, are no motion.
-constexpr double kStuckShare = 1e-3;
 // Of the contacts that hold a run up, so many are named.
 constexpr std::size_t kPairsNamed = 3;
 // Closing joints may make bricks overlap by this part of a tile.
 constexpr double kPushedShare = 1e-4;
 // A run that keeps a tolerance in time is looked at after so many timesteps.
 constexpr int kStepsAtOnce = 4;
-// Times closer than this part of a step are the same.
-constexpr double kSameTime = 1e-6;
 
 }  // namespace
 
@@ -90,11 +80,11 @@ bool Run::jointsGiveThroughout() const {
 }
 
 /// Holds the joints as the start of the run does. They give a little where tiles do not fit.
-void Run::holdJoints() {
+void Run::holdJoints(Dynamics& dynamics) const {
   if (scene_.path.jointsGive()) {
-    dynamics_->setJointStiffness(scene_.path.jointStiffness);
+    dynamics.setJointStiffness(scene_.path.jointStiffness);
   } else if (misfit_) {
-    dynamics_->setJointStiffness(kMisfitStiffness);
+    dynamics.setJointStiffness(kMisfitStiffness);
   }
 }
 
@@ -111,15 +101,17 @@ void Run::goTo(const std::vector<Tile>* target) {
   openedAt_ = time() + (scene_.path.kind == PathKind::Led ? scene_.path.openTime : 0);
   tieSprings();
   stiffness_ = AdaptiveStiffness(scene_.springs.adaptive);
+  stiffness_.observe(targetStartError_, time(), 0);
 }
 
 void Run::reset() {
   follower_.reset();
-  motion_ = {startPoses_, nudge(bricks_.size(), size_, scene_.solver.seed)};
+  motion_ = {startPoses_, std::vector<Velocity>(bricks_.size())};
   // A solver carries contacts and multipliers from step to step, which do not belong here.
   dynamics_ = makeSolver();
-  holdJoints();
+  holdJoints(*dynamics_);
   goTo(nullptr);
+  nudgeStart();
 }
 
 void Run::quit() {
@@ -145,10 +137,11 @@ void Run::start() {
   // Joints that give need not be closed first, which can push bricks into each other.
   misfit_ = !scene_.path.jointsGive() && !dynamics_->assemble(motion_.poses);
   if (needs_.contacts.on) pushedAtStart_ = figures_.overlapsOf(motion_.poses).grown;
-  holdJoints();
+  holdJoints(*dynamics_);
   goTo(nullptr);
   if (scene_.velocities.empty()) {
-    motion_.velocities = nudge(bricks_.size(), size_, scene_.solver.seed);
+    motion_.velocities.assign(bricks_.size(), Velocity{});
+    nudgeStart();
   } else {
     motion_.velocities = initialVelocities(scene_.velocities, bricks_, motion_.poses);
     if (!scene_.path.jointsGive()) dynamics_->fitVelocities(motion_);
@@ -190,9 +183,9 @@ void Run::takeSample(double time, Poses poses) {
   const double share = 1 - (this->time() - time) / length_;
   std::optional<Mechanics> mechanics;
   if (mechanics_) mechanics = mechanics_->at(time, motionAt(time, poses), share);
+  Sample sample = figures_.sampleAt(time, std::move(poses));
   ++sampleCount_;
   lastSampleTime_ = time;
-  Sample sample = figures_.sampleAt(time, std::move(poses));
   sample.mechanics = std::move(mechanics);
   sample.pinned = timeline_.pinnedTiles();
   if (checkpoints_) note(sample);
@@ -294,53 +287,6 @@ StepReport Run::advanceStep() {
   return report;
 }
 
-/// Notes where the bricks are when steps begin to fail at their shortest.
-void Run::watchJam(const StepReport& report) {
-  const bool fails = report.unconverged > 0;
-  if (!fails) {
-    jamStart_.clear();
-  } else if (!isStuck()) {
-    jamStart_ = motion_.poses;
-  }
-}
-
-/// Whether steps fail, and the bricks have stayed since they began to.
-bool Run::isStuck() const {
-  return !jamStart_.empty() &&
-         farthestMove(jamStart_, motion_.poses, tileSize_) < kStuckShare * tileSize_;
-}
-
-/// Of all bricks, turns counted at a tile's size, m/s.
-double Run::fastestSpeed() const {
-  double fastest = 0;
-  for (const Velocity& velocity : motion_.velocities) {
-    const double speed = velocity.linear.norm() + velocity.angular.norm() * tileSize_;
-    fastest = std::max(fastest, speed);
-  }
-  return fastest;
-}
-
-/// Whether bricks that hardly move are only slow: soft springs and heavy bricks are.
-bool Run::isOnItsWay() {
-  const bool targetPulls = pullsToTarget() && timeline_.forcesAreOn();
-  const double arrived = std::max(kThere * leastError_, kThereShare * tileSize_);
-  if (isStuck() || scene_.solver.kind == SolverKind::Bullet) return false;
-  if (targetPulls ? currentTargetError() <= arrived : !hingesPull()) return false;
-  // A solver of its own, in the state of the run's.
-  const std::unique_ptr<Dynamics> dynamics = makeSolver();
-  StateTape recorded;
-  recorded.transfer(*dynamics_);
-  StateTape(recorded.numbers()).transfer(*dynamics);
-  const RestProbe probe = probeRest(*dynamics, motion_, look_, loadsNow(), tileSize_);
-  figures_.addWork(probe.work);
-  return probe.movesOn;
-}
-
-void Run::updateRest() {
-  const bool rests = fastestSpeed() < scene_.stop.settleSpeed * size_ || isStuck();
-  restTime_ = !isOnPath() && rests ? restTime_ + length_ : 0;
-}
-
 bool Run::isLost() const {
   for (std::size_t i = 0; i < startPoses_.size(); ++i) {
     const double distance = (motion_.poses[i].position - startPoses_[i].position).norm();
@@ -363,7 +309,7 @@ void Run::endAtRest() {
   if (!pullsToTarget()) {
     end(Outcome::Settled, target_ ? "everything came to rest; nothing pulls to the target"
                                   : "everything came to rest; there is no target");
-  } else if (error <= reachableError() && !isFar(error)) {
+  } else if (hasArrived()) {
     end(Outcome::Settled, fmt::format("came to rest {:.3g} from the target", error));
   } else {
     end(Outcome::Locked,
@@ -463,6 +409,10 @@ void Run::takeStep() {
 double Run::nextLength() const {
   double due = timeline_.nextMoment(time());
   if (isOpening()) due = std::min(due, openedAt_);
+  const double rested = restMoment();
+  if (!isDue(rested)) due = std::min(due, rested);
+  const double stalled = stiffness_.nextMoment();
+  if (watchesStall() && !isDue(stalled)) due = std::min(due, stalled);
   const double untilLook = look_ - sinceLook_;
   const double untilDue = due - time();
   return untilDue < untilLook - kSameTime * look_ ? untilDue : untilLook;
@@ -489,28 +439,10 @@ void Run::advance() {
   takeStep();
   if (ended_) return;
   showStep();
-  if (pullsToTarget() && !isOnPath() && timeline_.forcesAreOn()) {
-    stiffness_.observe(currentTargetError(), length_);
-  }
+  if (watchesStall()) stiffness_.observe(currentTargetError(), time(), length_);
   updateRest();
   takeSamples();
-  if (!ended_ && restTime_ >= restNeeded_) restOrGoOn();
-}
-
-/// Nothing moves: a stiffer pull or the timeline may change that, else the run is over.
-void Run::restOrGoOn() {
-  const bool stiffer = pullsToTarget() && timeline_.forcesAreOn() && !stiffness_.exhausted();
-  if (stiffer && currentTargetError() > kArrivedShare * size_) {
-    stiffness_.stiffen();
-    restTime_ = 0;
-  } else if (isOnItsWay()) {
-    restTime_ = 0;
-    restNeeded_ *= 2;
-  } else if (timeline_.isOver(time())) {
-    endAtRest();
-  } else if (!followTimeline(true) && timeline_.waitsForState()) {
-    end(Outcome::Locked, fmt::format("came to rest, yet {}", timeline_.pending()));
-  }
+  if (!ended_ && isDue(restMoment())) restOrGoOn();
 }
 
 /// Where a step is ended from within, the solver is in no state to go on from: the checkpoint
@@ -534,10 +466,7 @@ DeploymentResult Run::finish() {
     takeSample(0, motion_.poses);
   }
   advanceToEnd();
-  if (pullsToTarget()) {
-    const double error = currentTargetError();
-    result_.atTarget = error <= reachableError() && !isFar(error);
-  }
+  if (pullsToTarget()) result_.atTarget = hasArrived();
   if (!ended_) end(Outcome::OutOfTime, lateness());
   if (!isReplayed_) takeLastSample();
   figures_.leave(result_);

@@ -15,6 +15,7 @@
 #include "sim/deploy/deployment.h"
 #include "sim/deploy/dynamics.h"
 #include "sim/deploy/neck_ties.h"
+#include "sim/deploy/nudge.h"
 #include "sim/deploy/path_follower.h"
 #include "sim/deploy/run_figures.h"
 #include "sim/deploy/run_mechanics.h"
@@ -65,6 +66,9 @@ class Run : private TimelineStage, private ActingForces {
   bool isHeldOpen() const { return heldOpen_; }
 
  private:
+  /// Times closer than this part of a look are the same.
+  static constexpr double kSameTime = 1e-6;
+
   void start();
   std::unique_ptr<Dynamics> makeSolver() const;
   void pull(const Poses& poses, std::vector<Load>& loads) const;
@@ -87,6 +91,10 @@ class Run : private TimelineStage, private ActingForces {
   void tieSprings();
   void reset() override;
   void quit() override;
+  /// A solver of its own, in the state of the run's.
+  std::unique_ptr<Dynamics> copyOfSolver();
+  void nudgeStart();
+  void nudgeAtRest();
   bool followTimeline(bool atRest);
   void restOrGoOn();
   void advanceToEnd();
@@ -111,13 +119,18 @@ class Run : private TimelineStage, private ActingForces {
   }
   void showStep();
   void updateRest();
-  double fastestSpeed() const;
+  /// When the run has rested for as long as counts, seconds; infinity while it does not rest.
+  double restMoment() const;
+  /// Whether a target is pulled to that stiffer springs may bring nearer.
+  bool watchesStall() const { return pullsToTarget() && !isOnPath() && timeline_.forcesAreOn(); }
+  double fastestSpeed() const { return fastestSpeed(motion_); }
+  double fastestSpeed(const Motion& motion) const;
   bool isOnItsWay();
   void watchJam(const StepReport& report);
   bool isStuck() const;
   bool isLost() const;
   bool jointsGiveThroughout() const;
-  void holdJoints();
+  void holdJoints(Dynamics& dynamics) const;
   void takeSamples();
   void takeLastSample();
   void takeSample(double time, Poses poses);
@@ -142,6 +155,8 @@ class Run : private TimelineStage, private ActingForces {
   void endAtRest();
   std::string holdup() const;
   std::string jointTrouble() const;
+  /// Whether a moment is past, up to rounding.
+  bool isDue(double moment) const { return moment <= time() + kSameTime * look_; }
   double time() const { return static_cast<double>(lookCount_) * look_ + sinceLook_; }
   double nextLength() const;
   void passTime();
@@ -158,6 +173,11 @@ class Run : private TimelineStage, private ActingForces {
   bool isFar(double error) const { return error > kFarShare * tileSize_; }
   bool isImmobile() const;
   std::string lateness() const;
+  /// Whether a target is pulled to and reached as nearly as can be.
+  bool hasArrived() const {
+    const double error = currentTargetError();
+    return pullsToTarget() && error <= reachableError() && !isFar(error);
+  }
   /// What counts as having arrived.
   double reachableError() const { return leastError_ + kNearShare * tileSize_; }
   double spentSeconds() const;
@@ -201,8 +221,9 @@ class Run : private TimelineStage, private ActingForces {
   Motion before_;                          // at the start of the step
   bool wasSmooth_ = false;                 // the last step kept its tolerance throughout
   std::unique_ptr<Dynamics> projection_;   // closes joints of states between steps
-  double restTime_ = 0;
-  double restNeeded_;  // seconds of rest that count; longer after each that was no rest
+  Nudged nudged_ = Nudged::No;
+  double restTime_ = 0;  // seconds
+  double restNeeded_;    // seconds of rest that count; longer after each that was no rest
   bool isTrial_ = false;
   std::optional<SymmetricStates> symmetries_;  // that states are to keep
   bool misfit_ = false;                        // joints could not be closed

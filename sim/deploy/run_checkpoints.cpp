@@ -31,8 +31,8 @@ void Run::transfer(StateTape& tape) {
   bool isLed = follower_.has_value();
   transferFigures(tape);
   tape.transfer(motion_, number, targetStartError_, leastError_, departure_, departureTime_,
-                openedAt_, isLed, stiffness_, timeline_, restTime_, restNeeded_, misfit_, heldOpen_,
-                jamStart_, result_.trajectory.events, before_, spent, *dynamics_);
+                openedAt_, isLed, stiffness_, timeline_, nudged_, restTime_, restNeeded_, misfit_,
+                heldOpen_, jamStart_, result_.trajectory.events, before_, spent, *dynamics_);
   figures_.transferStates(tape);
   if (mechanics_) tape.transfer(*mechanics_);
   if (!tape.isPlaying()) return;

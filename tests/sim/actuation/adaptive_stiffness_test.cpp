@@ -7,38 +7,83 @@ namespace {
 
 constexpr double kStep = 1.0 / 240;
 
+/// Tells steps of one length from time 0 on.
+class Observer {
+ public:
+  explicit Observer(AdaptiveStiffness& stiffness, double step = kStep)
+      : stiffness_(stiffness), step_(step) {}
+
+  void observe(double error) { stiffness_.observe(error, ++count_ * step_, step_); }
+
+ private:
+  AdaptiveStiffness& stiffness_;
+  double step_;
+  int count_ = 0;
+};
+
 void stall(AdaptiveStiffness& stiffness, int steps) {
-  for (int i = 0; i < steps; ++i) stiffness.observe(1, kStep);
+  Observer observer(stiffness);
+  for (int i = 0; i < steps; ++i) observer.observe(1);
 }
 
 TEST(AdaptiveStiffness, DoublesAfterSixtyStepsWithoutImprovement) {
   AdaptiveStiffness stiffness(true);
-  stall(stiffness, 1);  // the first error is the one to beat
-  stall(stiffness, 59);
+  Observer observer(stiffness);
+  observer.observe(1);  // the first error is the one to beat
+  for (int i = 0; i < 59; ++i) observer.observe(1);
   EXPECT_EQ(stiffness.factor(), 1);
-  stall(stiffness, 2);  // a sum of sixty steps may fall short of a quarter second by rounding
+  observer.observe(1);
   EXPECT_EQ(stiffness.factor(), 2);
 }
 
 TEST(AdaptiveStiffness, CountsTimeNotSteps) {
   AdaptiveStiffness stiffness(true);
-  stiffness.observe(1, 0.1);
-  stiffness.observe(1, 0.1);
-  stiffness.observe(1, 0.1);
+  Observer observer(stiffness, 0.1);
+  for (int i = 0; i < 3; ++i) observer.observe(1);
   EXPECT_EQ(stiffness.factor(), 1);
-  stiffness.observe(1, 0.1);
+  observer.observe(1);
   EXPECT_EQ(stiffness.factor(), 2);
+}
+
+/// When the stiffness doubles for an error of exp(-t^2) down to exp(-1/4), told in such steps.
+double momentOfDoubling(double step) {
+  AdaptiveStiffness stiffness(true);
+  stiffness.observe(1, 0, 0);
+  for (double time = step; time < 0.7; time += step) {
+    const double fallen = std::min(time, 0.5);
+    stiffness.observe(std::exp(-fallen * fallen), time, step);
+  }
+  return stiffness.nextMoment();
+}
+
+TEST(AdaptiveStiffness, DoublesAtAMomentThatStepsDoNotMove) {
+  // The last improvement: the greatest k with 0.995^k above exp(-1/4).
+  const double rate = -std::log(0.995);
+  const double last = std::sqrt(std::floor(0.25 / rate) * rate);
+  EXPECT_NEAR(momentOfDoubling(1e-3), last + 0.25, 1e-6);      // measured 5e-8
+  EXPECT_NEAR(momentOfDoubling(1.0 / 60), last + 0.25, 1e-4);  // measured 5e-5
+}
+
+TEST(AdaptiveStiffness, TimeThatIsNotToldDoesNotCount) {
+  AdaptiveStiffness stiffness(true);
+  stiffness.observe(1, 0.1, 0.1);
+  stiffness.observe(1, 0.2, 0.1);
+  EXPECT_DOUBLE_EQ(stiffness.nextMoment(), 0.35);
+  stiffness.observe(1, 5.1, 0.1);  // forces were off from 0.2 to 5 s
+  EXPECT_DOUBLE_EQ(stiffness.nextMoment(), 5.15);
 }
 
 TEST(AdaptiveStiffness, HalfAPercentIsAnImprovement) {
   AdaptiveStiffness stiffness(true);
-  for (int i = 0; i < 600; ++i) stiffness.observe(std::pow(0.994, i), kStep);
+  Observer observer(stiffness);
+  for (int i = 0; i < 600; ++i) observer.observe(std::pow(0.994, i));
   EXPECT_EQ(stiffness.factor(), 1);
 }
 
 TEST(AdaptiveStiffness, LessIsNone) {
   AdaptiveStiffness stiffness(true);
-  for (int i = 0; i < 200; ++i) stiffness.observe(1 - 1e-5 * i, kStep);
+  Observer observer(stiffness);
+  for (int i = 0; i < 200; ++i) observer.observe(1 - 1e-5 * i);
   EXPECT_GT(stiffness.factor(), 1);
 }
 

@@ -319,9 +319,10 @@ Scene joinedThroughEachOther() {
 
 TEST(Path, BricksInTheWayKeepJointsThatGaveOpen) {
   Scene scene = joinedThroughEachOther();
+  // Straight on they slip past each other in the end.
+  for (Vector3& vertex : scene.model.tiles[1].vertices) vertex.y() += 0.05;
   scene.environment.contacts = ContactFilter::All;
   scene.path = {.kind = PathKind::Led, .ledTime = 1, .jointStiffness = 1e4};
-  scene.solver.seed = 2;  // the nudge decides whether they slip past each other, or are in the way
   const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
   EXPECT_THAT(result.pathReason, HasSubstr("bricks are in the way of closing joints"));
   // Of a tile of 1 m. Measured 8.0e-5 and 1.9.
