@@ -110,7 +110,7 @@ double TargetSprings::energy(const Poses& poses, double stiffening) const {
 // An error e improves on the best one, b, where it passes 0.995 b. While it falls steadily it
 // passes b 0.995^k, k = 1, 2, ...; the last of these before the step's end is the new best, and the
 // moment of passing it is taken as if log e were linear in the step.
-void AdaptiveStiffness::observe(double targetError, double time, double step) {
+bool AdaptiveStiffness::observe(double targetError, double time, double step) {
   const double from = time - step;
   const bool isFirst = bestError_ < 0;
   if (isFirst) {
@@ -127,7 +127,9 @@ void AdaptiveStiffness::observe(double targetError, double time, double step) {
   }
   lastError_ = targetError;
   lastTime_ = time;
-  if (time >= nextMoment() - kSameTime) stiffen();
+  if (time < nextMoment() - kSameTime) return false;
+  stiffen();
+  return true;
 }
 
 double AdaptiveStiffness::nextMoment() const {

@@ -57,9 +57,9 @@ class AdaptiveStiffness {
  public:
   explicit AdaptiveStiffness(bool enabled) : enabled_(enabled) {}
 
-  /// Tells the error at `time`, the end of a step of `step` seconds; doubles where it is time. What
-  /// passes between two steps that are told does not count.
-  void observe(double targetError, double time, double step);
+  /// Tells the error at `time`, the end of a step of `step` seconds; doubles where it is time, and
+  /// returns whether. What passes between two steps that are told does not count.
+  bool observe(double targetError, double time, double step);
 
   /// When it will double unless the error improves before, seconds: a step should end there.
   /// Infinity: it will not, or nothing was told yet.

@@ -439,8 +439,9 @@ void Run::advance() {
   takeStep();
   if (ended_) return;
   showStep();
-  if (watchesStall()) stiffness_.observe(currentTargetError(), time(), length_);
   updateRest();
+  // A stiffer pull has to show that it moves nothing, too.
+  if (watchesStall() && stiffness_.observe(currentTargetError(), time(), length_)) restTime_ = 0;
   takeSamples();
   if (!ended_ && isDue(restMoment())) restOrGoOn();
 }

@@ -104,6 +104,7 @@ class Run : private TimelineStage, private ActingForces {
   LoadSource loadsNow() const {
     return [this](const Poses& poses, std::vector<Load>& loads) { actuation_(0, poses, loads); };
   }
+  std::vector<Velocity> velocitiesAt(double seconds) const;
   Motion motionAt(double time, const Poses& poses) const;
   StepReport advanceByFixedSteps();
   StepReport advanceStep();
@@ -123,8 +124,9 @@ class Run : private TimelineStage, private ActingForces {
   double restMoment() const;
   /// Whether a target is pulled to that stiffer springs may bring nearer.
   bool watchesStall() const { return pullsToTarget() && !isOnPath() && timeline_.forcesAreOn(); }
-  double fastestSpeed() const { return fastestSpeed(motion_); }
-  double fastestSpeed(const Motion& motion) const;
+  double fastestSpeed() const { return fastestSpeed(motion_.velocities); }
+  double fastestSpeed(const std::vector<Velocity>& velocities) const;
+  double restWithinStep(double limit) const;
   bool isOnItsWay();
   void watchJam(const StepReport& report);
   bool isStuck() const;

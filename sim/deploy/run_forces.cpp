@@ -124,17 +124,17 @@ std::vector<Hold> Run::holds(double time, const Motion& motion) const {
   return holds;
 }
 
+/// How fast the bricks are so many seconds after the last step's start: straight between the states
+/// on the way that are known.
+std::vector<Velocity> Run::velocitiesAt(double seconds) const {
+  const auto passed = wasSmooth_ ? dynamics_->passed() : std::span<const PassedState>{};
+  return velocitiesBetween(before_, passed, motion_, length_, seconds);
+}
+
 /// How the bricks move in these poses at a time within the last step.
 Motion Run::motionAt(double time, const Poses& poses) const {
-  const double share = 1 - (this->time() - time) / length_;
-  Motion motion{poses, motion_.velocities};
-  if (time == this->time()) return motion;
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    const Velocity &from = before_.velocities[i], &to = motion_.velocities[i];
-    motion.velocities[i] = {from.linear + share * (to.linear - from.linear),
-                            from.angular + share * (to.angular - from.angular)};
-  }
-  return motion;
+  if (time == this->time()) return {poses, motion_.velocities};
+  return {poses, velocitiesAt(length_ - (this->time() - time))};
 }
 
 }  // namespace kirireel

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -29,6 +30,9 @@ constexpr double kThereShare = 1e-6;
 constexpr double kArrivedShare = 1e-9;
 // Steps that fail, and bring no brick farther than this part of a tile, are no motion.
 constexpr double kStuckShare = 1e-3;
+// A step is looked at in so many parts for the beginning of rest, and the part halved so often.
+constexpr int kRestLooks = 16;
+constexpr int kRestHalvings = 30;
 
 }  // namespace
 
@@ -95,9 +99,9 @@ bool Run::isStuck() const {
 }
 
 /// Of all bricks, turns counted at a tile's size, m/s.
-double Run::fastestSpeed(const Motion& motion) const {
+double Run::fastestSpeed(const std::vector<Velocity>& velocities) const {
   double fastest = 0;
-  for (const Velocity& velocity : motion.velocities) {
+  for (const Velocity& velocity : velocities) {
     const double speed = velocity.linear.norm() + velocity.angular.norm() * tileSize_;
     fastest = std::max(fastest, speed);
   }
@@ -115,22 +119,33 @@ bool Run::isOnItsWay() {
   return probe.movesOn;
 }
 
-/// Rest begins within a step, where the fastest speed v(t) falls through the limit: found as if
-/// log v were linear in the step.
+/// For how long up to the end of the last step the fastest speed has stayed below a limit that it
+/// is below then, seconds; the whole step's length where it was never above. Speeds swing: looked
+/// at in parts of the step, then by bisection.
+double Run::restWithinStep(double limit) const {
+  const auto isFast = [&](double seconds) { return fastestSpeed(velocitiesAt(seconds)) >= limit; };
+  const double part = length_ / kRestLooks;
+  int fast = kRestLooks - 1;
+  while (fast >= 0 && !isFast(fast * part)) --fast;
+  if (fast < 0) return length_;
+  double above = fast * part;
+  double below = above + part;
+  for (int k = 0; k < kRestHalvings; ++k) {
+    const double middle = 0.5 * (above + below);
+    (isFast(middle) ? above : below) = middle;
+  }
+  return length_ - below;
+}
+
 void Run::updateRest() {
   const double limit = scene_.stop.settleSpeed * size_;
-  const double speed = fastestSpeed();
-  if (isOnPath() || (speed >= limit && !isStuck())) {
+  const bool isSlow = fastestSpeed() < limit;
+  if (isOnPath() || !(isSlow || isStuck())) {
     restTime_ = 0;
-  } else if (restTime_ > 0 || speed >= limit) {
-    restTime_ += length_;
-  } else {
-    const double before = fastestSpeed(before_);
-    const bool restedBefore = !(before > limit);
-    restTime_ = restedBefore || speed <= 0
-                    ? length_
-                    : length_ * std::log(limit / speed) / std::log(before / speed);
+    return;
   }
+  const double within = isSlow ? restWithinStep(limit) : length_;
+  restTime_ = within < length_ ? within : restTime_ + length_;
 }
 
 double Run::restMoment() const {

@@ -314,16 +314,46 @@ std::optional<double> Extrapolation::step(Motion& motion, double seconds, const 
   return std::nullopt;
 }
 
-Poses posesBetween(const Motion& from, std::span<const PassedState> passed, const Motion& to,
-                   double length, double seconds) {
+namespace {
+
+/// The two known states on both sides of a moment within a step.
+struct StatesAround {
+  const Motion& before;
+  const Motion& after;
+  double seconds;  // between them
+  double share;    // of these at the moment
+};
+
+StatesAround statesAround(const Motion& from, std::span<const PassedState> passed, const Motion& to,
+                          double length, double seconds) {
   const auto isLater = [&](const PassedState& state) { return state.seconds > seconds; };
   const auto next = std::ranges::find_if(passed, isLater);
   const PassedState* before = next == passed.begin() ? nullptr : &*std::prev(next);
   const PassedState* after = next == passed.end() ? nullptr : &*next;
   const double begin = before ? before->seconds : 0;
   const double end = after ? after->seconds : length;
-  return interpolate(before ? before->motion : from, after ? after->motion : to, end - begin,
-                     (seconds - begin) / (end - begin));
+  return {before ? before->motion : from, after ? after->motion : to, end - begin,
+          (seconds - begin) / (end - begin)};
+}
+
+}  // namespace
+
+Poses posesBetween(const Motion& from, std::span<const PassedState> passed, const Motion& to,
+                   double length, double seconds) {
+  const StatesAround around = statesAround(from, passed, to, length, seconds);
+  return interpolate(around.before, around.after, around.seconds, around.share);
+}
+
+std::vector<Velocity> velocitiesBetween(const Motion& from, std::span<const PassedState> passed,
+                                        const Motion& to, double length, double seconds) {
+  const StatesAround around = statesAround(from, passed, to, length, seconds);
+  std::vector<Velocity> velocities = around.before.velocities;
+  for (std::size_t i = 0; i < velocities.size(); ++i) {
+    const Velocity& after = around.after.velocities[i];
+    velocities[i].linear += around.share * (after.linear - velocities[i].linear);
+    velocities[i].angular += around.share * (after.angular - velocities[i].angular);
+  }
+  return velocities;
 }
 
 }  // namespace kirireel

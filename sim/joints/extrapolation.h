@@ -80,4 +80,8 @@ class Extrapolation {
 Poses posesBetween(const Motion& from, std::span<const PassedState> passed, const Motion& to,
                    double length, double seconds);
 
+/// The same of the velocities, straight between the states: wrong by the square of the step.
+std::vector<Velocity> velocitiesBetween(const Motion& from, std::span<const PassedState> passed,
+                                        const Motion& to, double length, double seconds);
+
 }  // namespace kirireel

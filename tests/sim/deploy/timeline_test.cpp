@@ -187,6 +187,22 @@ TEST(Timelines, EntriesActAtTheirOwnTimeHoweverStepsLie) {
   }
 }
 
+TEST(Deploy, ComesToRestAtATimeThatStepsDoNotMove) {
+  Scene scene = sheetScene();
+  scene.springs.adaptive = false;
+  scene.solver.tolerance = 1e-6;
+  scene.stop.settleSpeed = 1e-3;  // far above what the tolerance leaves of speeds
+  std::vector<double> ends;
+  for (const double timestep : {1.0 / 480, 1.0 / 240, 1.0 / 80}) {
+    scene.solver.timestep = timestep;
+    const DeploymentResult result = deploy(scene, 0.05, nullptr);
+    EXPECT_EQ(result.outcome, Outcome::Settled) << result.reason;
+    ends.push_back(result.trajectory.samples.back().time);
+  }
+  // Measured 1.1e-3 s apart; the run is looked at every 1/120 to 1/20 s.
+  for (const double end : ends) EXPECT_NEAR(end, ends.front(), 3e-3);
+}
+
 TEST(Timelines, AnEntryJustBeforeTheEndDoesNotShortenTheRun) {
   Scene scene = sheetScene();
   scene.timeline = {{{Occasion::Kind::AtTime, 0.495}, Forces{false}}};
