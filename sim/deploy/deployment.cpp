@@ -174,7 +174,8 @@ void chooseWay(Scene& scene, Search& found, SearchBudget& budget, const TrialObs
     return;
   }
   ContactFilter& contacts = scene.environment.contacts;
-  const bool isContactOpen = contacts == ContactFilter::Auto;
+  const ContactFilter wanted = contacts;
+  const bool isContactOpen = wanted == ContactFilter::Auto;
   if (isContactOpen) contacts = isSearched(scene) ? ContactFilter::All : ContactFilter::None;
   PathKind& kind = scene.path.kind;
   std::string reason;
@@ -205,8 +206,7 @@ void chooseWay(Scene& scene, Search& found, SearchBudget& budget, const TrialObs
   if (isGeometry && (found.choice.isFound || found.choice.through) && !isRounded) {
     Scene chosen = scene;
     chosen.path = found.choice.path;
-    found.traced = tracedPath(chosen, found.choice, room, budget, watch);
-    found.traced->passesThrough = !found.choice.isFound;
+    found.traced = tracedPath(chosen, found.choice, wanted, room, budget, watch);
     found.walked = &*found.traced;
     if (found.traced->passesThrough) sayPassingThrough();
     return;

@@ -54,9 +54,15 @@ bool isClear(const Scene& scene, const GeometricPath& found) {
   return found.grown <= kClearShare * tileSize(scene.model);
 }
 
+/// Whether all bricks are to keep out of each other.
+bool areKeptApart(ContactFilter wanted) {
+  return wanted == ContactFilter::Auto || wanted == ContactFilter::All;
+}
+
 /// Measures how deep bricks overlap on a path beyond its first state, and how far compliant joints
-/// open; says why bricks had contacts on it, or had none.
-void judge(const Scene& scene, GeometricPath& found) {
+/// open; says why bricks had contacts on it, or had none. `wanted`: the contacts that the scene was
+/// given with.
+void judge(const Scene& scene, GeometricPath& found, ContactFilter wanted) {
   const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
   const std::vector<Pivot> pivots = makePivots(scene.model.joints, bricks);
   const std::vector<Poses>& states = found.path.states;
@@ -66,15 +72,21 @@ void judge(const Scene& scene, GeometricPath& found) {
     if (!found.hasCompliantJoints) continue;
     found.opening = std::max(found.opening, jointGap(pivots, state).max);
   }
-  const bool isAsked = scene.environment.contacts != ContactFilter::None;
+  const bool isAsked = wanted != ContactFilter::None;
   const bool isTouching = found.contacts != ContactFilter::None;
   found.passesThrough = isAsked && !isTouching && !isClear(scene, found);
+  const bool isPushed = isTouching && areKeptApart(wanted) && !isClear(scene, found);
   found.contactReason =
       !isAsked     ? "not asked for"
+      : isPushed   ? "bricks meet on the way, and some pass through each other all the same"
       : isTouching ? "bricks meet on the way"
       : found.passesThrough
           ? "bricks pass through each other, no path among touching ones was found"
           : "no bricks meet on the way";
+}
+
+void judge(const Scene& scene, GeometricPath& found) {
+  judge(scene, found, scene.environment.contacts);
 }
 
 /// Cuts detours out of a path with exact joints, at a part of the budget.
@@ -437,8 +449,9 @@ GeometricPaths findGeometricPaths(const Scene& scene, const TargetRoom& room, Se
   return GeometricSearch(scene, room, budget, observer).find();
 }
 
-GeometricPath tracedPath(const Scene& scene, const PathChoice& choice, const TargetRoom& room,
-                         SearchBudget& budget, const TrialObserver& observer) {
+GeometricPath tracedPath(const Scene& scene, const PathChoice& choice, ContactFilter wanted,
+                         const TargetRoom& room, SearchBudget& budget,
+                         const TrialObserver& observer) {
   Scene traced = scene;
   traced.stop = StopRules{};  // as in its trial
   bool goesOn = true;
@@ -463,7 +476,9 @@ GeometricPath tracedPath(const Scene& scene, const PathChoice& choice, const Tar
   found.reason = "states of a run are walked: " + choice.reason;
   found.path = continueTo(traced, std::move(states), room.nearest.poses, budget, tell);
   shorten(traced, found, budget, tell);
-  judge(scene, found);
+  judge(scene, found, wanted);
+  // Joints that were closed at the end may have pushed bricks into each other that had contacts.
+  found.passesThrough = found.passesThrough || (areKeptApart(wanted) && !isClear(scene, found));
   return found;
 }
 

@@ -41,9 +41,11 @@ GeometricPaths findGeometricPaths(const Scene& scene, const TargetRoom& room, Se
                                   const TrialObserver& observer);
 
 /// The states that a run passes which was chosen because it arrives, as a path that goes on from
-/// where the springs rest to the state nearest to the target. `scene` has its path and contacts.
-GeometricPath tracedPath(const Scene& scene, const PathChoice& choice, const TargetRoom& room,
-                         SearchBudget& budget, const TrialObserver& observer);
+/// where the springs rest to the state nearest to the target. `scene` has its path and contacts;
+/// `wanted`: those that were given, which may have been left out since.
+GeometricPath tracedPath(const Scene& scene, const PathChoice& choice, ContactFilter wanted,
+                         const TargetRoom& room, SearchBudget& budget,
+                         const TrialObserver& observer);
 
 /// The path to full extension of a scene without a target.
 GeometricPaths findExtension(const Scene& scene, SearchBudget& budget,

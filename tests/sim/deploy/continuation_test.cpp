@@ -9,6 +9,7 @@
 
 #include "sim/base/error.h"
 #include "sim/deploy/deployment.h"
+#include "sim/deploy/geometric_path.h"
 #include "sim/generate/families.h"
 #include "sim/generate/shells.h"
 #include "sim/measure/brick_measures.h"
@@ -243,6 +244,21 @@ TEST(Continuation, BricksPassThroughEachOtherNeverInSilence) {
     return warning.find("pass through each other") != std::string::npos;
   });
   EXPECT_NE(isClear, isSaid);
+}
+
+TEST(Continuation, StatesOfARunAreSaidToPassThroughEachOther) {
+  Scene scene = sceneOf(makeSphericalCap({.size = 6}));
+  scene.path.kind = PathKind::Straight;
+  scene.solver.tolerance = 0;
+  scene.environment.contacts = ContactFilter::None;  // left out by the search, not by the user
+  SearchBudget budget(20);
+  const TargetRoom room = {.nearest = assembleAtTarget(scene)};
+  const GeometricPath path = tracedPath(scene, {scene.path, "straight pull arrives"},
+                                        ContactFilter::Auto, room, budget, {});
+  EXPECT_GT(path.grown, 1e-4 * tileSize(scene.model));
+  EXPECT_TRUE(path.passesThrough);
+  EXPECT_EQ(path.contactReason,
+            "bricks pass through each other, no path among touching ones was found");
 }
 
 /// A target whose upper half is moved away, so that the tiles there cannot hang together.
