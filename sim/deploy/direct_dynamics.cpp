@@ -142,6 +142,7 @@ DirectDynamics::DirectDynamics(const Scene& scene, const Needs& needs,
       bodies_(bodiesOf(bricks, obstacles_)),
       solver_(solverOf(scene, needs, bricks, bodies_)),
       substeps_(scene.solver.substeps.value_or(1)),
+      keepsEnergy_(scene.hinges.areLigaments),
       isRubbing_(!groundSupports(scene, needs, bricks).empty()) {
   requireSpace(scene, needs);
   if (hasObstacles()) setPinned(std::vector<bool>(brickCount_, false));
@@ -340,7 +341,7 @@ void DirectDynamics::setTolerance(const TimeTolerance& tolerance) {
   firstOrderStep_ = tolerance.firstOrderStep;
   extrapolation_ = std::make_unique<Extrapolation>(
       bodies_, *solver_,
-      ExtrapolationSettings{tolerance.tolerance, tolerance.longestStep, tileSize_});
+      ExtrapolationSettings{tolerance.tolerance, tolerance.longestStep, tileSize_, keepsEnergy_});
 }
 
 StepReport DirectDynamics::advanceToTolerance(Motion& motion, double seconds,

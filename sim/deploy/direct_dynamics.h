@@ -60,6 +60,7 @@ class DirectDynamics : public Dynamics {
   std::unique_ptr<JointSolver> solver_;
   std::unique_ptr<ContactFinder> contacts_;  // null where nothing can be touched
   int substeps_;
+  bool keepsEnergy_;                              // to a tolerance in time
   bool isRubbing_;                                // planar bricks on a ground with friction
   bool isPinned_ = false;                         // some brick
   std::unique_ptr<Extrapolation> extrapolation_;  // null where no tolerance is asked for

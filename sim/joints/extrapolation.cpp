@@ -5,10 +5,12 @@
 // the two estimates the error of the latter; the former is taken. Positions, rotation vectors from
 // the step's start, velocities and the energy lost to dampers are combined; then joints are closed,
 // and velocities made to fit, in the metric of the masses. The whole keeps its momentum to
-// rounding, but for what the loads give. After each row the step is taken, given up or goes on by
-// the rules of SEULEX, and the next one has the length and order that cost least a second. Hairer
-// and Wanner, Solving Ordinary Differential Equations II, 1996, IV.9; constraints: Lubich,
-// Extrapolation integrators for constrained multibody systems, 1991.
+// rounding, but for what the loads give; where asked for, its energy to a part of the tolerance:
+// the work of the loads is summed in each row and extrapolated likewise, and what the energy
+// differs from it is an error of the step beside that of places. After each row the step is taken,
+// given up or goes on by the rules of SEULEX, and the next one has the length and order that cost
+// least a second. Hairer and Wanner, Solving Ordinary Differential Equations II, 1996, IV.9;
+// constraints: Lubich, Extrapolation integrators for constrained multibody systems, 1991.
 #include "sim/joints/extrapolation.h"
 
 #include <algorithm>
@@ -32,6 +34,8 @@ constexpr double kMore = 0.9;
 constexpr double kFirst = 1.0 / 64;
 constexpr double kShortest = 1.0 / 1024;
 constexpr int kRejections = 8;
+// The part of the tolerance that the energy may be off by after one of the longest steps.
+constexpr double kEnergyPart = 0.1;
 constexpr double kCaught = 0.4;  // the part of a step that is tried next where sliding ends in it
 constexpr double kSameTime = 1e-9;
 // Joints count as closed below this part of a length scale.
@@ -75,13 +79,15 @@ struct Extrapolation::Trial {
   struct Crossing {
     Motion end;
     std::vector<Vector3> turns;  // of the bricks from the step's start, rotation vectors
-    Momentum given;              // by the loads
+    LoadGain given;              // by the loads
     double damped = 0;           // energy that dampers took, joules
     double impacted = 0;         // and contacts
   };
 
   const Motion& start;
   double length;  // seconds
+  double energy;  // at the start, joules
+  double off;     // what places and speeds are off with the rows so far, in tolerances
   std::vector<Crossing> rows;
   Motion end;  // extrapolated from all rows; at last its joints closed
   // Of the orders tried so far, the first two unused.
@@ -168,12 +174,27 @@ double Extrapolation::difference(const Motion& a, const Motion& b, double second
   return largest;
 }
 
+/// By how much more the energy changed than loads and dampers account for, in what it may in a step
+/// of this length: what steps lose adds up, for the Euler steps of all rows damp alike.
+double Extrapolation::energyError(const Trial& trial) const {
+  if (!settings_.keepsEnergy) return 0;
+  const std::vector<double> shares = weights(1, trial.order());
+  double wanted = trial.energy;
+  for (std::size_t j = 0; j < shares.size(); ++j) wanted += shares[j] * trial.rows[j].given.work;
+  const double energy = solver_.energy(trial.end);
+  const double most = std::max({mostEnergy_, trial.energy, energy});
+  const double part = kEnergyPart * trial.length / settings_.longestStep;
+  const double allowed = part * settings_.tolerance * most;
+  return most > 0 ? std::abs(energy - wanted) / allowed : 0;
+}
+
 /// Notes what the latest row tells of the step's error.
 void Extrapolation::estimate(Trial& trial) const {
   const int order = trial.order();
   trial.end = combine(trial, 1, order);
-  const double error = difference(trial.end, combine(trial, 2, order), trial.length) /
-                       (settings_.tolerance * settings_.lengthScale);
+  trial.off = difference(trial.end, combine(trial, 2, order), trial.length) /
+              (settings_.tolerance * settings_.lengthScale);
+  const double error = std::max(trial.off, energyError(trial));
   const double factor = kSafety * std::pow(kAim / std::max(error, 1e-12), 1.0 / order);
   const double bounded =
       std::isfinite(error) ? std::clamp(factor, kLeastFactor, kMostFactor) : kLeastFactor;
@@ -192,9 +213,9 @@ bool Extrapolation::tryOrders(Trial& trial, const TimedLoads& loads, StepReport&
     if (!std::isfinite(error)) return false;
     if (order < order_ - 1) continue;
     if (error <= 1) return true;
-    // What the rows that may follow gain at most.
+    // What the rows that may follow gain at most; of the energy's error it may be far more.
     const double gain = order < order_ ? order_ * (order_ + 1.0) : order_ + 1.0;
-    if (error > gain) return false;
+    if (trial.off > gain) return false;
   }
   return false;
 }
@@ -213,8 +234,8 @@ void Extrapolation::keepMomentum(const Trial& trial, Motion& motion) const {
   const std::vector<double> shares = weights(1, trial.order());
   Momentum wanted = momentumOf(bricks_, trial.start);
   for (std::size_t j = 0; j < shares.size(); ++j) {
-    wanted.linear += shares[j] * trial.rows[j].given.linear;
-    wanted.angular += shares[j] * trial.rows[j].given.angular;
+    wanted.linear += shares[j] * trial.rows[j].given.momentum.linear;
+    wanted.angular += shares[j] * trial.rows[j].given.momentum.angular;
   }
   double mass = 0;
   Vector3 centre = Vector3::Zero();
@@ -289,9 +310,11 @@ void Extrapolation::chooseAgain(const Trial& trial) {
 
 std::optional<double> Extrapolation::step(Motion& motion, double seconds, const TimedLoads& loads,
                                           const StepFilter& mayTake, StepReport& report) {
+  const double energy = settings_.keepsEnergy ? solver_.energy(motion) : 0;
+  mostEnergy_ = std::max(mostEnergy_, energy);
   for (int tries = 0; tries < kRejections; ++tries) {
     const double parts = std::ceil(seconds / std::min(length_, settings_.longestStep) - kSameTime);
-    Trial trial{motion, seconds / std::max(1.0, parts), {}, {}};
+    Trial trial{motion, seconds / std::max(1.0, parts), energy, 0, {}, {}};
     const bool isSmooth = tryOrders(trial, loads, report);
     const double caught = isSmooth ? caughtError(trial) : 0;
     if (isSmooth && caught <= 1) {

@@ -27,6 +27,10 @@ struct ExtrapolationSettings {
   double tolerance = 1e-4;        ///< error in time that one step may make, length scales, above 0
   double longestStep = 1.0 / 60;  ///< seconds, above 0
   double lengthScale = 1;         ///< a typical tile edge, metres
+  /// Whether steps keep the energy too, but for what loads give (JointSolver::energy): each of the
+  /// longest to a tenth of the tolerance, as a part of the most that there was so far, and others
+  /// in proportion. Stiff ligaments swing faster than places tell.
+  bool keepsEnergy = false;
 };
 
 /// Advances bricks by steps whose length and order follow from the tolerance. Of contacts it knows
@@ -49,8 +53,8 @@ class Extrapolation {
   /// Whether what does not move pushes some bricks: the momentum of the whole is then not its own.
   void setSupported(bool supported) { isSupported_ = supported; }
 
-  /// The length and order of the next step.
-  void transfer(StateTape& tape) { tape.transfer(length_, order_); }
+  /// The length and order of the next step, and the most energy so far.
+  void transfer(StateTape& tape) { tape.transfer(length_, order_, mostEnergy_); }
 
  private:
   struct Trial;
@@ -58,6 +62,7 @@ class Extrapolation {
   bool addRow(Trial& trial, const TimedLoads& loads, StepReport& report);
   Motion combine(const Trial& trial, int first, int last) const;
   void estimate(Trial& trial) const;
+  double energyError(const Trial& trial) const;
   double difference(const Motion& a, const Motion& b, double seconds) const;
   bool tryOrders(Trial& trial, const TimedLoads& loads, StepReport& report);
   bool finish(Trial& trial, const StepFilter& mayTake);
@@ -71,8 +76,9 @@ class Extrapolation {
   JointSolver& solver_;
   ExtrapolationSettings settings_;
   bool isSupported_ = false;
-  double length_;  // of the next step, seconds
-  int order_;      // of the next step: so many rows are expected to do
+  double length_;          // of the next step, seconds
+  int order_;              // of the next step: so many rows are expected to do
+  double mostEnergy_ = 0;  // so far, joules
 };
 
 /// The poses so many seconds after the start of `length` seconds that led from one motion to

@@ -263,7 +263,7 @@ bool Stepper<D>::solveWithLigaments(const Poses& start, double step) {
   Vector known = Vector::Zero(program_.x.size());
   double least = system_.potential(step, known);
   for (int round = 0; round < kLigamentRounds; ++round) {
-    system_.setLigamentsAbout(known);
+    system_.setLigamentsAbout(known, LigamentBlocks::Curvature::Convex);
     program_.force = system_.force();
     if (!solveVelocities(start)) return false;
     const Vector change = program_.x - known;
@@ -398,18 +398,21 @@ std::vector<TouchForce> Stepper<D>::touchForces(const Poses& poses) const {
   return forces;
 }
 
-/// Adds the momentum that the loads give in a step with the program's velocities.
+/// Adds the momentum and the work that the loads give in a step with the program's velocities.
 template <int D>
-void Stepper<D>::addImpulses(const Poses& poses, double step, Momentum& given) const {
+void Stepper<D>::addGain(const Poses& poses, double step, LoadGain& given) const {
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
     const typename Space::Vector velocity = program_.x.template segment<D>(D * i);
     const typename Space::Block resistance =
         Space::restrict(loads_[i].damping) + step * Space::restrict(loads_[i].stiffness);
-    const Velocity impulse =
-        Space::unpack(step * (Space::restrict(loads_[i].force) - resistance * velocity));
-    given.linear += impulse.linear;
-    given.angular += poses[i].position.cross(impulse.linear) + impulse.angular;
+    const typename Space::Vector push =
+        step * (Space::restrict(loads_[i].force) - resistance * velocity);
+    const Velocity impulse = Space::unpack(push);
+    given.momentum.linear += impulse.linear;
+    given.momentum.angular += poses[i].position.cross(impulse.linear) + impulse.angular;
+    given.work += velocity.dot(push);
   }
+  given.work -= system_.dampedBySprings(step, program_.x) + report_.impacted;
 }
 
 template <int D>
@@ -503,7 +506,7 @@ bool Stepper<D>::boundFriction() {
 
 template <int D>
 StepReport Stepper<D>::eulerStep(Motion& motion, double step, const LoadSource& loads,
-                                 Momentum& given) {
+                                 LoadGain& given) {
   const int before = system_.factorizations();
   const double workBefore = system_.work();
   loads(motion.poses, loads_);
@@ -511,19 +514,35 @@ StepReport Stepper<D>::eulerStep(Motion& motion, double step, const LoadSource& 
   program_.multipliers *= step / multiplierStep_;
   multiplierStep_ = step;
   beginStep(motion, step);
+  if (system_.hasLigaments()) {
+    const Vector rest = Vector::Zero(program_.x.size());
+    system_.setLigamentsAbout(rest, LigamentBlocks::Curvature::Whole);
+    program_.force = system_.force();
+  }
   startSpeed_ = program_.x;
   placeHeldRows(motion.poses, step);
   report_ = {.steps = 1};
   if (!solveWithFriction(motion.poses)) report_.unconverged = 1;
   keepHeldRows(step);
   countLosses(step);
-  addImpulses(motion.poses, step, given);
+  addGain(motion.poses, step, given);
   poses_ = motion.poses;
   displace(step * program_.x);
   finishStep(motion);
   report_.factorizations = system_.factorizations() - before;
   report_.work = system_.work() - workBefore;
   return report_;
+}
+
+template <int D>
+double Stepper<D>::energy(const Motion& motion) const {
+  Vector x(D * bricks_.size());
+  for (std::size_t i = 0; i < bricks_.size(); ++i) {
+    x.segment<D>(D * i) = Space::pack(motion.velocities[i]);
+  }
+  return system_.kineticEnergy(motion.poses, x) +
+         elasticEnergy(settings_.hingeSprings, motion.poses) +
+         elasticEnergy(settings_.ligaments, motion.poses);
 }
 
 template <int D>

@@ -45,6 +45,12 @@ struct Momentum {
   Vector3 angular = Vector3::Zero();
 };
 
+/// What the loads of a step give to all bricks together.
+struct LoadGain {
+  Momentum momentum;
+  double work = 0;  ///< less what springs' dashpots and contacts take, joules
+};
+
 /// What two touching bricks push each other with.
 struct ContactLoad {
   int brickA = 0;
@@ -89,10 +95,12 @@ class JointSolver {
   /// velocities satisfy joints and contacts as they stand at the start, bricks move by them, and
   /// joints are not closed again. While no contact parts or sticks its error is a power series in
   /// the step, so that steps of several lengths can be extrapolated (see Extrapolation). A step
-  /// whose velocities were not found counts as unconverged. Adds to `given` the momentum that the
-  /// loads gave.
+  /// whose velocities were not found counts as unconverged. Adds to `given` what the loads gave.
   virtual StepReport eulerStep(Motion& motion, double step, const LoadSource& loads,
-                               Momentum& given) = 0;
+                               LoadGain& given) = 0;
+
+  /// What the motion holds, and springs at hinges and ligaments at its poses, joules.
+  virtual double energy(const Motion& motion) const = 0;
 
   /// The largest speed along their planes that points of contacts, and supports, have at the start
   /// of a step though they stick at its end, m/s; of the last Euler step's.

@@ -39,7 +39,6 @@ void LigamentBlocks::begin(const Poses& poses, double step, const std::vector<bo
   start_ = poses;
   step_ = step;
   held_ = held;
-  setAbout(Vector::Zero(static_cast<Eigen::Index>(3 * poses.size())));
 }
 
 Poses LigamentBlocks::posesAfter(const Vector& displacement) const {
@@ -50,13 +49,15 @@ Poses LigamentBlocks::posesAfter(const Vector& displacement) const {
   return poses;
 }
 
-void LigamentBlocks::setAbout(const Vector& x0) {
+void LigamentBlocks::setAbout(const Vector& x0, Curvature curvature) {
   const Poses poses = posesAfter(step_ * x0);
   for (std::size_t k = 0; k < ligaments_.size(); ++k) {
     const Ligament& ligament = ligaments_[k];
     const LigamentEnergy energy = ligamentEnergy(ligament, poses);
     LigamentBlock& block = blocks_[k];
-    block.weight = step_ * step_ * withoutNegative(energy.hessian, lengthScale_);
+    const bool isWhole = curvature == Curvature::Whole;
+    block.weight =
+        step_ * step_ * (isWhole ? energy.hessian : withoutNegative(energy.hessian, lengthScale_));
     block.force = block.weight * pairOf(ligament, x0) - step_ * energy.gradient;
     const auto leaveOut = [&](int brick, int first) {
       if (!held_[static_cast<std::size_t>(brick)]) return;

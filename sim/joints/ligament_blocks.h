@@ -10,11 +10,15 @@ namespace kirireel {
 /// The energy E of ligaments in the plane along a step of h seconds from poses q with velocities x,
 /// as a quadratic function of x,
 ///   E(q + h x) ~ E + h g^T (x - x0) + h^2 (x - x0)^T K (x - x0) / 2,
-/// about velocities x0, K its second derivative without what is negative of it: so each minimum is
-/// one, and steps lead downhill. All of pairs of bricks, in their six coordinates.
+/// about velocities x0. All of pairs of bricks, in their six coordinates.
 class LigamentBlocks {
  public:
   using Vector = Eigen::VectorXd;
+
+  /// K: the second derivative, or that without what is negative of it. With the latter each minimum
+  /// is one, and Newton's steps lead downhill; but it has kinks where a ligament buckles, on which
+  /// the orders of extrapolated steps are lost.
+  enum class Curvature { Whole, Convex };
 
   /// What one ligament adds to a step.
   struct LigamentBlock {
@@ -32,11 +36,11 @@ class LigamentBlocks {
   const Ligament& ligament(std::size_t k) const { return ligaments_[k]; }
   const LigamentBlock& block(std::size_t k) const { return blocks_[k]; }
 
-  /// Begins a step at these poses, with x0 = 0. One entry a brick: those that are held take no
-  /// part.
+  /// Begins a step at these poses, whose blocks are to be set. One entry a brick: those that are
+  /// held take no part.
   void begin(const Poses& poses, double step, const std::vector<bool>& held);
   /// Sets the blocks about velocities x0.
-  void setAbout(const Vector& x0);
+  void setAbout(const Vector& x0, Curvature curvature);
   /// Takes all blocks away.
   void clear() { blocks_.assign(ligaments_.size(), {}); }
 

@@ -119,15 +119,14 @@ void StepSystem<D>::setStep(const Motion& motion, const std::vector<Load>& loads
   setSprings(motion.poses, step);
   ligaments_.begin(motion.poses, step, pinned_);
   ownForce_ = f_;
-  ligaments_.addForce(f_);
   kappa_ = std::isfinite(jointStiffness) ? step * step * jointStiffness
                                          : kJointWeight * sum / static_cast<double>(bricks_.size());
   rho_ = kContactWeight * sum / static_cast<double>(bricks_.size());
 }
 
 template <int D>
-void StepSystem<D>::setLigamentsAbout(const Vector& x) {
-  ligaments_.setAbout(x);
+void StepSystem<D>::setLigamentsAbout(const Vector& x, LigamentBlocks::Curvature curvature) {
+  ligaments_.setAbout(x, curvature);
   f_ = ownForce_;
   ligaments_.addForce(f_);
 }

@@ -44,13 +44,13 @@ class StepSystem {
   /// brick.
   void setPinned(std::vector<bool> pinned) { pinned_ = std::move(pinned); }
 
-  /// Sets A and f from the motion at the start of a step. `jointStiffness` in N/m makes the joints
-  /// springs: kappa = h^2 k; infinity makes them exact.
+  /// Sets A and f from the motion at the start of a step, but for ligaments. `jointStiffness` in
+  /// N/m makes the joints springs: kappa = h^2 k; infinity makes them exact.
   void setStep(const Motion& motion, const std::vector<Load>& loads, double step,
                double jointStiffness);
   bool hasLigaments() const { return !ligaments_.empty(); }
-  /// Sets the ligaments' part of A and f anew, about velocities x of the step.
-  void setLigamentsAbout(const Vector& x);
+  /// Sets the ligaments' part of A and f, about velocities x of the step.
+  void setLigamentsAbout(const Vector& x, LigamentBlocks::Curvature curvature);
   /// What the step minimises, the ligaments' own energy in the place of their blocks, for
   /// velocities x, joules.
   double potential(double step, const Vector& x) const;

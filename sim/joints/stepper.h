@@ -34,7 +34,8 @@ class Stepper : public JointSolver {
   void holdContacts(const std::vector<Contact>& contacts) override;
   std::vector<Contact> heldContacts() const override;
   StepReport eulerStep(Motion& motion, double step, const LoadSource& loads,
-                       Momentum& given) override;
+                       LoadGain& given) override;
+  double energy(const Motion& motion) const override;
   double caughtSpeed(const Motion& start) const override;
   double project(Motion& motion) override;
   bool collide(Motion& motion) override;
@@ -62,7 +63,7 @@ class Stepper : public JointSolver {
   double closeGaps(Poses& poses, std::vector<Row> held);
   double largestGap(const Vector& gaps, const std::vector<Row>& held) const;
   void countLosses(double step);
-  void addImpulses(const Poses& poses, double step, Momentum& given) const;
+  void addGain(const Poses& poses, double step, LoadGain& given) const;
   StepOutcome tryStep(const Motion& start, double step, bool warm);
   StepOutcome solveContactRounds(const Poses& start, double step);
   bool appendRows(const std::vector<Contact>& found, const Poses& start, double step);
