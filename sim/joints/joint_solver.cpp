@@ -538,7 +538,7 @@ template <int D>
 double Stepper<D>::energy(const Motion& motion) const {
   Vector x(D * bricks_.size());
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
-    x.segment<D>(D * i) = Space::pack(motion.velocities[i]);
+    x.segment<D>(D * i) = Space::pack(pinned_[i] ? Velocity{} : motion.velocities[i]);
   }
   return system_.kineticEnergy(motion.poses, x) +
          elasticEnergy(settings_.hingeSprings, motion.poses) +
