@@ -23,7 +23,7 @@ std::vector<GraphicsLibrary> builtGraphicsLibraries();
 void setGraphicsLibrary(GraphicsLibrary library);
 
 /// Sets how many extra threads the software renderer uses, for contexts made later; 0 draws on the
-/// calling thread, the efficient choice while other threads simulate and encode. Changes the
+/// calling thread, one context at a time. Changes the
 /// environment of the process: call it before other threads start. A value that the user has set
 /// (LP_NUM_THREADS) stays.
 void setRasterThreads(int count);

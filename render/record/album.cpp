@@ -18,6 +18,7 @@
 #include "render/record/snapshot_choice.h"
 #include "render/record/stopwatch.h"
 #include "render/record/title_card.h"
+#include "sim/base/cpu_time.h"
 #include "sim/base/error.h"
 #include "sim/base/pending_file.h"
 #include "sim/measure/brick_measures.h"
@@ -148,6 +149,8 @@ Album::Album(const TrajectoryReader& run, const PictureSettings& settings, Pictu
 void Album::makeFrames(const TrajectoryReader& run, const MotionCurve& motion,
                        const ProgressObserver& observer) {
   const std::vector<FrameMoment> moments = videoMoments(motion, settings_);
+  const double begin = processCpuSeconds(), encoded = report_.recordCost.cpuSecondsEncode;
+  double feeding = 0;
   const StateFeed feed = replay(run, moments, observer, report_);
   const int painters = std::min(settings_.painters(), static_cast<int>(moments.size()));
   OrderQueue orders(kWaitingSamples);
@@ -158,6 +161,7 @@ void Album::makeFrames(const TrajectoryReader& run, const MotionCurve& motion,
     frames.stop();
   });
   crew.start([&] {
+    const CpuTimer timer(feeding);
     feed([&](const SharedState& state) {
       FrameOrder order{state, {}};
       return frames.push(order.frame.get_future()) && orders.push(std::move(order));
@@ -174,18 +178,15 @@ void Album::makeFrames(const TrajectoryReader& run, const MotionCurve& motion,
   }
   crew.run([&] { paint(frames_, orders, pool); });
   crew.finish();
+  // What neither of these threads used went into painting, on whichever threads.
+  report_.recordCost.cpuSecondsRender +=
+      processCpuSeconds() - begin - feeding - (report_.recordCost.cpuSecondsEncode - encoded);
 }
 
 void Album::paint(Studio& studio, OrderQueue& orders, FramePool& pool) {
-  double seconds = 0;
-  {
-    const CpuTimer timer(seconds);
-    while (std::optional<FrameOrder> order = orders.pop()) {
-      order->frame.set_value(takeFrame(studio, *order->state, pool.take()));
-    }
+  while (std::optional<FrameOrder> order = orders.pop()) {
+    order->frame.set_value(takeFrame(studio, *order->state, pool.take()));
   }
-  const std::lock_guard lock(reporting_);
-  report_.recordCost.cpuSecondsRender += seconds;
 }
 
 void Album::encode(FrameQueue& frames, FramePool& pool) {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <future>
-#include <mutex>
 #include <optional>
 
 #include "render/record/bounded_queue.h"
@@ -85,7 +84,6 @@ class Album {
 
   const PictureSettings& settings_;
   PictureReport& report_;
-  std::mutex reporting_;  ///< held by the painter that adds to the report
   CaptionWriter captions_;
   Studio frames_;                 ///< with a strip under its pictures
   std::optional<Studio> stills_;  ///< the same, smoother: of frames that stand alone

@@ -92,6 +92,8 @@ void requireValidSettings(const PictureSettings& settings) {
 
 /// Painters beyond these wait for the encoder.
 constexpr int kMostPainters = 16;
+/// Mesa has no more.
+constexpr int kMostRasterThreads = 16;
 
 bool leavesTrajectory(const RecordSettings& settings) {
   return settings.trajectory || settings.meshes || settings.paints() ||
@@ -280,8 +282,13 @@ std::string madeBy(const std::string& model, const std::string& order) {
 /// Sets up the graphics library; says what is missing of it before a simulation, not after it.
 void prepareGraphics(const PictureSettings& settings) {
   if (settings.graphics) setGraphicsLibrary(*settings.graphics);
-  // Other cores encode.
-  if (settings.paintsFrames()) setRasterThreads(0);
+  // Mesa draws all contexts' triangles with one set of threads; with none it draws them on the
+  // painters' own, but one painter at a time under a lock (lp_setup_rasterize_scene), and as that
+  // is two thirds of painting, the others would wait there in every frame.
+  if (settings.paintsFrames()) {
+    const int painters = settings.painters();
+    setRasterThreads(painters > 1 ? std::min(painters, kMostRasterThreads) : 0);
+  }
   if (settings.paints()) const Context probe;
 }
 

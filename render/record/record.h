@@ -115,10 +115,10 @@ struct RecordSettings : PictureSettings {
   ExportSettings exports;  ///< further files; none without formats
 };
 
-/// What recording cost, beside the deployment's own cost. CPU seconds are of the stage's thread.
+/// What recording cost, beside the deployment's own cost.
 struct RecordCost {
-  double cpuSecondsRender = 0;
-  double cpuSecondsEncode = 0;
+  double cpuSecondsRender = 0;       ///< of painters and of the threads of the graphics library
+  double cpuSecondsEncode = 0;       ///< of the encoder's thread
   double wallSeconds = 0;            ///< from the start to the last file
   std::int64_t peakMemoryBytes = 0;  ///< largest resident size of the process
 };

@@ -4,10 +4,22 @@
 
 namespace kirireel {
 
-double threadCpuSeconds() {
+namespace {
+
+double secondsOf(clockid_t clock) {
   timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  clock_gettime(clock, &time);
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+}  // namespace
+
+double threadCpuSeconds() {
+  return secondsOf(CLOCK_THREAD_CPUTIME_ID);
+}
+
+double processCpuSeconds() {
+  return secondsOf(CLOCK_PROCESS_CPUTIME_ID);
 }
 
 }  // namespace kirireel

@@ -6,4 +6,7 @@ namespace kirireel {
 /// CPU seconds that the calling thread has used so far.
 double threadCpuSeconds();
 
+/// The same of all threads of this process, those that libraries started too.
+double processCpuSeconds();
+
 }  // namespace kirireel
