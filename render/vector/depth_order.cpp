@@ -1,8 +1,10 @@
 #include "render/vector/depth_order.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <utility>
 
 #include "sim/base/interruption.h"
 
@@ -17,6 +19,10 @@ constexpr std::size_t kCandidates = 12;
 
 /// One cut polygon more costs as much as this many polygons of imbalance.
 constexpr int kCostOfCut = 8;
+
+/// A facet hides nothing so near to its own sides, in heights of the picture: those of neighbours
+/// lie there. Far less than the width of an outline, whose own line covers what is left.
+constexpr double kSideMargin = 2e-4;
 
 struct Plane {
   Vector3 normal;
@@ -135,6 +141,15 @@ class Sorter {
   double tolerance_;
 };
 
+/// Diagonal of a box around all of them, metres.
+double sizeOf(const std::vector<Piece>& pieces) {
+  Eigen::AlignedBox3d box;
+  for (const Piece& piece : pieces) {
+    for (const Vector3& corner : piece.outer.corners) box.extend(corner);
+  }
+  return box.isEmpty() ? 0 : box.diagonal().norm();
+}
+
 CutPolygon uncut(std::span<const Vector3> corners) {
   return {{corners.begin(), corners.end()}, std::vector<char>(corners.size(), 0)};
 }
@@ -152,6 +167,171 @@ Piece makePiece(const Sketch& sketch, const Facet& facet) {
   return piece;
 }
 
+/// Where a camera sees points: right and up in the picture, in heights of the picture at the
+/// camera's centre.
+class View {
+ public:
+  explicit View(const Camera& camera)
+      : camera_(camera),
+        forward_((camera.centre - camera.eye).normalized()),
+        right_(forward_.cross(camera.up).normalized()),
+        up_(right_.cross(forward_)),
+        height_(heightAtCentre(camera)) {}
+
+  Eigen::Vector2d operator()(const Vector3& point) const {
+    const Vector3 seen = point - camera_.eye;
+    return scaleAt(seen) * Eigen::Vector2d(right_.dot(seen), up_.dot(seen));
+  }
+
+  /// The half-space of points x with normal . x >= offset that the side of a polygon bounds in the
+  /// picture, on the side of `inside` and `margin` heights of the picture away from it: a plane
+  /// through the eye, or along the view.
+  std::pair<Vector3, double> within(const Vector3& from, const Vector3& to, const Vector3& inside,
+                                    double margin) const {
+    const Vector3 along = camera_.orthographic ? forward_ : Vector3(from - camera_.eye);
+    Vector3 normal = along.cross(to - from);
+    const double length = normal.norm();
+    if (length <= 0) return {Vector3::Zero(), 0};
+    normal /= normal.dot(inside - from) < 0 ? -length : length;
+    const double width = margin * height_;
+    if (camera_.orthographic) return {normal, normal.dot(from) + width};
+    // A margin of the picture is as much wider as it is farther away.
+    normal -= width / (camera_.centre - camera_.eye).norm() * forward_;
+    return {normal, normal.dot(camera_.eye)};
+  }
+
+ private:
+  double scaleAt(const Vector3& seen) const {
+    if (camera_.orthographic) return 1 / height_;
+    return (camera_.centre - camera_.eye).norm() / (forward_.dot(seen) * height_);
+  }
+
+  const Camera& camera_;
+  Vector3 forward_, right_, up_;
+  double height_;
+};
+
+/// The pieces that may hide what lies in a part of the picture: a grid of square cells, each with
+/// the pieces whose boxes reach into it.
+class PictureGrid {
+ public:
+  using Box = Eigen::AlignedBox2d;
+
+  PictureGrid(const std::vector<Piece>& pieces, const View& view) {
+    for (const Piece& piece : pieces) {
+      Box& box = boxes_.emplace_back();
+      for (const Vector3& corner : piece.outer.corners) box.extend(view(corner));
+      all_.extend(box);
+    }
+    sides_ = std::max(1, static_cast<int>(std::sqrt(static_cast<double>(pieces.size()))));
+    cells_.resize(static_cast<std::size_t>(sides_) * sides_);
+    for (std::size_t k = 0; k < pieces.size(); ++k) {
+      forCells(boxes_[k], [&](std::vector<std::size_t>& cell) { cell.push_back(k); });
+    }
+  }
+
+  /// In rising order, each once.
+  std::vector<std::size_t> near(const Box& box) {
+    std::vector<std::size_t> found;
+    forCells(box, [&](const std::vector<std::size_t>& cell) {
+      for (const std::size_t k : cell) {
+        if (boxes_[k].intersects(box)) found.push_back(k);
+      }
+    });
+    std::ranges::sort(found);
+    found.erase(std::ranges::unique(found).begin(), found.end());
+    return found;
+  }
+
+ private:
+  template <typename Action>
+  void forCells(const Box& box, const Action& action) {
+    const auto cellOf = [this](const Eigen::Vector2d& point) -> Eigen::Array2i {
+      const Eigen::Array2d share =
+          (point - all_.min()).array() / all_.sizes().array().max(1e-300) * sides_;
+      return share.max(0).min(sides_ - 1).cast<int>();
+    };
+    const Eigen::Array2i least = cellOf(box.min()), most = cellOf(box.max());
+    for (int y = least.y(); y <= most.y(); ++y) {
+      for (int x = least.x(); x <= most.x(); ++x) action(cells_[y * sides_ + x]);
+    }
+  }
+
+  Box all_;
+  int sides_ = 1;
+  std::vector<Box> boxes_;
+  std::vector<std::vector<std::size_t>> cells_;
+};
+
+/// A part of a line, from 0 at its first point to 1 at its last.
+using Interval = std::pair<double, double>;
+
+/// The part of a line that a piece hides: from one bound to the other, as both are convex. Empty
+/// (first not before second) where it hides nothing.
+Interval hiddenBy(const Piece& piece, const Vector3& from, const Vector3& to, const View& view,
+                  double tolerance) {
+  Interval hidden(0, 1);
+  const auto keepWhere = [&](const Vector3& normal, double offset) {
+    const double before = normal.dot(from) - offset, after = normal.dot(to) - offset;
+    if (before < 0 && after < 0) {
+      hidden = {1, 0};
+    } else if (before < 0) {
+      hidden.first = std::max(hidden.first, before / (before - after));
+    } else if (after < 0) {
+      hidden.second = std::min(hidden.second, before / (before - after));
+    }
+  };
+  keepWhere(-piece.normal, -piece.offset + tolerance);
+  const std::vector<Vector3>& corners = piece.outer.corners;
+  Vector3 middle = Vector3::Zero();
+  for (const Vector3& corner : corners) middle += corner / static_cast<double>(corners.size());
+  for (std::size_t k = 0; k < corners.size() && hidden.first < hidden.second; ++k) {
+    const auto [normal, offset] =
+        view.within(corners[k], corners[(k + 1) % corners.size()], middle, kSideMargin);
+    keepWhere(normal, offset);
+  }
+  return hidden;
+}
+
+/// What intervals leave over of a whole line; between two of them no less than `least`.
+std::vector<Interval> restOf(std::vector<Interval> hidden, double least) {
+  std::ranges::sort(hidden);
+  std::vector<Interval> rest;
+  double end = 0;
+  for (const auto& [first, second] : hidden) {
+    if (first > end && (end == 0 || first - end > least)) rest.emplace_back(end, first);
+    end = std::max(end, second);
+  }
+  if (end < 1) rest.emplace_back(end, 1);
+  return rest;
+}
+
+/// Lines from what shows of the sides of a polygon, one after the other from a corner on.
+class OutlineChain {
+ public:
+  /// A part of the next side that shows; it goes on with the line that ends where it begins.
+  void add(const Vector3& from, const Vector3& to, const Interval& part) {
+    const auto at = [&](double share) -> Vector3 {
+      return share == 0 ? from : share == 1 ? to : from + share * (to - from);
+    };
+    if (lines_.empty() || part.first > 0 || lines_.back().back() != from)
+      lines_.push_back({at(part.first)});
+    lines_.back().push_back(at(part.second));
+  }
+
+  /// What ends at the corner where the first line begins is one with it.
+  std::vector<std::vector<Vector3>> finish() {
+    if (lines_.size() > 1 && lines_.back().back() == lines_.front().front()) {
+      lines_.back().insert(lines_.back().end(), lines_.front().begin() + 1, lines_.front().end());
+      lines_.erase(lines_.begin());
+    }
+    return std::move(lines_);
+  }
+
+ private:
+  std::vector<std::vector<Vector3>> lines_;
+};
+
 }  // namespace
 
 std::vector<Piece> makePieces(const Sketch& sketch, const std::vector<Facet>& facets,
@@ -167,13 +347,38 @@ std::vector<Piece> makePieces(const Sketch& sketch, const std::vector<Facet>& fa
   return pieces;
 }
 
-std::vector<Piece> farthestFirst(std::vector<Piece> pieces) {
-  Eigen::AlignedBox3d box;
-  for (const Piece& piece : pieces) {
-    for (const Vector3& corner : piece.outer.corners) box.extend(corner);
+std::vector<SeenOutline> seenOutlines(const std::vector<Piece>& pieces, const Camera& camera) {
+  const View view(camera);
+  PictureGrid grid(pieces, view);
+  const double tolerance = kOnPlane * sizeOf(pieces);
+  std::vector<SeenOutline> outlines;
+  for (std::size_t own = 0; own < pieces.size(); ++own) {
+    checkInterruption();
+    if (!pieces[own].outlined) continue;
+    const auto& [corners, isCut] = pieces[own].outer;
+    OutlineChain chain;
+    for (std::size_t side = 0; side < corners.size(); ++side) {
+      if (isCut[side] != 0) continue;
+      const Vector3 &from = corners[side], &to = corners[(side + 1) % corners.size()];
+      const Eigen::Vector2d begin = view(from), end = view(to);
+      std::vector<Interval> hidden;
+      for (const std::size_t k : grid.near(Eigen::AlignedBox2d(begin).extend(end))) {
+        if (k == own) continue;
+        const Interval part = hiddenBy(pieces[k], from, to, view, tolerance);
+        if (part.first < part.second) hidden.push_back(part);
+      }
+      // Between two facets side by side their margins show, under the line between them.
+      const double least = 3 * kSideMargin / std::max((end - begin).norm(), kSideMargin);
+      for (const Interval& part : restOf(std::move(hidden), least)) chain.add(from, to, part);
+    }
+    outlines.push_back({chain.finish(), pieces[own].pale});
   }
-  if (box.isEmpty()) return {};
-  Sorter sorter(kOnPlane * box.diagonal().norm());
+  return outlines;
+}
+
+std::vector<Piece> farthestFirst(std::vector<Piece> pieces) {
+  if (pieces.empty()) return {};
+  Sorter sorter(kOnPlane * sizeOf(pieces));
   sorter.sort(std::move(pieces));
   return std::move(sorter.sorted);
 }

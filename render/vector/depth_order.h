@@ -29,6 +29,20 @@ struct Piece {
 std::vector<Piece> makePieces(const Sketch& sketch, const std::vector<Facet>& facets,
                               const Camera& camera);
 
+/// The lines of a facet's outline that nothing hides, each through two points or more, world axes;
+/// a closed line ends where it began.
+struct SeenOutline {
+  std::vector<std::vector<Vector3>> lines;
+  bool pale = false;
+};
+
+/// What shows of the outlines of whole facets, as makePieces() gives them, in their order. A side
+/// is hidden where it lies behind another facet's plane and within that facet's outline as the
+/// camera sees it. Drawn over all faces they stay whole: drawn face by face, the half of a line
+/// that lies beyond its face would be covered by the neighbour, and lines along a cut by the seam
+/// that closes it.
+std::vector<SeenOutline> seenOutlines(const std::vector<Piece>& pieces, const Camera& camera);
+
 /// Puts facets that all look at the camera into an order in which each hides those before it, by
 /// cutting those that lie on both sides of another's plane (binary space partition; Fuchs, Kedem
 /// and Naylor 1980). Right for facets that cross, too. A facet's plane has the camera on its front,

@@ -1,8 +1,9 @@
-// Faces are painted over each other in the order of farthestFirst(). Each is filled whole, closed
-// against what it was cut from, and then its own sides are drawn as lines of one width; sides that
-// came from cutting a face are none of its own. Lines end square where a face was cut, so that
-// nothing sticks out of the face that cuts.
+// Faces are painted over each other in the order of farthestFirst(), each filled whole and closed
+// against what it was cut from. Over all of them what shows of their own sides (seenOutlines()) is
+// drawn as lines of one width; sides that came from cutting a face are none of its own.
 #include "render/vector/drawing.h"
+
+#include <algorithm>
 
 #include "render/vector/depth_order.h"
 #include "sim/base/interruption.h"
@@ -34,26 +35,22 @@ class Projector {
   Eigen::Vector2d corner_;
 };
 
-/// The sides that came from cutting, or those that did not; sides in a row are one line. A closed
-/// line ends where it began.
-std::vector<Canvas::Points> sidesOf(const CutPolygon& polygon, const Canvas::Points& corners,
-                                    bool wantsCut) {
+/// The sides that came from cutting; sides in a row are one line.
+std::vector<Canvas::Points> cutSides(const CutPolygon& polygon, const Canvas::Points& corners) {
   const std::size_t count = corners.size();
-  const auto isWanted = [&](std::size_t side) { return (polygon.isCut[side] != 0) == wantsCut; };
-  std::size_t first = 0;  // a corner after a side that is not wanted, where a line begins
-  while (first < count && isWanted((first + count - 1) % count)) ++first;
+  const auto isCut = [&](std::size_t side) { return polygon.isCut[side] != 0; };
+  std::size_t first = 0;  // a corner after a side that was not cut, where a line begins
+  while (first < count && isCut((first + count - 1) % count)) ++first;
   if (first == count) first = 0;
   std::vector<Canvas::Points> lines;
   bool goesOn = false;
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t side = (first + k) % count;
-    if (!isWanted(side)) {
-      goesOn = false;
-      continue;
+    if (isCut(side)) {
+      if (!goesOn) lines.push_back({corners[side]});
+      lines.back().push_back(corners[(side + 1) % count]);
     }
-    if (!goesOn) lines.push_back({corners[side]});
-    lines.back().push_back(corners[(side + 1) % count]);
-    goesOn = true;
+    goesOn = isCut(side);
   }
   return lines;
 }
@@ -63,8 +60,16 @@ void drawPieces(const std::vector<Piece>& pieces, const Projector& project, Canv
     checkInterruption();
     const Canvas::Points corners = project(piece.outer.corners);
     canvas.polygon(corners, piece.colour);
-    canvas.seams(sidesOf(piece.outer, corners, true), piece.colour);
-    if (piece.outlined) canvas.outlines(sidesOf(piece.outer, corners, false), piece.pale);
+    canvas.seams(cutSides(piece.outer, corners), piece.colour);
+  }
+}
+
+void drawOutlines(const std::vector<SeenOutline>& outlines, const Projector& project,
+                  Canvas& canvas) {
+  for (const auto& [lines, pale] : outlines) {
+    std::vector<Canvas::Points> projected;
+    for (const std::vector<Vector3>& line : lines) projected.push_back(project(line));
+    canvas.outlines(projected, pale);
   }
 }
 
@@ -85,7 +90,13 @@ void drawSketch(const Sketch& sketch, const Camera& camera, FrameSize size,
   const double opacity = shadow.empty() ? 1 : shadow.front().colour.alpha / 255.0;
   for (Piece& piece : shadow) piece.colour.alpha = 255;
   layer("shadow", std::move(shadow), opacity);
-  layer("bricks", farthestFirst(makePieces(sketch, sketch.solid, camera)));
+  const std::vector<Piece> solid = makePieces(sketch, sketch.solid, camera);
+  layer("bricks", farthestFirst(solid));
+  if (std::ranges::any_of(solid, &Piece::outlined)) {
+    canvas.begin(name.empty() ? "outlines" : name + "_outlines");
+    drawOutlines(seenOutlines(solid, camera), project, canvas);
+    canvas.end();
+  }
   layer("overlay", makePieces(sketch, sketch.overlay, camera));
 }
 

@@ -111,5 +111,70 @@ TEST(DepthOrder, CutsAwayWhatIsNearerThanTheCameraSees) {
   }
 }
 
+/// Whether another piece stands before a point of one.
+bool isHidden(const std::vector<Piece>& pieces, const Piece& own, const Vector3& point,
+              const Camera& camera) {
+  return std::ranges::any_of(pieces, [&](const Piece& piece) {
+    return &piece != &own && distanceTo(piece, camera.eye, point - camera.eye) < 1 - 1e-6;
+  });
+}
+
+bool isOn(const std::vector<std::vector<Vector3>>& lines, const Vector3& point) {
+  for (const std::vector<Vector3>& line : lines) {
+    for (std::size_t k = 1; k < line.size(); ++k) {
+      const Vector3 side = line[k] - line[k - 1];
+      const double share = std::clamp((point - line[k - 1]).dot(side) / side.squaredNorm(), 0., 1.);
+      if ((line[k - 1] + share * side - point).norm() < 1e-9) return true;
+    }
+  }
+  return false;
+}
+
+TEST(SeenOutlines, AreWhatNoSightLineFindsHidden) {
+  const SampleBricks sample = heap();
+  const Camera camera = cameraOf(sample);
+  const std::vector<Piece> pieces = piecesOf(sample, camera);
+  const std::vector<SeenOutline> seen = seenOutlines(pieces, camera);
+  ASSERT_EQ(seen.size(), pieces.size());
+  int points = 0, hidden = 0, wrong = 0;
+  for (std::size_t piece = 0; piece < pieces.size(); ++piece) {
+    const std::vector<Vector3>& corners = pieces[piece].outer.corners;
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+      const Vector3 side = corners[(k + 1) % corners.size()] - corners[k];
+      for (double share = 0.005; share < 1; share += 0.01) {
+        const Vector3 point = corners[k] + share * side;
+        const bool isBehind = isHidden(pieces, pieces[piece], point, camera);
+        ++points;
+        hidden += isBehind ? 1 : 0;
+        wrong += isOn(seen[piece].lines, point) == isBehind ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(hidden, points / 10);
+  EXPECT_LT(static_cast<double>(wrong) / points, 0.004);
+}
+
+TEST(SeenOutlines, AreClosedWhereNothingIsBefore) {
+  std::vector<Tile> tiles;
+  for (int k = 0; k < 25; ++k) tiles.push_back(rectangleTile(k % 5, k / 5, 1, 1));
+  const SampleBricks sample = sampleBricks(tiles, 0.1);
+  CameraFit fit;
+  fit.view = kTopView;
+  for (const bool parallel : {false, true}) {
+    fit.orthographic = parallel;
+    const Camera camera = fitCamera(brickCorners(sample.bricks, sample.poses), fit);
+    const std::vector<Piece> pieces = piecesOf(sample, camera);
+    const std::vector<SeenOutline> seen = seenOutlines(pieces, camera);
+    int closed = 0;
+    for (std::size_t k = 0; k < pieces.size(); ++k) {
+      if (pieces[k].normal.z() < 0.5) continue;
+      ASSERT_EQ(seen[k].lines.size(), 1U);
+      const std::vector<Vector3>& line = seen[k].lines[0];
+      closed += line.size() == 5 && line.front() == line.back() ? 1 : 0;
+    }
+    EXPECT_EQ(closed, 25) << parallel;
+  }
+}
+
 }  // namespace
 }  // namespace kirireel

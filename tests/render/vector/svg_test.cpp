@@ -202,5 +202,17 @@ TEST(Svg, HoldsOnlyWhatThePictureShows) {
   EXPECT_NE(svg.find("id=\"bricks\""), std::string::npos);
 }
 
+/// A face drawn after an outline would cover the half of the line that lies on it.
+TEST(Svg, OutlinesAreOverAllFaces) {
+  Scenery scenery(tumbledBricks());
+  const std::string svg = scenery.svg();
+  const std::size_t layer = svg.find("<g id=\"outlines\"");
+  ASSERT_NE(layer, std::string::npos);
+  EXPECT_LT(svg.rfind("class=\"face\""), layer);
+  EXPECT_GT(svg.find("<path class=\"outline"), layer);
+  scenery.style.edgeWidth = 0;
+  EXPECT_EQ(scenery.svg().find("outlines"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace kirireel
