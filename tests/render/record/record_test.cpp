@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <thread>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -17,6 +19,7 @@
 #include "sim/base/interruption.h"
 #include "sim/model/tessellation.h"
 #include "sim/trajectory/trajectory_file.h"
+#include "tests/support/program.h"
 
 namespace kirireel {
 namespace {
@@ -230,6 +233,35 @@ TEST_F(RecordTest, MakesAGridForPrint) {
   settings_.gridWidth = 5000;
   settings_.dotsPerInch = 1200;
   EXPECT_THAT(messageOfRecording(), HasSubstr("give a smaller --dpi"));
+}
+
+/// As poppler reads it: three of its units are a point.
+TEST_F(RecordTest, TypeHasItsPointsInThePdf) {
+  if (!test::hasProgram("pdftohtml")) {
+    GTEST_SKIP() << "no pdftohtml here; scripts/setup --with-tools installs poppler-utils";
+  }
+  settings_.video = false;
+  settings_.gridWidth = 180;
+  settings_.letters = true;
+  settings_.pages = {PageFormat::Pdf};
+  const std::string file = (settings_.folder / "snapshots.pdf").string();
+  for (const double points : {7, 9}) {
+    settings_.fontPoints = points;
+    record(tessellationScene(), settings_, proceed_);
+    const std::string page = test::outputOf("pdftohtml -xml -i -stdout -zoom 3 " + file);
+    EXPECT_THAT(page, HasSubstr("width=\"1530\""));  // 180 mm are 510.2 points
+    EXPECT_THAT(page, HasSubstr(fmt::format("<fontspec id=\"0\" size=\"{}\"", 3 * points)));
+    EXPECT_THAT(page, Not(HasSubstr("fontspec id=\"1\"")));
+    // More exactly: "(a)" is 0.390 + 0.613 + 0.390 ems wide in DejaVu Sans. An em is whole
+    // pixels, 29 at 300 dots an inch for 7 points, which are 6.96.
+    const std::string words = test::outputOf("pdftotext -bbox " + file + " -");
+    double left = 0, right = 0;
+    const std::size_t end = words.find("\">(a)<"), begin = words.rfind("<word", end);
+    ASSERT_EQ(std::sscanf(words.c_str() + begin, "<word xMin=\"%lf\" yMin=\"%*f\" xMax=\"%lf\"",
+                          &left, &right),
+              2);
+    EXPECT_NEAR((right - left) / 1.393, points, 0.12);  // measured 6.96 and 9.12
+  }
 }
 
 TEST_F(RecordTest, RefusesAScaleBarInPerspective) {
