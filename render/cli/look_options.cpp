@@ -31,11 +31,19 @@ void addColourOptions(OptionGroup& group, Look& look) {
                            {"energy", Colouring::Energy}},
                           "what the bricks' colours say");
   group.choice<ColourMap>("--colour-map", look.map,
-                          {{"viridis", ColourMap::Viridis}, {"cividis", ColourMap::Cividis}},
-                          "scale of colours for a measure");
+                          {{"viridis", ColourMap::Viridis},
+                           {"cividis", ColourMap::Cividis},
+                           {"coolwarm", ColourMap::CoolWarm}},
+                          "scale of colours for a measure, coolwarm is a diverging one");
+  group
+      .value("--colour-least", "VALUE", "0", "value at the first end of the scale",
+             [&look](const TypedValue& typed) {
+               look.colourLeast = parseNumber(typed, {-1e12, 1e12});
+             })
+      .saidAs([&look] { return look.colourLeast ? numberText(*look.colourLeast) : ""; });
   group
       .value("--colour-most", "VALUE", "the largest of the run",
-             "value at the bright end of the scale, in the unit of the measure",
+             "value at the other end of the scale, in the unit of the measure",
              [&look](const TypedValue& typed) {
                look.colourMost = parseNumber(typed, {1e-15, 1e12});
              })
@@ -49,6 +57,12 @@ void addColourOptions(OptionGroup& group, Look& look) {
       .value("--back-colour", "COLOUR", "F4BE74", "of their other side, with --colour plain",
              [&look](const TypedValue& typed) { look.backColour = parseColour(typed); })
       .saidAs([&look] { return saidColour(look.backColour); });
+  group
+      .values(
+          "--tile-colour", "TILES=COLOUR",
+          "of some tiles, as in 3,7,10-15=teal; with --colour plain, shape or state",
+          [&look](const TypedValue& typed) { look.tileColours.push_back(parseTileColour(typed)); })
+      .saidAs([&look] { return tileColoursText(look.tileColours); });
   group
       .value("--outline-colour", "COLOUR", "263242", "of the lines on the edges of tiles",
              [&look](const TypedValue& typed) { look.outlineColour = parseColour(typed); })
@@ -73,6 +87,8 @@ void addDrawingOptions(CLI::App& command, Look& look) {
       "under the bricks, auto is a plate with a shadow when there is a ground");
   group.flag("--transparent", look.transparent, "no background in PNG files");
   group.flag("--no-outlines", look.outlines, "no lines on the edges of tiles", false);
+  group.number("--outline-width", look.outlineWidth, {0.1, 20}, "FACTOR",
+               "of the lines on the edges of tiles, times the usual");
   group.flag("--mark-joints", look.jointMarks, "a dot on each joint");
   group.flag("--target-lines", look.targetLines,
              "the target's tiles as lines, dashed where bricks hide them");

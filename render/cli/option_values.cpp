@@ -154,6 +154,25 @@ std::vector<int> parseTiles(const TypedValue& value) {
   return tiles;
 }
 
+TileColour parseTileColour(const TypedValue& value) {
+  constexpr const char* kAllowed = "numbers of tiles and a colour, as in 3,7,10-15=teal";
+  constexpr long kMostTile = 1'000'000;
+  const std::size_t equals = value.text.find('=');
+  if (equals == std::string::npos) throw valueError(value, kAllowed);
+  TileColour made{{}, parseColour({value.name, value.text.substr(equals + 1)})};
+  for (const std::string_view part : split(std::string_view(value.text).substr(0, equals), ',')) {
+    const std::size_t dash = part.find('-');
+    const std::optional<long> first = readWhole(part.substr(0, dash));
+    const std::optional<long> last =
+        dash == std::string_view::npos ? first : readWhole(part.substr(dash + 1));
+    if (!first || !last || *first < 0 || *last < *first || *last > kMostTile) {
+      throw valueError(value, kAllowed);
+    }
+    for (long tile = *first; tile <= *last; ++tile) made.tiles.push_back(static_cast<int>(tile));
+  }
+  return made;
+}
+
 std::string sizeText(FrameSize size) {
   return fmt::format("\"{}x{}\"", size.width, size.height);
 }
@@ -186,6 +205,16 @@ TypedView typedView(const ViewAngles& view) {
   };
   return {numberReadAs(view.azimuth, (view.azimuth - level.azimuth) / kDegree, azimuth),
           numberReadAs(view.elevation, -view.elevation / kDegree, elevation)};
+}
+
+std::string tileColoursText(const std::vector<TileColour>& colours) {
+  std::vector<std::string> texts;
+  for (const auto& [tiles, colour] : colours) {
+    const std::string hex = colourText(colour);  // with its quotes
+    texts.push_back(
+        quotedText(fmt::format("{}={}", fmt::join(tiles, ","), hex.substr(1, hex.size() - 2))));
+  }
+  return quotedList(texts);
 }
 
 std::string cameraKeysText(const std::vector<CameraKey>& keys) {

@@ -36,12 +36,16 @@ CaptionParts parseCaption(const TypedValue& value);
 /// "all" or numbers of tiles, e.g. "3,7,8"; empty for all.
 std::vector<int> parseTiles(const TypedValue& value);
 
+/// "3,7,10-15=teal": numbers of tiles, or ranges of them, and a colour.
+TileColour parseTileColour(const TypedValue& value);
+
 /// The functions below write what those above read, as values of a scene file.
 
 std::string sizeText(FrameSize size);
 std::string gridText(GridShape grid);
 std::string frameChoicesText(const std::vector<FrameChoice>& choices);
 std::string colourText(Colour colour);
+std::string tileColoursText(const std::vector<TileColour>& colours);
 std::string cameraKeysText(const std::vector<CameraKey>& keys);
 std::string captionText(const CaptionParts& parts);
 std::string tilesText(const std::vector<int>& tiles);

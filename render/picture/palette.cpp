@@ -49,13 +49,44 @@ constexpr Scale kCividis = {{{0, 34, 78},
                              {239, 215, 72},
                              {254, 232, 56}}};
 
+/// Every second colour of the smooth cool-warm scale by K. Moreland, "Diverging Color Maps for
+/// Scientific Visualization" (ISVC 2009), table of 33 colours in the public domain.
+constexpr Scale kCoolWarm = {{{59, 76, 192},
+                              {77, 104, 215},
+                              {98, 130, 234},
+                              {119, 154, 247},
+                              {141, 176, 254},
+                              {163, 194, 255},
+                              {184, 208, 249},
+                              {204, 217, 238},
+                              {221, 221, 221},
+                              {236, 211, 197},
+                              {245, 196, 173},
+                              {247, 177, 148},
+                              {244, 154, 123},
+                              {236, 127, 99},
+                              {222, 96, 77},
+                              {203, 62, 56},
+                              {180, 4, 38}}};
+
+const Scale& scaleOf(ColourMap map) {
+  switch (map) {
+    case ColourMap::Cividis:
+      return kCividis;
+    case ColourMap::CoolWarm:
+      return kCoolWarm;
+    default:
+      return kViridis;
+  }
+}
+
 constexpr Colour kNoValue = {160, 160, 160};
 
 }  // namespace
 
 Colour mapColour(ColourMap map, double share) {
   if (std::isnan(share)) return kNoValue;
-  const Scale& scale = map == ColourMap::Viridis ? kViridis : kCividis;
+  const Scale& scale = scaleOf(map);
   const double place = std::clamp(share, 0.0, 1.0) * (scale.size() - 1);
   const std::size_t below = std::min(static_cast<std::size_t>(place), scale.size() - 2);
   const double rest = place - static_cast<double>(below);

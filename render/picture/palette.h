@@ -5,13 +5,15 @@
 
 namespace kirireel {
 
-/// A perceptually even scale: equal steps of a value look like equal steps of colour, in grey too.
+/// A perceptually even scale: equal steps of a value look like equal steps of colour; those from
+/// dark to bright in grey too.
 enum class ColourMap {
-  Viridis,  ///< dark blue over green to yellow
-  Cividis,  ///< dark blue over grey to yellow, the same to nearly all colour-blind readers
+  Viridis,   ///< dark blue over green to yellow
+  Cividis,   ///< dark blue over grey to yellow, the same to nearly all colour-blind readers
+  CoolWarm,  ///< diverging: blue over light grey to red, brightest in the middle
 };
 
-/// The colour of a share of the scale, 0 (dark) to 1 (bright); shares beyond are the ends' colours.
+/// The colour of a share of the scale, 0 (its first end) to 1; shares beyond are the ends' colours.
 /// Grey for NaN.
 Colour mapColour(ColourMap map, double share);
 

@@ -124,6 +124,12 @@ BrickColours evenShades(Colour colour) {
   return shades;
 }
 
+BrickColours plainColours(const Look& look) {
+  BrickColours colours = look.brickColour ? shadesOf(*look.brickColour) : BrickColours();
+  if (look.backColour) colours.bottom = *look.backColour;
+  return colours;
+}
+
 std::vector<int> shapeKinds(const std::vector<Brick>& bricks) {
   std::vector<std::vector<double>> signatures;
   std::vector<std::size_t> corners;
@@ -154,11 +160,42 @@ Colourist::Colourist(const Look& look, const Motif& motif)
     legend_ = {{kAtStart, "at its start"}, {kMoving, "on its way"}};
     if (motif.target) legend_.push_back({kAtTarget, "at its target"});
   }
-  if (isMeasure(colouring_)) {
-    const double found = largestOfRun();
-    const double most = found > 0 ? found : largestExpected();
-    scale_ = ColourScale{look.map, 0, look.colourMost.value_or(most), titleOf(colouring_)};
+  if (!look.tileColours.empty()) colourTiles(look);
+  if (isMeasure(colouring_)) makeScale(look);
+}
+
+void Colourist::makeScale(const Look& look) {
+  const double found = largestOfRun();
+  const double most = look.colourMost.value_or(found > 0 ? found : largestExpected());
+  const double least = look.colourLeast.value_or(0);
+  if (least >= most) {
+    throw InputError(
+        fmt::format("error: --colour-least {:g} is not below {:g}, the scale's other end; give a "
+                    "smaller one, or a larger --colour-most",
+                    least, most));
   }
+  scale_ = ColourScale{look.map, least, most, titleOf(colouring_)};
+}
+
+void Colourist::colourTiles(const Look& look) {
+  if (isMeasure(colouring_)) {
+    throw InputError(
+        "error: --tile-colour works with --colour plain, shape or state alone, as other colours "
+        "stand for values; give one of these, or leave --tile-colour away");
+  }
+  own_.resize(motif_.bricks.size());
+  for (const auto& [tiles, colour] : look.tileColours) {
+    for (const int tile : tiles) {
+      if (tile >= static_cast<int>(own_.size())) {
+        throw InputError(
+            fmt::format("error: --tile-colour: there is no tile {}; the model's are numbered 0 to "
+                        "{}",
+                        tile, own_.size() - 1));
+      }
+      own_[tile] = evenShades(colour);
+    }
+  }
+  if (kinds_.empty()) kinds_.assign(own_.size(), plainColours(look));
 }
 
 void Colourist::colourShapes() {
@@ -243,9 +280,14 @@ std::vector<BrickColours> Colourist::stateColours(const Poses& poses) const {
 }
 
 std::vector<BrickColours> Colourist::colours(const Poses& poses) const {
-  if (colouring_ == Colouring::State) return stateColours(poses);
-  if (!scale_) return kinds_;
   std::vector<BrickColours> colours;
+  if (!scale_) {
+    colours = colouring_ == Colouring::State ? stateColours(poses) : kinds_;
+    for (std::size_t brick = 0; brick < own_.size(); ++brick) {
+      colours[brick] = own_[brick].value_or(colours[brick]);
+    }
+    return colours;
+  }
   for (const double value : values(poses)) {
     colours.push_back(evenShades(mapColour(scale_->map, shareOf(*scale_, value))));
   }

@@ -36,6 +36,9 @@ bool isMeasure(Colouring colouring);
 /// One colour on both faces, so that it means the same from both sides.
 BrickColours evenShades(Colour colour);
 
+/// The colours of bricks that have none of their own.
+BrickColours plainColours(const Look& look);
+
 /// Numbers the shapes of tiles: congruent tiles (mirror images too) have one number, from 0 in
 /// order of appearance. More than seven shapes are numbered by their count of corners instead.
 std::vector<int> shapeKinds(const std::vector<Brick>& bricks);
@@ -43,7 +46,9 @@ std::vector<int> shapeKinds(const std::vector<Brick>& bricks);
 /// Decides the colours of all bricks in every picture of one run.
 class Colourist {
  public:
-  /// Throws InputError when the colouring needs a target or springs at hinges and there are none.
+  /// Throws InputError when the colouring needs a target or springs at hinges and there are none,
+  /// when the scale's ends are in the wrong order, and when tiles get colours that are not there or
+  /// whose colours stand for values.
   /// The motif must outlive the colourist.
   Colourist(const Look& look, const Motif& motif);
 
@@ -60,12 +65,15 @@ class Colourist {
   std::vector<double> values(const Poses& poses) const;
   std::vector<BrickColours> stateColours(const Poses& poses) const;
   void colourShapes();
+  void colourTiles(const Look& look);
+  void makeScale(const Look& look);
   double largestExpected() const;
   double largestOfRun() const;
 
   Colouring colouring_;
   const Motif& motif_;
-  std::vector<BrickColours> kinds_;  ///< one a brick, when coloured by shape
+  std::vector<BrickColours> kinds_;  ///< one a brick, when coloured by shape or tile by tile
+  std::vector<std::optional<BrickColours>> own_;  ///< of single tiles, one a brick; or none
   std::optional<ColourScale> scale_;
   std::vector<LegendEntry> legend_;
 };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "render/picture/camera_path.h"
 #include "render/picture/frame.h"
@@ -40,20 +41,29 @@ enum class FitScope {
   Ends,  ///< the start and the target; what leaves them on the way is cut off
 };
 
+/// A colour for some tiles.
+struct TileColour {
+  std::vector<int> tiles;  ///< numbers, from 0
+  Colour colour;
+};
+
 /// The look of all pictures of a run.
 struct Look {
   Theme theme = Theme::Light;
   bool transparent = false;  ///< no background
   Colouring colouring = Colouring::Plain;
   ColourMap map = ColourMap::Viridis;  ///< of colours by a measure
-  /// Value at the bright end of the scale, in the unit of the measure; absent: the largest to be
+  /// Values at the ends of the scale, in the unit of the measure; absent: 0, and the largest to be
   /// expected.
-  std::optional<double> colourMost;
-  std::optional<Colour> brickColour;    ///< of all bricks, where the colouring is plain
-  std::optional<Colour> backColour;     ///< of the tile's own side, likewise
+  std::optional<double> colourLeast, colourMost;
+  std::optional<Colour> brickColour;  ///< of all bricks, where the colouring is plain
+  std::optional<Colour> backColour;   ///< of the tile's own side, likewise
+  /// Of single tiles, where colours stand for no measure; of two for one tile the later counts.
+  std::vector<TileColour> tileColours;
   std::optional<Colour> outlineColour;  ///< absent: the theme's, as is the next
   std::optional<Colour> background;
-  bool outlines = true;  ///< lines on the edges of tiles
+  bool outlines = true;     ///< lines on the edges of tiles
+  double outlineWidth = 1;  ///< of these lines, times the style's, positive
   /// Brightness that a face loses from which other bricks keep all light away, 0 to 1; absent: the
   /// style's.
   std::optional<double> occlusion;

@@ -50,12 +50,13 @@ Style pageStyle(const Look& look) {
 
 Style styleFor(const Look& look, const Motif& motif, FrameSize size) {
   Style style = pageStyle(look);
-  if (look.brickColour) style.brick = shadesOf(*look.brickColour);
-  if (look.backColour) style.brick.bottom = *look.backColour;
+  style.brick = plainColours(look);
   if (look.outlineColour) style.edge = style.paleEdge = *look.outlineColour;
   if (look.occlusion) style.occlusion = *look.occlusion;
   // Thinner lines would break up into dashes.
-  style.edgeWidth = look.outlines ? std::max(style.edgeWidth, kThinnestEdge / size.height) : 0;
+  style.edgeWidth = look.outlines
+                        ? std::max(look.outlineWidth * style.edgeWidth, kThinnestEdge / size.height)
+                        : 0;
   style.overlayWidth = std::max(style.overlayWidth, kThinnestOverlay / size.height);
   if (isMeasure(look.colouring)) {
     // Hardly any shade, so that colours can be read off the scale from every face.

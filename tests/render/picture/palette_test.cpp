@@ -33,6 +33,17 @@ TEST(Palette, ScalesGrowEvenlyLighter) {
   }
 }
 
+TEST(Palette, DivergingScalesGrowDarkerFromTheMiddle) {
+  const auto at = [](double share) { return lightness(mapColour(ColourMap::CoolWarm, share)); };
+  for (int k = 1; k <= 32; ++k) {
+    const double away = k / 64.0, nearer = (k - 1) / 64.0;
+    EXPECT_LT(at(0.5 - away), at(0.5 - nearer) + 0.3) << away;
+    EXPECT_LT(at(0.5 + away), at(0.5 + nearer) + 0.3) << away;
+    EXPECT_NEAR(at(0.5 - away), at(0.5 + away), 3) << away;
+  }
+  EXPECT_EQ(mapColour(ColourMap::CoolWarm, 0.5), (Colour{221, 221, 221}));
+}
+
 TEST(Palette, ScalesEndWithTheirEnds) {
   EXPECT_EQ(mapColour(ColourMap::Viridis, -2), (Colour{68, 1, 84}));
   EXPECT_EQ(mapColour(ColourMap::Viridis, 7), (Colour{253, 231, 37}));

@@ -180,5 +180,51 @@ TEST(Colourist, SaysWhatColoursOfKindsMean) {
   EXPECT_TRUE(Colourist(coloured(Colouring::Plain), motif).legend().empty());
 }
 
+/// What a look is refused with.
+std::string refusalOf(const Look& look, const Motif& motif) {
+  try {
+    const Colourist colourist(look, motif);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Colourist, SingleTilesHaveColoursOfTheirOwn) {
+  const Motif motif = tessellationMotif();
+  Look look;
+  look.brickColour = Colour{10, 20, 30};
+  look.tileColours = {{{1, 3}, {200, 0, 0}}, {{3}, {0, 200, 0}}};
+  const std::vector<BrickColours> colours = Colourist(look, motif).colours(motif.start);
+  ASSERT_EQ(colours.size(), motif.bricks.size());
+  EXPECT_EQ(colours[0], plainColours(look));
+  EXPECT_EQ(colours[1].top, (Colour{200, 0, 0}));
+  EXPECT_EQ(colours[3].bottom, (Colour{0, 200, 0}));
+  look.colouring = Colouring::State;
+  EXPECT_EQ(Colourist(look, motif).colours(motif.start)[1].top, (Colour{200, 0, 0}));
+  look.tileColours = {{{static_cast<int>(motif.bricks.size())}, {}}};
+  EXPECT_EQ(refusalOf(look, motif),
+            fmt::format("error: --tile-colour: there is no tile {}; the model's are numbered 0 to "
+                        "{}",
+                        motif.bricks.size(), motif.bricks.size() - 1));
+  look.colouring = Colouring::Rotation;
+  EXPECT_EQ(refusalOf(look, motif),
+            "error: --tile-colour works with --colour plain, shape or state alone, as other "
+            "colours stand for values; give one of these, or leave --tile-colour away");
+}
+
+TEST(Colourist, ScalesBeginWhereAsked) {
+  const Motif motif = tessellationMotif();
+  Look look = coloured(Colouring::Rotation);
+  look.map = ColourMap::CoolWarm;
+  look.colourLeast = -30;
+  look.colourMost = 30;
+  EXPECT_EQ(Colourist(look, motif).colours(motif.start)[0].top, mapColour(look.map, 0.5));
+  look.colourLeast = 30;
+  EXPECT_EQ(refusalOf(look, motif),
+            "error: --colour-least 30 is not below 30, the scale's other end; give a smaller one, "
+            "or a larger --colour-most");
+}
+
 }  // namespace
 }  // namespace kirireel
