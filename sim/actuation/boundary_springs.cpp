@@ -1,3 +1,9 @@
+// Springs from the hull's corners to an ellipse. With the middle m of the hull's corners and the
+// half axes a (along x) and b (along y), the ray from m through a corner leaves the ellipse at
+//   m + (x, y) / sqrt((x / a)^2 + (y / b)^2),      (x, y) = corner - m
+// which is the corner's anchor, at the corner's own height. b is the wanted size times the radius
+// of the smallest circle about m that holds all corners, a is b times the aspect. Anchors stay
+// where they are: the sheet grows towards them.
 #include "sim/actuation/boundary_springs.h"
 
 #include <algorithm>
@@ -23,6 +29,8 @@ Vector3 ellipsePoint(const Vector3& middle, double halfLength, double halfWidth,
 BoundarySprings::BoundarySprings(const Model& model, const std::vector<Brick>& bricks,
                                  const TargetSpringSettings& settings, const BoundaryCurve& curve)
     : settings_(settings), springs_(bricks.size()) {
+  // The model named a hull that could not be read. Only this drive needs one, so that only it
+  // refuses.
   if (!model.hullFault.empty()) {
     throw InputError(model.hullFault + "; or remove it, and the convex outline is pulled instead");
   }
@@ -49,6 +57,7 @@ void BoundarySprings::addLoads(const Poses& poses, std::vector<Load>& loads) con
   Vector6 damping;
   damping << Vector3::Constant(settings_.forceDamping), Vector3::Constant(settings_.torqueDamping);
   for (std::size_t i = 0; i < poses.size(); ++i) {
+    // Every brick is damped, also those without a spring.
     loads[i].damping.diagonal() += damping;
     for (const PointSpring& spring : springs_[i]) addPointSpring(spring, poses[i], loads[i]);
   }

@@ -16,6 +16,8 @@ class BoundarySprings : public DriveForce {
   /// The curve is laid round the start; the corners are the model's hull, or those on the convex
   /// outline of its start where the model has none. Throws InputError for a hull that the model
   /// names and that cannot be.
+  /// The middle of the hull must not be one of its corners. `bricks` are those of the model's
+  /// tiles.
   BoundarySprings(const Model& model, const std::vector<Brick>& bricks,
                   const TargetSpringSettings& settings, const BoundaryCurve& curve);
 

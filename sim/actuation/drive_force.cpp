@@ -1,3 +1,5 @@
+// The choice of a drive. Springs to a target are not made here: a run moves their target on,
+// stiffens them and switches them, so that it keeps them itself.
 #include "sim/actuation/drive_force.h"
 
 #include "sim/actuation/boundary_springs.h"

@@ -17,6 +17,7 @@ class DriveForce {
   virtual ~DriveForce() = default;
 
   /// Adds the drive's load on every brick at these poses, its damping included.
+  /// One pose and one load a brick. The loads are added to what is there.
   virtual void addLoads(const Poses& poses, std::vector<Load>& loads) const = 0;
 
   /// Energy that it stores in these poses, joules; 0 where it stores none.

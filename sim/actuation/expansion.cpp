@@ -1,3 +1,8 @@
+// Expansion: F = k (x - c) - mu v away from the centre of mass c of all bricks (N, with k in N/m).
+// Its derivative by x is +k, which is not the stiffness of a spring but the opposite; an implicit
+// step would need a matrix that is not positive definite. The push is therefore taken at the step's
+// start, and only its damping is implicit. All pushes together have no resultant where all masses
+// are equal.
 #include "sim/actuation/expansion.h"
 
 namespace kirireel {

@@ -1,3 +1,8 @@
+// A spring between a point r of a brick (brick axes) and an anchor a: with the arm s = R r, the
+// force is f = k (a - x - s), the torque s x f. The point moves by G dq = dx - s x dtheta for a
+// small displacement dq = (dx, dtheta), G = [1, -[s]x]. The Gauss-Newton part k G^T G of the
+// stiffness is positive semidefinite, and so is the damping c G^T G, which acts on the point's
+// velocity.
 #include "sim/actuation/point_spring.h"
 
 namespace kirireel {

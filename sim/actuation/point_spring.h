@@ -14,6 +14,8 @@ struct PointSpring {
 };
 
 /// Adds the spring's force and its torque about the centre of mass to the brick's load.
+/// Forces of the damper are in the load's damping, not in its force, which is that at zero
+/// velocity.
 void addPointSpring(const PointSpring& spring, const Pose& pose, Load& load);
 
 /// Energy that the spring stores, joules.

@@ -1,3 +1,7 @@
+// Each tile's own way from start to target: its mean goes straight, its rotation is exp(s theta)
+// with theta the rotation vector of the best fit (alignment.cpp) and s the progress, and what the
+// best fit leaves over, in the axes of the start, is added in proportion to s. At s = 1 every
+// vertex is exactly at its target.
 #include "sim/actuation/target_guide.h"
 
 #include "sim/model/alignment.h"
@@ -7,6 +11,8 @@ namespace {
 
 Vector3 rotationVector(const Matrix3& rotation) {
   const Eigen::AngleAxisd turn(rotation);
+  // The angle is at most pi. A tile that turns by exactly pi has two such ways, of which rounding
+  // chooses one.
   return turn.angle() * turn.axis();
 }
 

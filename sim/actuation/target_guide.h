@@ -18,6 +18,7 @@ class TargetGuide {
   TargetGuide(const std::vector<Tile>& start, const std::vector<Tile>& target);
 
   /// Where the tiles are led at a progress from 0 (the start) to 1 (the target).
+  /// Costs O(vertices).
   std::vector<Tile> at(double progress) const;
 
  private:
@@ -34,6 +35,7 @@ class TargetGuide {
 };
 
 /// The bricks' poses that fit the target best, each brick by itself.
+/// `target` has one tile a brick. The fit is that of the bottoms, in the sum of squares.
 Poses bestFitPoses(const std::vector<Brick>& bricks, const std::vector<Tile>& target);
 
 }  // namespace kirireel

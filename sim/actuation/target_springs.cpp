@@ -1,3 +1,22 @@
+// Springs to a target, with the derivatives that an implicit step needs.
+//
+// With p_k the bottom vertices and t_k their targets in world axes, primes for differences from
+// their means, n vertices, s the arm from the centre of mass x to the mean of the p_k, and g = mean
+// t - x - s:
+//   F = k_f n g                                          N
+//   T = k_tau sum p'_k x t'_k + s x F                    N m about x
+// Both follow from the energy E = k_f n |g|^2 / 2 + k_tau / 2 sum |p'_k - t'_k|^2. A turn dtheta
+// moves p'_k by dtheta x p'_k; the second derivative of -sum p'_k . t'_k by dtheta is tr(C) 1 - (C
+// + C^T) / 2 with C = sum p'_k t'_k^T, and the arm s, pulled by F, contributes in the same way with
+// C = k_f n s g^T. The stiffness by (dx, dtheta) is then
+//   [ k_f n 1        -k_f n [s]x                      ]
+//   [ k_f n [s]x      k_f n [s]x^T [s]x + tr(C) 1 - sym(C) ]
+// The last term becomes indefinite where a tile is turned by more than 90 degrees from its target,
+// so that only its positive semidefinite part is kept (the eigenvalues below 0 are set to 0). With
+// it no step length diverges; the force itself is exact.
+//
+// Jiang and Choi's PyKirigami holds the same forces constant over a step, which needs many short
+// steps when k is large.
 #include "sim/actuation/target_springs.h"
 
 #include <algorithm>
@@ -9,12 +28,14 @@
 namespace kirireel {
 namespace {
 
+// The paper's 60 steps of 1/240 s, as a time, so that the length of steps does not matter.
 constexpr double kStallTime = 60.0 / 240.0;  // seconds without improvement
 constexpr double kSameTime = 1e-9;           // seconds
 constexpr double kLargestFactor = 16;        // of the stiffness
 constexpr double kImprovement = 1 - 0.005;   // of the error, to count as one
 
 bool isPositiveDefinite(const Matrix3& K) {
+  // Sylvester's criterion: the leading minors are positive. It spares most steps the eigenvalues.
   return K(0, 0) > 0 && K(0, 0) * K(1, 1) - K(0, 1) * K(0, 1) > 0 && K.determinant() > 0;
 }
 
@@ -62,6 +83,8 @@ void TargetSprings::setTarget(const std::vector<Tile>& target) {
     for (std::size_t k = 0; k < bottom.size(); ++k) {
       const Vector3 p = bottom[k] - spring.bottomMean;
       const Vector3 t = target[i].vertices[k] - spring.targetMean;
+      // The sum over the vertices is taken once: in each step one product with the rotation gives
+      // C.
       spring.moment += p * t.transpose();
       spring.spread += p.squaredNorm() + t.squaredNorm();
     }
@@ -100,6 +123,7 @@ double TargetSprings::energy(const Poses& poses, double stiffening) const {
     const Spring& spring = springs_[i];
     if (!spring.pulled) continue;
     const Vector3 gap = spring.targetMean - poses[i].apply(spring.bottomMean);
+    // sum |p' - t'|^2 = sum |p'|^2 + |t'|^2 - 2 sum p' . t'.
     const double turned = (poses[i].rotation.toRotationMatrix() * spring.moment).trace();
     sum += 0.5 * settings_.springStiffness * spring.vertexCount * gap.squaredNorm() +
            0.5 * settings_.torqueStiffness * (spring.spread - 2 * turned);

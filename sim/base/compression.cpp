@@ -1,3 +1,5 @@
+// zlib's checksums and compression, and base64. Only this file includes zlib, so that another
+// library could take its place.
 #include "sim/base/compression.h"
 
 #include <algorithm>
@@ -20,6 +22,7 @@ std::string compressed(std::span<const std::byte> bytes, int level) {
                 reinterpret_cast<const Bytef*>(bytes.data()), bytes.size(), level) != Z_OK) {
     throw std::bad_alloc();
   }
+  // The bound was an upper one.
   packed.resize(size);
   return packed;
 }
@@ -29,6 +32,8 @@ std::string base64(std::span<const std::byte> bytes) {
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string text;
   text.reserve((bytes.size() + 2) / 3 * 4);
+  // Three bytes are 24 bits, which are four characters of 6 bits. What lacks at the end is filled
+  // with zeros and shown by '='.
   for (std::size_t k = 0; k < bytes.size(); k += 3) {
     const std::size_t count = std::min<std::size_t>(3, bytes.size() - k);
     std::uint32_t group = 0;

@@ -13,6 +13,7 @@ std::uint32_t checksumOf(std::span<const std::byte> bytes);
 
 /// The bytes in zlib's format (RFC 1950), which browsers unpack as "deflate". level: 1 (quick) to 9
 /// (small). The same bytes give the same result with the same zlib.
+/// Throws std::bad_alloc where memory is short.
 std::string compressed(std::span<const std::byte> bytes, int level = 6);
 
 /// Bytes as text, 64 characters for 6 bits each (RFC 4648, section 4).

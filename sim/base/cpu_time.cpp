@@ -1,3 +1,5 @@
+// The clock of the calling thread, which stands still while others run: what is measured does not
+// depend on the machine's load, apart from its caches.
 #include "sim/base/cpu_time.h"
 
 #include <ctime>

@@ -57,6 +57,7 @@ inline Matrix3 crossMatrix(const Vector3& v) {
 }
 
 /// The unit quaternion of the rotation vector (axis times angle in radians).
+/// The exponential map: exp(v/2) as a quaternion, (cos(a/2), sin(a/2) v / a) with a = |v|.
 inline Quaternion rotationFromVector(const Vector3& vector) {
   const double angle = vector.norm();
   // sin(angle / 2) / angle, by its series where the quotient would lose digits.
@@ -66,6 +67,7 @@ inline Quaternion rotationFromVector(const Vector3& vector) {
 }
 
 /// The rotation vector of the shortest turn from one rotation to another, radians, world axes.
+/// The logarithm of to * from^-1. At a half turn its direction is one of two.
 inline Vector3 turnBetween(const Quaternion& from, const Quaternion& to) {
   Quaternion turn = to * from.conjugate();
   if (turn.w() < 0) turn.coeffs() = -turn.coeffs();
@@ -77,6 +79,7 @@ inline Vector3 turnBetween(const Quaternion& from, const Quaternion& to) {
 
 /// Poses on the way from one state to another, at a share from 0 to 1: positions go straight,
 /// rotations by the shortest turn.
+/// Both states have the same bricks. Joints that are closed at both ends may open on the way.
 inline Poses interpolate(const Poses& from, const Poses& to, double share) {
   Poses poses(from.size());
   for (std::size_t i = 0; i < from.size(); ++i) {
@@ -100,6 +103,8 @@ inline Vector3 turnRate(const Vector3& turn, const Vector3& angular) {
 
 /// Poses on the way between two motions that are `seconds` apart, at a share from 0 to 1: cubics
 /// that have the places, turns and velocities of both ends.
+/// Hermite's cubics: positions and rotation vectors p(s) = p_0 + (3 s^2 - 2 s^3)(p_1 - p_0) + s (1
+/// - s)^2 h v_0 - s^2 (1 - s) h v_1, with s the share and h the seconds.
 inline Poses interpolate(const Motion& from, const Motion& to, double seconds, double share) {
   const double rest = 1 - share;
   const double begin = seconds * share * rest * rest;

@@ -1,3 +1,9 @@
+// Files that are read, each noted with its hash. A file that is read whole is hashed from the text
+// that was read, so that the hash belongs to just these bytes; one that is read piece by piece is
+// hashed first and read again.
+//
+// Records of one thread form a chain through `outer_`, the innermost first. The pointer to it is
+// thread-local, so that runs on several threads do not note each other's files.
 #include "sim/base/input_file.h"
 
 #include <array>
@@ -18,6 +24,7 @@ thread_local InputRecord* innermost = nullptr;
 std::string digestOf(std::istream& stream) {
   Sha256 hash;
   std::array<char, 1 << 16> bytes{};
+  // The last read fails for lack of bytes, but has some.
   while (stream.read(bytes.data(), bytes.size()), stream.gcount() > 0) {
     hash.add({bytes.data(), static_cast<std::size_t>(stream.gcount())});
   }
@@ -31,6 +38,7 @@ void requireReadable(const std::filesystem::path& file, const std::string& purpo
   if (!std::filesystem::exists(status)) {
     throw inputErrorAt({file}, fmt::format("there is no such file; {}", purpose));
   }
+  // A device or a pipe has no size and may never end.
   if (!std::filesystem::is_regular_file(status)) {
     throw inputErrorAt({file}, fmt::format("this is not a text file; {}", purpose));
   }
@@ -59,6 +67,7 @@ void noteInput(const InputFile& file) {
 
 std::ifstream openInputFile(const std::filesystem::path& path) {
   std::ifstream stream(path, std::ios::binary);
+  // Where nobody asks, nothing is hashed.
   if (innermost && stream) {
     noteInput({path, digestOf(stream)});
     stream.clear();

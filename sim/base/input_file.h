@@ -43,6 +43,7 @@ inline constexpr std::uintmax_t kMostTextBytes = 64u << 20;
 
 /// All bytes of a text file. `purpose` ends the messages: what to give or to write. Throws
 /// InputError when the file is missing, unreadable, no regular file or larger than `mostBytes`.
+/// Line ends are not changed.
 std::string readTextFile(const std::filesystem::path& file, const std::string& purpose,
                          std::uintmax_t mostBytes = kMostTextBytes);
 

@@ -1,3 +1,7 @@
+// Checks for interruption, cheap enough for inner loops. A check asks the kernel's coarse clock,
+// which is a read of shared memory, and calls the scopes only when 10 ms have passed since the last
+// call on this thread. Scopes and their times are thread-local; a thread that works for another
+// gets its checks by presentChecks().
 #include "sim/base/interruption.h"
 
 #include <ctime>
@@ -50,6 +54,7 @@ void checkInterruption() {
   if (!innermostScope) return;
   const long now = coarseTime();
   if (now < nextCheck) return;
+  // Before the calls, which may throw.
   nextCheck = now + kBetweenChecks;
   innermostScope->callAll();
 }

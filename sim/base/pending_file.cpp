@@ -1,3 +1,6 @@
+// Files that appear whole or not at all. They are written beside their final place and renamed,
+// which replaces an existing file at once (POSIX rename is atomic within one file system). The name
+// beside is one that nothing has yet, as a file of that name may be the user's own.
 #include "sim/base/pending_file.h"
 
 #include <cerrno>
@@ -45,6 +48,7 @@ PendingFile::PendingFile(std::filesystem::path finalPath)
 PendingFile::~PendingFile() {
   if (committed_) return;
   std::error_code ignored;
+  // A destructor must not throw, and what cannot be removed harms nobody.
   std::filesystem::remove(path_, ignored);
 }
 
@@ -71,6 +75,7 @@ void writeTextFile(const std::filesystem::path& finalPath, const std::string& te
   PendingFile pending(finalPath);
   std::ofstream stream(pending.path(), std::ios::binary);
   stream << text;
+  // Closing writes what is pending: a full disk shows here at the latest.
   stream.close();
   if (!stream) {
     throw OutputError(

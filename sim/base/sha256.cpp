@@ -1,3 +1,5 @@
+// SHA-256 by OpenSSL, which uses the processor's instructions for it where there are any. Only this
+// file includes OpenSSL.
 #include "sim/base/sha256.h"
 
 #include <array>

@@ -47,6 +47,7 @@ class StateTape {
   /// Records these values, or sets them to those that were recorded in this place. Throws
   /// InputError where the tape holds another state than is asked for.
   template <typename... Values>
+  /// Memory: 8 bytes for each number or letter.
   void transfer(Values&... values) {
     (pass(values), ...);
   }

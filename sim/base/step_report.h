@@ -47,6 +47,7 @@ struct StepFigure {
 
 /// The figure that is a field of StepReport.
 template <auto Field>
+/// Every field is a long or a double; a figure reads and writes it as a double.
 constexpr StepFigure stepFigure(const char* name, const char* unit, const char* part = nullptr,
                                 const char* partName = nullptr) {
   return {name,

@@ -1,3 +1,16 @@
+// Tiles thickened to prisms: shape, mass, inertia, pivots.
+//
+// A prism over a polygon with the area S (m^2) and the thickness t (m) has, for the mass 1, the
+// covariance
+//   C = (1/S) integral of x x^T over the area + t^2 / 12 n n^T          m^2
+// about its centre of mass, n the unit normal; the second term is that of a rod along n. The
+// inertia is I = trace(C) 1 - C, times the mass. The integral over the polygon is the sum over the
+// triangles between its centroid and its edges, each exact, with signs, so that concave polygons
+// need no triangulation.
+//
+// A fixed joint becomes three point joints. Three points that are not on one line take all six
+// relative freedoms; the nine rows that they make repeat each other, which the solver takes without
+// harm.
 #include "sim/brick/brick.h"
 
 #include <cmath>
@@ -23,6 +36,7 @@ Matrix3 areaCovariance(const Tile& tile) {
   for (size_t k = 0; k < tile.vertices.size(); ++k) {
     const Vector3 a = tile.vertices[k] - centroid;
     const Vector3 b = tile.vertices[(k + 1) % tile.vertices.size()] - centroid;
+    // Twice the triangle's signed area.
     const double weight = a.cross(b).dot(normal);
     const Vector3 c = a + b;
     sum += weight / 12.0 * (a * a.transpose() + b * b.transpose() + c * c.transpose());
@@ -46,6 +60,7 @@ Pivot makePivot(const Joint& joint, int jointIndex, JointFace face,
     const Brick& brick = bricks[corner.tile];
     return face == JointFace::Top ? brick.top[corner.vertex] : brick.bottom[corner.vertex];
   };
+  // A joint on the top alone is no second pivot of anything.
   const bool isUpper = joint.face == JointFace::Both && face == JointFace::Top;
   return {joint.a.tile, joint.b.tile,   point(joint.a), point(joint.b), jointIndex, 0,
           isUpper,      joint.a.vertex, joint.b.vertex};
@@ -54,6 +69,7 @@ Pivot makePivot(const Joint& joint, int jointIndex, JointFace face,
 Pivot makeLinkPivot(const Joint& joint, int jointIndex, const std::vector<Brick>& bricks) {
   Pivot pivot = makePivot(joint, jointIndex, JointFace::Bottom, bricks);
   pivot.distance = joint.apart.norm();
+  // Linked bricks share no corner, so that nothing is cut off where they meet.
   pivot.cornerA = pivot.cornerB = kNoCorner;
   return pivot;
 }
@@ -74,6 +90,8 @@ std::size_t cornerAcrossFirstEdge(const std::vector<Vector3>& corners) {
 void appendFixedPivots(const Joint& joint, int jointIndex, const std::vector<Brick>& bricks,
                        std::vector<Pivot>& pivots) {
   const std::vector<Vector3>& corners = bricks[joint.a.tile].bottom;
+  // From the centre of brick B to that of brick A at the start. Axes are parallel then, so that a
+  // point r of A is the point r plus this vector, with its sign, of B.
   const Vector3 betweenCentres =
       corners[joint.a.vertex] - joint.apart - bricks[joint.b.tile].bottom[joint.b.vertex];
   for (const std::size_t k : {std::size_t{0}, std::size_t{1}, cornerAcrossFirstEdge(corners)}) {
@@ -93,6 +111,7 @@ Brick makeBrick(const Tile& tile, const BrickRule& rule) {
   brick.inertia = brick.mass * unitInertia(tile, rule.thickness);
   const Vector3 centre = centreOfMass(tile, rule.thickness);
   for (const Vector3& vertex : tile.vertices) {
+    // Brick axes are the world's at the start: only the origin moves.
     brick.bottom.push_back(vertex - centre);
     brick.top.push_back(brick.bottom.back() + rule.thickness * brick.normal);
   }
@@ -194,6 +213,7 @@ std::vector<Pivot> makePivots(const std::vector<Joint>& joints, const std::vecto
       pivots.push_back(makeLinkPivot(joints[i], index, bricks));
       continue;
     }
+    // The bottom pivot comes before the top one, which planar scenes leave out.
     if (joints[i].face != JointFace::Top) {
       pivots.push_back(makePivot(joints[i], index, JointFace::Bottom, bricks));
     }

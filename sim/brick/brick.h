@@ -53,12 +53,14 @@ struct BrickPiece {
 };
 
 /// The convex pieces of all bricks, brick by brick: as many as bricks where all are convex.
+/// Shapes are copied.
 std::vector<BrickPiece> convexPieces(const std::vector<Brick>& bricks);
 
 /// The same of one brick.
 std::vector<BrickPiece> convexPieces(const Brick& brick, int number = 0);
 
 /// Thickens a tile: its bottom is the tile, its top lies on the normal's side.
+/// The tile has an area and is simple. Costs the search for convex parts where it is concave.
 Brick makeBrick(const Tile& tile, const BrickRule& rule);
 
 /// The bricks of all tiles, in order.
@@ -95,6 +97,8 @@ struct Pivot {
 double pivotGap(const Pivot& pivot, const Poses& poses);
 
 /// The pivots of all joints: in joint order, bottom before top.
+/// Corners of the joints have to exist. A pivot joint has one or two, a link one, a fixed joint
+/// three.
 std::vector<Pivot> makePivots(const std::vector<Joint>& joints, const std::vector<Brick>& bricks);
 
 /// The mean edge of a brick's tile, metres.

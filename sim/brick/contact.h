@@ -14,6 +14,9 @@ inline constexpr int kFixed = -1;
 /// A point of brick A that may not pass a plane of brick B, or an edge of A that may not pass an
 /// edge of B. All is kept in the bricks' axes, so that the gap is exact at any later pose, not only
 /// where the contact was found.
+/// The gap (metres) of a point p_A against a plane through p_B with the normal n is n . (p_A - p_B)
+/// + slack, and that of two edges the same with n = e_A x e_B / |e_A x e_B|. It may not become
+/// negative.
 struct Contact {
   int brickA = 0;
   int brickB = kFixed;  ///< or kFixed

@@ -37,6 +37,7 @@ std::vector<PivotPoints> sharedPoints(std::span<const Pivot> pivots, bool planar
     const auto [place, isNew] = known.try_emplace(key, pairs.size());
     if (isNew) pairs.push_back({&pivot, {}, false});
     PivotPoints& shared = pairs[place->second];
+    // All points of a pair are kept in the axes of one of the two bricks.
     const bool isSwapped = pivot.brickA != shared.first->brickA;
     shared.points.push_back(isSwapped ? pivot.pointB : pivot.pointA);
     shared.isTied = shared.isTied || pivot.cornerA == kNoCorner;
@@ -53,6 +54,7 @@ struct CommonLine {
 CommonLine commonLine(const std::vector<Vector3>& points, double same) {
   const auto fromFirst = [&](const Vector3& point) { return (point - points[0]).norm(); };
   const Vector3 farthest = *std::ranges::max_element(points, {}, fromFirst);
+  // All points are one: a corner.
   if (fromFirst(farthest) <= same) return {Vector3::Zero(), true};
   const Vector3 along = (farthest - points[0]).normalized();
   const bool isLine = std::ranges::all_of(
@@ -74,6 +76,7 @@ Sector sectorAt(const Brick& brick, int corner, const Vector3& axis, const Vecto
   };
   double begin = angleOf(brick.bottom[(k + 1) % count] - brick.bottom[k]);
   double end = angleOf(brick.bottom[(k + count - 1) % count] - brick.bottom[k]);
+  // Seen against the normal a tile runs clockwise.
   if (brick.normal.dot(axis) < 0) std::swap(begin, end);
   return {begin, end > begin ? end - begin : end - begin + 2 * kPi};
 }
@@ -90,8 +93,12 @@ Hinge cornerHinge(const std::vector<Brick>& bricks, const Pivot& pivot) {
   const Vector3 zero = axis.unitOrthogonal();
   const Sector a = sectorAt(brickA, pivot.cornerA, axis, zero);
   const Sector b = sectorAt(brickB, pivot.cornerB, axis, zero);
+  // What both tiles leave of the full turn about the corner is shared by the gaps on their two
+  // sides.
   const double free = std::max(0.0, 2 * kPi - a.width - b.width);
   const double left = nearest(b.begin - a.begin - a.width, 0.5 * free);
+  // The gap on the other side is the smaller one: the hinge is counted there, with its axis
+  // reversed.
   if (free - left < left - kSameAngle) {
     return {pivot.brickA, pivot.brickB, -axis, free - left, 0, free};
   }
@@ -101,6 +108,7 @@ Hinge cornerHinge(const std::vector<Brick>& bricks, const Pivot& pivot) {
 /// The direction from an axis through a point into the brick, along its tile.
 Vector3 inward(const Brick& brick, const Vector3& point, const Vector3& axis) {
   Vector3 direction = meanPoint(brick.bottom) - point;
+  // Only the part across the axis and in the tile says on which side of the axis the tile lies.
   direction -= brick.normal.dot(direction) * brick.normal;
   direction -= axis.dot(direction) * axis;
   return direction.normalized();
@@ -111,6 +119,8 @@ Hinge foldHinge(const std::vector<Brick>& bricks, const Pivot& pivot, const Vect
   const Brick& brickB = bricks[static_cast<std::size_t>(pivot.brickB)];
   const Vector3 a = inward(brickA, pivot.pointA, line);
   const Vector3 b = inward(brickB, pivot.pointB, line);
+  // The axis has the first tile on its right, so that a positive turn of B lifts it to A's upper
+  // side.
   const Vector3 axis = line.dot(brickA.normal.cross(a)) < 0 ? Vector3(-line) : line;
   const double start = std::atan2(axis.dot(b.cross(a)), -a.dot(b));
   return {pivot.brickA, pivot.brickB, axis, start, -kPi, kPi};
@@ -131,6 +141,7 @@ FoundHinges findHinges(const std::vector<Brick>& bricks, std::span<const Pivot> 
     } else if (line.isPoint) {
       found.ballJoints.emplace_back(pivot.brickA, pivot.brickB);
     } else if (!line.direction.isZero()) {
+      // A line along the thickness is a corner with both faces joined, one in the tile an edge.
       const bool isAcross = std::abs(line.direction.dot(brick.normal)) > std::sqrt(0.5);
       found.hinges.push_back(isAcross ? cornerHinge(bricks, pivot)
                                       : foldHinge(bricks, pivot, line.direction));
@@ -142,6 +153,8 @@ FoundHinges findHinges(const std::vector<Brick>& bricks, std::span<const Pivot> 
 double hingeAngle(const Hinge& hinge, const Poses& poses) {
   const Quaternion& a = poses[static_cast<std::size_t>(hinge.brickA)].rotation;
   const Quaternion& b = poses[static_cast<std::size_t>(hinge.brickB)].rotation;
+  // The twist about the axis, as the header of this file says; Re and Im of the quaternion are w
+  // and vec().
   const Quaternion between = a.conjugate() * b;
   const double turn = 2 * std::atan2(hinge.axis.dot(between.vec()), between.w());
   return nearest(hinge.start + turn, 0.5 * (hinge.least + hinge.most));

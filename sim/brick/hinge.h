@@ -16,9 +16,8 @@ namespace kirireel {
 ///                 edges on the side where they are nearer at the start (on both alike: on the left
 ///                 of the first tile's corner), 0 where they lie flush;
 ///   at a fold     the axis lies in the tiles, as where two corners of an edge are joined; the
-///   angle
-///                 is FOLD's: 0 where the tiles are flat, positive where the first tile's face,
-///                 seen along its normal, is within (a valley).
+///                 angle is FOLD's: 0 where the tiles are flat, positive where the first tile's
+///                 face, seen along its normal, is within (a valley).
 ///
 /// The angle is told apart from its turns by 2 pi by what bricks can reach without passing through
 /// each other, so that it is a function of the poses alone.
@@ -48,6 +47,7 @@ struct FoundHinges {
 
 /// The hinges among bricks at their start poses: each pair that shares the points of one line, or
 /// in a planar scene one point. Pairs that share more are rigid, and links turn about no axis.
+/// O(pivots log pivots). `bricks` stand as at the start, when all axes are parallel.
 FoundHinges findHinges(const std::vector<Brick>& bricks, std::span<const Pivot> pivots,
                        bool planar);
 
@@ -58,6 +58,7 @@ double hingeAngle(const Hinge& hinge, const Poses& poses);
 double hingeRate(const Hinge& hinge, const Motion& motion);
 
 /// The moment of each spring at rest at these poses, N m: above 0 where it pulls to larger angles.
+/// One a spring, in their order. Dampers are not in it.
 std::vector<double> hingeMoments(std::span<const HingeSpring> springs, const Poses& poses);
 
 /// What the springs hold at these poses, joules: the sum of stiffness (angle - rest)^2 / 2.

@@ -83,6 +83,7 @@ LigamentEnergy pinEnergy(const Ligament& pin, const Vector3& between, const Vect
   Vector6 turning = Vector6::Zero();
   turning[2] = -1;
   turning[5] = 1;
+  // The moment square a^2 + cube a^3, integrated over a.
   sum.energy += a * a * a * (square / 3 + cube * a / 4);
   sum.gradient += a * a * (square + cube * a) * turning;
   sum.hessian += a * (2 * square + 3 * cube * a) * turning * turning.transpose();
@@ -93,6 +94,7 @@ LigamentEnergy pinEnergy(const Ligament& pin, const Vector3& between, const Vect
 
 void setNeckStiffness(double youngs, double poisson, double thickness, double width, double length,
                       Ligament& ligament) {
+  // Of a rectangle: S. P. Timoshenko's shear coefficient in its usual approximation.
   constexpr double kShearFactor = 5.0 / 6;
   const double area = width * thickness;
   const double bending = youngs * thickness * width * width * width / 12;
@@ -106,18 +108,22 @@ LigamentEnergy ligamentEnergy(const Ligament& ligament, const Vector3& between, 
   if (ligament.isPin()) return pinEnergy(ligament, between, armA, armB, turnA, turnB);
   const Eigen::Vector2d l = (between + armB - armA).head<2>();
   const Eigen::Vector2d l0 = ligament.start.head<2>();
+  // The ligament's length and direction now, and the direction across it.
   const double length = l.norm();
   const Eigen::Vector2d n = l / length, t(-n.y(), n.x());
   const double stretch = length - l0.norm();
   const double turn = std::atan2(l0.x() * l.y() - l0.y() * l.x(), l0.dot(l));
   const double shear = std::remainder(turn - 0.5 * (turnA + turnB), 2 * std::numbers::pi);
 
+  // d|l| = n . dl, and the angle of l changes by t . dl / |l|.
   const Row2 slope = slopeOf(armA, armB);
   const Vector6 ofStretch = slope.transpose() * n;
   Vector6 ofShear = slope.transpose() * t / length;
   ofShear[2] -= 0.5;
   ofShear[5] -= 0.5;
   const Vector6 across = slope.transpose() * t;
+  // The second derivative of |l| is t t^T / |l| along l's own changes, and n . d2l; that of the
+  // angle is -(n t^T + t n^T) / |l|^2, and t . d2l / |l|.
   const Matrix6 stretchBend = across * across.transpose() / length + bendOf(armA, armB, n);
   const Matrix6 mixed = ofStretch * across.transpose();
   const Matrix6 shearBend =
@@ -137,6 +143,7 @@ LigamentEnergy ligamentEnergy(const Ligament& ligament, const Poses& poses) {
     return 2 * std::atan2(rotation.z(), rotation.w());
   };
   const double turnA = turnOf(a.rotation);
+  // The turn of B is taken near that of A, since each is known to whole turns alone.
   const double turnB = turnA + std::remainder(turnOf(b.rotation) - turnA, 2 * std::numbers::pi);
   return ligamentEnergy(ligament, b.position - a.position, a.rotation * ligament.pointA,
                         b.rotation * ligament.pointB, turnA, turnB);

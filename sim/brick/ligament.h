@@ -48,6 +48,8 @@ struct LigamentEnergy {
 
 /// At the places of both bricks' centres of mass and their turns since the start. `armA`, `armB`:
 /// the points from there, turned with the bricks; world axes.
+/// `between`: from the centre of brick A to that of B, metres. The Hessian is symmetric and may be
+/// indefinite.
 LigamentEnergy ligamentEnergy(const Ligament& ligament, const Vector3& between, const Vector3& armA,
                               const Vector3& armB, double turnA, double turnB);
 

@@ -10,6 +10,7 @@ namespace kirireel {
 ///   load(q + dq, u) = force - stiffness dq - damping u,
 /// where dq and u stack a translation and a rotation vector. Stiffness and damping are symmetric
 /// and positive semidefinite, so that an implicit step never diverges.
+/// Loads of several sources add up, field by field.
 struct Load {
   Vector6 force = Vector6::Zero();      ///< (N, N m) at zero velocity
   Matrix6 stiffness = Matrix6::Zero();  ///< minus the derivative by position, indefinite part cut

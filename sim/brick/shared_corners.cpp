@@ -1,3 +1,6 @@
+// Bricks without the corners that they share with a partner. A corner at p becomes two, on the
+// edges to its neighbours: p + min(l / |e|, 0.4) e for each edge e. So a convex outline stays
+// convex, and an edge with both ends cut keeps a fifth of its length at least.
 #include "sim/brick/shared_corners.h"
 
 #include <algorithm>
@@ -43,6 +46,7 @@ std::map<std::pair<int, int>, SharedCorners> sharedCorners(std::span<const Pivot
   for (const Pivot& pivot : pivots) {
     const bool swapped = pivot.brickB < pivot.brickA;
     SharedCorners& corners = shared[std::minmax(pivot.brickA, pivot.brickB)];
+    // The pair is noted all the same: fixed and linked bricks count as joined.
     if (pivot.cornerA == kNoCorner) continue;
     note(corners.ofA, swapped ? pivot.cornerB : pivot.cornerA);
     note(corners.ofB, swapped ? pivot.cornerA : pivot.cornerB);

@@ -1,3 +1,18 @@
+// The joint-closed states nearest to a target, found by long implicit steps.
+//
+// 1. Every brick is put where it fits its target best by itself, and the joints are closed from
+//    there (Gauss-Newton in the metric of the masses).
+// 2. The scene's springs pull, 16 times as stiff as usual, with exact joints. Each step is one of
+//    implicit Euler from rest and 0.25 s long: for stiffness K and mass M it minimises
+//      |x|_M^2 / (2 h^2) + E(q + x)
+//    over displacements x that joints allow, which for h^2 K far above M is Newton's method on the
+//    springs' energy E. It converges to the state of rest, the least sum of squares nearby.
+// 3. Wanted is the least of the largest distance, not of the sum of squares. So bricks are
+//    weighted: w_i is multiplied by e_i / max e, e_i the brick's error (m), and all weights are
+//    scaled to the mean 1, bounded on both sides so that no brick is let go. This is Lawson's
+//    iteration (see rigid_bound.cpp), without its guarantee, as joints make the problem nonconvex.
+// 4. Where this leaves something, 2 and 3 are repeated from the start, which may lie in another
+//    basin. The best state of all is kept.
 #include "sim/deploy/assembled_state.h"
 
 #include <algorithm>
@@ -15,6 +30,7 @@ namespace {
 
 // Steps start from rest, so that long ones come near to Newton's method on the springs' energy.
 constexpr double kStep = 0.25;  // seconds
+// The largest factor by which a run may stiffen its springs (kLargestFactor of target_springs.cpp).
 constexpr double kSpringStiffening = 16;
 constexpr int kSteps = 200;
 constexpr int kStepsFromStart = 100;
@@ -54,6 +70,7 @@ class Assembly {
     };
   }
 
+  // The steps of the file's head, in order.
   AssembledState find() {
     AssembledState state;
     beginAt(bestFitPoses(bricks_, target_));
@@ -78,6 +95,8 @@ class Assembly {
     motion_.poses = std::move(poses);
     weights_.assign(bricks_.size(), 1.0);
     dynamics_ = makeDynamics(scene_, sceneNeeds(scene_), bricks_, motion_.poses);
+    // Joints of rounded tiles are springs over the pull's own stiffness; where tiles fit in no
+    // state nearby, joints are springs of a usual stiffness.
     const double rounded = roundedJointStiffness(scene_.model);
     if (std::isfinite(rounded)) {
       dynamics_->setJointStiffness(rounded * pullStiffness());
@@ -141,11 +160,14 @@ class Assembly {
   double error() const { return targetError(target_, bricks_, motion_.poses); }
   bool mayStep() const { return !budget_.isSpent() && (!goesOn_ || goesOn_()); }
 
+  // One implicit step from rest.
   void step() {
+    // From rest: what moves on by its speed would run past the minimum.
     motion_.velocities.assign(bricks_.size(), Velocity{});
     budget_.spend(dynamics_->advance(motion_, kStep, pull_).work);
   }
 
+  // Until the error changes no more; `steps` at most.
   void comeToRest(int steps) {
     double last = error();
     for (int i = 0; i < steps && last > kNegligibleError * tile_ && mayStep(); ++i) {
@@ -156,6 +178,7 @@ class Assembly {
     }
   }
 
+  // Lawson's step on the bricks' weights.
   void reweight() {
     const std::vector<double> errors = brickTargetErrors(target_, bricks_, motion_.poses);
     const double largest = *std::ranges::max_element(errors);
@@ -168,6 +191,7 @@ class Assembly {
     for (double& weight : weights_) weight = std::clamp(even * weight, kLeastWeight, kMostWeight);
   }
 
+  // Reweighted steps as long as they gain.
   void approach(AssembledState& state) {
     double gainedFrom = state.error;
     int patience = kPatienceSteps;

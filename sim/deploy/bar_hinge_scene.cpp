@@ -1,3 +1,10 @@
+// A scene's tiles as bars and hinges (bar_hinge_sheet.h).
+//
+// Corners that joints hold together, in groups, become nodes: the mean of their places. Each tile
+// is divided into triangles; every side of a triangle is a bar, with the areas of the triangles on
+// its sides added up (panel_stiffness.h), so that a bar between two tiles carries for both. A side
+// between two triangles of one tile is where the tile bends, one between triangles of two tiles a
+// fold.
 #include "sim/deploy/bar_hinge_scene.h"
 
 #include <algorithm>
@@ -17,6 +24,7 @@ namespace {
 /// The node of each corner of each tile: corners that joints hold together have one.
 std::vector<std::vector<int>> nodesOfTiles(const Model& model, int& count) {
   std::vector<std::vector<int>> corners;
+  // Numbers of all corners, tile after tile.
   int next = 0;
   for (const Tile& tile : model.tiles) {
     corners.emplace_back(tile.vertices.size());
@@ -34,6 +42,7 @@ std::vector<std::vector<int>> nodesOfTiles(const Model& model, int& count) {
   };
   for (const Joint& joint : model.joints) {
     const int a = root(cornerAt(joint.a)), b = root(cornerAt(joint.b));
+    // The lower number leads: groups do not depend on the order of joints.
     parent[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
   }
   std::map<int, int> numbers;
@@ -57,6 +66,7 @@ struct PanelSide {
 using Edge = std::pair<int, int>;
 using Edges = std::map<Edge, std::vector<PanelSide>>;
 
+// By their two nodes, the lower first, with the triangles on their sides.
 Edges edgesOf(const Model& model, const std::vector<std::vector<int>>& nodes) {
   Edges edges;
   for (std::size_t t = 0; t < model.tiles.size(); ++t) {
@@ -88,6 +98,7 @@ class BarHingeMaker {
     for (const auto& [edge, sides] : edges_) addBends(sides);
   }
 
+  // Springs at hinges of the scene, at every edge that their two tiles share.
   void addFolds(const std::vector<HingeSpring>& springs) {
     for (const HingeSpring& spring : springs) {
       const auto [a, b] = std::pair(spring.hinge.brickA, spring.hinge.brickB);
@@ -119,6 +130,7 @@ class BarHingeMaker {
     }
   }
 
+  // All nodes of these tiles.
   void fix(const std::vector<int>& tiles) {
     for (const int tile : tiles) {
       const std::vector<int>& nodes = made_.tiles[static_cast<std::size_t>(tile)];
@@ -166,6 +178,7 @@ class BarHingeMaker {
   const Vector3& at(int node) const { return made_.nodes[static_cast<std::size_t>(node)]; }
   double lengthOf(const Edge& edge) const { return (at(edge.second) - at(edge.first)).norm(); }
 
+  // One bar for all triangles at the edge.
   void addBar(const Edge& edge, const std::vector<PanelSide>& sides) {
     double area = 0;
     for (const PanelSide& side : sides) {
@@ -173,6 +186,7 @@ class BarHingeMaker {
       area += barArea({at(a), at(b), at(c)}, thickness_, material_.poisson);
     }
     const double length = lengthOf(edge);
+    // Stiffness of a bar: E A / l.
     made_.bars.push_back({edge.first, edge.second, length, material_.youngs * area / length});
   }
 
@@ -193,6 +207,7 @@ class BarHingeMaker {
 
   Fold& addFold(const PanelSide& left, const PanelSide& right, double stiffness) {
     Fold fold{{left.from, left.to, left.wing, right.wing}, stiffness, 0};
+    // Without a rest angle of its own a fold rests as it stands.
     fold.rest = foldAngle({at(left.from), at(left.to), at(left.wing), at(right.wing)});
     return made_.folds.emplace_back(fold);
   }

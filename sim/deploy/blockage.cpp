@@ -1,3 +1,11 @@
+// Bricks that would overlap at the target, and what would free each pair of them.
+//
+// Overlaps are measured in the state where the scene's springs rest near the target, joints closed
+// and without contacts. A pair is freed by another face of its joints where the sheet folds (the
+// model is assembled again with the faces of FaceRule::Fold for the pairs that overlap, and looked
+// at again), or by thinner bricks: thicknesses are tried downwards in steps of a tenth, for the
+// pair alone, its bottoms where they were. Overlap need not fall steadily with the thickness, so
+// that no bisection is used.
 #include "sim/deploy/blockage.h"
 
 #include <algorithm>
@@ -23,8 +31,10 @@ constexpr double kNegligibleDepth = 1e-4;
 constexpr double kThinnerStep = 0.9;
 constexpr double kThinnest = 1e-3;
 // What looking at one pair of bricks once is worth, in multiplications.
+// Counted and not measured, so that the search ends alike on every machine.
 constexpr double kWorkOfPair = 20'000;
 
+// Pairs that contacts would look at, the deepest first.
 std::vector<Penetration> overlapsAt(const Scene& scene, const Poses& poses) {
   const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
   const std::vector<Pivot> pivots = makePivots(scene.model.joints, bricks);
@@ -79,11 +89,13 @@ struct ThinBrick {
   Pose pose;
 };
 
+// Its bottom stays where the tile is.
 ThinBrick thinned(const Scene& scene, int tile, const Brick& brick, const Pose& pose,
                   double thickness) {
   BrickRule rule = scene.brick;
   rule.thickness = thickness;
   ThinBrick thin{makeBrick(scene.model.tiles[tile], rule), pose};
+  // A thinner brick has its centre of mass nearer to the bottom.
   thin.pose.position += pose.rotation * (brick.bottom[0] - thin.brick.bottom[0]);
   return thin;
 }
@@ -119,6 +131,7 @@ bool isFree(const Scene& scene, const Penetration& overlap, const Poses& poses,
   return left.depth <= kNegligibleDepth * tileSize(scene.model);
 }
 
+// The largest thickness tried that frees the pair, metres; 0 where none does.
 double freeingThickness(const Scene& scene, const Penetration& overlap, const Poses& poses,
                         const std::vector<Joint>& between, SearchBudget& budget) {
   for (double share = kThinnerStep; share > kThinnest; share *= kThinnerStep) {

@@ -1,3 +1,10 @@
+// Checkpoints on disk. state.h5 holds everything but the samples, as one list of numbers under a
+// checksum; samples go to files of their own, one for each checkpoint, so that writing one does not
+// grow with the length of the run. The samples are written first: a state on disk never counts on
+// samples that are not there. Each file appears whole under its name.
+//
+// The pace bounds the cost: the next checkpoint is due after the longer of 2 s and 400 times what
+// the last one took. It decides when files are written and never what is in the results.
 #include "sim/deploy/checkpoints.h"
 
 #include <algorithm>
@@ -32,6 +39,7 @@ Checkpoints::Checkpoints(fs::path folder, std::string order, CheckpointPace pace
   waitAfter({});
 }
 
+// Everything is read once before any of it is used.
 std::string Checkpoints::find() {
   const std::string place = fmt::format("the checkpoint in {}", folder_.string());
   // A link may lead anywhere.

@@ -41,6 +41,8 @@ namespace kirireel {
 namespace {
 
 // The guide moves on by this part of a tile from state to state, in so many states.
+// Lengths below are in parts of a tile or of a state; a state is the distance from one kept state
+// to the next.
 constexpr double kStateShare = 0.02;
 constexpr double kLeastStates = 60;
 constexpr double kMostStates = 200;
@@ -65,6 +67,7 @@ constexpr double kFarError = 1e-6;
 // While opening, a move shorter than this part of its reach halves the reach.
 constexpr double kOpened = 0.1;
 // The pull towards the guide over mass and time squared: a move goes all but this part of the way.
+// With the mass 1 and the time 1 the step covers pull / (1 + pull) of the way.
 constexpr double kPull = 1e4;
 constexpr double kWeakestPull = 1e-6;
 // While opening, the place is so many reaches away, and below this reach the bricks are stuck.
@@ -86,6 +89,7 @@ constexpr int kSettlingMoves = 4;
 constexpr double kNudge = 0.02;
 constexpr double kMoreExtent = 1e-6;
 
+// The root mean square distance of the bottom's vertices from the centre of mass, metres.
 double gyrationRadius(const Brick& brick) {
   double sum = 0;
   for (const Vector3& point : brick.bottom) sum += point.squaredNorm();
@@ -125,6 +129,7 @@ Poses spread(Poses poses, double part) {
 }
 
 /// The sum of squared distances from the common centre, square metres.
+// sum |x_i - mean|^2 = sum |x_i|^2 - |sum x_i|^2 / n.
 double extent(const Poses& poses) {
   Vector3 sum = Vector3::Zero();
   double squares = 0;
@@ -145,6 +150,7 @@ class Mechanism {
     restart(start);
   }
 
+  // Forgets contacts: overlaps at these poses count as those of a start.
   void restart(const Poses& start) {
     dynamics_ = makeDynamics(scene_, sceneNeeds(scene_), bricks_, start);
     dynamics_->setJointStiffness(jointStiffness_);
@@ -231,6 +237,7 @@ class Continuation {
   }
 
   /// Follows the given states from the first, closed, to the last.
+  // A leap off the singular start, room where that is asked for, then state by state.
   MechanismPath along(std::vector<Poses> states) {
     states.front() = poses_;
     for (const Poses& state : states) symmetries_.keepThoseOf(state);
@@ -416,6 +423,7 @@ class Continuation {
     if (isRounded()) soften(guide.end());
   }
 
+  // Moves towards the goal until a move is none.
   void goTo(const Poses& goal) {
     for (int i = 0; i < kMovesAtGoal && mayGoOn(); ++i) {
       if (moveTowards(goal) < noMove()) break;

@@ -1,3 +1,17 @@
+// What deploy() does, from a scene to its result.
+//
+// 1. Open choices (drive, thickness) are filled in from the model, and senseless scenes refused.
+// 2. A scene with grips is followed through its equilibria and ends here (loading.cpp).
+// 3. The target is looked at: can rigid tiles reach it, where do joint-closed states come nearest,
+//    which bricks would overlap there.
+// 4. A scene that is geometry is searched for a path of the mechanism (geometric_path.cpp). One
+//    that keeps bricks apart is walked.
+// 5. Else ways of dynamics are tried (path_choice.cpp). A run that arrives in a scene that is
+//    geometry becomes a path again and is walked; otherwise the scene is run by its dynamics.
+//
+// The search is paid from one budget of counted work, so that the same path is taken on every
+// machine. With checkpoints, the trials of step 5 are kept as they end, and the run itself between
+// its steps.
 #include "sim/deploy/deployment.h"
 
 #include <algorithm>
@@ -56,6 +70,7 @@ void requireSense(const Scene& scene, double sampleInterval) {
   const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
   const std::vector<HingeSpring> springs = hingeSprings(scene, bricks);
   if (scene.grips.empty()) static_cast<void>(dynamicTies(scene, bricks, springs));
+  // What these throw shall be thrown before a search that may take minutes.
   static_cast<void>(makeDriveForce(scene, bricks));
 }
 

@@ -36,9 +36,13 @@ struct Accuracy {
   double jointGapEnd = 0;      ///< largest at the end
   double jointOpeningMax = 0;  ///< largest while joints gave on purpose; 0 when always exact
   double assemblyMove = 0;     ///< largest move of a vertex when an open start was closed
+  /// The error at the start; see targetError(). 0 without a target, as are the next three.
   double targetErrorStart = 0;
+  /// The error after the last step.
   double targetErrorEnd = 0;
+  /// The least error of the start and the end of any step.
   double targetErrorMin = 0;
+  /// No arrangement of rigid tiles has a smaller error; see rigidBound().
   double rigidBound = 0;
   double springsRestError = 0;  ///< where springs rest near the target, no contacts in their way
   double penetrationMax = 0;    ///< deepest at the start and the end of any step

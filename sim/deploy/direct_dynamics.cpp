@@ -1,3 +1,23 @@
+// The direct solver with contacts, in two ways.
+//
+// *Fixed steps* (advance): the joint solver's own step with a contact finder.
+//
+// *Steps to a tolerance* (advanceToTolerance): extrapolated steps among contacts that are held
+// (advanceByOrders).
+// 1. Contacts that still touch are held.
+// 2. A step is tried, with a filter: where bricks meet on the way it is not taken, and what they
+//    met is kept.
+// 3. For each contact that the refused step violates, the moment at which its gap becomes 0 is
+//    found by bisection between the step's ends, on cubics; the first of these moments is the
+//    impact.
+// 4. A step leads exactly there. The impact changes velocities by the least amount in the metric of
+//    the masses that lets no contact approach (no rebound; J. J. Moreau's sweeping process). Its
+//    contacts are held from then on.
+// 5. After more than eight impacts in one call, or where no step keeps the tolerance, the rest of
+//    the call goes by fixed steps of first order, and the report says for how long.
+//
+// Obstacles are pinned bodies after the bricks; they are appended to the poses before the solver is
+// called and taken away afterwards.
 #include "sim/deploy/direct_dynamics.h"
 
 #include <algorithm>
@@ -123,6 +143,7 @@ std::unique_ptr<JointSolver> solverOf(const Scene& scene, const Needs& needs,
        std::move(ties.ligaments)});
 }
 
+// Obstacles are bodies in space.
 void requireSpace(const Scene& scene, const Needs& needs) {
   if (!needs.planar.on || scene.environment.obstacles.empty()) return;
   throw InputError(
@@ -170,6 +191,7 @@ void DirectDynamics::leaveObstacles(Motion& motion) const {
   motion.velocities.resize(brickCount_);
 }
 
+// Obstacles stay; a state that cannot be closed is given back as it was.
 bool DirectDynamics::assemble(Poses& poses) {
   Poses closed = poses;
   appendObstacles(closed);
@@ -344,6 +366,7 @@ void DirectDynamics::setTolerance(const TimeTolerance& tolerance) {
       ExtrapolationSettings{tolerance.tolerance, tolerance.longestStep, tileSize_, keepsEnergy_});
 }
 
+// First as far as the tolerance can be kept, then by fixed steps.
 StepReport DirectDynamics::advanceToTolerance(Motion& motion, double seconds,
                                               const TimedLoads& actuation) {
   const TimedLoads all = allLoads(actuation);

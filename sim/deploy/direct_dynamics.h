@@ -9,6 +9,9 @@ namespace kirireel {
 /// The direct joint solver with implicit loads, and the contacts that the scene needs.
 class DirectDynamics : public Dynamics {
  public:
+  /// Throws InputError for a planar scene with obstacles, for a tile that lies in an obstacle at
+  /// the start, and for springs or ligaments that the scene cannot have. `bricks` may end with the
+  /// call.
   DirectDynamics(const Scene& scene, const Needs& needs, const std::vector<Brick>& bricks,
                  const Poses& start);
 

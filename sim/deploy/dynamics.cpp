@@ -1,3 +1,4 @@
+// The choice of a solver for a scene.
 #include "sim/deploy/dynamics.h"
 
 #include "sim/deploy/direct_dynamics.h"

@@ -1,3 +1,12 @@
+// Which paths of the mechanism are tried, in which order, and how the one that is taken is walked.
+//
+// Tried are, until one serves: without contacts, with three weights of turns against places; with
+// contacts, where bricks overlapped on the way; with compliant joints, which open as little as they
+// can (each path found guides the next, with joints ten times as stiff). Every path that arrives is
+// judged: how deep bricks overlap beyond the start, how far joints open.
+//
+// A walk has an even pace: state k is reached at T L_k / L, L_k the path's length up to it
+// (pathDistance) and T the walking time. Samples lie between two states, with joints closed again.
 #include "sim/deploy/geometric_path.h"
 
 #include <algorithm>
@@ -50,6 +59,7 @@ constexpr double kShorteningShare = 0.15;
 // An extension shorter than this part of a tile is none.
 constexpr double kLeastExtension = 1e-3;
 
+// Whether no overlap grew on the path beyond what counts as rounding.
 bool isClear(const Scene& scene, const GeometricPath& found) {
   return found.grown <= kClearShare * tileSize(scene.model);
 }
@@ -117,6 +127,8 @@ class GeometricSearch {
         tile_(tileSize(scene.model)),
         start_(startPoses(scene.model.tiles, makeBricks(scene.model.tiles, scene.brick))) {}
 
+  // The order is that of the head of this file. A clear path without contacts ends the search;
+  // contacts are tried only where a path passed through bricks; compliant joints come last.
   GeometricPaths find() {
     const ContactFilter wanted = scene_.environment.contacts;
     for (const ContinuationSettings& settings : kAlone) {
@@ -150,8 +162,10 @@ class GeometricSearch {
   }
 
  private:
+  // The guide that every first trial gets: the start and the nearest assembled state alone.
   std::vector<Poses> tilesOwnMotion() const { return {start_, room_.nearest.poses}; }
 
+  // One trial, charged to the budget, with a share of it that grows as the path does.
   MechanismPath follow(std::vector<Poses> guide, const ContinuationSettings& settings,
                        ContactFilter contacts, const char* what) {
     Scene trial = scene_;
@@ -180,6 +194,7 @@ class GeometricSearch {
   /// The error of a state that is this part of a tile off the nearest one, metres.
   double nearEnough(double share) const { return room_.nearest.error + share * tile_; }
 
+  // Without contacts: how deep bricks overlap says whether they are needed.
   void tryAlone(const ContinuationSettings& settings) {
     GeometricPath trial;
     trial.path = follow(tilesOwnMotion(), settings, ContactFilter::None, "a path of the mechanism");
@@ -270,6 +285,7 @@ class GeometricSearch {
 const char* const kTracing = "the states of the run that arrives";
 const char* const kExtending = "the way to full extension";
 
+// Whether a path is shorter than any extension that counts.
 bool standsStill(const Scene& scene, const MechanismPath& path) {
   return path.length() < kLeastExtension * tileSize(scene.model);
 }
@@ -314,6 +330,7 @@ class Walk {
     projection_ = makeDynamics(alone, sceneNeeds(alone), bricks_, asRead_);
   }
 
+  // Walks all states, samples included, and returns the result without outcome and reason.
   DeploymentResult finish() {
     static_cast<Subject&>(result_.trajectory) = subjectOf(scene_);
     figures_.begin(path_.states.front(), hasCompliantJoints_);
@@ -324,6 +341,7 @@ class Walk {
     } catch (const Interrupted&) {
       isAskedToEnd_ = true;  // within a state that lies between two others
     }
+    // The last state is sampled though no sample is due.
     if (lastTime_ < time_ && !isAskedToEnd_) takeSample(time_, *poses_);
     figures_.leave(result_);
     return std::move(result_);
@@ -339,6 +357,7 @@ class Walk {
     return path_.length() > 0 ? whole * (path_.lengths[state] / path_.length()) : 0;
   }
 
+  // One state of the path, and the samples that came due on the way to it.
   void step(std::size_t state) {
     const double before = time_;
     const double next = timeAt(state);
@@ -357,6 +376,8 @@ class Walk {
     }
   }
 
+  // A state between two of the path. With exact joints the straight state is closed again.
+  // Compliant joints need not close, so that only its symmetry is restored.
   Poses between(const Poses& from, double share) {
     if (share >= 1) return *poses_;
     Poses poses = interpolate(from, *poses_, share);
@@ -366,6 +387,8 @@ class Walk {
     return poses;
   }
 
+  // The observer may end the walk here. Samples that are due within the same step are then left
+  // out.
   void takeSample(double time, Poses poses) {
     ++samples_;
     lastTime_ = time;

@@ -20,6 +20,9 @@ constexpr double kMostClosing = 0.5;
 /// A brick moves in the plane when it leaves it by less than this, tiles and radians.
 constexpr double kInPlane = 1e-9;
 
+// Whether all bricks are upright and only turn about the vertical, at one height, from one sample
+// to the next. A run in the plane has to be interpolated in the plane: solved in space, rounding
+// could tilt its bricks.
 bool movesInPlane(const std::vector<Brick>& bricks, const Sample& from, const Sample& to,
                   double tileSize) {
   for (std::size_t i = 0; i < bricks.size(); ++i) {
@@ -40,10 +43,13 @@ StateInterpolator::StateInterpolator(const Subject& subject)
       pivots_(makePivots(subject.model.joints, subject.bricks)),
       tileSize_(tileSize(subject.model)) {}
 
+// Samples whose joints gave on purpose are open; they are not closed between.
 bool StateInterpolator::areClosed(const Sample& sample) const {
   return jointGap(pivots_, sample.poses).max <= kClosedJoints * tileSize_;
 }
 
+// A solver for the plane or for space, made at its first use and kept: making one plans the
+// factorisation. The pins are those of the earlier sample.
 JointSolver& StateInterpolator::solverFor(const Sample& from, const Sample& to) {
   const bool planar = movesInPlane(subject_.bricks, from, to, tileSize_);
   std::unique_ptr<JointSolver>& solver = planar ? inPlane_ : inSpace_;
@@ -57,6 +63,8 @@ JointSolver& StateInterpolator::solverFor(const Sample& from, const Sample& to) 
   return *solver;
 }
 
+// The closed state nearest to the straight one. Where the joints do not close, or closing leads far
+// away, the nearer of the two samples is taken instead: it is at least a state of the run.
 Poses StateInterpolator::closedBetween(const Sample& from, const Sample& to, double share) {
   const Poses straight = interpolate(from.poses, to.poses, share);
   Poses closed = straight;
@@ -67,6 +75,8 @@ Poses StateInterpolator::closedBetween(const Sample& from, const Sample& to, dou
   return share < 0.5 ? from.poses : to.poses;
 }
 
+// The time and the poses are interpolated, and the measures are computed anew from the poses.
+// Everything else is that of the earlier sample.
 Sample StateInterpolator::between(const Sample& from, const Sample& to, double share) {
   if (share <= 0) return from;
   if (share >= 1) return to;

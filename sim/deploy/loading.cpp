@@ -1,3 +1,7 @@
+// A scene with grips: its sheet is made, in the plane with three coordinates a tile or in space as
+// bars and hinges, its equilibria are followed from the load 0 to 1 (load_path.cpp), and the states
+// found are walked as a path of the mechanism is. Everything that equilibria do not know is refused
+// with what to leave away: time, contacts, gravity, links, drives.
 #include "sim/deploy/loading.h"
 
 #include <algorithm>
@@ -33,8 +37,11 @@ std::vector<int> pinnedTiles(const Scene& scene) {
   return tiles;
 }
 
+// Each message says what to leave away.
 void requireEquilibria(const Scene& scene) {
   Scene bare = scene;
+  // What the checks below allow by themselves is taken out, so that isQuasiStatic() speaks of the
+  // rest.
   bare.timeline.clear();
   bare.hinges = {};
   if (!bare.model.target) bare.model.target = bare.model.tiles;  // grips hold what no joint does

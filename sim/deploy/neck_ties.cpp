@@ -1,3 +1,10 @@
+// Joints of necks: which joint is exact, which one a ligament.
+//
+// A neck at a joint of two tiles has, where the slit beside it is shut at the start, an axis that
+// lies beside the corner along the slit (neckAxis()). With a length, and where ligaments are asked
+// for, it becomes a straight ligament whose middle is the joint and which runs from tile A to tile
+// B. Without a length it is the end of the slit: a pin that parts across the slit and slides along
+// it. All other joints stay exact.
 #include "sim/deploy/neck_ties.h"
 
 #include <algorithm>
@@ -16,6 +23,7 @@ namespace kirireel {
 namespace {
 
 /// The directions of both edges from a corner, unit.
+/// The corner's next and last neighbour give them, in the order of the tile's corners.
 std::array<Vector3, 2> edgesAt(const Brick& brick, int corner) {
   const std::size_t count = brick.bottom.size();
   const auto k = static_cast<std::size_t>(corner);
@@ -24,6 +32,7 @@ std::array<Vector3, 2> edgesAt(const Brick& brick, int corner) {
 }
 
 /// The direction from a corner into its tile.
+/// The sum of two unit edges bisects the corner's angle; its length is no measure.
 Vector3 inwardAt(const Brick& brick, int corner) {
   const auto [next, last] = edgesAt(brick, corner);
   return next + last;
@@ -50,6 +59,8 @@ Ligament ligamentAt(const Pivot& pivot, const std::vector<Brick>& bricks, const 
       inwardAt(bricks[static_cast<std::size_t>(pivot.brickB)], pivot.cornerB).normalized() -
       inwardAt(bricks[static_cast<std::size_t>(pivot.brickA)], pivot.cornerA).normalized();
   Ligament ligament{pivot.brickA, pivot.brickB, pivot.joint};
+  // The ligament runs along the difference of the two inward directions: from tile A to tile B
+  // across the slit.
   ligament.start = neck.length * across.normalized();
   ligament.pointA = pivot.pointA - 0.5 * ligament.start;
   ligament.pointB = pivot.pointB + 0.5 * ligament.start;
@@ -105,6 +116,8 @@ void addNeck(Pivot pivot, const std::vector<Brick>& bricks, const Scene& scene, 
 
 }  // namespace
 
+// A joint is a neck where its two bricks share a hinge that has a spring. Upper pivots coincide
+// with lower ones in the plane and are left out.
 Ties tiesOf(const Scene& scene, const std::vector<Brick>& bricks,
             const std::vector<HingeSpring>& springs) {
   std::set<std::pair<int, int>> hinges;
@@ -125,6 +138,7 @@ Ties tiesOf(const Scene& scene, const std::vector<Brick>& bricks,
   return ties;
 }
 
+// Without ligaments all pivots are exact, upper ones too, since the scene may be in space.
 Ties dynamicTies(const Scene& scene, const std::vector<Brick>& bricks,
                  const std::vector<HingeSpring>& springs) {
   if (!scene.hinges.areLigaments) return {makePivots(scene.model.joints, bricks), {}};

@@ -1,3 +1,13 @@
+// Which way of dynamics brings a model to its target: trials, each a run of its own.
+//
+// The tables below list the ways in the order in which they are tried: a straight pull; tiles that
+// are led, with exact joints; tiles that are led on joints that give, from stiff to soft. Seconds
+// and N/m are for bricks of 1 kg and tiles of about 1 m, which is what models have by default. A
+// trial ends when it arrives, when it stops to come nearer, when exact joints jam, when bricks
+// overlap that may not, or when a third of the budget's rest is spent. Each trial takes the steps
+// that the run itself would take, so that what arrives here arrives there.
+//
+// Trials that were made before a checkpoint are taken from the list as they ended.
 #include "sim/deploy/path_choice.h"
 
 #include <array>
@@ -86,6 +96,7 @@ constexpr auto kToBlocked = std::to_array<PathSettings>({
     {PathKind::Led, 0, 4, 200, 1e7},
 });
 
+// The words for a path in reasons and in what is told of the search.
 std::string describe(const PathSettings& path) {
   if (path.kind == PathKind::Straight) return "straight pull";
   std::string way = fmt::format("led for {:g} s with {:g} N/m", path.ledTime, path.ledStiffness);
@@ -118,6 +129,8 @@ class StallWatch {
                                           ? scene.path.openTime + scene.path.ledTime
                                           : 0)) {}
 
+  // Whether the trial goes on. Time that tiles are opened and led counts as patience: the error may
+  // grow in it.
   bool operator()(const StepRecord& step) {
     if (best_ < 0 || step.targetError < kImprovement * best_) {
       best_ = step.targetError;
@@ -132,6 +145,7 @@ class StallWatch {
   double bestTime_ = 0;
 };
 
+// Whether steps fail so often that the joints cannot be held exactly.
 bool isJammed(const DeployCost& cost) {
   return cost.took.unconverged > kJammedSteps && 2 * cost.took.unconverged > cost.took.steps;
 }
@@ -143,6 +157,7 @@ bool exactJointsJam(const Scene& scene, SearchBudget& budget, const TrialObserve
   trial.environment = Environment{};
   trial.stop.duration = kJamTime;
   trial.path = {PathKind::Straight};
+  // The observer is called in the run's constructor already, when there is no run to ask yet.
   const Run* running = nullptr;
   WorkLimit limit(budget);
   RunObservers watch;
@@ -218,6 +233,8 @@ class PathSearch {
         observer_(observer),
         trials_(trials) {}
 
+  // Without contacts first: those trials are cheap, and where bricks keep clear on a path that
+  // arrives it serves as it is.
   PathChoice find() {
     const bool roomAtTarget = !room_.isBlocked;
     if (room_.isReachedThrough) {
@@ -258,6 +275,7 @@ class PathSearch {
     trial.stop = StopRules{};  // the run's own time may be too short for any path
     trial.path = path;
     trial.solver.timestep = stepFactor * scene_.solver.timestep;
+    // Trials that a checkpoint brought along are not made again: their ends are the same.
     if (count_ == trials_.size()) {
       const TrialEnd end =
           tryPath(trial, room_, budget_, [&](double work) { return tell(what, work); });
@@ -304,6 +322,7 @@ class PathSearch {
                : " comes as near as joints that stay closed were found to";
   }
 
+  // In the plane a coarse look at the straight pull comes first.
   PathChoice findWithoutContacts() {
     PathSettings straight = scene_.path;
     straight.kind = PathKind::Straight;
@@ -348,6 +367,7 @@ class PathSearch {
   /// The first path on which bricks arrive without overlap, joints hardly open.
   std::optional<PathSettings> pathAmongBricks(Paths paths, const std::string& which) {
     Environment bricks = scene_.environment;
+    // Ground and weight would decide which trial arrives; a path is sought for the mechanism alone.
     bricks.ground.reset();
     bricks.gravity.setZero();
     for (const PathSettings& path : paths) {
@@ -409,6 +429,8 @@ class PathSearch {
 
 }  // namespace
 
+// The first rule that applies decides. Everything up to the last lines names a case in which a
+// search would make no sense, or in which another force than the pull leads.
 PathChoice choosePath(const Scene& scene, const TargetRoom& room, SearchBudget& budget,
                       const TrialObserver& observer, std::vector<TrialEnd>& trials) {
   const TrialObserver watch = observer ? observer : [](const SearchNews&) { return true; };

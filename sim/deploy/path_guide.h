@@ -12,8 +12,11 @@
 namespace kirireel {
 
 /// What a path follows: straight from each of its states to the next, at an even pace.
+/// Distances between its states are pathDistance(), so that its pace is even in moves and turns
+/// together.
 class PathGuide {
  public:
+  /// Two states at least, one pose a brick in each.
   PathGuide(const std::vector<Brick>& bricks, std::vector<Poses> states)
       : states_(std::move(states)) {
     for (std::size_t k = 1; k < states_.size(); ++k) {
@@ -21,6 +24,7 @@ class PathGuide {
     }
   }
 
+  /// Of the whole guide, metres.
   double length() const { return lengths_.back(); }
   const Poses& end() const { return states_.back(); }
 

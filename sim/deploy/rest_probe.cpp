@@ -1,3 +1,10 @@
+// Is a state that hardly moves at rest, or is it only slow?
+//
+// From rest, an implicit Euler step of length h moves bricks of mass M, damping D and stiffness K
+// under the force F by dx = (M / h^2 + D / h + K)^-1 F. For long h mass and damping drop out, and
+// dx comes near to K^-1 F, Newton's step to where the forces vanish. So steps 16 times as long as
+// the one before, up to 1e7 s, show where the bricks would go in the end: if none goes a thousandth
+// of a tile, the state is at rest.
 #include "sim/deploy/rest_probe.h"
 
 #include <algorithm>

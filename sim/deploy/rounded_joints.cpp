@@ -1,3 +1,6 @@
+// Numbers behind rounded_joints.h: d is the last digit of the coordinates over the mean edge, r =
+// 10 / d the stiffness of joints over that of the pull. Softer joints are tried in steps of ten,
+// down to r = 10.
 #include "sim/deploy/rounded_joints.h"
 
 #include <limits>

@@ -1,3 +1,21 @@
+// One run with dynamics: the loop over steps and what decides in it.
+//
+// Time is counted in looks: a look is one timestep, or four where a tolerance in time is kept. A
+// step ends with the next look, or earlier where the timeline or the path has something due. After
+// each step the run measures (RunFigures), takes the samples that came due, and asks whether it
+// rests.
+//
+// Rest. Nothing moves faster than settleSpeed times the model's size for settleTime seconds, or
+// steps fail and no brick has gone anywhere since they began to. Then, in this order: the springs
+// are stiffened, up to 16 times; a probe looks whether the bricks are only slow (rest_probe.h); the
+// timeline may wait for rest; else the run ends, settled or locked, by the error that is left.
+//
+// Path. While tiles are led, a PathFollower's springs pull in place of the scene's; joints may be
+// compliant meanwhile, and are closed when the path is done, unless that pushes bricks into each
+// other.
+//
+// A step that loses a brick, or that is ended from within, is taken back: the state, the time and
+// the account of energies are those before it.
 #include "sim/deploy/run.h"
 
 #include <algorithm>
@@ -88,6 +106,8 @@ void Run::holdJoints(Dynamics& dynamics) const {
   }
 }
 
+// Heads for a target, null for the model's own: notes where it starts from, how near the tiles can
+// come, and ties springs to it.
 void Run::goTo(const std::vector<Tile>* target) {
   if (!target && scene_.model.target) target = &*scene_.model.target;
   target_ = target;
@@ -104,6 +124,7 @@ void Run::goTo(const std::vector<Tile>* target) {
   stiffness_.observe(targetStartError_, time(), 0);
 }
 
+// Back to the start, with a new solver.
 void Run::reset() {
   follower_.reset();
   motion_ = {startPoses_, std::vector<Velocity>(bricks_.size())};
@@ -133,6 +154,7 @@ bool Run::followTimeline(bool atRest) {
   return true;
 }
 
+// Closes joints, sets the first velocities and measures the start.
 void Run::start() {
   // Joints that give need not be closed first, which can push bricks into each other.
   misfit_ = !scene_.path.jointsGive() && !dynamics_->assemble(motion_.poses);
@@ -159,6 +181,7 @@ void Run::start() {
   showStep();
 }
 
+// Tells the observer of steps, which may end the run.
 void Run::showStep() {
   if (observers_.step && !observers_.step(figures_.lastStep())) isAskedToEnd_ = true;
 }
@@ -261,6 +284,7 @@ void Run::followPath() {
   follower_.reset();
 }
 
+// As many timesteps as make this step, each from the loads at its own start.
 StepReport Run::advanceByFixedSteps() {
   const int count = hasTolerance_ ? kStepsAtOnce : 1;
   StepReport report;
@@ -271,6 +295,7 @@ StepReport Run::advanceByFixedSteps() {
   return report;
 }
 
+// One step by the solver, with the account of energies around it.
 StepReport Run::advanceStep() {
   followPath();
   const bool isExact = hasTolerance_ && !misfit_;
@@ -287,6 +312,7 @@ StepReport Run::advanceStep() {
   return report;
 }
 
+// Whether a brick has left all bounds, or is nowhere.
 bool Run::isLost() const {
   for (std::size_t i = 0; i < startPoses_.size(); ++i) {
     const double distance = (motion_.poses[i].position - startPoses_[i].position).norm();
@@ -296,6 +322,7 @@ bool Run::isLost() const {
   return false;
 }
 
+// Sets how the run ended, once, as the last event.
 void Run::end(Outcome outcome, std::string reason) {
   result_.outcome = outcome;
   result_.reason = std::move(reason);
@@ -304,6 +331,7 @@ void Run::end(Outcome outcome, std::string reason) {
   ended_ = true;
 }
 
+// Settled, or locked short of the target.
 void Run::endAtRest() {
   const double error = currentTargetError();
   if (!pullsToTarget()) {
@@ -426,6 +454,7 @@ void Run::passTime() {
   sinceLook_ = 0;
 }
 
+// One step of the loop, pauses included.
 void Run::advance() {
   followTimeline(false);
   if (ended_) return;
@@ -458,6 +487,7 @@ void Run::advanceToEnd() {
   }
 }
 
+// The whole run: start or checkpoint, the loop, the end.
 DeploymentResult Run::finish() {
   startSeconds_ = threadCpuSeconds();
   start();

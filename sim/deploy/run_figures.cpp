@@ -1,3 +1,7 @@
+// Figures of a run, measured at its start and after each step. A maximum or minimum keeps the state
+// in which it was reached, so that it can be computed again from the trajectory; sums (mean gap,
+// cost) follow from the steps' records. Records wait for the next sample, which takes those up to
+// its own time along.
 #include "sim/deploy/run_figures.h"
 
 #include <algorithm>
@@ -12,6 +16,7 @@ constexpr double kNoTime = -1;
 
 }  // namespace
 
+// `asRead`: the state whose overlaps count as given, so that "grown" is measured from it.
 RunFigures::RunFigures(const Model& model, const std::vector<Brick>& bricks,
                        std::span<const Pivot> pivots, double pivotZone, const Poses& asRead,
                        const AssembledState& nearest)
@@ -29,6 +34,7 @@ RunFigures::RunFigures(const Model& model, const std::vector<Brick>& bricks,
   states_.push_back({"springs_rest_error", kNoTime, nearest.restPoses});
 }
 
+// The start is observed as a step of no length: it counts in means and maxima.
 void RunFigures::begin(const Poses& start, bool jointsGive) {
   accuracy_.assemblyMove = targetError(bottomTiles(bricks_, asRead_), bricks_, start);
   accuracy_.targetErrorStart = accuracy_.targetErrorMin = targetErrorOf(start);
@@ -36,6 +42,7 @@ void RunFigures::begin(const Poses& start, bool jointsGive) {
   observe(0, start, {}, jointsGive);
 }
 
+// Measures the state after a step. `report` is that step's cost.
 void RunFigures::observe(double time, const Poses& poses, const StepReport& report,
                          bool jointsGive) {
   // What may be ended from within comes first, while nothing has changed.
@@ -66,6 +73,7 @@ void RunFigures::keepState(const char* name) {
   state->poses = *poses_;
 }
 
+// The first value is taken whatever it is, so that each figure has a state.
 void RunFigures::raise(double& figure, const char* name, double value) {
   if (count_ > 0 && !(value > figure)) return;
   figure = value;
@@ -79,6 +87,7 @@ void RunFigures::noteOverlaps(const PenetrationDepths& depths) {
   raise(accuracy_.penetrationGrownMax, "penetration_grown_max", depths.grown);
 }
 
+// Two least errors: of any state, and of states with closed joints.
 void RunFigures::observeTarget(const JointGap& gap) {
   if (!model_.target) return;
   const double error = accuracy_.targetErrorEnd = targetErrorOf(*poses_);
@@ -92,14 +101,17 @@ void RunFigures::observeTarget(const JointGap& gap) {
   }
 }
 
+// 0 without a target.
 double RunFigures::targetErrorOf(const Poses& poses) const {
   return model_.target ? targetError(*model_.target, bricks_, poses) : 0;
 }
 
+// At both ends of the last step.
 bool RunFigures::wereClosed() const {
   return std::max(gapBefore_, gapNow_) <= kClosedShare * tileSize_;
 }
 
+// A sample takes along the records of the steps up to its time; those of later ones wait.
 Sample RunFigures::sampleAt(double time, Poses poses) {
   Sample sample;
   sample.time = time;
@@ -114,6 +126,7 @@ Sample RunFigures::sampleAt(double time, Poses poses) {
   return sample;
 }
 
+// The figures of the end are the sample's. Kept states are dropped with it.
 void RunFigures::endWith(const Sample& sample) {
   accuracy_.jointGapEnd = sample.jointGap;
   accuracy_.targetErrorEnd = sample.targetError;

@@ -16,6 +16,8 @@ void Run::tieSprings() {
   springs_.emplace(bricks_, *target_, scene_.model.pulledTiles, springSettings_);
 }
 
+// The springs of the moving guide where tiles are led, else those to the target. Null where nothing
+// pulls.
 const TargetSprings* Run::targetSprings() const {
   if (follower_) return &follower_->springs();
   return springs_ ? &*springs_ : nullptr;
@@ -32,6 +34,8 @@ void Run::pull(const Poses& poses, std::vector<Load>& loads) const {
   }
 }
 
+// What drive, drags and yielding joints store at a time in these poses, joules. Hinges and
+// ligaments are accounted for apart.
 double Run::springEnergy(double time, const Poses& poses) const {
   double sum = 0;
   if (timeline_.forcesAreOn()) {
@@ -53,6 +57,7 @@ double Run::springEnergy(double time, const Poses& poses) const {
   return sum;
 }
 
+// Forces that store no energy here, newtons: gravity, and what of a drive is no spring.
 std::vector<Vector3> Run::freeForces(const Poses& poses) const {
   std::vector<Vector3> forces;
   for (const Brick& brick : bricks_) forces.push_back(brick.mass * scene_.environment.gravity);
@@ -61,6 +66,8 @@ std::vector<Vector3> Run::freeForces(const Poses& poses) const {
   return forces;
 }
 
+// Everything but contacts and joints, with its damping at these velocities: N and N m about the
+// centres of mass.
 std::vector<Vector6> Run::appliedForces(double time, const Motion& motion) const {
   std::vector<Load> loads(bricks_.size());
   actuation_(time - this->time(), motion.poses, loads);
@@ -92,6 +99,8 @@ std::vector<Vector6> Run::appliedForces(double time, const Motion& motion) const
   return forces;
 }
 
+// Adds what ligaments push their first brick with to the force of their joint, newtons. The plane's
+// two components alone.
 void Run::addLigamentForces(const Poses& poses, std::vector<Vector3>& jointForces) const {
   for (const Ligament& ligament : ties_.ligaments) {
     const Vector6 slope = ligamentEnergy(ligament, poses).gradient;
@@ -99,12 +108,14 @@ void Run::addLigamentForces(const Poses& poses, std::vector<Vector3>& jointForce
   }
 }
 
+// One entry a brick: whether the timeline holds it at present.
 std::vector<bool> Run::pinned() const {
   std::vector<bool> pinned(bricks_.size(), false);
   for (const int tile : timeline_.pinnedTiles()) pinned[static_cast<std::size_t>(tile)] = true;
   return pinned;
 }
 
+// Drags as grips, and the contacts of the last step.
 std::vector<Hold> Run::holds(double time, const Motion& motion) const {
   std::vector<Hold> holds;
   for (const DragSpring& grip : timeline_.dragSprings(time)) {
@@ -117,6 +128,7 @@ std::vector<Hold> Run::holds(double time, const Motion& motion) const {
                      (load.force - load.damping * velocity).head<3>(), Vector3::Zero(),
                      pose.apply(grip.spring.point)});
   }
+  // Grips come by tile, in the timeline's order within a tile, so that files do not depend on it.
   std::ranges::stable_sort(holds, {}, &Hold::tile);
   const std::vector<Hold> contacts =
       this->time() > 0 ? dynamics_->contacts(motion.poses) : std::vector<Hold>{};

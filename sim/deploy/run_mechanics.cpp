@@ -49,6 +49,8 @@ RunMechanics::RunMechanics(const std::vector<Brick>& bricks, std::span<const Piv
       acting_(acting),
       reactions_(makeReactionSolver(bricks, pivots, planar, lengthScale)) {}
 
+// What springs hold now and did not hold at the end of the last step was put in by whoever moved or
+// stiffened them.
 void RunMechanics::begin(double time, const Motion& motion) {
   Energies& now = account_.now;
   const double there = now.kinetic + now.spring + now.elastic;
@@ -59,6 +61,7 @@ void RunMechanics::begin(double time, const Motion& motion) {
   account_.before = now;
 }
 
+// Springs that move within a step hold their energy at its end by their places at its end.
 void RunMechanics::end(const StepSpan& step) {
   Energies& now = account_.now;
   const double springTime = step.time + (step.springsMove ? step.seconds : 0);
@@ -104,6 +107,8 @@ double RunMechanics::workOfMovingSprings(double time, double seconds, const Moti
   return (gain(from.poses) + 4 * gain(middle) + gain(to.poses)) / 6;
 }
 
+// Energies lie on a straight line between the two ends of the step; forces come from a solve of
+// their own in this state.
 Mechanics RunMechanics::at(double time, const Motion& motion, double share) {
   Mechanics result;
   result.energies = energiesBetween(account_.before, account_.now, share);

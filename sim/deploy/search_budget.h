@@ -13,6 +13,7 @@ inline constexpr double kWorkPerSecond = 4e9;
 
 /// Work that may still be done. It is counted, not measured: a search takes the same decisions on
 /// every machine and under every load, and a second is one of the reference core.
+/// It may be overspent by the last piece of work, which is not broken off.
 class SearchBudget {
  public:
   /// `seconds` of a reference core, from 0.

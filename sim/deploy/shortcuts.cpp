@@ -42,6 +42,8 @@ class Shortening {
         pivots_(makePivots(scene.model.joints, bricks_)),
         meter_(bricks_, pivots_, scene.environment.pivotZone, path_.states.front(), 0) {}
 
+  // Rounds go on while one makes the path clearly shorter; else the next, with shorter pieces,
+  // would be work for nothing.
   MechanismPath find() {
     for (int round = 0, pieces = kPieces; round < kRounds; ++round, pieces *= 2) {
       const double before = path_.length();
@@ -67,6 +69,7 @@ class Shortening {
     return found;
   }
 
+  // Greedy: from each node the farthest one that a shorter way leads to.
   void cutAmong(const std::vector<std::size_t>& nodes) {
     MechanismPath kept = path_;
     kept.states.resize(1);
@@ -100,6 +103,8 @@ class Shortening {
   /// The states after `from` up to `to` on a way that is clear and shorter; none where there is no
   /// such way. `mayStart`: whether the mechanism moves from there at all.
   std::vector<Poses> shorterWay(std::size_t from, std::size_t to, bool& mayStart) {
+    // No way is shorter than the straight distance between the states, so that the search is spared
+    // where even this is not short enough.
     const double least = pathDistance(bricks_, path_.states[from], path_.states[to]);
     const double present = path_.lengths[to] - path_.lengths[from];
     if (least > kShorter * present) return {};
@@ -113,6 +118,7 @@ class Shortening {
     if (!arrives || way.length() + missing > most) return {};
     way.states.push_back(path_.states[to]);
     way.states.erase(way.states.begin());
+    // Overlaps are measured last, because they are the dearest test.
     const bool isClear = std::ranges::all_of(
         way.states, [&](const Poses& state) { return meter_.at(state).grown <= mostGrown_; });
     return isClear ? std::move(way.states) : std::vector<Poses>{};
@@ -130,6 +136,7 @@ class Shortening {
 
 }  // namespace
 
+// Whether a path is longer than its ends' distance by a factor that leaves room for shortcuts.
 bool isDetour(const Scene& scene, const MechanismPath& path) {
   const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
   return path.length() > kDetour * pathDistance(bricks, path.states.front(), path.states.back());

@@ -9,6 +9,7 @@ namespace kirireel {
 inline constexpr double kDetour = 1.5;
 
 /// Whether a path is that much longer than the tiles' own motions from its first state to its last.
+/// Costs one distance of two states.
 bool isDetour(const Scene& scene, const MechanismPath& path);
 
 /// The path with its detours cut out: the states in between are left out wherever the mechanism,

@@ -1,3 +1,7 @@
+// Warnings about a target that rigid, jointed tiles cannot reach, said before the run. They look at
+// the data alone: how far joints are open at the target, whether the sheet is turned over, how near
+// tiles can come to it one by one (rigid_bound.cpp), and whether the alignment has moved the start
+// although ground or obstacles make its place count.
 #include "sim/deploy/target_warnings.h"
 
 #include <fmt/format.h>
@@ -20,6 +24,7 @@ bool isWanted(const Scene& scene) {
   return scene.model.target && scene.actuation.drive == Drive::Target;
 }
 
+// Joints that are open in the target's own data.
 std::string tornWarning(const Scene& scene) {
   const double tile = tileSize(scene.model);
   const double gap = largestJointGap(scene.model.joints, *scene.model.target);
@@ -43,6 +48,7 @@ std::string turnedWarning(const Scene& scene) {
       turned, count);
 }
 
+// Tiles of other shapes than the target's.
 std::string rigidWarning(const Scene& scene) {
   const double tile = tileSize(scene.model);
   const double bound = rigidBound(scene.model.tiles, *scene.model.target);
@@ -53,6 +59,7 @@ std::string rigidWarning(const Scene& scene) {
       bound, bound / tile);
 }
 
+// Where the place matters, a start that was moved onto its target is told.
 std::string movedWarning(const Scene& scene) {
   const StartAlignment& alignment = scene.alignment;
   const Environment& environment = scene.environment;

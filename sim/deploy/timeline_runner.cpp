@@ -1,3 +1,8 @@
+// The timeline as it goes on: entries happen in their order, each as soon as it is due. One that
+// waits for a state (rest, a target, an error) is looked at only as the first of a step, since what
+// an entry does may change that state. Times are compared with a small allowance for rounding. A
+// drag is a spring (point_spring.h) whose anchor moves along its path at even speed; it ends by
+// itself.
 #include "sim/deploy/timeline_runner.h"
 
 #include <algorithm>
@@ -26,6 +31,7 @@ Vector3 pointOnPath(const std::vector<Vector3>& path, double share) {
   return path.back();
 }
 
+// Tiles in a file's numbers; an empty list means all of them.
 std::string tilesText(std::vector<int> tiles, int countsFrom) {
   for (int& tile : tiles) tile += countsFrom;
   return tiles.empty() ? "all tiles" : fmt::format("tiles {}", fmt::join(tiles, ", "));
@@ -62,6 +68,7 @@ std::string describe(const timeline::Action& action, int countsFrom) {
   return what.empty() ? actionName(action) : fmt::format("{} {}", actionName(action), what);
 }
 
+// What an entry waits for, in words for the reason of an end.
 std::string momentText(const Occasion& moment) {
   switch (moment.kind) {
     case Occasion::Kind::AtTime:
@@ -89,8 +96,10 @@ TimelineRunner::TimelineRunner(const Timeline& timeline, const std::vector<Brick
       countsFrom_(countsFrom),
       pinned_(bricks.size(), false) {}
 
+// Drags that are over go first; then entries as far as they are due.
 bool TimelineRunner::carryOut(const TimelineView& view, TimelineStage& stage,
                               std::vector<Event>& events) {
+  // A drag that ends now must not pull in the coming step.
   std::erase_if(drags_, [&](const ActiveDrag& active) {
     return view.time >= active.from + dragOf(active).seconds - kTimeRounding;
   });
@@ -113,6 +122,8 @@ double TimelineRunner::dueTime(const Occasion& moment) const {
   return moment.kind == Occasion::Kind::After ? lastTime_ + moment.value : moment.value;
 }
 
+// Whether an entry's condition holds. Progress is the part of the error at the target's setting
+// that is gone: 1 - error / startError.
 bool TimelineRunner::isDue(const Occasion& moment, const TimelineView& view) const {
   switch (moment.kind) {
     case Occasion::Kind::AtTime:
@@ -130,6 +141,7 @@ bool TimelineRunner::isDue(const Occasion& moment, const TimelineView& view) con
   return false;
 }
 
+// One action; `view` is the state before it.
 void TimelineRunner::carryOut(const timeline::Action& action, const TimelineView& view,
                               TimelineStage& stage) {
   if (const auto* pinning = std::get_if<timeline::Pin>(&action)) {
@@ -158,6 +170,7 @@ void TimelineRunner::pin(const std::vector<int>& tiles, bool pinned, TimelineSta
   stage.setPinned(pinned_);
 }
 
+// The path begins where the point is now.
 void TimelineRunner::startDrag(const timeline::Drag& drag, const TimelineView& view) {
   const Vector3 point =
       drag.vertex ? bricks_[drag.tile].bottom[*drag.vertex] : Vector3(Vector3::Zero());
@@ -166,6 +179,8 @@ void TimelineRunner::startDrag(const timeline::Drag& drag, const TimelineView& v
   drags_.push_back({next_, point, std::move(path), view.time});
 }
 
+// Drags end, forces act, all tiles are free, and the stage goes back to the start. The timeline
+// itself goes on with its next entry.
 void TimelineRunner::reset(TimelineStage& stage) {
   drags_.clear();
   forcesOn_ = true;
@@ -173,6 +188,8 @@ void TimelineRunner::reset(TimelineStage& stage) {
   stage.reset();
 }
 
+// The springs of all drags at a time (seconds), their anchors where they are then. The share of the
+// path is that of the time: the speed is even.
 std::vector<DragSpring> TimelineRunner::dragSprings(double time) const {
   std::vector<DragSpring> grips;
   for (const ActiveDrag& active : drags_) {
@@ -193,10 +210,12 @@ void TimelineRunner::transfer(StateTape& tape) {
   tape.transfer(next_, lastTime_, pausedUntil_, forcesOn_, pinned_, drags_);
 }
 
+// No entry waits, no drag pulls, no pause holds.
 bool TimelineRunner::isOver(double time) const {
   return next_ == timeline_.size() && drags_.empty() && !isPaused(time);
 }
 
+// Steps end there, so that what is due by itself happens at its own time.
 double TimelineRunner::nextMoment(double time) const {
   double next = std::numeric_limits<double>::infinity();
   const auto consider = [&](double moment) {
@@ -208,12 +227,14 @@ double TimelineRunner::nextMoment(double time) const {
   return next;
 }
 
+// Whether the next entry comes by itself. A run at rest must not end before it.
 bool TimelineRunner::waitsForTime() const {
   if (next_ == timeline_.size()) return false;
   const Occasion::Kind kind = timeline_[next_].when.kind;
   return kind == Occasion::Kind::AtTime || kind == Occasion::Kind::After;
 }
 
+// Whether only the bricks can bring the next entry about: at rest the run then waits in vain.
 bool TimelineRunner::waitsForState() const {
   return next_ < timeline_.size() && !waitsForTime() && drags_.empty();
 }
@@ -226,6 +247,7 @@ std::vector<int> TimelineRunner::pinnedTiles() const {
   return tiles;
 }
 
+// Empty when all entries have happened.
 std::string TimelineRunner::pending() const {
   if (next_ == timeline_.size()) return "";
   const TimelineEntry& entry = timeline_[next_];

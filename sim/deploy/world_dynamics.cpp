@@ -1,3 +1,7 @@
+// An engine as the solver of a run: in each of its substeps the loads are computed anew from the
+// present poses and applied as plain forces, the damping taken at the present velocities. So an
+// engine's step is explicit in the springs, and short substeps are needed where they are stiff.
+// What an engine cannot hold (links, obstacles, pins) is refused.
 #include "sim/deploy/world_dynamics.h"
 
 #include <algorithm>
@@ -12,6 +16,7 @@ namespace {
 
 constexpr int kSubsteps = 20;  // as PyKirigami has
 
+// The pivots of a scene whose joints are all points that tiles share. Throws InputError at a link.
 std::vector<Pivot> sharedPivots(const Scene& scene, const std::vector<Brick>& bricks) {
   std::vector<Pivot> pivots = makePivots(scene.model.joints, bricks);
   for (const Pivot& pivot : pivots) {
@@ -25,6 +30,7 @@ std::vector<Pivot> sharedPivots(const Scene& scene, const std::vector<Brick>& br
   return pivots;
 }
 
+// Throws InputError for a scene with obstacles.
 void requireNoObstacles(const Environment& environment) {
   if (environment.obstacles.empty()) return;
   throw InputError("error: --solver bullet knows no obstacles; use --solver direct");
@@ -36,11 +42,14 @@ WorldDynamics::WorldDynamics(std::unique_ptr<BrickWorld> world, int substeps,
                              std::size_t brickCount)
     : world_(std::move(world)), substeps_(substeps), loads_(brickCount) {}
 
+// Pinning none is allowed, since every run says so at its start.
 void WorldDynamics::setPinned(const std::vector<bool>& pinned) {
   if (std::find(pinned.begin(), pinned.end(), true) == pinned.end()) return;
   throw InputError("error: --solver bullet cannot pin tiles; use --solver direct");
 }
 
+// One step as equal substeps. The motion is written to the engine first: what was changed outside
+// (closed joints, a reset) counts.
 StepReport WorldDynamics::advance(Motion& motion, double step, const LoadSource& actuation) {
   world_->writeMotion(motion);
   for (int substep = 0; substep < substeps_; ++substep) {
@@ -48,6 +57,7 @@ StepReport WorldDynamics::advance(Motion& motion, double step, const LoadSource&
     for (std::size_t i = 0; i < loads_.size(); ++i) {
       Vector6 velocity;
       velocity << motion.velocities[i].linear, motion.velocities[i].angular;
+      // An engine takes no stiffness or damping: the load is a plain force at the present state.
       const Vector6 force = loads_[i].force - loads_[i].damping * velocity;
       world_->applyLoad(static_cast<int>(i), force.head<3>(), force.tail<3>());
     }
@@ -59,6 +69,7 @@ StepReport WorldDynamics::advance(Motion& motion, double step, const LoadSource&
   return report;
 }
 
+// An engine has no estimate of its error: it takes the time as one step.
 StepReport WorldDynamics::advanceToTolerance(Motion& motion, double seconds,
                                              const TimedLoads& actuation) {
   return advance(motion, seconds,

@@ -34,6 +34,7 @@ class WorldDynamics : public Dynamics {
 };
 
 /// `--solver bullet`: Bullet's sequential impulses.
+/// Throws InputError for links and obstacles.
 std::unique_ptr<Dynamics> makeBulletDynamics(const Scene& scene, const std::vector<Brick>& bricks,
                                              const Poses& start);
 

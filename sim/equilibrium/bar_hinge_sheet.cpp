@@ -15,6 +15,7 @@ namespace {
 
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
+// The mean rest length of the bars, metres: the length scale of the coordinates. 1 without bars.
 double meanLength(const std::vector<Bar>& bars) {
   double sum = 0;
   for (const Bar& bar : bars) sum += bar.rest;
@@ -31,6 +32,7 @@ void addHandle(const std::vector<int>& nodes, const Vector3& direction, const Ad
   }
 }
 
+// Where a handle is along a direction: the mean over its nodes of direction . x, in the units of q.
 double handlePlace(const std::vector<int>& nodes, const Vector3& direction,
                    const Eigen::VectorXd& q) {
   double sum = 0;
@@ -40,6 +42,8 @@ double handlePlace(const std::vector<int>& nodes, const Vector3& direction,
 
 }  // namespace
 
+// The stiffness scale is the largest second derivative of the energy by a scaled coordinate: that
+// of a bar is k scale^2, that of a fold about its own stiffness, both joules.
 BarHingeSheet::BarHingeSheet(BarHingeModel model, std::vector<NodeGrip> grips)
     : model_(std::move(model)), grips_(std::move(grips)), scale_(meanLength(model_.bars)) {
   for (const Bar& bar : model_.bars) {
@@ -49,6 +53,9 @@ BarHingeSheet::BarHingeSheet(BarHingeModel model, std::vector<NodeGrip> grips)
   addRows();
 }
 
+// Rows of the constraints J q - offset - load * motion = 0. Each fixed node has three rows, and
+// each handle of a grip that moves has one. All rows are linear in q, so that J is built once; the
+// offset is J q at the start, which therefore satisfies the rows at the load 0.
 void BarHingeSheet::addRows() {
   Triplets entries;
   std::vector<double> motions;
@@ -62,6 +69,8 @@ void BarHingeSheet::addRows() {
     for (int k = 0; k < 3; ++k) addRow({node}, Vector3::Unit(k), 0);
   }
   for (const NodeGrip& grip : grips_) {
+    // A dead load has no rows. Its first row is noted all the same, so that grips and entries
+    // match.
     firstRow_.push_back(static_cast<Eigen::Index>(motions.size()));
     if (grip.isForce) continue;
     for (const std::vector<int>& handle : grip.handles) {
@@ -74,6 +83,7 @@ void BarHingeSheet::addRows() {
   offset_ = jacobian_ * startCoordinates();
 }
 
+// Coordinates 3 i to 3 i + 2 are the place of node i over the length scale.
 BarHingeSheet::Vector BarHingeSheet::startCoordinates() const {
   Vector q(unknowns());
   for (std::size_t i = 0; i < model_.nodes.size(); ++i) {
@@ -82,6 +92,8 @@ BarHingeSheet::Vector BarHingeSheet::startCoordinates() const {
   return q;
 }
 
+// A tile that gives is no rigid body. Its pose is the start's, moved by the rigid motion that fits
+// its nodes best by least squares (model/alignment.h).
 Poses BarHingeSheet::posesAt(const Vector& q) const {
   Poses poses = model_.start;
   for (std::size_t t = 0; t < poses.size(); ++t) {
@@ -97,12 +109,14 @@ Poses BarHingeSheet::posesAt(const Vector& q) const {
   return poses;
 }
 
+// The places of a fold's four nodes, metres, in the order that fold.h asks for.
 FoldPoints BarHingeSheet::pointsOf(const Fold& fold, const Vector& q) const {
   FoldPoints points;
   std::ranges::transform(fold.nodes, points.begin(), [&](int node) { return place(node, q); });
   return points;
 }
 
+// E = sum k (l - l0)^2 / 2 over bars + sum k (angle - rest)^2 / 2 over folds, joules.
 double BarHingeSheet::energy(const Vector& q) const {
   double sum = 0;
   for (const Bar& bar : model_.bars) {
@@ -116,6 +130,9 @@ double BarHingeSheet::energy(const Vector& q) const {
   return sum;
 }
 
+// The dead loads at the load 1, by the coordinates q. A force of `amount` newtons is shared evenly
+// by the handles of a grip; the factor scale turns metres into units of q, so that entries are
+// joules. The forces keep their direction: they do not depend on q.
 BarHingeSheet::Vector BarHingeSheet::pull(const Vector& q) const {
   Vector forces = Vector::Zero(q.size());
   for (const NodeGrip& grip : grips_) {
@@ -129,6 +146,8 @@ BarHingeSheet::Vector BarHingeSheet::pull(const Vector& q) const {
   return forces;
 }
 
+// dE/dq - load * pull, joules: for a bar +- scale k (l - l0) n at its two ends, with the unit
+// vector n from A to B; for a fold scale k (angle - rest) d(angle)/dx.
 BarHingeSheet::Vector BarHingeSheet::gradient(const Vector& q, double load) const {
   Vector sum = -load * pull(q);
   for (const Bar& bar : model_.bars) {
@@ -153,6 +172,8 @@ BarHingeSheet::Vector BarHingeSheet::residual(const Vector& q, double load) cons
   return jacobian_ * q - offset_ - load * motion_;
 }
 
+// The second derivative of the energy by q, joules. The rows are linear and the dead loads
+// constant, so that neither the multipliers nor the load take part.
 BarHingeSheet::Matrix BarHingeSheet::hessian(const Vector& q, double, const Vector&) const {
   Triplets entries;
   const auto add = [&](int nodeA, int nodeB, const Matrix3& block) {
@@ -160,11 +181,14 @@ BarHingeSheet::Matrix BarHingeSheet::hessian(const Vector& q, double, const Vect
       for (int j = 0; j < 3; ++j) entries.emplace_back(3 * nodeA + i, 3 * nodeB + j, block(i, j));
     }
   };
+  // Two derivatives by q are scale^2 times those by places.
   const double square = scale_ * scale_;
   for (const Bar& bar : model_.bars) {
     const Vector3 along = place(bar.nodeB, q) - place(bar.nodeA, q);
     const double length = along.norm();
     const Matrix3 line = along * along.transpose() / (length * length);
+    // The first part is the bar's elastic stiffness along its line. The second is the geometric
+    // stiffness across it, k (1 - l0/l), which is negative where the bar is pressed.
     const Matrix3 block =
         square * bar.stiffness * (line + (1 - bar.rest / length) * (Matrix3::Identity() - line));
     add(bar.nodeA, bar.nodeA, block);
@@ -175,6 +199,7 @@ BarHingeSheet::Matrix BarHingeSheet::hessian(const Vector& q, double, const Vect
   for (const Fold& fold : model_.folds) {
     const FoldPoints points = pointsOf(fold, q);
     const Vector12 slope = foldSlope(points);
+    // The chain rule twice: k (slope slope^T + (angle - rest) d^2(angle)/dx^2).
     const Matrix12 blocks =
         square * fold.stiffness *
         (slope * slope.transpose() + (foldAngle(points) - fold.rest) * foldBend(points));
@@ -190,6 +215,7 @@ BarHingeSheet::Matrix BarHingeSheet::hessian(const Vector& q, double, const Vect
   return matrix;
 }
 
+// A grip's displacement is linear in q, so that its slope along q - q(start) is the whole of it.
 double BarHingeSheet::displacement(std::size_t grip, const Vector& q) const {
   return displacementSlope(grip, q, q - startCoordinates());
 }
@@ -204,6 +230,8 @@ double BarHingeSheet::displacementSlope(std::size_t grip, const Vector&,
   return sum / static_cast<double>(found.handles.size());
 }
 
+// A multiplier is the energy by a row's motion, which is in length scales: divided by the scale it
+// is in newtons. The sign turns the force of the row on the sheet into what the grip pulls with.
 double BarHingeSheet::force(std::size_t grip, double load, const Vector& multipliers) const {
   const NodeGrip& found = grips_[grip];
   if (found.isForce) return load * found.amount;

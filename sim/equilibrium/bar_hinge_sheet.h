@@ -48,6 +48,8 @@ struct BarHingeModel {
 /// A sheet of bars and hinges. Its coordinates are the places of its nodes in length scales.
 class BarHingeSheet : public LoadedSheet {
  public:
+  /// The length scale is the mean length of the bars. Numbers of nodes in bars, folds and grips
+  /// have to exist.
   BarHingeSheet(BarHingeModel model, std::vector<NodeGrip> grips);
 
   int unknowns() const override { return 3 * static_cast<int>(model_.nodes.size()); }

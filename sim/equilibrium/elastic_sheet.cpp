@@ -3,6 +3,11 @@
 // or of a turn, p = phi_i. A pivot is two rows p_a - p_b = 0, a pin three rows p = p(start), a grip
 // that moves a row p = p(start) + load * amount for each handle, and a dead load the potential
 // -load * amount * p. Springs at hinges are quadratic in the turns; ligaments are in ligament.cpp.
+//
+// Symbols: x_i the centre of mass of brick i and r an arm in length scales, phi_i its turn (rad)
+// since the start, d a unit direction, z the vertical. All constraints are sums of places, so that
+// their derivatives are sums of the three formulas above; each place depends on one brick's three
+// coordinates alone, and only its turn has a second derivative.
 #include "sim/equilibrium/elastic_sheet.h"
 
 #include <algorithm>
@@ -10,6 +15,9 @@
 
 namespace kirireel {
 
+// Builds the rows in a fixed order: two for each pivot, three for each pinned tile, one for each
+// handle of a grip that moves. force() finds a grip's multipliers by that order. Pivots of the
+// upper face coincide with those of the lower one in the plane and are left out.
 ElasticSheet::ElasticSheet(const std::vector<Brick>& bricks, Poses start,
                            std::vector<HingeSpring> springs, const std::vector<Pivot>& pivots,
                            const std::vector<int>& pinned, std::vector<Grip> grips,
@@ -42,12 +50,16 @@ ElasticSheet::ElasticSheet(const std::vector<Brick>& bricks, Poses start,
   }
 }
 
+// A row is sum(factor * place) - offset - load * motion = 0. The offset is what the sum is at the
+// start, so that the row holds there at the load 0.
 void ElasticSheet::addRow(std::vector<Term> terms, double motion, const Vector& start) {
   Row row{std::move(terms), 0, motion};
   for (const Term& term : row.terms) row.offset += term.factor * place(term, start);
   rows_.push_back(std::move(row));
 }
 
+// Three coordinates a brick: x and y of its centre of mass in length scales, and its turn since the
+// start in radians, which is 0 here.
 ElasticSheet::Vector ElasticSheet::startCoordinates() const {
   Vector q = Vector::Zero(unknowns());
   for (std::size_t i = 0; i < start_.size(); ++i) {
@@ -56,6 +68,7 @@ ElasticSheet::Vector ElasticSheet::startCoordinates() const {
   return q;
 }
 
+// The height and the tilt of the start are kept.
 Poses ElasticSheet::posesAt(const Vector& q) const {
   Poses poses = start_;
   for (std::size_t i = 0; i < poses.size(); ++i) {
@@ -71,6 +84,7 @@ Vector3 ElasticSheet::arm(const GripHandle& handle, const Vector& q) const {
   return rotationFromVector(Vector3(0, 0, q[3 * handle.brick + 2])) * r;
 }
 
+// A place along the term's direction, in length scales, or the turn of its brick in radians.
 double ElasticSheet::place(const Term& term, const Vector& q) const {
   const auto& [handle, direction, factor] = term;
   if (handle.isTurn) return q[3 * handle.brick + 2];
@@ -90,6 +104,10 @@ double ElasticSheet::bend(const Term& term, const Vector& q) const {
   return term.handle.isTurn ? 0 : -term.direction.dot(arm(term.handle, q));
 }
 
+// The largest second derivative that one part of the sheet has, joules: springs by turns (N m a
+// rad), ligaments by places (N/m times the length scale squared) and by turns. The shear stiffness
+// of a ligament that is no pin is a moment a radian, so that across the ligament it acts as shear /
+// length^2.
 double ElasticSheet::stiffnessScale() const {
   double largest = 0;
   for (const HingeSpring& spring : springs_) largest = std::max(largest, spring.stiffness);
@@ -109,6 +127,8 @@ LigamentEnergy ElasticSheet::energyOf(const Ligament& ligament, const Vector& q)
   LigamentEnergy found = ligamentEnergy(
       ligament, scale_ * between, scale_ * arm({ligament.brickA, ligament.pointA}, q),
       scale_ * arm({ligament.brickB, ligament.pointB}, q), q[a + 2], q[b + 2]);
+  // ligamentEnergy() derives by metres; the coordinates are in length scales, so that each
+  // derivative by a place gains the factor scale.
   Vector6 units;
   units << scale_, scale_, 1, scale_, scale_, 1;
   found.gradient.array() *= units.array();
@@ -116,6 +136,7 @@ LigamentEnergy ElasticSheet::energyOf(const Ligament& ligament, const Vector& q)
   return found;
 }
 
+// Hinge springs and ligaments, joules. Dead loads are no part of it; gradient() has them.
 double ElasticSheet::energy(const Vector& q) const {
   double sum = elasticEnergy(springs_, posesAt(q));
   for (const Ligament& ligament : ligaments_) sum += energyOf(ligament, q).energy;
@@ -132,6 +153,8 @@ std::vector<ElasticSheet::Term> ElasticSheet::forceTerms(const Grip& grip) const
   return terms;
 }
 
+// The dead loads' forces on the coordinates at the load 1, joules. They depend on q, because the
+// point that is pushed turns with its brick.
 ElasticSheet::Vector ElasticSheet::pull(const Vector& q) const {
   Vector sum = Vector::Zero(unknowns());
   for (const Grip& grip : grips_) {
@@ -143,6 +166,8 @@ ElasticSheet::Vector ElasticSheet::pull(const Vector& q) const {
   return sum;
 }
 
+// dE/dq - load * pull, joules. hingeMoments() are about the hinge's axis on brick B; energy falls
+// in the direction of the moment, so that B's entry gets minus and A's entry plus.
 ElasticSheet::Vector ElasticSheet::gradient(const Vector& q, double load) const {
   Vector sum = -load * pull(q);
   const std::vector<double> moments = hingeMoments(springs_, posesAt(q));
@@ -159,6 +184,7 @@ ElasticSheet::Vector ElasticSheet::gradient(const Vector& q, double load) const 
   return sum;
 }
 
+// sum(factor * place(q)) - offset - load * motion for each row.
 ElasticSheet::Vector ElasticSheet::residual(const Vector& q, double load) const {
   Vector rest(rows());
   for (int k = 0; k < rows(); ++k) {
@@ -169,6 +195,8 @@ ElasticSheet::Vector ElasticSheet::residual(const Vector& q, double load) const 
   return rest;
 }
 
+// Each row has three entries for each of its terms. A pivot's row has two terms, those of pins and
+// grips have one.
 ElasticSheet::Matrix ElasticSheet::jacobian(const Vector& q) const {
   std::vector<Eigen::Triplet<double>> entries;
   for (int k = 0; k < rows(); ++k) {
@@ -182,12 +210,15 @@ ElasticSheet::Matrix ElasticSheet::jacobian(const Vector& q) const {
   return matrix;
 }
 
+// By how much each row's place moves as the load grows by 1, length scales or radians.
 ElasticSheet::Vector ElasticSheet::motion() const {
   Vector column(rows());
   for (int k = 0; k < rows(); ++k) column[k] = rows_[static_cast<std::size_t>(k)].motion;
   return column;
 }
 
+// The second derivative of E - load * work + multipliers . rows by q. Places are linear in x and y,
+// and bent in the turn alone, so that rows and dead loads add to the diagonal of turns alone.
 ElasticSheet::Matrix ElasticSheet::hessian(const Vector& q, double load,
                                            const Vector& multipliers) const {
   std::vector<Eigen::Triplet<double>> entries;
@@ -226,10 +257,12 @@ ElasticSheet::Matrix ElasticSheet::hessian(const Vector& q, double load,
   return matrix;
 }
 
+// All handles of a grip are of one kind, so that the first tells.
 double ElasticSheet::unit(std::size_t grip) const {
   return grips_[grip].handles.front().isTurn ? 1 : scale_;
 }
 
+// The mean over the handles of how far they have moved along the grip's direction, m or rad.
 double ElasticSheet::displacement(std::size_t number, const Vector& q) const {
   const Grip& grip = grips_[number];
   const Vector start = startCoordinates();
@@ -252,6 +285,8 @@ double ElasticSheet::displacementSlope(std::size_t number, const Vector& q,
   return sum / static_cast<double>(grip.handles.size());
 }
 
+// Of a grip that moves, minus the sum of its rows' multipliers. A multiplier is in joules a unit of
+// the row: divided by the scale it is in newtons, and of a turn it is in N m as it is.
 double ElasticSheet::force(std::size_t grip, double load, const Vector& multipliers) const {
   const Grip& found = grips_[grip];
   if (found.isForce) return load * found.amount;

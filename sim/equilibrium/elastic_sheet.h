@@ -35,6 +35,7 @@ class ElasticSheet : public LoadedSheet {
  public:
   /// `pinned`: the tiles that stay where they are. Pivots must be of joints that are exact: links
   /// are not known, and ligaments take the place of others.
+  /// The length scale is the mean edge of the first brick. Tiles, bricks and poses have one order.
   ElasticSheet(const std::vector<Brick>& bricks, Poses start, std::vector<HingeSpring> springs,
                const std::vector<Pivot>& pivots, const std::vector<int>& pinned,
                std::vector<Grip> grips, std::vector<Ligament> ligaments = {});

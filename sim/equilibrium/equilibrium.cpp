@@ -1,3 +1,4 @@
+// The table of a load path as text: one row for each equilibrium, in SI units, with all digits.
 #include "sim/equilibrium/equilibrium.h"
 
 #include <algorithm>
@@ -16,6 +17,7 @@ std::string columnOf(const GripName& grip) {
 
 }  // namespace
 
+// The words of the table's column "turning"; empty for an ordinary state.
 std::string toString(Turning turning) {
   switch (turning) {
     case Turning::LoadLimit:
@@ -30,6 +32,7 @@ std::string toString(Turning turning) {
   return "";
 }
 
+// Numbers are written with the fewest digits that give them back exactly.
 std::string loadTable(const LoadCurve& curve) {
   std::string text = "load,energy_J,stiffness,unstable_modes,turning";
   for (const GripName& grip : curve.grips) {

@@ -15,6 +15,8 @@
 namespace kirireel {
 namespace {
 
+// The vector operations are written out, each result cast to a Scalar: AutoDiffScalar's operators
+// return expressions, which must not outlive their operands.
 template <typename Scalar>
 using Point = Eigen::Matrix<Scalar, 3, 1>;
 
@@ -56,6 +58,8 @@ std::array<Point<Scalar>, 4> slopesOf(const std::array<Point<Scalar>, 4>& x) {
 
 }  // namespace
 
+// The angle is in (-pi, pi] and 0 where the two triangles lie flat, on opposite sides of the edge.
+// atan2 is exact near 0 and pi, where the arc cosine of n . m would lose half of the digits.
 double foldAngle(const FoldPoints& points) {
   const Vector3 edge = points[1] - points[0];
   const Vector3 n = edge.cross(points[2] - points[0]);
@@ -63,6 +67,7 @@ double foldAngle(const FoldPoints& points) {
   return std::atan2(edge.normalized().dot(m.cross(n)), n.dot(m));
 }
 
+// The angle's derivatives by the four points, in their order, rad/m.
 Vector12 foldSlope(const FoldPoints& points) {
   const std::array<Vector3, 4> slopes = slopesOf<double>(points);
   Vector12 slope;
@@ -70,6 +75,8 @@ Vector12 foldSlope(const FoldPoints& points) {
   return slope;
 }
 
+// Each of the 12 coordinates is a dual number that carries its derivatives by all 12. The slopes'
+// derivatives are then the rows of the second derivative, rad/m^2, exact to rounding.
 Matrix12 foldBend(const FoldPoints& points) {
   using Dual = Eigen::AutoDiffScalar<Vector12>;
   std::array<Point<Dual>, 4> x;

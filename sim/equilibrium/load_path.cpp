@@ -78,6 +78,7 @@ class Equations {
     }
   }
 
+  // False where a pivot is 0 to rounding: the tangent does not exist there.
   bool isFactored() const { return factor_.info() == Eigen::Success; }
   /// Of the directions that constraints leave: exact after solve().
   int negatives() const { return static_cast<int>((factor_.vectorD().array() < 0).count()); }
@@ -110,13 +111,18 @@ class Equations {
   }
 
  private:
+  // The weight is in joules, as H is: the constraints are in length scales or radians.
   void factorise(double weight) {
     weight_ = weight;
     factor_.compute(Matrix(H_ + weight_ * Matrix(J_.transpose() * J_)));
   }
 
+  // 0 of 0 counts as nothing missing.
   static double shareOf(double part, double whole) { return part > 0 ? part / whole : 0; }
 
+  // Iterative refinement of H dq + J^T dm = forces, J dq = gaps on the factor of H + w J^T J. Each
+  // round solves for what is missing and updates the multipliers by w times what the constraints
+  // still miss by, which is the method of multipliers for the linear equations.
   Change refine(const Vector& forces, const Vector& gaps) const {
     Change change{Vector::Zero(H_.cols()), Vector::Zero(J_.rows())};
     for (int round = 0; round < kRefinements; ++round) {
@@ -146,6 +152,9 @@ class Follower {
            const EquilibriumObserver& observer)
       : sheet_(sheet), leading_(leading), settings_(settings), observer_(observer) {}
 
+  // The loop of predictor and corrector: a step along the tangent, Newton's method back to the
+  // path, half the step after a failure, a longer one after few rounds. The first step is a tenth
+  // of the longest, because nothing is known yet of how the path bends.
   LoadPath follow() {
     PathPoint at = relax();
     Tangent along = tangentAt(at, nullptr);
@@ -164,6 +173,7 @@ class Follower {
         if (at.load == 0) path_.trouble += "; start a little beside where the sheet may turn back";
         break;
       }
+      // The last step went past the end: the state at the load 1 is found between the two.
       if (next->at.load >= 1) return arrive(at, next->at, along, goesOn);
       goesOn = noteTurning(at, along, step, *next);
       at = next->at;
@@ -190,18 +200,25 @@ class Follower {
     int rounds = 0;
   };
 
+  // The load grows by at most 1 / leastStates in a step, so that a curve has enough states to be
+  // drawn.
   double longestStep(const Tangent& along) const {
     return std::min(settings_.longestStep, 1 / (settings_.leastStates * std::abs(along.load)));
   }
 
+  // The scalar product of arc length. Divided by a third of the unknowns it is the mean over the
+  // tiles, or nodes, so that a step means the same on sheets of any size.
   double product(const Vector& a, const Vector& b) const {
     return 3 * a.dot(b) / static_cast<double>(sheet_.unknowns());
   }
 
+  // The first equation's residual, gradient + J^T multipliers, joules.
   Vector forcesAt(const PathPoint& at) const {
     return sheet_.gradient(at.q, at.load) + sheet_.jacobian(at.q).transpose() * at.multipliers;
   }
 
+  // Forces are judged by the largest of stiffness and multipliers, both joules: a sheet that
+  // carries large forces cannot be balanced better than these are rounded.
   bool isBalanced(const Vector& forces, const Vector& gaps, const PathPoint& at) const {
     const double largest =
         std::max({sheet_.stiffnessScale(),
@@ -215,6 +232,7 @@ class Follower {
     PathPoint at{sheet_.startCoordinates(), Vector::Zero(sheet_.rows()), 0};
     for (int round = 0; round < kRelaxations; ++round) {
       Equations equations(sheet_, at);
+      // A singular H at the start means a mechanism. No load path begins there.
       if (equations.isLoose()) {
         throw RunError(
             "error: the sheet can move without resistance; hold it with grips or --pin, and put "
@@ -222,8 +240,10 @@ class Follower {
       }
       const Vector gaps = sheet_.residual(at.q, 0);
       if (equations.negatives() == 0 && isBalanced(forcesAt(at), gaps, at)) return at;
+      // Newton's step then leads downhill in energy, also from a start next to a maximum.
       equations.makeConvex();
       const Equations::Change change = equations.solve(-forcesAt(at), -gaps);
+      // Turns are nonlinear: a round moves no coordinate farther than the formulas hold.
       const double share = std::min(1.0, kLongestMove / change.q.lpNorm<Eigen::Infinity>());
       at.q += share * change.q;
       at.multipliers += share * change.multipliers;
@@ -231,6 +251,9 @@ class Follower {
     throw RunError("error: no equilibrium was found near the start, before any load");
   }
 
+  // The direction (dq, dm, dload) in which the equations stay satisfied: H dq + J^T dm = pull, J dq
+  // = motion for dload = 1, scaled to the length 1. Its sign is that of the tangent before, so that
+  // the path never turns round by itself.
   Tangent tangentAt(const PathPoint& at, const Tangent* before) const {
     Equations equations(sheet_, at);
     Equations::Change change = equations.solve(sheet_.pull(at.q), sheet_.motion());
@@ -264,6 +287,9 @@ class Follower {
       if (!equations.isFactored()) return std::nullopt;
       const Equations::Change closing = equations.solve(-forces, -gaps);
       const Equations::Change tangent = equations.solve(sheet_.pull(at.q), sheet_.motion());
+      // Arc length: the projection on the tangent must stay at `step`. The change of load that
+      // keeps it is found from two solves on one factor (closing and tangent), so that the matrix
+      // stays symmetric.
       const double off =
           product(along.q, at.q - from.q) + along.load * (at.load - from.load) - step;
       const double change =
@@ -276,6 +302,7 @@ class Follower {
   }
 
   /// The equilibrium at a given load, from one nearby.
+  // Newton's method at a fixed load: the load is no unknown here.
   std::optional<PathPoint> balancedAt(PathPoint at, double load) const {
     at.load = load;
     for (int round = 0; round < kNewtonRounds; ++round) {
@@ -289,6 +316,7 @@ class Follower {
     return std::nullopt;
   }
 
+  // Ends a path that runs round in a loop or away to negative loads, and says why.
   bool mayGoOn(const PathPoint& at) {
     if (static_cast<int>(path_.states.size()) >= settings_.mostStates) {
       path_.trouble = fmt::format("the path has {} states at the load {:.6g} and goes on",
@@ -299,6 +327,7 @@ class Follower {
     return path_.trouble.empty();
   }
 
+  // Guesses the state at the load 1 between the last two, and balances it.
   LoadPath arrive(const PathPoint& before, const PathPoint& beyond, const Tangent& along,
                   bool goesOn) {
     const double share = (1 - before.load) / (beyond.load - before.load);
@@ -317,6 +346,7 @@ class Follower {
   Turning turningBetween(const Tangent& a, const Tangent& b) const {
     if (a.load * b.load < 0) return Turning::LoadLimit;
     if (a.negatives != b.negatives) return Turning::Bifurcation;
+    // A slope of the force so small is rounding: its sign says nothing.
     const double noise = kNoSlope * sheet_.stiffnessScale() / sheet_.unit(leading_);
     const bool isClear = std::abs(a.forceSlope - b.forceSlope) > noise;
     return isClear && a.forceSlope * b.forceSlope < 0 ? Turning::ForceLimit : Turning::None;
@@ -328,6 +358,8 @@ class Follower {
     if (turning == Turning::None) return true;
     double low = 0, high = step;
     Stepped found = end;
+    // Bisection on the length of the step from the same point: `low` is before what turns, `high`
+    // behind it. Each try is a whole equilibrium, so that the state that is noted lies on the path.
     for (int k = 0; k < kBisections && high - low > 1e-15 * step; ++k) {
       const double middle = 0.5 * (low + high);
       const std::optional<Stepped> next = stepFrom(from, along, middle);
@@ -338,6 +370,8 @@ class Follower {
     return note(found.at, found.along, turning);
   }
 
+  // Keeps an equilibrium with its forces and displacements, and tells the observer. Returns whether
+  // that lets the path go on.
   bool note(const PathPoint& at, const Tangent& along, Turning turning) {
     Equilibrium state;
     state.load = at.load;
@@ -347,6 +381,8 @@ class Follower {
       state.displacements.push_back(sheet_.displacement(g, at.q));
       state.forces.push_back(sheet_.force(g, at.load, at.multipliers));
     }
+    // d(force) / d(displacement) along the path, N/m or N m/rad. It is infinite where the
+    // displacement turns back (snap-back).
     state.stiffness = along.forceSlope / along.displacementSlope;
     state.unstableModes = along.negatives;
     state.turning = turning;

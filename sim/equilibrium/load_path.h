@@ -33,6 +33,7 @@ using EquilibriumObserver = std::function<bool(const Equilibrium&)>;
 /// is 1. Limit points and bifurcations on the way are located and noted as states of their own; no
 /// branch is taken. `leading`: the grip whose force and stiffness are told. Throws RunError where
 /// no equilibrium is found at the load 0, or the sheet can move without any resistance there.
+/// Each state costs a few sparse factorisations of the Hessian. The sheet must outlive the call.
 LoadPath followLoad(const LoadedSheet& sheet, std::size_t leading, const LoadPathSettings& settings,
                     const EquilibriumObserver& observer);
 

@@ -11,6 +11,8 @@ namespace kirireel {
 
 /// A sheet in coordinates q, each a length in length scales or an angle in radians; energies are in
 /// joules. Grips are counted from 0; the load is what their moves and forces are in proportion to.
+/// Everything is a function of q, load and multipliers alone; objects have no state that a call
+/// changes. Vectors have unknowns() or rows() entries.
 class LoadedSheet {
  public:
   using Vector = Eigen::VectorXd;
@@ -18,10 +20,14 @@ class LoadedSheet {
 
   virtual ~LoadedSheet() = default;
 
+  /// The number of coordinates: length of q, gradient and pull.
   virtual int unknowns() const = 0;
+  /// The number of constraints: length of residual, motion and multipliers. Rows may be redundant.
   virtual int rows() const = 0;
+  /// How many grips load the sheet.
   virtual std::size_t grips() const = 0;
 
+  /// The coordinates of the sheet as it was built, at the load 0.
   virtual Vector startCoordinates() const = 0;
   /// Where the tiles are; those that give are where they fit best.
   virtual Poses posesAt(const Vector& q) const = 0;
@@ -45,6 +51,7 @@ class LoadedSheet {
   /// Minus its derivative by the load.
   virtual Vector motion() const = 0;
   /// The derivative of gradient + jacobian^T multipliers by q.
+  /// Symmetric, all entries given.
   virtual Matrix hessian(const Vector& q, double load, const Vector& multipliers) const = 0;
 
   /// What a grip's displacement is a multiple of in q: metres, or 1 for turns.
@@ -55,6 +62,8 @@ class LoadedSheet {
   virtual double displacementSlope(std::size_t grip, const Vector& q,
                                    const Vector& along) const = 0;
   /// What a grip pulls with along its direction, newtons or N m. Linear in load and multipliers.
+  /// Of a grip that moves, minus the sum of its rows' multipliers; of one that pushes, load times
+  /// its amount.
   virtual double force(std::size_t grip, double load, const Vector& multipliers) const = 0;
 };
 

@@ -1,8 +1,16 @@
+// Bent sides: each side of a tile gets further corners, at p + x s + y (s x n), where p is the
+// side's first corner, s the side as a vector (m), n the tile's unit normal, and (x, y) a point of
+// the list, in parts of the side's length. s x n points out of an anticlockwise tile and is as long
+// as the side.
+//
+// Two tiles that share a side run along it in opposite directions, so that a point at x of one is
+// at 1 - x of the other: lists that are the same from either end fit into each other.
 #include "sim/generate/bent_edges.h"
 
 namespace kirireel {
 namespace {
 
+// Corners of a tile with the points of its sides between them.
 Tile bent(const Tile& tile, bool bulges, const std::vector<SidePoint>& points) {
   const Vector3 normal = tileNormal(tile);
   Tile result;
@@ -29,6 +37,7 @@ Model withBentSides(const Model& model, const std::vector<bool>& bulges,
     result.tiles[i] = bent(model.tiles[i], bulges[i], points);
     if (model.target) (*result.target)[i] = bent((*model.target)[i], bulges[i], points);
   }
+  // Corner k of a tile is corner k (1 + points) of the bent one.
   const int corners = 1 + static_cast<int>(points.size());
   for (Joint& joint : result.joints) {
     joint.a.vertex *= corners;

@@ -1,3 +1,24 @@
+// Flat squares that become caps of a sphere, and six of them as a cube that becomes a sphere.
+//
+// The design is a least squares problem under exact equations (constrained_fit.h). The unknowns are
+// the nodes of the flat, closed square (x, y; m), the nodes of the open cap (x, y, z; m) and half
+// the square's side h (m). Joints need no equations, since joined corners are one node. Exact:
+// every quad has the same shape in both states and is planar in the cap; the square's boundary lies
+// on |x| = h or |y| = h; each tip t of the cap (a corner that no joint holds) lies on the sphere
+// and on the plane of its side,
+//   |t| = R,     t . (o - tan(a) e_z) = 0
+// with R the radius, a the angle between pole and side, o the direction out of the side; and tips
+// and boundary nodes mirror each other across x = 0 and y = 0. Wanted: all other nodes near the
+// sphere (weight 0.3), near their start (0.05), and an even grid in the square (0.05). The weights
+// were found by trial; they only choose among sheets that satisfy the exact equations.
+//
+// The start is the regular sheet opened to 0.4 pi, with its bounding box mapped to the cap by
+// central projection: u, v in [-1, 1] go to R (tan(a u), tan(a v), 1) / |.|, which takes the sides
+// of the box into the planes of the sides.
+//
+// The idea of fitting both states at once: G. P. T. Choi, L. H. Dudte, L. Mahadevan, Programming
+// shape using kirigami tessellations, Nature Materials 18, 2019, who use other equations and a
+// general optimiser.
 #include <array>
 #include <cmath>
 #include <map>
@@ -15,6 +36,7 @@ using std::numbers::pi;
 /// Adds that two points mirror each other in the plane through the origin across an axis.
 void addMirror(EquationRows& rows, const UnknownPoint& a, const UnknownPoint& b, int axis) {
   for (int k = 0; k < std::min(a.dimension, b.dimension); ++k) {
+    // The mirror changes the sign of one coordinate and keeps the others.
     const double sign = k == axis ? -1 : 1;
     rows.begin(a.value[k] - sign * b.value[k]);
     rows.slope(a.first + k, 1);
@@ -43,8 +65,10 @@ class CapDesign {
     half_ = square_.count() + cap_.count();
   }
 
+  // From the start to both states.
   CapPair solve() const {
     const std::vector<Tile> start = startCap();
+    // The square is given the edge lengths of the cap that it starts from.
     const double half = 0.5 * shape_.size * meanEdge(start);
     Eigen::VectorXd unknowns = Eigen::VectorXd::Zero(half_ + 1);
     cap_.pack(start, unknowns);
@@ -74,11 +98,13 @@ class CapDesign {
     });
   }
 
+  // A free corner of the cap, counted round the sheet.
   UnknownPoint tip(const Eigen::VectorXd& values, int number) const {
     const LatticeCorner& corner = tips_[std::size_t(number)];
     return cap_.point(values, lattice_.tileAt(corner.cell), corner.corner);
   }
 
+  // What both states must be.
   void addExact(EquationRows& rows, const FlatRectangle& rectangle,
                 const Eigen::VectorXd& values) const {
     addCongruence(rows, square_, cap_, values);
@@ -97,6 +123,8 @@ class CapDesign {
   /// are counted round the square, tips from 1/2.
   int mirrored(int number, int axis, bool isTip) const {
     const int count = 4 * shape_.size;
+    // Mirror images have numbers that add up to a constant: across x = 0 the middle of the bottom
+    // stays, across y = 0 the middle of the left side.
     const int sum = (axis == 0 ? shape_.size : 3 * shape_.size) - (isTip ? 1 : 0);
     return ((sum - number) % count + count) % count;
   }
@@ -113,6 +141,7 @@ class CapDesign {
     }
   }
 
+  // What chooses among the sheets that are possible.
   void addWanted(EquationRows& rows, const FlatRectangle& rectangle, const Eigen::VectorXd& start,
                  const Eigen::VectorXd& values) const {
     for (int node = 0; node < cap_.nodes.nodeCount; ++node) {
@@ -138,6 +167,7 @@ std::array<Matrix3, 6> cubeFaces() {
   const auto halfTurn = [](double x, double y, double z) {
     return Matrix3(Eigen::AngleAxisd(pi, Vector3(x, y, z).normalized()).toRotationMatrix());
   };
+  // A half turn about the bisector of two axes swaps them.
   const Matrix3 toY = halfTurn(0, 1, 1);
   return {Matrix3::Identity(), halfTurn(1, 0, 0),       toY,
           halfTurn(0, -1, 1),  halfTurn(1, 1, 0) * toY, halfTurn(-1, 1, 0) * toY};
@@ -162,6 +192,7 @@ void joinCaps(Model& model, const Lattice& lattice) {
   for (int face = 0; face < 6; ++face) {
     for (const LatticeCorner& tip : tips(lattice)) {
       const Corner corner{face * lattice.tileCount() + lattice.tileAt(tip.cell), tip.corner};
+      // A third tip at the same place would be joined to the first, too.
       const auto [entry, isNew] = known.try_emplace(placeOf(model, corner, unit), corner);
       if (!isNew) model.joints.push_back({entry->second, corner, JointFace::Bottom});
     }
@@ -195,6 +226,7 @@ Model makeCubeToSphere(const CapShape& shape) {
       joint.b.tile += first;
       model.joints.push_back(joint);
     }
+    // The flat square becomes the face z = h of the cube; the cap is centred on the origin already.
     const Vector3 lift(0, 0, pair.half);
     const auto place = [&](const Vector3& v) { return Vector3(turn * (v + lift)); };
     for (const Tile& tile : mapped(pair.square, place)) model.tiles.push_back(tile);

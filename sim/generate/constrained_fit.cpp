@@ -1,3 +1,25 @@
+// Minimise |w(x)|^2 / 2 subject to e(x) = 0: x the unknowns, w the wanted equations, e the exact
+// ones.
+//
+// Each round solves one symmetric system for a step d and the multipliers y,
+//   [ W^T W + m I   E^T  ] [ d ]       [ W^T w ]
+//   [      E       -eps I ] [ y ]  =  - [   e   ]
+// W and E the slopes of w and e, m the damping, eps = 1e-9. Both diagonal blocks are definite with
+// opposite signs, which makes the matrix quasi-definite: it has a factorisation L D L^T in any
+// order of its rows, so that a sparse Cholesky without pivoting serves (R. J. Vanderbei, Symmetric
+// quasidefinite matrices, SIAM J. Optimization 5, 1995). Exact equations may repeat each other, as
+// those of closed voids do: eps keeps the lower block definite, and two rounds of iterative
+// refinement take most of its error away.
+//
+// The step is shortened by halves until the merit |w|^2 / 2 + rho |e|_1 falls. It is an exact
+// penalty once rho is at least the largest multiplier; twice that is used. An accepted step lowers
+// the damping by 0.3, a refused one raises it tenfold (Levenberg and Marquardt's rule).
+// Gauss-Newton leaves out second derivatives of w and e, so that convergence is linear near the
+// end, which hardly matters, as designs may stop anywhere on e = 0. Finally Newton steps of least
+// length, d = -E^T (E E^T)^-1 e, with the same system at W = 0, m = 1, make e vanish to rounding:
+// they converge quadratically and move the design by about the violation that is left.
+//
+// J. Nocedal, S. J. Wright, Numerical Optimization, 2nd edition, chapters 10 and 18.
 #include "sim/generate/constrained_fit.h"
 
 #include <algorithm>
@@ -11,6 +33,7 @@ namespace {
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::SparseMatrix<double>;
 
+// Less damping than this no longer changes a step; some has to stay, since W^T W may be singular.
 constexpr double kLeastDamping = 1e-9;
 // A step below this is rounding for sheets whose tiles are about 1 in size.
 constexpr double kSmallStep = 1e-10;
@@ -35,12 +58,14 @@ class QuasiDefiniteSystem {
     Vector multipliers;
   };
 
+  // `curvature` is H; the right side is minus the gradient and minus the exact equations' values.
   Solution solve(const Matrix& curvature, const Matrix& slopes, double epsilon,
                  const Vector& gradient, const Vector& values) {
     const Eigen::Index unknowns = gradient.size();
     const Matrix system = assemble(curvature, slopes, epsilon);
     Vector right(unknowns + values.size());
     right << -gradient, -values;
+    // The source writes the same equations at every call, so that the pattern of zeros stays.
     if (!analysed_) factors_.analyzePattern(system);
     analysed_ = true;
     factors_.factorize(system);
@@ -61,6 +86,7 @@ class QuasiDefiniteSystem {
       for (Eigen::Index column = 0; column < matrix.outerSize(); ++column) {
         for (Matrix::InnerIterator entry(matrix, column); entry; ++entry) {
           const Eigen::Index row = firstRow + entry.row();
+          // The matrix is symmetric: the lower triangle says all.
           if (row >= column) entries.emplace_back(row, column, entry.value());
         }
       }
@@ -97,10 +123,13 @@ class Descent {
  private:
   double merit(const Vector& unknowns) const {
     const DesignEquations equations = equationsAt(source_, unknowns);
+    // The sum of absolute values and not of squares: only so is the minimum that of the constrained
+    // problem at a finite penalty.
     return 0.5 * equations.wanted.values().squaredNorm() +
            penalty_ * equations.exact.values().lpNorm<1>();
   }
 
+  // One round: a step, the line search, the damping of the next.
   void advance() {
     const DesignEquations equations = equationsAt(source_, unknowns_);
     const int size = static_cast<int>(unknowns_.size());
@@ -109,12 +138,14 @@ class Descent {
     const auto solution =
         system_.solve(curvature, equations.exact.slopes(size), 1e-9,
                       wanted.transpose() * equations.wanted.values(), equations.exact.values());
+    // The penalty only rises, or the merits of different rounds could not be compared.
     penalty_ = std::max(penalty_, 2 * largest(solution.multipliers));
     if (search(solution.step)) {
       damping_ = std::max(kLeastDamping, 0.3 * damping_);
       done_ = largest(solution.step) < kSmallStep;
     } else {
       damping_ *= 10;
+      // Steps so short that nothing can change any more.
       done_ = damping_ > 1e12;
     }
   }
@@ -125,6 +156,7 @@ class Descent {
     double share = 1;
     for (int halving = 0; halving < 12; ++halving, share *= 0.5) {
       const Vector moved = unknowns_ + share * step;
+      // A merit that is no number counts as worse.
       if (!(merit(moved) < before)) continue;
       unknowns_ = moved;
       return true;
@@ -157,6 +189,8 @@ Fit fitDesign(const DesignSource& source, Eigen::VectorXd start, const FitSettin
   fit.unknowns = Descent(source, std::move(start), settings).unknowns();
   QuasiDefiniteSystem system;
   const int size = static_cast<int>(fit.unknowns.size());
+  // Newton's method doubles the digits in each round; ten rounds are far more than a start in its
+  // range needs.
   for (int round = 0; round < 10; ++round) {
     const DesignEquations equations = equationsAt(source, fit.unknowns);
     fit.violation = largest(equations.exact.values());

@@ -1,3 +1,9 @@
+// The list of families: each has a name, its parameters with ranges, and a function from their
+// values to a model. What a family makes is checked as a reader checks a file, and more strictly,
+// so that a design that did not converge never becomes a model.
+//
+// Ranges bound what was tried and what takes reasonable time; not every pair of values within them
+// has a sheet, which the check then says.
 #include "sim/generate/families.h"
 
 #include <algorithm>
@@ -36,6 +42,7 @@ FamilyParameter count(const std::string& name, const std::string& help, double u
   return {name, "COUNT", help, usual, least, most, true};
 }
 
+// Lengths as coordinates of files may have them: at least a micrometre, at most 1e6 m.
 FamilyParameter length(const std::string& name, const std::string& help, double usual) {
   return {name, "METRES", help, usual, 1e-6, 1e6, false};
 }
@@ -57,8 +64,10 @@ Lattice latticeOf(const FamilyValues& values) {
   return {values.whole("columns"), values.whole("rows")};
 }
 
+// A sheet of quads in two states of its field.
 Model fieldModel(const TurningField& field, const FamilyValues& values) {
   Model model;
+  // Both states come from the same constants, so that they are congruent to rounding.
   model.tiles = field.tiles(values.angle("start-angle"));
   model.target = field.tiles(values.angle("target-angle"));
   model.joints = latticeJoints(field.lattice(), JointFace::Both);
@@ -110,6 +119,7 @@ Tile turned(Tile tile, const Vector3& centre, double turn) {
 Model nonrigidModel(const FamilyValues& values) {
   const double left = values.number("left"), right = values.number("right");
   const double depth = values.number("depth");
+  // The quads reach beyond the slit on all sides.
   const double side = 1.5 * std::max({left, right, depth});
   const Vector3 leftTip(-left, 0, 0), rightTip(right, 0, 0), middle(0, -depth, 0);
   Model model;
@@ -118,6 +128,9 @@ Model nonrigidModel(const FamilyValues& values) {
                  {{{0, -side, 0}, {side, -side, 0}, rightTip, middle}},
                  {{middle, rightTip, {side, side, 0}, {0, side, 0}}}};
   model.target = model.tiles;
+  // The slit's lower side falls from the left tip at the angle atan2(depth, left) and rises to the
+  // right tip. The upper side opens to its mirror image when each upper quad turns by twice its
+  // angle.
   (*model.target)[1] = turned(model.tiles[1], leftTip, 2 * std::atan2(depth, left));
   (*model.target)[3] = turned(model.tiles[3], rightTip, -2 * std::atan2(depth, right));
   model.joints = latticeJoints({2, 2}, JointFace::Both);
@@ -151,6 +164,7 @@ Family tilingFamily(const std::string& name, const std::string& help, Tiling (*t
   return family;
 }
 
+// Three constructions of each tiling.
 void appendTilings(std::vector<Family>& all) {
   const struct {
     std::string name;
@@ -258,6 +272,7 @@ std::vector<SidePoint> pointedSide(double depth) {
 
 /// A bulge with a flat end: as an arm of that width, whose flanks lean enough to leave its bay.
 std::vector<SidePoint> armedSide(double width, double depth) {
+  // The arm takes the middle of the side; its flanks begin at `first` and end at `last`.
   const double first = 0.5 * (1 - width);
   const double last = 1 - first;
   // y / x at the arm's far end, from the joint, and half as much again.
@@ -412,6 +427,7 @@ double checkedValue(const Family& family, const FamilyParameter& parameter,
   const auto found = given.find(parameter.name);
   if (found == given.end()) return parameter.usual;
   const double value = found->second;
+  // Written so that a value that is no number is out of range.
   const bool inRange = value >= parameter.least && value <= parameter.most;
   if (inRange && (!parameter.whole || value == std::floor(value))) return value;
   throw InputError(fmt::format("{}: error: {} is {:g}; give a {}number from {:g} to {:g}",
@@ -425,6 +441,7 @@ std::vector<std::string> names(const auto& things) {
   return names;
 }
 
+// Every parameter has a value afterwards.
 FamilyValues checkedValues(const Family& family, const std::map<std::string, double>& given) {
   std::map<std::string, double> values;
   for (const FamilyParameter& parameter : family.parameters) {
@@ -440,6 +457,7 @@ FamilyValues checkedValues(const Family& family, const std::map<std::string, dou
 
 /// Why the tiles of one state make no sheet; empty when they do.
 std::string stateFault(const Model& model, const std::vector<Tile>& tiles, bool isConcave) {
+  // The order goes from what is cheap to what is not; overlaps compare pairs of tiles.
   const double size = tileSize(model);
   if (!(largestJointGap(model.joints, tiles) <= kExactModel * size))
     return "its joints do not close";
@@ -451,6 +469,7 @@ std::string stateFault(const Model& model, const std::vector<Tile>& tiles, bool 
                      overlaps[0].tileB, overlaps[0].depth);
 }
 
+// Both states, and that tiles are the same in both.
 std::string modelFault(const Model& model, bool isConcave) {
   const std::string atStart = stateFault(model, model.tiles, isConcave);
   if (!atStart.empty()) return atStart + " at the start";
@@ -469,6 +488,7 @@ double FamilyValues::angle(const std::string& name) const {
 }
 
 const std::vector<Family>& families() {
+  // Built at the first use, once.
   static const std::vector<Family> all = [] {
     std::vector<Family> list;
     appendLattices(list);

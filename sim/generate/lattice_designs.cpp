@@ -1,3 +1,17 @@
+// Planar designs: which constants F of a turning field (turning_field.h) give a sheet of the wanted
+// outline in one state and of another in a second state.
+//
+// A corner's place v(theta) = F_odd e^(-i theta/2) + F_even e^(i theta/2) is linear in the
+// constants. A void closes at theta = 0 and pi where F11 - F00 = s lambda (F10 - F01). So with
+// lambda = 1 (rhombic voids) everything is linear and the best sheet comes of one solve: fan, heart
+// and irregular quads. With lambda free, log lambda becomes an unknown, which keeps it positive,
+// and the fit is nonlinear: square to disk, square to circle.
+//
+// Half voids at the sides have lambda = 1. A sheet that is to be closed in both states needs all of
+// them; one whose second state may stay open only those that close at theta = 0.
+//
+// Weights of the wanted equations were found by trial: they choose one sheet among many, none of
+// them holds exactly. A square without evenly spaced nodes, for one, loses its corner tiles.
 #include "sim/generate/lattice_designs.h"
 
 #include <algorithm>
@@ -21,6 +35,7 @@ TurningField unitField(const Lattice& lattice) {
   return regularField(lattice, 1, Complex(0, 1));
 }
 
+// A fit whose exact equations hold; throws InputError where they do not.
 Fit fitted(const std::string& family, const DesignSource& source, Eigen::VectorXd start,
            const FitSettings& settings) {
   Fit fit = fitDesign(source, std::move(start), settings);
@@ -45,6 +60,7 @@ void addRhombicBlocks(EquationRows& rows, const LatticeUnknowns& unknowns,
   for (const TileBlock& block : blocks) unknowns.addBlock(rows, field, block, values, -1);
 }
 
+// Both coordinates of a corner in the state at `angle`.
 void addWantedPoint(EquationRows& rows, const LatticeUnknowns& unknowns, const TurningField& field,
                     const LatticeCorner& corner, double angle, Complex point) {
   unknowns.addPosition(rows, field, corner, angle, 1, point.real());
@@ -73,6 +89,7 @@ TurningField rhombicField(const std::string& family, const Lattice& lattice, dou
     unknowns.addConstants(equations.wanted, field, zero, 1e-2);
   };
   FitSettings settings;
+  // Nothing to damp: the equations are linear.
   settings.damping = 1e-9;
   settings.rounds = 10;
   const Eigen::VectorXd start = unknowns.pack(unitField(lattice), 0);
@@ -90,6 +107,7 @@ Complex heartPoint(double t) {
 
 /// Points at equal distances along a closed curve given over [0, 1].
 std::vector<Complex> evenPoints(const std::function<Complex(double)>& curve, int count) {
+  // Chords of that many pieces measure the curve to about 1e-8 of its length.
   constexpr int kPieces = 20000;
   std::vector<double> lengths{0};
   for (int k = 0; k < kPieces; ++k) {
@@ -99,6 +117,7 @@ std::vector<Complex> evenPoints(const std::function<Complex(double)>& curve, int
   std::vector<Complex> points;
   for (int k = 0; k < count; ++k) {
     const double wanted = lengths.back() * k / count;
+    // Along a straight piece, which is exact enough at this number of pieces.
     const auto above = std::upper_bound(lengths.begin(), lengths.end(), wanted);
     const double piece = static_cast<double>(above - lengths.begin() - 1);
     const double share = (wanted - *(above - 1)) / (*above - *(above - 1));
@@ -148,6 +167,8 @@ class RoundDesign {
       unknowns_.addBlock(rows, field, blocks_[k], values, logarithm(k));
     }
     addRhombicBlocks(rows, unknowns_, field, sideBlocks_, values);
+    // A tip on the circle: its component along its present direction is the radius. The direction
+    // is taken anew in each round, so that in the end it is the position's own.
     for (const LatticeCorner& tip : tips_) {
       const Complex position = field.corner(tip.cell, tip.corner, angle_);
       const Complex outwards = position / std::abs(position);
@@ -156,6 +177,7 @@ class RoundDesign {
     }
   }
 
+  // `firstRadius` in metres: of the circle that the tips shall lie on.
   TurningField fit(const DesignSource& source, double firstRadius, double damping) const {
     const int further = static_cast<int>(blocks_.size()) + 1;
     Eigen::VectorXd start = unknowns_.pack(unitField(lattice_), further);
@@ -180,6 +202,7 @@ Complex squarePoint(const Lattice& lattice, int node) {
   const int size = lattice.columns;
   const double half = 0.5 * size;
   const int side = node / size;
+  // Each further side is the bottom turned by a quarter.
   const Complex onBottom(node % size - half, -half);
   return onBottom * std::pow(Complex(0, 1), side);
 }
@@ -209,7 +232,10 @@ TurningField fanField(const FanShape& shape) {
       const Complex position = regular.corner(cell, k, pi);
       const double x = position.real() / half.real();
       const double y = position.imag() / half.imag();
+      // Only corners on the outline of the open sheet are led; the inside follows from the exact
+      // equations.
       if (std::max(std::abs(x), std::abs(y)) < 1 - 1e-9) continue;
+      // y runs from the inner to the outer radius, x over the sector's angle from left to right.
       const double distance =
           shape.innerRadius + 0.5 * (1 + y) * (shape.outerRadius - shape.innerRadius);
       wanted.push_back({{cell, k}, std::polar(distance, pi / 2 - shape.halfAngle * x)});
@@ -223,6 +249,8 @@ TurningField heartField(const Lattice& lattice) {
   const int count = static_cast<int>(nodes.size());
   const std::vector<Complex> points = evenPoints(heartPoint, count);
   // The lower tip stands in the middle of the left side.
+  // Nodes count from the bottom left: the left side begins after bottom, right and top, and runs
+  // down.
   const int tip = 2 * lattice.columns + lattice.rows + lattice.rows / 2;
   std::vector<WantedPoint> wanted;
   for (int k = 0; k < count; ++k) {
@@ -248,10 +276,13 @@ TurningField squareToDiskField(int size) {
     unknowns.addConstants(equations.wanted, field, regular, 0.1);
     for (std::size_t k = 0; k < design.blocks().size(); ++k) {
       const int logarithm = design.logarithm(k);
+      // Voids alternate between narrow and wide ones, about e^-0.8 and e^0.8.
       const double wanted = isEven(design.blocks()[k].lowerLeft) ? -0.8 : 0.8;
       addValue(equations.wanted, logarithm, values[logarithm], wanted, 0.3);
     }
   };
+  // The disk has the square's area: R = size / sqrt(pi) = 0.56 size, and a little more, since it is
+  // a polygon.
   return design.fit(source, 0.58 * size, 0.1);
 }
 
@@ -284,6 +315,7 @@ TurningField squareToCircleField(int size) {
     for (const LatticeCorner& tip : design.tipCorners()) {
       const Complex box = regular.corner(tip.cell, tip.corner, pi / 2) / half.real();
       const double u = box.real(), v = box.imag();
+      // The square [-1, 1]^2 is mapped to the unit disk by (u sqrt(1 - v^2/2), v sqrt(1 - u^2/2)).
       const Complex onDisk =
           radius * Complex(u * std::sqrt(1 - v * v / 2), v * std::sqrt(1 - u * u / 2));
       const Complex tangent = Complex(0, 1) * onDisk / std::abs(onDisk);
@@ -301,6 +333,7 @@ TurningField squareToCircleField(int size) {
 TurningField irregularField(const Lattice& lattice, double irregularity, unsigned seed) {
   const TurningField regular = unitField(lattice);
   std::mt19937 generator(seed);
+  // Whole numbers of the generator are the same on every machine, those of a distribution are not.
   const auto random = [&] { return irregularity * (generator() / 2147483648.0 - 1); };
   std::vector<WantedPoint> wanted;
   for (const LatticeCorner& node : closedBoundary(lattice)) {

@@ -16,6 +16,7 @@ struct FanShape {
   double innerRadius = 1;               ///< positive, below the outer one
   double halfAngle = 0.52359877559830;  ///< of the sector
 };
+/// The rectangle is closed at theta = 0, the sector at pi.
 TurningField fanField(const FanShape& shape);
 
 /// A heart when closed at the start; closed again at pi. Any even number of columns and rows.
@@ -23,14 +24,18 @@ TurningField heartField(const Lattice& lattice);
 
 /// A square of size x size tiles when closed at the start, a disk's inscribed polygon when closed
 /// at pi.
+/// `size`: odd, at least 3.
 TurningField squareToDiskField(int size);
 
 /// A square of size x size tiles when closed at the start, whose tips stand on a circle when
 /// neighbours have turned by pi / 2.
+/// `size`: even, at least 4.
 TurningField squareToCircleField(int size);
 
 /// Irregular quads, closed at the start and at pi: the regular lattice with its sides moved at
 /// random by up to `irregularity` tiles.
+/// `irregularity`: from 0, below 0.5 so that sides do not cross. The same seed gives the same sheet
+/// on every machine.
 TurningField irregularField(const Lattice& lattice, double irregularity, unsigned seed);
 
 }  // namespace kirireel

@@ -1,3 +1,12 @@
+// Rows of equations on a turning field's constants, with their slopes.
+//
+// Places and constants are complex numbers; the unknowns are their real and imaginary parts. A row
+// takes the component along a direction d, d . z = Re(conj(d) z), of a sum of c F over places. Its
+// slopes are d . c along Re F and d . (i c) along Im F, for c = e^(-i theta/2) at the odd and e^(i
+// theta/2) at the even place of a corner, or +-1 and +-lambda in a block.
+//
+// Places just outside the sheet have constants too: they decide where the free corners at its sides
+// stand. The four places diagonally outside belong to no corner and to no block that is used.
 #include "sim/generate/lattice_equations.h"
 
 #include <cmath>
@@ -11,6 +20,7 @@ double dot(Complex a, Complex b) {
   return (std::conj(a) * b).real();
 }
 
+// Places diagonally outside, which nothing refers to.
 bool isGhostCorner(const Lattice& lattice, const Cell& cell) {
   const bool outsideColumns = cell.column < 0 || cell.column >= lattice.columns;
   const bool outsideRows = cell.row < 0 || cell.row >= lattice.rows;
@@ -23,6 +33,8 @@ std::vector<TileBlock> sideBlocks(const Lattice& lattice, bool evenAtLeftAndRigh
   std::vector<TileBlock> blocks;
   for (int column = 0; column + 1 < lattice.columns; ++column) {
     for (const int row : {-1, lattice.rows - 1}) {
+      // A block's parity is that of its lower left place. Sides at the bottom and the top take the
+      // other parity, since neighbouring sides have their mouths at different nodes.
       if (isEven({column, row}) != evenAtLeftAndRight) blocks.push_back({{column, row}});
     }
   }
@@ -47,6 +59,7 @@ std::vector<LatticeCorner> closedBoundary(const Lattice& lattice) {
   return nodes;
 }
 
+// Side by side, as closedBoundary() goes round.
 std::vector<LatticeCorner> tips(const Lattice& lattice) {
   const int right = lattice.columns - 1;
   const int top = lattice.rows - 1;
@@ -54,6 +67,7 @@ std::vector<LatticeCorner> tips(const Lattice& lattice) {
   const auto append = [&](const Cell& cell, int stepColumn, int stepRow) {
     for (int k = 0; k < 4; ++k) {
       const Cell beyond = cornerNeighbour(cell, k);
+      // A corner whose neighbour lies outside has no joint.
       const bool isThere =
           beyond.column == cell.column + stepColumn && beyond.row == cell.row + stepRow;
       if (isThere) found.push_back({cell, k});
@@ -105,6 +119,7 @@ TurningField LatticeUnknowns::field(const Eigen::VectorXd& unknowns) const {
   return field;
 }
 
+// The slope along both parts of a constant that enters as factor * F, taken along a direction.
 void LatticeUnknowns::addSlope(EquationRows& rows, const Cell& cell, Complex factor,
                                Complex direction) const {
   const int place = places_.placeAt(cell);
@@ -138,6 +153,7 @@ void LatticeUnknowns::addBlock(EquationRows& rows, const TurningField& field,
     addSlope(rows, block.at(0, 0), -1, direction);
     addSlope(rows, block.at(1, 0), -signedRatio, direction);
     addSlope(rows, block.at(0, 1), signedRatio, direction);
+    // d lambda / d log lambda = lambda, which signedRatio holds already.
     if (logarithm >= 0) rows.slope(logarithm, -dot(direction, signedRatio * across));
   }
 }

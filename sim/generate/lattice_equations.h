@@ -48,10 +48,12 @@ class LatticeUnknowns {
   int firstFurther() const { return 2 * places_.placeCount(); }
   /// The unknowns of a field, and zeros for `further` more.
   Eigen::VectorXd pack(const TurningField& field, int further) const;
+  /// The field that the unknowns describe; further ones are not looked at.
   TurningField field(const Eigen::VectorXd& unknowns) const;
 
   /// Adds the equation weight * (direction . v(theta) - value) of one corner, with the position
   /// along a direction given as a complex number. Slopes along other unknowns may follow.
+  /// `angle` in radians, `value` in metres along `direction`, a unit complex number.
   void addPosition(EquationRows& rows, const TurningField& field, const LatticeCorner& corner,
                    double angle, Complex direction, double value, double weight = 1) const;
 

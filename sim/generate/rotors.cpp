@@ -1,3 +1,16 @@
+// Sheets of regular polygons of two kinds, from one formula as for lattices of quads.
+//
+// Let c be the centre of a tile of kind 0 (complex, m), d that of a neighbour of another kind, and
+// r a complex ratio that is the same for all pairs. The corner that both share is c + r (d - c) in
+// the closed sheet, and
+//   v(theta) = (1 - r) c e^(i theta/2) + r d e^(-i theta/2)
+// when neighbours have turned by theta (radians). A tile of kind 0 has one c, so that its corners
+// differ by terms in d alone, all turned by -theta/2: it stays rigid, and so do the others, turned
+// by +theta/2. Both tiles at a corner use the same sum, so that joints stay closed. r is found from
+// one pair: for triangles, e^(i pi/3); for hexagons and triangles, sqrt(3)/2 e^(i pi/6).
+//
+// J. N. Grima, K. E. Evans, Auxetic behavior from rotating triangles, Journal of Materials Science
+// 41, 2006.
 #include "sim/generate/rotors.h"
 
 #include <cmath>
@@ -32,6 +45,7 @@ struct Pattern {
   std::vector<RotorPlace> (*neighbours)(const RotorPlace&);
 };
 
+// All tiles at one angle, in the plane z = 0.
 std::vector<Tile> tilesAt(const Pattern& pattern, const std::vector<RotorPlace>& places,
                           double angle) {
   const Complex turn = std::polar(1.0, 0.5 * angle);
@@ -41,15 +55,18 @@ std::vector<Tile> tilesAt(const Pattern& pattern, const std::vector<RotorPlace>&
     for (const RotorPlace& neighbour : pattern.neighbours(place)) {
       Complex first = pattern.centre(place);
       Complex second = pattern.centre(neighbour);
+      // The formula wants the centre of kind 0 first.
       if (place.kind != 0) std::swap(first, second);
       const Complex corner =
           (1.0 - pattern.ratio) * first * turn + pattern.ratio * second * std::conj(turn);
+      // Adding 0 makes a negative zero positive.
       tile.vertices.emplace_back(corner.real() + 0.0, corner.imag() + 0.0, 0);
     }
   }
   return tiles;
 }
 
+// A corner towards a neighbour has that neighbour's place in the list.
 std::vector<Joint> jointsOf(const Pattern& pattern, const std::vector<RotorPlace>& places) {
   std::map<RotorPlace, int> numbers;
   for (const RotorPlace& place : places) numbers.emplace(place, static_cast<int>(numbers.size()));
@@ -61,6 +78,7 @@ std::vector<Joint> jointsOf(const Pattern& pattern, const std::vector<RotorPlace
   };
   std::vector<Joint> joints;
   for (const RotorPlace& place : places) {
+    // Each joint is between kind 0 and another kind, so that it is met once.
     if (place.kind != 0) continue;
     for (const RotorPlace& neighbour : pattern.neighbours(place)) {
       const auto there = numbers.find(neighbour);
@@ -142,6 +160,7 @@ Model makeHexagonsAndTriangles(const RotorShape& shape) {
   for (int i = 0; i < shape.columns; ++i) {
     for (int j = 0; j < shape.rows; ++j) {
       places.push_back({i, j, 0});
+      // These triangles would have corners without a hexagon.
       if (i + 1 == shape.columns || j + 1 == shape.rows) continue;
       for (const int kind : {1, 2}) places.push_back({i, j, kind});
     }

@@ -1,3 +1,9 @@
+// Parts that the fits of shells share: a start of unit squares, the exact rectangle of a flat
+// state, and the message of a fit that failed.
+//
+// The rectangle is |x| = a, |y| = b with unknown half sides a and b (m): its own size is free,
+// since the sheet's size follows from the curved state. Every boundary node of side s satisfies o_s
+// . p = a or b, with o_s the direction out of the side; a corner node satisfies both.
 #include "sim/generate/shell_parts.h"
 
 #include <algorithm>
@@ -22,6 +28,7 @@ std::vector<Tile> unitTiles(const Lattice& lattice, double angle) {
   return regularField(lattice, 1, Complex(0, 1)).tiles(angle);
 }
 
+// From the origin, so that an asymmetric sheet has its larger side.
 Vector3 halfExtent(const std::vector<Tile>& tiles) {
   Vector3 half = Vector3::Zero();
   for (const Tile& tile : tiles) {
@@ -37,6 +44,7 @@ double meanEdge(const std::vector<Tile>& tiles) {
 }
 
 int sideOf(const Lattice& lattice, int number) {
+  // Numbers at which the bottom, the right and the top side end.
   const int ends[] = {lattice.columns, lattice.columns + lattice.rows,
                       2 * lattice.columns + lattice.rows};
   return static_cast<int>(std::upper_bound(std::begin(ends), std::end(ends), number) -
@@ -76,6 +84,7 @@ void FlatRectangle::addEvenGrid(EquationRows& rows, const Eigen::VectorXd& unkno
       for (int axis = 0; axis < 2; ++axis) {
         const int half = halves_[std::size_t(axis)];
         addPosition(rows, point, Vector3::Unit(axis), shares[axis] * unknowns[half], weight);
+        // The wanted place moves with the half side.
         rows.slope(half, -weight * shares[axis]);
       }
     }
@@ -89,6 +98,7 @@ UnknownPoint FlatRectangle::boundaryPoint(const Eigen::VectorXd& unknowns, int n
 
 void FlatRectangle::addOnSide(EquationRows& rows, const Eigen::VectorXd& unknowns, int number,
                               int side) const {
+  // Bottom and top are at y = -+ the half side of the rows.
   const int half = halves_[side % 2 == 0 ? 1 : 0];
   addPosition(rows, boundaryPoint(unknowns, number), outwards(side), unknowns[half]);
   rows.slope(half, -1);

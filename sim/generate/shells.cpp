@@ -1,3 +1,21 @@
+// Sheets that deploy to a cylinder, a twisted band, a saddle.
+//
+// *Cylinder*: exact without a fit. The regular field of rectangles l x w is closed at theta = 0, M
+// l wide, and at pi, M w wide (M columns, even). Each closed state is wrapped round the regular
+// prism of M sides whose edges are as far apart as columns are wide, so that every tile lies flat
+// on a side of it. Tiles that are joined across the seam are joined as within the sheet, as the
+// pattern repeats after two columns.
+//
+// *Band*: the fit of cap.cpp with another open state. The start bends the open sheet onto the band
+//   p(t, s) = ((R - s cos w) cos 2 pi t, (R - s cos w) sin 2 pi t, s sin w),   w = pi n t
+// t in [0, 1] along the strip, s across it (m), n the number of half twists, R the radius (m). Tips
+// at both ends are made to coincide, crosswise for odd n; no joints hold them.
+//
+// *Sphere to saddle*: both states are curved and closed. Each node is wanted on its surface, at the
+// distance f(p) / |grad f|, to first order. Curved surfaces are too far from the flat start, so
+// that their curvature is raised in four stages, each begun with the last stage's sheet lifted onto
+// the surfaces of the next. The sphere lies below the origin, z = sqrt(R^2 - x^2 - y^2) - R; the
+// saddle is z = c (x^2 - y^2).
 #include "sim/generate/shells.h"
 
 #include <cmath>
@@ -12,17 +30,20 @@ using std::numbers::pi;
 
 /// Wraps a flat sheet round a regular prism whose sides are `side` wide: x, from 0, runs round it.
 std::vector<Tile> wrapped(std::vector<Tile> flat, int sides, double side) {
+  // The circumscribed circle of a regular polygon with that side.
   const double radius = 0.5 * side / std::sin(pi / sides);
   const auto edge = [&](int k) {
     return Vector3(radius * std::cos(2 * pi * k / sides), radius * std::sin(2 * pi * k / sides), 0);
   };
   return mapped(std::move(flat), [&](const Vector3& point) {
+    // x runs from -M side / 2 to M side / 2.
     const double around = point.x() / side + 0.5 * sides;
     // Vertices stand at the prism's edges or between two of them, to rounding.
     const int before = static_cast<int>(std::floor(around + 1e-9));
     const double share = around - before;
     const int next = (before + 1) % sides;
     Vector3 place = (1 - share) * edge(before % sides) + share * edge(next);
+    // The tube stands along z.
     place.z() = point.y();
     return place;
   });
@@ -90,15 +111,18 @@ class SaddleDesign {
   }
 
  private:
+  // Of the surface over a point of the plane, metres.
   double heightAt(double x, double y, bool onSphere) const {
     if (!onSphere) return curvature_ * (x * x - y * y);
     return std::sqrt(radius_ * radius_ - x * x - y * y) - radius_;
   }
 
+  // The nodes with their heights set onto the surfaces.
   Eigen::VectorXd lifted(Eigen::VectorXd unknowns) const {
     for (const StateUnknowns* state : {&sphere_, &saddle_}) {
       for (int node = 0; node < state->nodes.nodeCount; ++node) {
         const UnknownPoint point = state->point(unknowns, node);
+        // Only heights are set; x and y stay as the last stage left them.
         unknowns[point.first + 2] = heightAt(point.value.x(), point.value.y(), state == &sphere_);
       }
     }
@@ -156,6 +180,7 @@ Model makeMoebiusBand(const BandShape& shape) {
 
   const std::vector<Tile> open = unitTiles(lattice, shape.angle);
   const Vector3 half = halfExtent(open);
+  // The open sheet is as long as the circle: 2 half.x() scale = 2 pi R.
   const double scale = pi * shape.radius / half.x();
   const auto bend = [&](const Vector3& v) {
     return onBand(shape, 0.5 + 0.5 * v.x() / half.x(), scale * v.y());
@@ -201,7 +226,9 @@ Model makeMoebiusBand(const BandShape& shape) {
   return model;
 }
 
+// The curvature grows in stages, each begun from the sheet before.
 Model makeSphereToSaddle(const SaddleShape& shape) {
+  // Four stages are enough for the usual curvature.
   constexpr int kStages = 4;
   const Lattice lattice{shape.columns, shape.rows};
   const double scale = shape.width / std::max(shape.columns, shape.rows);

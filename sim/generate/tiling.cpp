@@ -1,3 +1,23 @@
+// Quasiperiodic tilings as duals of superposed grids.
+//
+// *Line grids* (N. G. de Bruijn, Algebraic theory of Penrose's non-periodic tilings of the plane,
+// Indagationes Mathematicae 43, 1981). Grid i of N consists of the lines d_i . y + o = k for all
+// whole numbers k: d_i a unit vector, o the offset. The plane of y falls into cells, each with one
+// whole number K_i = ceil(d_i . y + o) for every grid. A cell becomes the vertex
+//   x = sum over i of (K_i - o - 1/2) d_i
+// and the crossing of line a of grid i with line b of grid j, where four cells meet, becomes the
+// rhombus of the four vertices whose numbers differ there by one in K_i, K_j or both. Its sides are
+// d_i and d_j. Five grids at 72 degrees with offsets that add up to a whole number give Penrose's
+// tiling, four at 45 degrees Ammann and Beenker's. On average x = (N/2) y, which is `spread`.
+//
+// *Honeycombs* (P. Stampfli, A dodecagonal quasiperiodic lattice in two dimensions, Helvetica
+// Physica Acta 59, 1986): two honeycombs, one turned by 30 degrees. A pair of overlapping cells is
+// a vertex, at the sum of their centres; a corner of one honeycomb within a cell of the other is a
+// triangle; two sides that cross are a rhombus, a square where they cross at right angles.
+//
+// Vertices are told apart by whole numbers and never by their places, so that rounding cannot split
+// or merge any. A patch is the tiles nearest to the centre, in whole rings of equal distance, which
+// keeps the symmetry.
 #include "sim/generate/tiling.h"
 
 #include <algorithm>
@@ -43,12 +63,15 @@ Tiling assemble(std::vector<LooseTile> loose, int wanted, double spread) {
   // The angle decides among equals, and rounding decides nothing.
   const auto rank = [](const LooseTile& tile) {
     const Complex centre = tile.centre();
+    // The small turn moves the cut of the argument at 180 degrees off the tiles that stand there
+    // exactly.
     const double angle = std::arg(centre * std::polar(1.0, 1e-7));
     return std::pair(std::lround(1e6 * std::abs(centre)), std::lround(1e6 * angle));
   };
   std::stable_sort(loose.begin(), loose.end(),
                    [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
   std::size_t count = std::min(loose.size(), std::size_t(wanted));
+  // A ring is taken whole.
   while (count < loose.size() && rank(loose[count]).first == rank(loose[count - 1]).first) ++count;
   Tiling tiling;
   tiling.spread = spread;
@@ -85,11 +108,13 @@ class LineGrids {
     const Complex a = directions_[std::size_t(gridA)], b = directions_[std::size_t(gridB)];
     const double sine = cross(a, b);
     LooseTile tile;
+    // The y that solves d_a . y + o = line a and d_b . y + o = line b, by Cramer's rule.
     tile.dual = Complex(0, 1) * ((lineB - offset_) * a - (lineA - offset_) * b) / sine;
     VertexKey key;
     for (const Complex& direction : directions_) {
       key.push_back(static_cast<int>(std::ceil(dot(direction, tile.dual) + offset_)));
     }
+    // The four cells round the crossing, in order round the rhombus.
     for (const auto& [stepA, stepB] : {std::pair(0, 0), {1, 0}, {1, 1}, {0, 1}}) {
       key[std::size_t(gridA)] = lineA + stepA;
       key[std::size_t(gridB)] = lineB + stepB;
@@ -128,6 +153,7 @@ class LineGrids {
     return sum;
   }
 
+  // Of the angles between two grids.
   double narrowestSine() const {
     double least = 1;
     for (const Complex& direction : directions_) {
@@ -172,6 +198,8 @@ class Honeycomb {
   }
 
   HexCell cellAt(Complex point) const {
+    // The cell of the lattice's parallelogram that holds the point; one of its four corners is
+    // nearest.
     const double area = cross(first_, second_);
     const int column = static_cast<int>(std::floor(cross(point, second_) / area));
     const int row = static_cast<int>(std::floor(cross(first_, point) / area));
@@ -183,6 +211,7 @@ class Honeycomb {
     return nearest;
   }
 
+  // Two for each lattice point: one for each triangle of the lattice.
   std::vector<HexCorner> corners(int reach) const {
     std::vector<HexCorner> found;
     forCells(reach, [&](int i, int j) {
@@ -195,6 +224,7 @@ class Honeycomb {
     return found;
   }
 
+  // Three for each lattice point: every side of the honeycomb once.
   std::vector<HexSide> sides(int reach) const {
     std::vector<HexSide> found;
     forCells(reach, [&](int i, int j) {
@@ -249,6 +279,8 @@ class HoneycombPair {
     const std::vector<Honeycomb::HexSide> sides = honeycombs_[1].sides(reach);
     for (const Honeycomb::HexSide& a : honeycombs_[0].sides(reach)) {
       for (const Honeycomb::HexSide& b : sides) {
+        // Sides are 1/sqrt(3) long, so that ends farther apart than that cannot belong to sides
+        // that cross.
         if (std::abs(a.ends[0] - b.ends[0]) > 2) continue;
         if (const auto place = crossing(a, b)) appendRhombus(a, b, *place, found);
       }
@@ -263,6 +295,7 @@ class HoneycombPair {
     tile.corners.push_back(honeycombs_[0].centre(a) + honeycombs_[1].centre(b));
   }
 
+  // `swapped` keeps the first honeycomb's cell first in the vertex.
   void appendTriangles(const Honeycomb& own, const Honeycomb& other, bool swapped, int reach,
                        std::vector<LooseTile>& found) const {
     for (const Honeycomb::HexCorner& corner : own.corners(reach)) {
@@ -284,6 +317,7 @@ class HoneycombPair {
     appendCorner(tile, a.cells[1], b.cells[1]);
     appendCorner(tile, a.cells[0], b.cells[1]);
     const Complex edge = tile.corners[1] - tile.corners[0];
+    // The sine of the rhombus's angle is 0.5 for 30 degrees and 1 for a square.
     tile.isThin = std::abs(cross(edge, tile.corners[2] - tile.corners[1])) < 0.6;
   }
 

@@ -22,7 +22,8 @@ struct Tiling {
 };
 
 /// Rhombi of 72 and 36 degrees with fivefold symmetry (Penrose): whole rings of equal distance from
-/// the centre, at least `tiles` in all.
+/// the centre, at least `tiles` in all. More rhombi are made than are used, since those beyond the
+/// last whole ring are left out.
 Tiling penroseTiling(int tiles);
 
 /// Squares and rhombi of 45 degrees with eightfold symmetry (Ammann and Beenker), counted so.
@@ -35,6 +36,7 @@ Tiling stampfliTiling(int tiles);
 /// The tiles linked to one closed chain that visits each once, joined alternately at the one and
 /// the other end of the edges that it crosses. Tiles with one neighbour are left out. Throws
 /// InputError when no such chain was found.
+/// The search has a fixed seed and a fixed number of tries, so that its result is always the same.
 Model makeChain(const Tiling& tiling);
 
 /// The tiling without its narrow rhombi: every two tiles that share an edge are joined at its

@@ -1,3 +1,22 @@
+// Sheets made of tilings: a closed chain, a tiling without its narrow tiles, an expanded tiling.
+//
+// *Chain*: a Hamiltonian cycle of the graph whose nodes are tiles and whose links are shared edges.
+// A path is grown to the free neighbour with the fewest free neighbours of its own (Warnsdorff's
+// rule for the knight's tour). Where the path is stuck at its end e, one of e's neighbours p in the
+// path is taken and the piece after p is turned round, which gives a path of the same tiles with
+// another end (L. Posa, Hamiltonian circuits in random graphs, Discrete Mathematics 14, 1976).
+// Joints alternate between the two ends of the edges that the cycle crosses.
+//
+// *Removal*: edges between the tiles that stay get one joint each, at a fixed end, so that the
+// sheet can open; parts that meet at a vertex are joined there.
+//
+// *Expansion*: with V a vertex, D the dual of a tile (complex, m), s the spread and t = theta/2 -
+// pi/4, the corner of the tile at the vertex stands at
+//   v(theta) = V e^(i t) + s D e^(-i t)
+// A tile has one D and turns by t, the cell of a vertex has one V and turns by -t: both stay rigid
+// and stay joined at their common corners. At theta = pi/2 (t = 0) it is the sum of tiling and
+// grids. L. Liu, G. P. T. Choi, L. Mahadevan, Quasicrystal kirigami, Physical Review Research 4,
+// 2022, introduce these constructions.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -25,6 +44,7 @@ struct SharedEdge {
   int to = 0;
 };
 
+// Among the kept tiles.
 std::vector<SharedEdge> sharedEdges(const Tiling& tiling, const std::vector<int>& kept) {
   std::map<std::pair<int, int>, int> runners;
   std::vector<SharedEdge> edges;
@@ -33,6 +53,7 @@ std::vector<SharedEdge> sharedEdges(const Tiling& tiling, const std::vector<int>
     for (std::size_t k = 0; k < vertices.size(); ++k) {
       const int from = vertices[k], to = vertices[(k + 1) % vertices.size()];
       runners[{from, to}] = tile;
+      // The neighbour runs along the same edge the other way.
       const auto other = runners.find({to, from});
       if (other != runners.end()) edges.push_back({tile, other->second, from, to});
     }
@@ -99,6 +120,7 @@ Neighbours neighboursOf(const Tiling& tiling, const std::vector<int>& kept) {
 /// Leaves out tiles with fewer than two neighbours until none is left.
 std::vector<int> withTwoNeighbours(const Tiling& tiling) {
   std::vector<int> kept = allTiles(tiling);
+  // Leaving out a tile may leave another with one neighbour.
   for (std::size_t before = 0; before != kept.size();) {
     before = kept.size();
     const Neighbours neighbours = neighboursOf(tiling, kept);
@@ -139,12 +161,14 @@ class ChainSearch {
     path_.push_back(tile);
   }
 
+  // Whether the path's end is a neighbour of its beginning.
   bool closes() const {
     const std::vector<int>& around = neighbours_[std::size_t(path_.back())];
     return path_.size() > 2 &&
            std::find(around.begin(), around.end(), path_.front()) != around.end();
   }
 
+  // Neighbours that the path has not visited.
   int freeNeighbours(int tile) const {
     const std::vector<int>& around = neighbours_[std::size_t(tile)];
     return static_cast<int>(std::count_if(
@@ -166,6 +190,8 @@ class ChainSearch {
     }
     const int pivot = around[generator_() % around.size()];
     const auto first = path_.begin() + place_[std::size_t(pivot)] + 1;
+    // The pivot is the end's own predecessor: nothing would be turned round. Another draw may do
+    // better.
     if (first == path_.end() || std::next(first) == path_.end()) return around.size() > 1;
     std::reverse(first, path_.end());
     for (auto tile = first; tile != path_.end(); ++tile) {
@@ -228,6 +254,7 @@ bool isInner(const Tiling& tiling, int vertex, const std::vector<int>& around) {
     const auto place = [&](std::size_t n) {
       return tiling.vertices[std::size_t(vertices[n % count])];
     };
+    // The tile's angle at the vertex.
     sum += std::arg((place(k + count - 1) - place(k)) / (place(k + 1) - place(k)));
   }
   return sum > 2 * pi - 1e-6;
@@ -251,6 +278,7 @@ std::vector<VertexJoint> clockwiseJoints(const Tiling& tiling, const std::vector
     const Complex from = tiling.vertices[std::size_t(edge.from)];
     const Complex to = tiling.vertices[std::size_t(edge.to)];
     const double turn = (std::conj(from) * to).imag();
+    // An edge that points away from the centre has no clockwise end.
     const bool atFrom = std::abs(turn) > 1e-9 ? turn > 0 : std::abs(from) > std::abs(to);
     joints.push_back({edge.a, edge.b, atFrom ? edge.from : edge.to});
   }
@@ -305,6 +333,8 @@ Model makeThinned(const Tiling& tiling) {
   Parts parts(tiling.tiles.size());
   for (const VertexJoint& joint : joints) parts.join(joint);
   // Parts that touch at a vertex alone are linked there.
+  // Which parts touch is judged before any of them is linked, so that the order of vertices does
+  // not matter.
   const Parts byEdges = parts;
   for (std::vector<int>& around : tilesRound(tiling)) {
     std::erase_if(around, isThin);
@@ -348,6 +378,7 @@ Model makeExpanded(const Tiling& tiling, double startAngle, double targetAngle) 
   }
   for (int vertex = 0; vertex < std::ssize(round); ++vertex) {
     std::vector<int>& around = round[std::size_t(vertex)];
+    // The cell of a vertex at the rim would be open.
     if (!isInner(tiling, vertex, around)) continue;
     sortRoundCell(tiling, around);
     const int cell = static_cast<int>(model.tiles.size());

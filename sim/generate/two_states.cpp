@@ -1,3 +1,12 @@
+// Unknown nodes of two states of one sheet, and the equations that make the states congruent.
+//
+// With a = p_1 - p_0, b = p_2 - p_0, c = p_3 - p_0 for the corners p_k of a quad (m), the shape of
+// a planar quad is known from five inner products,
+//   a . a,   a . c,   c . c,   b . a,   b . c                  m^2
+// the first three fix the triangle p_0 p_1 p_3, the other two the components of b in its plane.
+// Each is set equal in both states. Edge lengths with one diagonal would be five equations too, but
+// they allow the quad to fold over its diagonal, and fits fell into that. A quad in space is planar
+// where a . (b x c) = 0 (m^3). The slopes follow by the product rule: d(u . w) = w . du + u . dw.
 #include "sim/generate/two_states.h"
 
 #include <array>
@@ -21,6 +30,7 @@ class JoinedCorners {
 
   void merge(int a, int b) { parents_[std::size_t(find(b))] = find(a); }
 
+  // Numbered by their first corners.
   NodeMap nodes() {
     NodeMap map;
     std::map<int, int> numbers;
@@ -37,6 +47,7 @@ class JoinedCorners {
   }
 
  private:
+  // Groups have four corners at most, so that their trees stay flat without further care.
   int find(int corner) {
     while (parents_[std::size_t(corner)] != corner) corner = parents_[std::size_t(corner)];
     return corner;
@@ -52,6 +63,7 @@ struct QuadVectors {
   Vector3 from0(int corner) const { return corners[std::size_t(corner)].value - corners[0].value; }
 };
 
+// The four corners of a tile as unknowns.
 QuadVectors quadOf(const StateUnknowns& state, const Eigen::VectorXd& unknowns, int tile) {
   QuadVectors quad;
   for (int k = 0; k < 4; ++k) quad.corners[std::size_t(k)] = state.point(unknowns, tile, k);
@@ -97,6 +109,7 @@ NodeMap nodesClosedAtEnd(const Lattice& lattice) {
   for (const Tile& tile : closed) {
     std::vector<int>& nodes = map.nodeOf.emplace_back();
     for (const Vector3& vertex : tile.vertices) {
+      // Sheets with an even and an odd number of tiles have corners at whole or at half numbers.
       const std::pair place{std::lround(2 * vertex.x()), std::lround(2 * vertex.y())};
       const auto [entry, isNew] = numbers.try_emplace(place, map.nodeCount);
       map.nodeCount += isNew ? 1 : 0;

@@ -45,6 +45,8 @@ std::vector<int> endsOfRuns(const std::vector<int>& numbers) {
 
 }  // namespace
 
+// Makes the plan and all places in memory, for any number of factorisations to come. The cost is
+// that of the ordering, a hundred times and more that of adding up H.
 template <int D>
 void BlockCholesky<D>::analyze(int nodeCount, const std::vector<std::pair<int, int>>& edges) {
   plan_ = planElimination(nodeCount, edges);

@@ -20,6 +20,7 @@ class BlockCholesky {
 
   /// Plans for `nodeCount` nodes and these pairs (first != second); see planElimination. All values
   /// start at zero.
+  /// Throws nothing but Interrupted; costs O(n log n) for the graphs of sheets.
   void analyze(int nodeCount, const std::vector<std::pair<int, int>>& edges);
 
   /// Sets all values to zero: before H is summed up again, since factor() uses its values up.
@@ -39,6 +40,7 @@ class BlockCholesky {
   }
 
   /// Factors the values at hand. Returns false when H is not positive definite to rounding.
+  /// May throw Interrupted, after which values are undefined until setZero().
   bool factor();
 
   /// What a factorisation and the solves with it cost: multiplications with an addition, as the

@@ -11,6 +11,8 @@
 namespace kirireel {
 namespace {
 
+// Two unit vectors that span the plane across a unit normal. Which two they are does not matter:
+// friction's bound is round.
 std::array<Vector3, 2> tangentsOf(const Vector3& normal) {
   const Vector3 first = normal.unitOrthogonal();
   return {first, normal.cross(first)};
@@ -36,6 +38,7 @@ void addTurningNormal(ContactRow<D>& row, const Poses& poses) {
 }  // namespace
 
 template <int D>
+// w = C u for this row, m/s; positive where the points part.
 double ContactRow<D>::normalVelocity(const Eigen::VectorXd& u) const {
   double w = normalA.dot(u.segment<D>(D * contact.brickA));
   if (contact.brickB != kFixed) w += normalB.dot(u.segment<D>(D * contact.brickB));

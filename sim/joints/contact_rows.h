@@ -25,7 +25,10 @@ struct ContactRow {
 
   Contact contact;
   bool hasNormal = true;  ///< false for supports, which only rub
+  /// The normal row's part for each brick: velocity along the normal by the brick's D velocities.
+  /// That of B is zero where the other side is fixed.
   RowVector normalA, normalB;
+  /// Two rows for each brick, likewise, along two directions that span the contact's plane.
   TangentRows tangentA, tangentB;
   double bias = 0;        ///< gap / step, m/s; 0 where they overlap
   double aim = 0;         ///< gap that closing aims at where the contact pushes, metres
@@ -43,6 +46,7 @@ struct ContactRow {
   Tangent slipVelocity(const Eigen::VectorXd& u) const;
   /// Adds scale * row^T to a vector of all bricks.
   void addNormal(double scale, Eigen::VectorXd& to) const;
+  /// Adds (tangent rows)^T * scale, likewise.
   void addTangent(const Tangent& scale, Eigen::VectorXd& to) const;
 
   /// The normal impulse that the augmented Lagrangian gives at u to a contact that pushes or pulls.
@@ -52,6 +56,7 @@ struct ContactRow {
   /// The tangential impulse, cut to the bound; `stiffness` gets its negative derivative by the slip
   /// velocity, divided by rho.
   Tangent trialSlipImpulse(const Eigen::VectorXd& u, double rho, TangentMatrix* stiffness) const;
+  /// Whether friction acts: supports have a bound from the start, contacts after they have pushed.
   bool rubs() const { return slipBound > 0; }
   /// Whether it is in force in its present state.
   bool acts() const { return active || rubs(); }

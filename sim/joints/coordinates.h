@@ -6,6 +6,8 @@
 namespace kirireel {
 
 /// D = 6: translation and rotation vector. D = 3: x, y and the turn about z.
+/// The solver is written once for both; D decides at compile time. Vectors of all bricks hold D
+/// numbers a brick, brick by brick: metres (or m/s) first, then radians (or rad/s).
 template <int D>
 struct Coordinates {
   static_assert(D == 3 || D == 6);
@@ -20,6 +22,8 @@ struct Coordinates {
   /// Whether coordinate k of a brick is a turn.
   static constexpr bool isTurn(int k) { return D == 6 ? k >= 3 : k == 2; }
 
+  /// A force and torque, or a velocity, in these coordinates: what points out of the plane is
+  /// dropped for D = 3.
   static Vector restrict(const Vector6& v) {
     if constexpr (D == 6)
       return v;
@@ -27,6 +31,7 @@ struct Coordinates {
       return {v[0], v[1], v[5]};
   }
 
+  /// The same for a matrix: rows and columns 0, 1 and 5.
   static Block restrict(const Matrix6& m) {
     if constexpr (D == 6) {
       return m;
@@ -84,8 +89,10 @@ struct Coordinates {
     return row;
   }
 
+  /// The part of a difference of two points that joint rows see, metres.
   static Gap gap(const Vector3& difference) { return difference.head<kJointRows>(); }
 
+  /// Of one brick; what is out of the plane is dropped for D = 3.
   static Vector pack(const Velocity& velocity) {
     if constexpr (D == 6) {
       Vector packed;

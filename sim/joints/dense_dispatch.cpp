@@ -1,3 +1,5 @@
+// The choice of the dense kernels for the processor at hand, once for the whole program. Asking the
+// processor at run time lets one binary serve old and new machines.
 #include "sim/joints/dense_kernels.h"
 
 namespace kirireel {

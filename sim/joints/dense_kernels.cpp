@@ -10,6 +10,9 @@
 // rest of a column being padding, so that numbers above the diagonal are written too and never
 // read. Wide fronts, of sheets with thousands of tiles, go through Eigen, which splits the product
 // to fit the caches.
+//
+// A column's reciprocal square root stands on the diagonal after factoring, so that solves multiply
+// and never divide.
 #include "sim/joints/dense_kernels.h"
 
 #include <Eigen/Cholesky>
@@ -26,14 +29,17 @@ constexpr int kWide = 60;
 /// The rows of a register.
 using Lanes = double __attribute__((vector_size(kLanes * sizeof(double)), aligned(8), may_alias));
 
+// Reads kLanes numbers from an address that needs no more alignment than a double.
 inline const Lanes& lanesAt(const double* place) {
   return *reinterpret_cast<const Lanes*>(place);
 }
 
+// The same to write.
 inline Lanes& lanesAt(double* place) {
   return *reinterpret_cast<Lanes*>(place);
 }
 
+// The row at which the register that holds this row begins: columns begin at whole registers.
 inline int wholeRegisters(int rows) {
   return rows / kLanes * kLanes;
 }
@@ -91,6 +97,8 @@ inline bool factorColumns(double* columns, int stride, int row) {
   return true;
 }
 
+// The same elimination by Eigen: L11 = chol(A11), L21 = A21 L11^-T, S = A22 - L21 L21^T. Returns
+// false where the pivot block is not positive definite.
 bool eliminateWide(double* panel, int stride, int rows, int columns, double* update,
                    int updateStride) {
   using Stride = Eigen::OuterStride<>;
@@ -102,10 +110,15 @@ bool eliminateWide(double* panel, int stride, int rows, int columns, double* upd
   pivot.triangularView<Eigen::Lower>().transpose().solveInPlace<Eigen::OnTheRight>(lower);
   Map schur(update, rows - columns, rows - columns, Stride(updateStride));
   schur.selfadjointView<Eigen::Lower>().rankUpdate(lower, -1.0);
+  // Solves multiply by the reciprocal, as after the narrow elimination.
   front.diagonal() = front.diagonal().cwiseInverse();
   return true;
 }
 
+// A left-looking Cholesky factorisation of the first `columns` columns of a front of `rows` rows.
+// Adds minus the product of what is below them to the lower triangle of `update`, the Schur
+// complement for the fronts above. `columns` is a multiple of three. Returns false at a pivot that
+// is not positive, with the panel in pieces.
 bool eliminate(double* panel, int rows, int columns, double* update) {
   const int stride = paddedRows(rows);
   const int below = rows - columns;
@@ -114,18 +127,23 @@ bool eliminate(double* panel, int rows, int columns, double* update) {
   }
   for (int j = 0; j < columns; j += kTogether) {
     double* const to = panel + j * stride;
+    // All columns on the left are done: what they take from these three is one product.
     takeProducts(to, stride, panel, panel + j, stride, j, j, stride);
     if (!factorColumns(to, stride, j)) return false;
   }
   const double* const lower = panel + columns;
   const int updateStride = paddedRows(below);
   for (int j = 0; j < below; j += kTogether) {
+    // The columns are done: the same product on the rows behind the panel is the update.
     takeProducts(update + j * updateStride, updateStride, lower, lower + j, stride, columns, j,
                  updateStride);
   }
   return true;
 }
 
+// L y = x for the columns of one front, in place; the rows below the columns get what the columns
+// take from them. Whole registers are taken to the end, so that x must have room for the padded
+// rows.
 void solveForward(const double* panel, int rows, int columns, double* x) {
   const int stride = paddedRows(rows);
   for (int j = 0; j < columns; j += kTogether) {
@@ -143,6 +161,9 @@ void solveForward(const double* panel, int rows, int columns, double* x) {
   }
 }
 
+// L^T x = y for the columns of one front, in place, from the last three columns to the first. The
+// rows below are known already. The three sums over them are made together, for each row of x is
+// then read once.
 void solveBackward(const double* panel, int rows, int columns, double* x) {
   const int stride = paddedRows(rows);
   for (int j = columns - kTogether; j >= 0; j -= kTogether) {

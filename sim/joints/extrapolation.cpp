@@ -20,6 +20,8 @@
 namespace kirireel {
 namespace {
 
+// The numbers below are those of the SEULEX code and its description, but for kFirst, kShortest,
+// kRejections and kCaught, which were chosen here.
 constexpr int kFewestRows = 2;
 constexpr int kMostRows = 8;  // beyond, rounding shows in the sums
 // A step is this much shorter than its estimate allows, and what it grows or shrinks by.
@@ -47,6 +49,9 @@ double costOf(int rows) {
 }
 
 /// The weights of the rows first to last of the table, that number counted from 1.
+// With n_j = j these are c_j = prod over i != j of j / (j - i). Their sum is 1; their absolute
+// values add up to some 10 for 4 rows and to more than 1000 for 8, which bounds the useful number
+// of rows.
 std::vector<double> weights(int first, int last) {
   std::vector<double> result;
   for (int j = first; j <= last; ++j) {
@@ -59,6 +64,8 @@ std::vector<double> weights(int first, int last) {
   return result;
 }
 
+// Linear momentum sum m v (N s), and angular momentum about the origin, sum m x cross v + R I R^T w
+// (N m s).
 Momentum momentumOf(const std::vector<Brick>& bricks, const Motion& motion) {
   Momentum sum;
   for (std::size_t i = 0; i < bricks.size(); ++i) {
@@ -148,6 +155,7 @@ Motion Extrapolation::combine(const Trial& trial, int first, int last) const {
       const double share = shares[static_cast<std::size_t>(j - first)];
       const Trial::Crossing& row = trial.rows[static_cast<std::size_t>(j - 1)];
       move += share * (row.end.poses[i].position - start.position);
+      // Rotation vectors from a common start can be added up with weights; rotations cannot.
       turn += share * row.turns[i];
       velocity.linear += share * row.end.velocities[i].linear;
       velocity.angular += share * row.end.velocities[i].angular;
@@ -192,9 +200,12 @@ double Extrapolation::energyError(const Trial& trial) const {
 void Extrapolation::estimate(Trial& trial) const {
   const int order = trial.order();
   trial.end = combine(trial, 1, order);
+  // The difference of the orders k and k - 1 is the error of the latter: H^(k) up to higher powers.
   trial.off = difference(trial.end, combine(trial, 2, order), trial.length) /
               (settings_.tolerance * settings_.lengthScale);
   const double error = std::max(trial.off, energyError(trial));
+  // The error of a step goes with H^order, so that the length whose error is kAim of the tolerance
+  // is H (kAim / error)^(1/order).
   const double factor = kSafety * std::pow(kAim / std::max(error, 1e-12), 1.0 / order);
   const double bounded =
       std::isfinite(error) ? std::clamp(factor, kLeastFactor, kMostFactor) : kLeastFactor;
@@ -253,6 +264,8 @@ void Extrapolation::keepMomentum(const Trial& trial, Motion& motion) const {
   const Momentum have = momentumOf(bricks_, motion);
   const Vector3 push = wanted.linear - have.linear;
   const Vector3 shift = push / mass;
+  // What is left of the angular momentum, after the push has changed it about the origin, over the
+  // inertia of the whole about its centre of mass.
   const Vector3 spin = inertia.llt().solve(wanted.angular - have.angular - centre.cross(push));
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
     motion.velocities[i].linear += shift + spin.cross(motion.poses[i].position - centre);

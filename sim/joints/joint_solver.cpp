@@ -25,6 +25,7 @@ constexpr double kOverlapAccepted = 4e-5;        // at the end of a step
 constexpr double kWorkOfPair = 1000;             // multiplications that looking at a pair is worth
 constexpr int kHalvings = 8;
 constexpr int kContactHalvings = 5;
+// Exact joints mostly need one or two rounds, singular states a few more.
 constexpr int kMultiplierRounds = 6;
 constexpr int kContactRounds = 25;
 // Bounds of friction that change by less than this part are settled.
@@ -38,6 +39,7 @@ constexpr double kLeastShare = 1e-6;
 }  // namespace
 
 template <int D>
+// A step that would only repeat a standstill is answered without a try.
 StepReport Stepper<D>::advance(Motion& motion, double step, const LoadSource& loads,
                                ContactSource* contacts) {
   loadSource_ = &loads;
@@ -108,6 +110,7 @@ void Stepper<D>::beginStep(const Motion& start, double step) {
 }
 
 template <int D>
+// The step as a whole from its start: loads, system, contacts of before.
 StepOutcome Stepper<D>::tryStep(const Motion& start, double step, bool warm) {
   (*loadSource_)(start.poses, loads_);
   beginStep(start, step);
@@ -294,6 +297,7 @@ void Stepper<D>::forbidWork() {
 }
 
 template <int D>
+// Moves all poses by displacements in D coordinates each.
 void Stepper<D>::displace(const Vector& move) {
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
     Space::displace(poses_[i], move.segment<D>(D * i));
@@ -416,6 +420,7 @@ void Stepper<D>::addGain(const Poses& poses, double step, LoadGain& given) const
 }
 
 template <int D>
+// Contacts that were held already keep their impulses.
 void Stepper<D>::holdContacts(const std::vector<Contact>& contacts) {
   std::vector<Row> held;
   for (const Contact& contact : contacts) {

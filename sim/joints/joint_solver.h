@@ -72,6 +72,9 @@ struct TouchForce {
 /// solved with the primal system A + kappa J^T J + rho C^T C and proximal refinement (augmented
 /// Lagrangian), followed by Gauss-Newton closing of the joints on the same factor. Redundant joints
 /// and singular states need no special care.
+/// The cost of a step is one factorisation of H, a few solves with it, and as many again for each
+/// round of contacts. All functions refer to the bricks and pivots of makeJointSolver(), in their
+/// order; a solver is used by one thread at a time.
 class JointSolver {
  public:
   virtual ~JointSolver() = default;
@@ -82,6 +85,8 @@ class JointSolver {
   /// in it, as they always may, and after that are tried in halves only every tenth step, and not
   /// again while nothing changes. Joints and contacts do no work: what closing costs is taken from
   /// the speed. Loads are taken at the start of each (half) step and implicit in it.
+  /// `step` is positive, joints are closed at the start to about the solver's tolerance. Loads are
+  /// asked for at the start of each part of the step.
   virtual StepReport advance(Motion& motion, double step, const LoadSource& loads,
                              ContactSource* contacts) = 0;
 
@@ -147,6 +152,7 @@ class JointSolver {
 
 /// A solver for these bricks and pivots. The pivots of a planar scene's two faces coincide and are
 /// taken once.
+/// `bricks` must outlive the solver. Ligaments ask for a planar scene.
 std::unique_ptr<JointSolver> makeJointSolver(const std::vector<Brick>& bricks,
                                              std::span<const Pivot> pivots,
                                              const JointSolverSettings& settings);

@@ -38,6 +38,7 @@ class LigamentBlocks {
 
   /// Begins a step at these poses, whose blocks are to be set. One entry a brick: those that are
   /// held take no part.
+  /// `step` in seconds.
   void begin(const Poses& poses, double step, const std::vector<bool>& held);
   /// Sets the blocks about velocities x0.
   void setAbout(const Vector& x0, Curvature curvature);

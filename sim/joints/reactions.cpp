@@ -60,6 +60,9 @@ class Reactor final : public ReactionSolver {
     }
   }
 
+  // Forces of joints and pins in one state. With compliant joints they follow from the gaps alone;
+  // with exact ones from the two solves of the head. The system is factored anew, since it belongs
+  // to the state.
   Reactions solve(const Motion& motion, std::span<const Vector6> applied,
                   const std::vector<bool>& pinned, double jointStiffness) override {
     motion_ = motion;
@@ -84,6 +87,7 @@ class Reactor final : public ReactionSolver {
     return result;
   }
 
+  // Two random states, so that none is blind by chance.
   std::vector<bool> indeterminateJoints(std::size_t joints) override {
     std::vector<bool> found(joints, false);
     if (solved_.empty()) return found;
@@ -108,6 +112,7 @@ class Reactor final : public ReactionSolver {
 
   const Pivot& pivot(std::size_t k) const { return pivots_[solved_[k]]; }
 
+  // From the pivot's point of B to that of A, world axes.
   Vector3 between(const Pivot& pivot) const {
     return motion_.poses[pivot.brickA].apply(pivot.pointA) -
            motion_.poses[pivot.brickB].apply(pivot.pointB);
@@ -203,6 +208,9 @@ class Reactor final : public ReactionSolver {
     return forces;
   }
 
+  // The forces of exact joints, one row a joint direction. `imbalance`: the largest force on any
+  // brick that joints and applied forces leave over, newtons; infinity where H could not be
+  // factored.
   Vector exactForces(std::span<const Vector6> applied, double& imbalance) {
     if (!system_.factor({})) {
       imbalance = std::numeric_limits<double>::infinity();
@@ -224,6 +232,7 @@ class Reactor final : public ReactionSolver {
     Vector stress(system_.jointRowCount());
     for (double& entry : stress) entry = static_cast<double>(numbers()) / 2147483647.5 - 1;
     for (std::size_t k = 0; k < solved_.size(); ++k) {
+      // A link holds one distance: it has one row, along its line, and its others are zero.
       // The empty rows of a link carry nothing.
       if (pivot(k).distance == 0) continue;
       stress.template segment<kRows - 1>(kRows * static_cast<Eigen::Index>(k) + 1).setZero();

@@ -90,6 +90,7 @@ bool setContactStates(StepProgram<D>& program, double rho) {
 }
 
 template <int D>
+// Newton's method on the pieces: whole steps at first, then with a line search.
 RoundReport minimize(StepSystem<D>& system, StepProgram<D>& program, double slow) {
   for (int round = 0; round < kNewtonRounds; ++round) {
     const Eigen::VectorXd slope = gradientOfPiece(system, program);

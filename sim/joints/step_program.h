@@ -32,6 +32,8 @@ struct RoundReport {
 /// system must be factored for the contacts' states on entry. `slow` is a speed to which tolerances
 /// refer besides that of x.
 template <int D>
+/// Costs one solve for a round without contacts; each change of the contacts' states costs a
+/// factorisation.
 RoundReport solveRound(StepSystem<D>& system, StepProgram<D>& program, double slow);
 
 /// Sets how the contacts slip at x. Returns whether any state changed.

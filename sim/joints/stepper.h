@@ -15,6 +15,7 @@ namespace kirireel {
 enum class StepOutcome { Good, JointsOpen, Overlapping };
 
 /// The joint solver in D degrees of freedom a brick.
+/// The functions are described where they are defined; they stand here in the order of a step.
 template <int D>
 class Stepper : public JointSolver {
  public:

@@ -1,3 +1,6 @@
+// Figures of single bricks. A measure that belongs to two bricks (a joint's gap, a spring's moment)
+// counts for both of them as it is; energies are shared by halves, so that the sum over all bricks
+// is the sum over all springs.
 #include "sim/measure/brick_measures.h"
 
 #include <algorithm>
@@ -28,6 +31,7 @@ std::vector<double> brickDisplacements(const Poses& start, const Poses& poses) {
 std::vector<double> brickRotations(const Poses& start, const Poses& poses) {
   std::vector<double> angles;
   for (std::size_t brick = 0; brick < poses.size(); ++brick) {
+    // The angle of the shortest turn: 2 acos |q . q'| for unit quaternions, from 0 to pi.
     angles.push_back(start[brick].rotation.angularDistance(poses[brick].rotation));
   }
   return angles;

@@ -12,6 +12,7 @@
 namespace kirireel {
 
 /// For each brick the largest distance of its bottom vertices from their targets, metres.
+/// `target` has one tile a brick, vertex by vertex.
 std::vector<double> brickTargetErrors(const std::vector<Tile>& target,
                                       const std::vector<Brick>& bricks, const Poses& poses);
 

@@ -1,3 +1,8 @@
+// Figures of a state. Kinetic energy of a brick with mass m (kg), inertia I in brick axes (kg m^2),
+// velocity v (m/s) and angular velocity w (rad/s, world axes):
+//   T = m |v|^2 / 2 + s . I s / 2,     s = R^T w
+// with R the brick's rotation: turning w into brick axes is cheaper than turning I into the
+// world's.
 #include "sim/measure/measures.h"
 
 #include <cmath>

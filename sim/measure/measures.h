@@ -19,6 +19,7 @@ struct JointGap {
 };
 
 /// Gaps of all pivots at the given poses; zeros when there are none.
+/// A pose that is no number makes the largest gap no number.
 JointGap jointGap(std::span<const Pivot> pivots, const Poses& poses);
 
 /// The largest distance of any bottom vertex from its target, metres; 0 for no tiles.
@@ -46,6 +47,7 @@ constexpr long mostPairs(std::size_t bricks) {
 /// The deepest overlap of any pair, by the separating axes of convex prisms (face normals and
 /// products of edges): exact for convex tiles and independent of the contact detection in use. Of
 /// the first mostPairs() near pairs; likewise below.
+/// Costs a sort of all bricks and a few dozen axes for each pair of bricks near each other.
 Penetration deepestPenetration(const std::vector<Brick>& bricks, const Poses& poses);
 
 /// The same with joined bricks meeting without the corners that they share: what contacts hold
@@ -78,6 +80,8 @@ class PenetrationMeter {
  public:
   /// Joined bricks as in penetrationsOutsidePivots(); overlaps at the start of `least` metres or
   /// less count as none there. Bricks must outlive this.
+  /// `zone`: see cutLength(), `pivots`: which bricks are joined, where. Costs a look at all near
+  /// pairs of the start.
   PenetrationMeter(const std::vector<Brick>& bricks, std::span<const Pivot> pivots, double zone,
                    const Poses& start, double least);
   ~PenetrationMeter();

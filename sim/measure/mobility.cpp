@@ -1,3 +1,22 @@
+// First-order mobility from the rank of the joints' Jacobian J (equations x unknowns).
+//
+// Unknown are the velocity v and the angular velocity w of each tile, w times the mean edge s, so
+// that all columns of J are plain numbers. A joint at the points a and b gives, for each direction
+// d that it holds,
+//   d . (v_A + w_A x (a - c_A)) - d . (v_B + w_B x (b - c_B)) = 0
+// with c the centroids. A pivot holds 3 directions (2 in the plane), a link the one along itself, a
+// fixed joint 3 and the relative rotation. Then
+//   freedoms  = unknowns - rank J - 6        (3 in the plane: motions of the whole)
+//   redundant = equations - rank J
+// This is the count of J. C. Maxwell with states of self-stress (C. R. Calladine, Buckminster
+// Fuller's tensegrity structures and Clerk Maxwell's rules for the construction of stiff frames,
+// Int. J. Solids Struct. 14, 1978). It holds to first order: a freedom may be an infinitesimal one
+// that no finite motion follows, as in the closed state of these sheets.
+//
+// Small sheets: a dense singular value decomposition. Large ones: the number of eigenvalues of J^T
+// J below s^2 is the number of negative pivots of J^T J - s^2 1 = L D L^T (Sylvester's law of
+// inertia), which costs a sparse factorisation for each s and gives the singular values to within a
+// power of ten.
 #include "sim/measure/mobility.h"
 
 #include <algorithm>
@@ -17,6 +36,7 @@ using Sparse = Eigen::SparseMatrix<double>;
 // The part of the largest singular value above which one counts. Zeros met: 1e-15; least others:
 // 1e-2 (tess_m10_n10, open).
 constexpr double kCounts = 1e-6;
+// A dense decomposition takes O(n^3).
 constexpr int kMostDenseUnknowns = 900;
 constexpr int kMostUnknowns = 60'000;
 
@@ -47,8 +67,10 @@ class JointJacobian {
     return top ? Vector3(bottom + rises_[corner.tile]) : bottom;
   }
 
+  // The rows of one joint, by its kind and face.
   void addJoint(const Joint& joint) {
     if (joint.kind == JointKind::Link) {
+      // The distance of two points changes along their connection alone.
       const Vector3 along = (place(joint.a, false) - place(joint.b, false)).normalized();
       addDirection(joint, place(joint.a, false), place(joint.b, false), along);
       return;
@@ -60,6 +82,7 @@ class JointJacobian {
     if (joint.face == JointFace::Top || (both && !planar_)) addPivot(joint, true);
   }
 
+  // One row for each axis.
   void addPivot(const Joint& joint, bool top) {
     for (int axis = 0; axis < (planar_ ? 2 : 3); ++axis) {
       addDirection(joint, place(joint.a, top), place(joint.b, top), Vector3::Unit(axis));
@@ -92,6 +115,7 @@ class JointJacobian {
     for (int axis = 0; axis < (planar_ ? 2 : 3); ++axis) {
       entries_.emplace_back(rows_, first + axis, direction[axis]);
     }
+    // d . (w x r) = w . (r x d), and w is measured in 1/s times the tile's size.
     addRotation(tile, (point - centres_[tile]).cross(direction) / size_);
   }
 
@@ -122,6 +146,7 @@ void countDense(const Sparse& jacobian, double floor, Mobility& result) {
     const bool counts = value > std::max(floor, kCounts * values[0]);
     result.rank += counts ? 1 : 0;
     (counts ? result.leastKept : result.largestDropped) = value;
+    // The values fall: the first that does not count is the largest of those.
     if (!counts) break;
   }
 }
@@ -148,9 +173,11 @@ class SignCounter {
   Eigen::SimplicialLDLT<Sparse> factors_;
 };
 
+// By signs of pivots; singular values are known to powers of ten.
 void countSparse(const Sparse& jacobian, double floor, Mobility& result) {
   const Sparse square = jacobian.transpose() * jacobian;
   // Row sums bound the largest eigenvalue.
+  // Gershgorin's circles: no eigenvalue is larger than the largest sum of absolute values in a row.
   double bound = 0;
   for (Eigen::Index column = 0; column < square.outerSize(); ++column) {
     double sum = 0;

@@ -33,10 +33,11 @@ double zeroSingularValue(const Model& model);
 /// The mobility of the model's joints with its tiles in the given state, for bricks of this
 /// thickness in metres (joints on both faces are hinges). Rotations are measured in tile sizes, so
 /// that singular values are plain numbers; those above 1e-6 of the largest and above
-/// zeroSingularValue() count. Up to 900
-/// unknowns by a dense singular value decomposition; above, by counting the pivots' signs of J^T J
-/// - s^2 (Sylvester's law of inertia), with singular values known to powers of ten. More than
-/// 60,000 unknowns, as of 10,000 tiles in space, are not counted: that takes minutes.
+/// zeroSingularValue() count. Up to 900 unknowns by a dense singular value decomposition; above, by
+/// counting the pivots' signs of J^T J - s^2 (Sylvester's law of inertia), with singular values
+/// known to powers of ten. More than 60,000 unknowns, as of 10,000 tiles in space, are not counted:
+/// that takes minutes. For rank and freedom of links, fixed joints and pivots alike. Throws
+/// Interrupted where a scope asks for it.
 Mobility mobility(const Model& model, const std::vector<Tile>& state, Freedom freedom,
                   double thickness);
 

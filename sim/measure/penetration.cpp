@@ -39,6 +39,7 @@ constexpr double kParallel = 1e-9;
 // Bricks are in one layer where their faces are apart by no more than this part of their thickness.
 constexpr double kSameLayer = 1e-6;
 
+// Of unit vectors, either way round.
 bool isParallel(const Vector3& a, const Vector3& b) {
   return a.cross(b).squaredNorm() < kParallel * kParallel;
 }
@@ -51,11 +52,15 @@ struct Prism {
   double thickness = 0;
 };
 
+// A convex piece as a prism. The sides' normals follow from the edges and the brick's normal, so
+// that they are not kept.
 Prism prismOf(const Brick& brick, int number) {
   Prism prism{number, brick.bottom, {brick.normal}, brick.thickness};
   for (std::size_t k = 0; k < brick.bottom.size(); ++k) {
     const Vector3& next = brick.bottom[(k + 1) % brick.bottom.size()];
     const Vector3 edge = (next - brick.bottom[k]).normalized();
+    // A rectangle has two directions of edges and not four: the number of axes falls with their
+    // product.
     const bool known = std::any_of(prism.directions.begin() + 1, prism.directions.end(),
                                    [&](const Vector3& other) { return isParallel(edge, other); });
     if (!known) prism.directions.push_back(edge);
@@ -63,6 +68,8 @@ Prism prismOf(const Brick& brick, int number) {
   return prism;
 }
 
+// All pieces of all bricks, those of one brick one after the other: PlacedPrisms::of() relies on
+// it.
 std::vector<Prism> prismsOf(const std::vector<Brick>& bricks) {
   std::vector<Prism> prisms;
   prisms.reserve(bricks.size());
@@ -115,6 +122,7 @@ struct Projection {
   double high;
 };
 
+// Costs one product for each corner of the bottom.
 Projection project(const PlacedPrism& prism, const Vector3& axis) {
   Projection interval{prism.bottom[0].dot(axis), prism.bottom[0].dot(axis)};
   for (const Vector3& point : prism.bottom) {
@@ -122,6 +130,8 @@ Projection project(const PlacedPrism& prism, const Vector3& axis) {
     interval.low = std::min(interval.low, projection);
     interval.high = std::max(interval.high, projection);
   }
+  // The top is the bottom moved by `rise`, so that its projections are those of the bottom moved by
+  // one number.
   const double rise = prism.rise.dot(axis);
   return {interval.low + std::min(rise, 0.0), interval.high + std::max(rise, 0.0)};
 }
@@ -134,6 +144,7 @@ double overlapAlong(const PlacedPrism& a, const PlacedPrism& b, const Vector3& a
   return std::min(intervalA.high - intervalB.low, intervalB.high - intervalA.low);
 }
 
+// Parallel, with tops and bottoms at the same heights to rounding.
 bool areInOneLayer(const PlacedPrism& a, const PlacedPrism& b) {
   if (!isParallel(a.normal(), b.normal())) return false;
   const double thickness = a.rise.dot(a.normal());
@@ -155,6 +166,7 @@ Eigen::AlignedBox3d boxOf(std::span<const PlacedPrism> pieces) {
 bool mayOverlapBy(double known, std::span<const PlacedPrism> a, std::span<const PlacedPrism> b,
                   const Eigen::AlignedBox3d& boxA, const Eigen::AlignedBox3d& boxB) {
   const Vector3 overlaps = boxA.max().cwiseMin(boxB.max()) - boxA.min().cwiseMax(boxB.min());
+  // The axes of the boxes are axes too: the least overlap of the boxes bounds the depth from above.
   const double least = overlaps.minCoeff();
   if (least > known) return true;
   if (least <= 0 || overlaps.maxCoeff() <= known) return false;
@@ -220,6 +232,7 @@ double pairDepth(const PlacedPrism& a, const PlacedPrism& b, double known, std::
   const SeparatingAxes axes(a, b);
   if (hint < axes.count()) {
     const double overlap = axes.overlap(hint);
+    // The bound that one axis gives is enough to leave the pair.
     if (overlap <= known) return overlap;
   }
   double depth = std::numeric_limits<double>::infinity();
@@ -232,6 +245,7 @@ double pairDepth(const PlacedPrism& a, const PlacedPrism& b, double known, std::
   return depth;
 }
 
+// The same without knowledge of an earlier state.
 double pairDepth(const PlacedPrism& a, const PlacedPrism& b, double known) {
   std::size_t hint = std::numeric_limits<std::size_t>::max();
   return pairDepth(a, b, known, hint);
@@ -272,6 +286,7 @@ class PlacedPrisms {
       const PlacedPrism& first = (*this)[order_[i]];
       for (std::size_t j = i + 1; j < order_.size(); ++j) {
         const PlacedPrism& second = (*this)[order_[j]];
+        // All that follow begin even farther along this axis.
         if (second.box.min()[axis_] >= first.box.max()[axis_]) break;
         if (first.brick == second.brick) continue;
         if (!mayOverlapBy(least(), {&first, 1}, {&second, 1}, first.box, second.box)) continue;
@@ -288,6 +303,7 @@ class PlacedPrisms {
     Eigen::AlignedBox3d all;
     for (const PlacedPrism& prism : placed_) all.extend(prism.box);
     if (placed_.empty()) return;
+    // Bricks overlap least on the axis along which they are spread most.
     all.diagonal().maxCoeff(&axis_);
     order_.resize(placed_.size());
     std::iota(order_.begin(), order_.end(), 0);
@@ -314,6 +330,7 @@ struct JoinedPair {
   std::vector<std::size_t> hintsCut;  ///< axes of the cut pair
 };
 
+// Pairs that share pivots, cut at their shared corners once: brick axes do not change.
 std::vector<JoinedPair> joinedPairs(const std::vector<Brick>& bricks, std::span<const Pivot> pivots,
                                     double zone) {
   std::vector<JoinedPair> pairs;
@@ -437,17 +454,21 @@ struct PenetrationMeter::Internals {
     return std::ranges::find(others, b) != others.end();
   }
 
+  // What a pair overlapped by at the start, metres; 0 where it did not.
   double keptBy(int a, int b) const {
     const auto found = atStart.find({a, b});
     return found == atStart.end() ? 0 : found->second;
   }
 
+  // Raises the figures by one joined pair. The whole bricks count for `whole`, the cut ones for the
+  // two others.
   void measureJoined(JoinedPair& pair, const Poses& poses, PenetrationDepths& depths) {
     const std::span<const PlacedPrism> a = placed.of(pair.a), b = placed.of(pair.b);
     const Eigen::AlignedBox3d boxA = boxOf(a), boxB = boxOf(b);
     if (mayOverlapBy(depths.whole, a, b, boxA, boxB)) {
       depths.whole = std::max(depths.whole, deepestOf(a, b, depths.whole, pair.hints));
     }
+    // Neither of the two figures can rise unless the cut pair is deeper than this.
     const double known = std::min(depths.outsidePivots, depths.grown + pair.atStart);
     if (!mayOverlapBy(known, a, b, boxA, boxB)) return;
     placeAll(pair.cutA, poses[pair.a], cutA);
@@ -457,6 +478,7 @@ struct PenetrationMeter::Internals {
     depths.grown = std::max(depths.grown, depth - pair.atStart);
   }
 
+  // Raises the figures by all other pairs whose boxes overlap.
   void measureUnjoined(PenetrationDepths& depths) const {
     const auto known = [&] {
       // What overlapped at the start may count less, never more.
@@ -476,6 +498,7 @@ struct PenetrationMeter::Internals {
   }
 };
 
+// The start is looked at in full once, so that later states can be compared with it pair by pair.
 PenetrationMeter::PenetrationMeter(const std::vector<Brick>& bricks, std::span<const Pivot> pivots,
                                    double zone, const Poses& start, double least)
     : internals_(std::make_unique<Internals>()) {

@@ -74,9 +74,11 @@ double boundOf(const Tile& tile, const Tile& target, double known, long& fits) {
     ++fits;
     bound = std::max(bound, fit.bound);
     nearest = std::min(nearest, fit.largest);
+    // The best motion found comes as near as the bound: no motion can come nearer.
     if (nearest <= (1 + kAgreement) * bound || nearest <= rounding(target)) break;
     double sum = 0;
     for (std::size_t k = 0; k < weights.size(); ++k) {
+      // Lawson's step.
       weights[k] *= std::max(fit.residuals[k], kLeastFactor * fit.largest);
       sum += weights[k];
     }

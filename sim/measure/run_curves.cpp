@@ -1,3 +1,10 @@
+// Curves of a run: measures of the shape from the poses of each sample, energies and forces as
+// samples have them. The list of curves is always the same, in the same order, whatever a run has;
+// what it does not have is NaN, so that tables of different runs fit each other.
+//
+// A path that was followed as geometry has no velocities. Its kinetic energy comes from central
+// differences of the poses, (x(t + h) - x(t - h)) / 2h and the rotation vector between them
+// likewise, one-sided at both ends.
 #include "sim/measure/run_curves.h"
 
 #include <algorithm>
@@ -46,6 +53,7 @@ std::vector<CurveGroup> emptyGroups() {
       {"Porosity", "", false, {{"porosity"}}},
       {"Poisson's ratio", "", false, {{"Poisson's ratio"}}},
       {"Opening", "degrees", false, {{"least"}, {"mean"}, {"largest"}}}};
+  // The names of columns come from the table above, in its order.
   const ShapeCurve* shape = kShapeCurves;
   for (CurveGroup& group : groups) {
     for (Curve& curve : group.curves) curve.column = (shape++)->column;
@@ -152,6 +160,7 @@ std::vector<double> jointForceValues(const Mechanics& mechanics) {
     const double force = mechanics.jointForces[j].norm();
     sum += force;
     largest = std::max(largest, force);
+    // fmax drops a NaN: the first force takes its place.
     if (mechanics.isIndeterminate[j]) uncertain = std::fmax(uncertain, force);
   }
   return {sum / static_cast<double>(mechanics.jointForces.size()), largest, uncertain};
@@ -170,6 +179,7 @@ std::vector<double> holdValues(const Mechanics& mechanics) {
 /// The curves from energies to forces, in order; NaN where a run has none.
 std::vector<double> mechanicsValues(const std::optional<Mechanics>& mechanics, double kinetic,
                                     bool haveHingeSprings) {
+  // 3 energies, the work, 3 losses, 3 of joint forces, 3 of holds.
   std::vector<double> values(13, kNone);
   values[0] = kinetic;
   if (!mechanics) return values;
@@ -239,6 +249,7 @@ RunCurves curvesOf(const TrajectoryReader& run) {
   RunCurves result{run.times(), emptyGroups(), emptyJointCurves(subject.model, run.hasMechanics())};
   ShapeMeter meter(subject);
   const std::size_t last = run.times().size() - 1;
+  // Three samples at a time are in memory, however long the run is.
   Sample before = run.sample(0), at = before;
   for (std::size_t k = 0; k <= last; ++k) {
     Sample after = k < last ? run.sample(k + 1) : at;

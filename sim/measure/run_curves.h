@@ -42,8 +42,8 @@ struct RunCurves {
   ///     Poisson's ratio   since the start, see poissonsRatio()
   ///     Opening           of the joints, see openingAngles(): least, mean, largest; degrees
   ///     Energy            kinetic, stored in springs and joints that give, and at hinges, J; of a
-  ///     walked path
-  ///                       kinetic alone, by central differences: it tells the pace of the walk
+  ///                       walked path kinetic alone, by central differences: it tells the pace
+  ///                       of the walk
   ///     Work of the drives    put in so far, J; see Energies, as the next
   ///     Lost energy       taken so far by dampers, by contacts and by the integrator, J
   ///     Joint force       mean and largest, and the largest of those that are indeterminate, N

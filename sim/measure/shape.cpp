@@ -1,3 +1,7 @@
+// Sizes of a whole state. The area within a closed outline p_0 ... p_(n-1) is the shoelace sum 1/2
+// sum (x_k y_(k+1) - x_(k+1) y_k), taken about the first corner. Poisson's ratio uses logarithmic
+// strains, which add up over successive deformations, so that it does not depend on the state that
+// is taken for the start as long as the ratio itself is constant.
 #include "sim/measure/shape.h"
 
 #include <algorithm>

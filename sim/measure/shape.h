@@ -19,6 +19,7 @@ struct HullSize {
 };
 
 /// Of one or more tiles.
+/// O(n log n) in the vertices. A sheet that is seen from its edge has the area 0.
 HullSize hullSize(const std::vector<Tile>& tiles);
 
 /// The tiles' area, square metres, where all of them lie in one horizontal plane (to 1e-6 of the
@@ -33,6 +34,7 @@ std::optional<double> poissonsRatio(const Vector3& sidesBefore, const Vector3& s
 
 /// For each joint the angle by which its tiles are turned against each other since the start, when
 /// all rotations are identities: how far it is open. Radians, 0 to pi.
+/// `poses` has one pose a tile. In the order of the joints; links and fixed joints count too.
 std::vector<double> openingAngles(const std::vector<Joint>& joints, const Poses& poses);
 
 }  // namespace kirireel

@@ -1,3 +1,11 @@
+// Overlaps and shapes of tiles without thickness.
+//
+// Flat neighbours (planes parallel to 1e-6 and at one height) are compared in their plane by
+// separating axes, the directions across the edges of both. Tiles in different planes reach through
+// each other where the line in which their planes meet passes through both: their depth is the
+// least of five lengths, how far each stands out on either side of the other's plane and how much
+// their cuts on that line have in common. Concave tiles are looked at part by part. Pairs come from
+// a sweep along x.
 #include "sim/measure/sheet.h"
 
 #include <algorithm>
@@ -38,6 +46,8 @@ double overlap(const Interval& a, const Interval& b) {
   return std::min(a.high - b.low, b.high - a.low);
 }
 
+// Projections of the vertices on an axis from an origin. The origin lies at the tile, so that far
+// from the world's origin no digits are lost.
 Interval project(const PlacedTile& tile, const Vector3& axis, const Vector3& origin) {
   Interval interval;
   for (const Vector3& vertex : tile.vertices) interval.extend(axis.dot(vertex - origin));
@@ -70,6 +80,7 @@ Interval cut(const PlacedTile& tile, const Vector3& planeNormal, const Vector3& 
     const Vector3& to = vertices[(k + 1) % vertices.size()];
     const double before = planeNormal.dot(from - origin);
     const double after = planeNormal.dot(to - origin);
+    // The edge does not cross the plane. A corner exactly on it counts to one side only.
     if ((before < 0) == (after < 0)) continue;
     const Vector3 crossing = from + before / (before - after) * (to - from);
     interval.extend(direction.dot(crossing - origin));
@@ -84,6 +95,7 @@ double depthAcross(const PlacedTile& a, const PlacedTile& b) {
   const Vector3& pointA = a.vertices.front();
   const Vector3& pointB = b.vertices.front();
   // A point of both planes, nearest to the first tile's.
+  // The direction in A's plane that leads straight to the common line.
   const Vector3 inA = direction.cross(a.normal);
   const Vector3 origin = pointA + b.normal.dot(pointB - pointA) / b.normal.dot(inA) * inA;
   const Interval aboutB = project(a, b.normal, pointB);
@@ -93,10 +105,13 @@ double depthAcross(const PlacedTile& a, const PlacedTile& b) {
   return std::min({shared, aboutB.high, -aboutB.low, aboutA.high, -aboutA.low});
 }
 
+// The depth of two convex tiles, metres; not above 0 where they are clear of each other.
+// `tolerance`: heights that differ by less count as one.
 double depthOf(const PlacedTile& a, const PlacedTile& b, double tolerance) {
   if (a.normal.cross(b.normal).norm() > kParallelPlanes) return depthAcross(a, b);
   const Vector3& origin = a.vertices.front();
   const Interval height = project(b, a.normal, origin);
+  // Parallel planes at different heights.
   if (height.low > tolerance || height.high < -tolerance) return 0;
   return depthInPlane(a, b);
 }
@@ -119,6 +134,7 @@ std::vector<PlacedTile> convexPartsOf(const std::vector<Tile>& tiles) {
 
 }  // namespace
 
+// Sweep along x, then each pair's depth.
 std::vector<TileOverlap> tileOverlaps(const std::vector<Tile>& tiles, double tolerance) {
   const std::vector<PlacedTile> placed = convexPartsOf(tiles);
   // In order of their left sides, a tile can only meet those that start before it ends.

@@ -17,12 +17,15 @@ struct TileOverlap {
 
 /// All pairs that overlap by more than the tolerance in metres, the deepest first; of the first
 /// mostPairs() near pairs where there are more.
+/// Tiles need an area. Costs a sort, and the edges of both for each pair whose boxes meet.
 std::vector<TileOverlap> tileOverlaps(const std::vector<Tile>& tiles, double tolerance);
 
 /// The largest distance between the two corners of a pivot, metres; 0 for none.
+/// Of links and fixed joints nothing is said.
 double largestJointGap(const std::vector<Joint>& joints, const std::vector<Tile>& tiles);
 
 /// The largest difference of any distance between two vertices of one tile, metres.
+/// O(n^2) for a tile of n vertices.
 double largestShapeChange(const std::vector<Tile>& start, const std::vector<Tile>& target);
 
 /// The largest distance of a vertex from its tile's plane, metres.

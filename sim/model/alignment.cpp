@@ -1,3 +1,19 @@
+// Best rigid fits of one point set to another, by least squares.
+//
+// Wanted are the rotation R and the translation t that minimise
+//   E(R, t) = sum over i of w_i |R a_i + t - b_i|^2
+// for points a_i (from) and b_i (to), in metres, and weights w_i without unit. For any R the best t
+// takes the weighted mean of the a_i to that of the b_i. What is left is to maximise trace(R C)
+// with
+//   C = sum over i of w_i (a_i - mean a)(b_i - mean b)^T          3 x 3, m^2
+// In space: C = U S V^T (singular values) gives R = V diag(1, 1, d) U^T with d = det(V U^T) = +-1,
+// so that R is a rotation and never a reflection. Points in one plane have a singular value 0,
+// which d can use at no cost; points on one line leave the turn about the line open. In the plane:
+// trace(R C) = cos(p) (C_xx + C_yy) + sin(p) (C_xy - C_yx), so that the angle is p = atan2(C_xy -
+// C_yx, C_xx + C_yy).
+//
+// W. Kabsch, A solution for the best rotation to relate two sets of vectors, Acta Crystallographica
+// A32, 1976.
 #include "sim/model/alignment.h"
 
 #include <algorithm>
@@ -9,6 +25,7 @@
 namespace kirireel {
 namespace {
 
+// The weighted mean; the weights add up to something.
 Vector3 meanOf(std::span<const Vector3> points, std::span<const double> weights) {
   Vector3 sum = Vector3::Zero();
   double total = 0;
@@ -70,6 +87,7 @@ std::vector<Vector3> verticesOf(const std::vector<Tile>& tiles, std::span<const 
   return points;
 }
 
+// Whether all points lie at one height, whatever it is, to the tolerance in metres.
 bool isHorizontal(std::span<const Vector3> points, double tolerance) {
   const auto [low, high] =
       std::minmax_element(points.begin(), points.end(),
@@ -94,11 +112,15 @@ RigidMotion bestRigidMotion(std::span<const Vector3> from, std::span<const Vecto
   return bestRigidMotion(from, to, evenWeights(from.size()));
 }
 
+// The fit is made from the vertices of all tiles, or of those that will be held, and moves all
+// tiles.
 RigidMotion alignStartToTarget(Model& model, std::span<const int> held) {
   if (!model.target) return {};
   const std::vector<Vector3> start = allVertices(model.tiles);
   const std::vector<Vector3> target = allVertices(*model.target);
+  // Heights that differ by less than a billionth of the sheet come from rounding.
   const double tolerance = 1e-9 * modelSize(model);
+  // Both states have to lie flat: one that folds up may well start upside down.
   const bool planar = isHorizontal(start, tolerance) && isHorizontal(target, tolerance);
   const auto fit = [planar](std::span<const Vector3> from, std::span<const Vector3> to) {
     return planar ? bestPlanarMotion(from, to) : bestRigidMotion(from, to);

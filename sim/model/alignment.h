@@ -21,6 +21,7 @@ struct RigidMotion {
 RigidMotion bestRigidMotion(std::span<const Vector3> from, std::span<const Vector3> to);
 
 /// The same with squares that count by weights, one a point, from 0 and not all 0.
+/// Nothing is checked here: with other lengths or with weights of sum 0 the result is not defined.
 RigidMotion bestRigidMotion(std::span<const Vector3> from, std::span<const Vector3> to,
                             std::span<const double> weights);
 

@@ -1,3 +1,12 @@
+// Ear clipping and merging, as the header describes them, and a test for sides that cross.
+//
+// All decisions are made from sines of angles, so that they do not depend on the size of the tile.
+// With a, b, c the corners before, at and after one,
+//   sine(b) = (b - a) x (c - b) / (|b - a| |c - b|)      positive where the outline turns left
+// is the sine of the turn at b. A corner that turns left can be an ear; a corner that turns right
+// by more than rounding makes the polygon concave there. The orientation tests use plain doubles,
+// not exact predicates: corners that lie nearly on a line are treated alike whichever sign rounding
+// gives them, because every threshold is far above rounding (1e-12 and more against 1e-16).
 #include "sim/model/convex_parts.h"
 
 #include <algorithm>
@@ -36,6 +45,7 @@ std::vector<Vector2> flattened(std::span<const Vector3> corners, const Vector3& 
   const Vector3 y = normal.cross(x);
   std::vector<Vector2> points;
   for (const Vector3& corner : corners) {
+    // Differences from the first corner keep the digits of tiles that are far from the origin.
     const Vector3 from = corner - corners.front();
     points.emplace_back(x.dot(from), y.dot(from));
   }
@@ -44,6 +54,8 @@ std::vector<Vector2> flattened(std::span<const Vector3> corners, const Vector3& 
 
 /// Whether p lies in the triangle or on its boundary.
 bool holds(const Vector2& a, const Vector2& b, const Vector2& c, const Vector2& p) {
+  // The tolerance is an area, in parts of the squared side: a corner on a side counts as inside, so
+  // that no ear is cut through a corner that merely touches it.
   const auto isLeft = [&](const Vector2& from, const Vector2& to) {
     return cross(to - from, p - from) >= -1e-12 * (to - from).squaredNorm();
   };
@@ -53,19 +65,24 @@ bool holds(const Vector2& a, const Vector2& b, const Vector2& c, const Vector2& 
 /// The ring of corners that are left while ears are cut off.
 class EarClipper {
  public:
+  // All corners are rated once; later only the neighbours of a cut ear change.
   explicit EarClipper(std::vector<Vector2> points) : points_(std::move(points)) {
     ring_.resize(points_.size());
     std::iota(ring_.begin(), ring_.end(), 0);
     for (std::size_t k = 0; k < ring_.size(); ++k) qualities_.push_back(quality(triangleAt(k)));
   }
 
+  // The triangles in the order in which they are cut off.
   std::vector<std::array<int, 3>> triangles() {
     std::vector<std::array<int, 3>> cut;
+    // The sum of the corners of a simple polygon with n corners falls by one with each ear. Three
+    // corners are the last triangle.
     while (ring_.size() > 3) {
       const std::size_t ear = bestEar();
       cut.push_back(triangleAt(ear));
       ring_.erase(ring_.begin() + static_cast<std::ptrdiff_t>(ear));
       qualities_.erase(qualities_.begin() + static_cast<std::ptrdiff_t>(ear));
+      // Only the two neighbours of the ear have another triangle now.
       const std::size_t count = ring_.size();
       for (const std::size_t k : {(ear + count - 1) % count, ear % count}) {
         qualities_[k] = quality(triangleAt(k));
@@ -76,6 +93,7 @@ class EarClipper {
   }
 
  private:
+  // Corner k of the ring with the corners before and after it.
   std::array<int, 3> triangleAt(std::size_t k) const {
     const std::size_t count = ring_.size();
     return {ring_[(k + count - 1) % count], ring_[k], ring_[(k + 1) % count]};
@@ -89,6 +107,7 @@ class EarClipper {
                      turnSine(points_[c], points_[a], points_[b])});
   }
 
+  // Whether no other corner of the ring lies in the triangle: the cut would leave it outside.
   bool isEmpty(const std::array<int, 3>& t) const {
     return std::none_of(ring_.begin(), ring_.end(), [&](int k) {
       if (std::find(t.begin(), t.end(), k) != t.end()) return false;
@@ -105,6 +124,7 @@ class EarClipper {
       return std::round(1e9 * qualities_[a]) > std::round(1e9 * qualities_[b]);
     });
     for (const std::size_t k : order) {
+      // The corners are sorted, so that no ear follows the first that turns right.
       if (!(qualities_[k] > kEar)) break;
       if (isEmpty(triangleAt(k))) return k;
     }
@@ -132,6 +152,7 @@ PolygonPart joined(const PolygonPart& first, const PolygonPart& second, int from
   return whole;
 }
 
+// Whether no corner of a part turns right by more than rounding.
 bool staysConvex(const PolygonPart& part, const std::vector<Vector2>& points) {
   const std::size_t count = part.size();
   for (std::size_t k = 0; k < count; ++k) {
@@ -153,6 +174,7 @@ std::vector<PolygonPart>::iterator partWithSide(std::vector<PolygonPart>& parts,
 
 /// Takes away each diagonal in turn that leaves the part round it convex.
 void mergeParts(std::vector<PolygonPart>& parts, const std::vector<Vector2>& points) {
+  // The parts change while diagonals go; the triangles that name the diagonals are kept apart.
   const std::vector<PolygonPart> triangles = parts;
   for (const PolygonPart& triangle : triangles) {
     for (std::size_t k = 0; k < 3; ++k) {
@@ -160,6 +182,7 @@ void mergeParts(std::vector<PolygonPart>& parts, const std::vector<Vector2>& poi
       if (from > to) continue;  // each diagonal once
       const auto first = partWithSide(parts, from, to);
       const auto second = partWithSide(parts, to, from);
+      // This is a side of the outline and no diagonal, or it went with an earlier merging.
       if (first == parts.end() || second == parts.end()) continue;
       PolygonPart whole = joined(*first, *second, from, to);
       if (!staysConvex(whole, points)) continue;
@@ -171,6 +194,7 @@ void mergeParts(std::vector<PolygonPart>& parts, const std::vector<Vector2>& poi
 
 /// The distance of two stretches.
 double distance(const Vector2& a, const Vector2& b, const Vector2& c, const Vector2& d) {
+  // Two stretches cross where the ends of each lie on both sides of the other.
   const double ofC = cross(b - a, c - a), ofD = cross(b - a, d - a);
   const double ofA = cross(d - c, a - c), ofB = cross(d - c, b - c);
   if (((ofC > 0) != (ofD > 0)) && ((ofA > 0) != (ofB > 0))) return 0;
@@ -179,11 +203,13 @@ double distance(const Vector2& a, const Vector2& b, const Vector2& c, const Vect
     const double share = std::clamp((p - from).dot(along) / along.squaredNorm(), 0.0, 1.0);
     return (p - from - share * along).norm();
   };
+  // Else the nearest points include an end of one of the two.
   return std::min({toStretch(a, c, d), toStretch(b, c, d), toStretch(c, a, b), toStretch(d, a, b)});
 }
 
 }  // namespace
 
+// In space, without flattening: it is asked for every tile, and most are convex.
 bool isConvexPolygon(std::span<const Vector3> corners, const Vector3& normal) {
   double inAll = 0;
   const std::size_t count = corners.size();
@@ -192,11 +218,13 @@ bool isConvexPolygon(std::span<const Vector3> corners, const Vector3& normal) {
     const Vector3 after = (corners[(k + 1) % count] - corners[k]).normalized();
     const double sine = before.cross(after).dot(normal);
     if (sine < -kStraightCorner) return false;
+    // Only inward turns are added up.
     inAll -= std::min(sine, 0.0);
   }
   return inAll <= kStraightInAll;
 }
 
+// The first fault in the order of the sides.
 std::optional<std::pair<int, int>> crossingSides(std::span<const Vector3> corners,
                                                  const Vector3& normal, double tolerance) {
   const std::vector<Vector2> points = flattened(corners, normal);
@@ -208,7 +236,10 @@ std::optional<std::pair<int, int>> crossingSides(std::span<const Vector3> corner
     const bool turnsBack =
         along.dot(next) < 0 && std::abs(cross(along, next)) < 1e-9 * along.norm() * next.norm();
     if (turnsBack) return std::pair{i, (i + 1) % count};
+    // Side i + 1 shares a corner with side i, which is no fault. All pairs are looked at: O(n^2)
+    // with n of 300 at most.
     for (int j = i + 2; j < count; ++j) {
+      // The last side shares a corner with the first.
       if ((j + 1) % count == i) continue;
       if (distance(at(i), at(i + 1), at(j), at(j + 1)) <= tolerance) return std::pair{i, j};
     }

@@ -36,10 +36,12 @@ std::optional<std::pair<int, int>> crossingSides(std::span<const Vector3> corner
 
 /// The triangles of a simple polygon, anticlockwise seen from `normal`; a fan from corner 0 where
 /// it is convex.
+/// A polygon whose sides cross gives triangles that overlap; crossingSides() is to be asked first.
 std::vector<std::array<int, 3>> trianglesOf(std::span<const Vector3> corners,
                                             const Vector3& normal);
 
 /// The convex parts of a simple polygon; one with all corners where it is convex.
+/// Each diagonal that is left is a side of two parts, in opposite directions.
 std::vector<PolygonPart> convexParts(std::span<const Vector3> corners, const Vector3& normal);
 
 }  // namespace kirireel

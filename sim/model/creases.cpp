@@ -1,3 +1,22 @@
+// Joints from edges, and edges from joints.
+//
+// 1. *Joints.* All corners at one vertex are one, unless a cut edge ends there. Then the corners
+//    are parted into groups that the vertex's other edges hold together (two faces with a common
+//    uncut edge are in one group), and each group is a chain of joints of its own.
+// 2. *Folding.* A face is placed by an isometry T of the flat sheet. Across an edge with the fold
+//    angle a (radians) its neighbour is placed by
+//   T' = T P R(-a, e) P^-1
+// where P moves the origin to a point of the edge, and R(-a, e) turns by -a about the edge's
+// direction e, with the first face on its left seen from above. A positive angle so lifts the
+// neighbour, on the right of e, to the upper side: a valley. The faces are walked outwards from one
+// face of each piece. Loops of edges are not checked here: where angles do not fit each other, the
+// joints of the last edge in a loop stand open, and the caller measures that.
+// 3. *Angles* of a folded state: a = -atan2((n x n') . e, n . n'), n and n' the unit normals of
+//    both faces; atan2 keeps its digits near 0 and near 180 degrees, where an arc cosine would lose
+//    half of them.
+//
+// The format: E. D. Demaine, J. S. Ku, R. J. Lang, A new file standard to represent folded
+// structures, Fall Workshop on Computational Geometry, 2016.
 #include "sim/model/creases.h"
 
 #include <algorithm>
@@ -21,6 +40,8 @@ struct FaceSide {
   int corner = 0;
 };
 
+// A std::map keeps the edges in the order of their vertex numbers, so that results do not depend on
+// addresses or hashes.
 std::map<Ends, std::vector<FaceSide>> sidesByEnds(const CornerNumbers& faces) {
   std::map<Ends, std::vector<FaceSide>> sides;
   for (int face = 0; face < std::ssize(faces); ++face) {
@@ -49,11 +70,13 @@ struct HeldFaces {
   std::set<std::pair<int, int>> fixed;  ///< joined to one piece, the smaller number first
 };
 
+// Goes through all edges that two faces or more share and no cut parts.
 HeldFaces heldFaces(const CornerNumbers& faces, const std::map<Ends, char>& assignments) {
   HeldFaces held;
   for (const auto& [ends, sides] : sidesByEnds(faces)) {
     const auto found = assignments.find(ends);
     const char assignment = found == assignments.end() ? 'U' : found->second;
+    // An edge of three faces or more holds each with the next.
     for (std::size_t k = 1; k < sides.size() && assignment != 'C'; ++k) {
       const std::pair<int, int> two = std::minmax(sides[k - 1].face, sides[k].face);
       held.atVertex[ends.first].push_back(two);
@@ -64,6 +87,7 @@ HeldFaces heldFaces(const CornerNumbers& faces, const std::map<Ends, char>& assi
   return held;
 }
 
+// Corners of the faces at each vertex, by rising face.
 std::map<int, std::vector<Corner>> cornersByVertex(const CornerNumbers& faces) {
   std::map<int, std::vector<Corner>> corners;
   for (int face = 0; face < std::ssize(faces); ++face) {
@@ -85,6 +109,7 @@ std::vector<std::vector<Corner>> groupsAt(const std::vector<Corner>& corners,
   };
   for (const auto& [a, b] : held) {
     const std::size_t kept = group[placeOf(a)], lost = group[placeOf(b)];
+    // A vertex has few corners, so that renaming a group is cheaper than a tree of sets.
     std::replace(group.begin(), group.end(), lost, kept);
   }
   std::map<std::size_t, std::vector<Corner>> groups;
@@ -96,6 +121,7 @@ std::vector<std::vector<Corner>> groupsAt(const std::vector<Corner>& corners,
 
 }  // namespace
 
+// Joints come by rising vertex number, and fixed joints after them.
 std::vector<Joint> jointsOfCreases(const CornerNumbers& faces, const std::vector<Crease>& creases,
                                    const std::vector<Tile>& tiles) {
   std::map<Ends, char> assignments;
@@ -115,6 +141,8 @@ std::vector<Joint> jointsOfCreases(const CornerNumbers& faces, const std::vector
     for (const std::vector<Corner>& group : groups) {
       for (std::size_t k = 1; k < group.size(); ++k) {
         const std::pair<int, int> two = std::minmax(group[k - 1].tile, group[k].tile);
+        // A joint within one tile says nothing, and one within a rigid piece is held by the fixed
+        // joint.
         if (two.first == two.second || held.fixed.contains(two)) continue;
         joints.push_back({group[k - 1], group[k], JointFace::Bottom});
       }
@@ -124,12 +152,15 @@ std::vector<Joint> jointsOfCreases(const CornerNumbers& faces, const std::vector
   return joints;
 }
 
+// Depth first from the lowest face of each piece; a face is placed by the first edge that reaches
+// it.
 std::optional<std::vector<Tile>> foldedTiles(const CornerNumbers& faces,
                                              const std::vector<Crease>& creases,
                                              const std::vector<Tile>& tiles) {
   std::map<Ends, double> angles;
   bool folds = false;
   for (const Crease& crease : creases) {
+    // These have one face at each side, so that nothing turns about them.
     if (crease.assignment == 'C' || crease.assignment == 'B') continue;
     const double angle = crease.foldAngle.value_or(0);
     angles[std::minmax(crease.from, crease.to)] = angle;
@@ -151,6 +182,7 @@ std::optional<std::vector<Tile>> foldedTiles(const CornerNumbers& faces,
         const auto angle = angles.find(ends);
         if (angle == angles.end()) continue;
         for (const FaceSide& other : sides.at(ends)) {
+          // Each face is placed once, by the first path that reaches it.
           if (placed[other.face]) continue;
           const FaceSide own{face, k};
           // Along the edge with this face on the left, seen from above.
@@ -178,6 +210,7 @@ std::vector<Crease> creasesOf(const CornerNumbers& faces, const std::vector<Tile
   std::vector<Crease> creases;
   for (const auto& [ends, both] : sidesByEnds(faces)) {
     Crease& crease = creases.emplace_back(Crease{ends.first, ends.second, 'B', {}});
+    // A boundary edge has no angle.
     if (both.size() == 1) continue;
     const FaceSide &first = both[0], &second = both[1];
     const Vector3 along = (endOf(state, first) - startOf(state, first)).normalized();

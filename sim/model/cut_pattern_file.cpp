@@ -9,9 +9,17 @@
 // 2. *Ends* that a hinge shortened go back to its m: those at its h, at the ends of its neck, or
 //    ends of a single line that points at an m (where several hinges shortened one side).
 // 3. *Tiles* are the cycles of directed sides. At a vertex the next side is the one that is met
-// first
-//    when turning clockwise from the way back: what lies between is the tile's own corner.
+//    first when turning clockwise from the way back: what lies between is the tile's own corner.
 // 4. *Joints*: the corners at m whose sides bound the gap that the hinge's line lies in.
+//
+// Step 3 walks the faces of a planar straight-line graph, as in a doubly connected edge list (M. de
+// Berg, O. Cheong, M. van Kreveld, M. Overmars, Computational Geometry, chapter 2). Cuts have a
+// tile on one side only, so that they are walked in one direction; slits have one on both.
+//
+// Points are compared through a grid of cells, so that a pattern of n lines costs about O(n), but
+// for ends that step 2 has to try with every neck. All tolerances are parts of the pattern's size:
+// 1e-7 for points, ten times that where an end was computed from a neck, a hundred times that for
+// directions that were written with few digits.
 #include "sim/model/cut_pattern_file.h"
 
 #include <algorithm>
@@ -48,6 +56,7 @@ constexpr double kTurn = 2 * std::numbers::pi;
 
 enum class LineLayer { Cuts, Slits, Hinges, Other };
 
+// Other names are of layers that the pattern's readers may have added.
 LineLayer layerNamed(std::string_view name) {
   return name == "cuts"     ? LineLayer::Cuts
          : name == "slits"  ? LineLayer::Slits
@@ -65,6 +74,7 @@ InputError patternFault(const fs::path& file, const std::string& what) {
   return inputErrorAt({file}, fmt::format("{}; {}", what, kPatternPurpose));
 }
 
+// A number of the file times `scale`, as metres.
 double patternNumber(std::string_view text, const fs::path& file, double scale) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -90,6 +100,7 @@ std::vector<std::string_view> words(std::string_view text) {
 
 /// The value of an attribute of a tag; none where it has no such attribute.
 std::optional<std::string_view> attribute(std::string_view tag, const std::string& name) {
+  // The blank before the name keeps "id" from matching within "data-id".
   const std::string key = " " + name + "=\"";
   const std::size_t at = tag.find(key);
   if (at == tag.npos) return std::nullopt;
@@ -156,6 +167,7 @@ std::vector<DrawnLine> dxfLines(const std::string& text, const fs::path& file) {
     if (!value || error != std::errc() || end != code->data() + code->size()) {
       throw patternFault(file, "its lines are no pairs of group codes and values");
     }
+    // Group code 0 begins the next entity, which ends the one before.
     if (number == 0) {
       finish();
       entity.clear();
@@ -174,6 +186,8 @@ class PointNumbers {
 
   /// The number of the known point there; none where there is none.
   std::optional<int> find(const Vector2& point) const {
+    // Cells are as wide as the tolerance, so that a point within it is in this cell or in one
+    // beside it.
     const auto [column, row] = cellOf(point);
     for (long x = column - 1; x <= column + 1; ++x) {
       for (long y = row - 1; y <= row + 1; ++y) {
@@ -187,6 +201,7 @@ class PointNumbers {
     return std::nullopt;
   }
 
+  // The number of the point, which is a new one where none is near.
   int add(const Vector2& point) {
     if (const std::optional<int> known = find(point)) return *known;
     const auto [column, row] = cellOf(point);
@@ -199,6 +214,7 @@ class PointNumbers {
   int count() const { return static_cast<int>(points_.size()); }
 
  private:
+  // Whole numbers of the cell that holds a point, counted from the origin of the grid.
   std::pair<long, long> cellOf(const Vector2& point) const {
     const Vector2 steps = (point - origin_) / tolerance_;
     return {std::lround(steps.x()), std::lround(steps.y())};
@@ -261,6 +277,7 @@ class PatternReader {
     }
   }
 
+  // One tile for each cycle, in the order in which they were traced.
   std::vector<Tile> tiles() const {
     std::vector<Tile> tiles;
     for (const std::vector<int>& cycle : cycles_) {
@@ -273,6 +290,7 @@ class PatternReader {
     return tiles;
   }
 
+  // One joint for each hinge that was drawn.
   std::vector<Joint> joints() {
     std::vector<Joint> joints;
     for (const Neck& neck : necks_) joints.push_back(jointAt(neck));
@@ -280,6 +298,7 @@ class PatternReader {
   }
 
  private:
+  // The diagonal of the box round all lines, metres.
   static double sizeOf(const std::vector<DrawnLine>& lines) {
     Eigen::AlignedBox2d box;
     for (const DrawnLine& line : lines) box.extend(line.from).extend(line.to);
@@ -313,6 +332,7 @@ class PatternReader {
     });
   }
 
+  // Notes that the hinge has shortened a side to this point. The first hinge there counts.
   void addShortened(const Vector2& point, int neck) {
     const int number = shortened_.add(point);
     if (number == std::ssize(shortenedBy_)) shortenedBy_.push_back(neck);
@@ -350,6 +370,7 @@ class PatternReader {
     }
   }
 
+  // The nearest joint in the direction in which a line ends.
   Vector2 jointAhead(const Vector2& end, const Vector2& other) const {
     const Neck* nearest = nullptr;
     for (const Neck& neck : necks_) {
@@ -361,6 +382,7 @@ class PatternReader {
                                           end.x(), end.y()));
   }
 
+  // A slit becomes two sides, one for each of its tiles; a cut has a tile on its left alone.
   void addSide(int from, int to, bool isSlit) {
     if (from == to) throw patternFault(file_, "a line has no length");
     const int number = static_cast<int>(sides_.size());
@@ -381,8 +403,11 @@ class PatternReader {
     const auto found = leaving_.find(incoming.to);
     if (found == leaving_.end()) return -1;
     for (const int candidate : found->second) {
+      // The way back along the same slit would turn round at its end.
       if (candidate == incoming.twin) continue;
       double corner = turnedBy(back - angleOf(points_[sides_[candidate].to] - here));
+      // A side that leaves along the way back closes a corner of a full turn: it is the last
+      // choice.
       if (corner <= kSameDirection) corner += kTurn;
       if (corner >= least) continue;
       least = corner;
@@ -391,6 +416,7 @@ class PatternReader {
     return best;
   }
 
+  // Walks from side to side until the first one comes again.
   void traceTile(int first) {
     std::vector<int> cycle;
     int side = first;
@@ -399,6 +425,8 @@ class PatternReader {
       sides_[side].vertex = static_cast<int>(cycle.size());
       cycle.push_back(side);
       side = nextSide(side);
+      // Either the line ends, or another tile has taken this side, or the walk has grown beyond any
+      // tile.
       const bool isStray =
           side < 0 || (sides_[side].tile >= 0 && side != first) || cycle.size() > kMostTileVertices;
       if (isStray) {
@@ -420,7 +448,9 @@ class PatternReader {
     for (const int side : leaving_[place]) {
       const DirectedSide& leaving = sides_[side];
       const Corner corner{leaving.tile, leaving.vertex};
+      // The angle from the hinge's line to this side, anticlockwise; the tile is on its left.
       const double gapAfter = turnedBy(angleOf(points_[leaving.to] - points_[place]) - towards);
+      // The side that arrives here in the same tile bounds its corner on the other side.
       const std::vector<int>& cycle = cycles_[leaving.tile];
       const int last = cycle[(leaving.vertex + cycle.size() - 1) % cycle.size()];
       const double gapBefore =
@@ -456,6 +486,7 @@ class PatternReader {
   std::vector<std::vector<int>> cycles_;
 };
 
+// A ray along x crosses the outline an odd number of times.
 bool isWithin(const Tile& tile, const Vector3& point) {
   bool isInside = false;
   for (std::size_t k = 0; k < tile.vertices.size(); ++k) {
@@ -501,6 +532,7 @@ void refuseHoles(const std::vector<Tile>& tiles, double tolerance, const fs::pat
   }
 }
 
+// Tiles of a drawing have no line of their own in the file.
 TileTable patternTable(const fs::path& file, const std::vector<Tile>& tiles) {
   TileTable table;
   table.file = file;

@@ -1,3 +1,14 @@
+// Faces of joints from the shape of the deployed sheet.
+//
+// A brick is a tile thickened along its normal, so that two bricks that fold towards each other on
+// the side of their normals collide there, unless they are joined on that side. With normals n_a
+// and n_b and the unit direction e of the shared edge, the first tile on its left,
+//   s = (n_a x n_b) . e          the sine of the fold: s > 0 a mountain, s < 0 a valley
+// decides between top and bottom. Tiles that meet at one vertex only have no edge. There the
+// direction between the centroids stands for the normal of the edge: normals that converge along it
+// are a valley. PyKirigami takes the edge from its lower to its higher vertex number in place of
+// anticlockwise, so that its sign depends on the numbering: that rule is kept for files that were
+// made for it.
 #include "sim/model/face_choice.h"
 
 #include <optional>
@@ -15,6 +26,7 @@ constexpr double kFlatFold = 1e-6;
 /// the joint's own first.
 using SharedEdge = std::pair<int, int>;
 
+// The vertex before (-1) or after (+1) one, round the tile.
 int neighbour(const Tile& tile, int vertex, int step) {
   const int count = static_cast<int>(tile.vertices.size());
   return (vertex + step + count) % count;
@@ -22,6 +34,7 @@ int neighbour(const Tile& tile, int vertex, int step) {
 
 std::optional<SharedEdge> sharedEdge(const Joint& joint, const Tile& a, const Tile& b,
                                      double tolerance) {
+  // The neighbours on either side of both corners: four pairs of edges can coincide.
   for (const int stepA : {1, -1}) {
     for (const int stepB : {1, -1}) {
       const int endA = neighbour(a, joint.a.vertex, stepA);
@@ -41,6 +54,7 @@ Vector3 edgeDirection(const Tile& tile, const SharedEdge& edge, FaceRule rule) {
   return (forward ? away : Vector3(-away)).normalized();
 }
 
+// The face of one joint, from the fold about its edge or from how the normals converge.
 JointFace faceOf(const Joint& joint, const std::vector<Tile>& tiles, FaceRule rule,
                  double tolerance) {
   const Tile& a = tiles[joint.a.tile];

@@ -18,6 +18,7 @@ enum class FaceRule {
 };
 
 /// Replaces the faces of all pivots of the model.
+/// Costs O(joints). Links and fixed joints keep what they have. Tiles need to have an area.
 void chooseJointFaces(Model& model, FaceRule rule);
 
 }  // namespace kirireel

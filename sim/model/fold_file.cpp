@@ -1,3 +1,20 @@
+// FOLD as the origami programs write it, and Kirireel's own keys in it.
+//
+// Reading goes through the file in four steps.
+// 1. Faces: faces_vertices of the file, or of the first frame that has them.
+// 2. States: vertices_coords of the file and of each frame that has some. The first is the start,
+//    the last the target.
+// 3. Joints: the key kirireel:joints, where there is one ([tile, vertex, tile, vertex, face, kind]
+//    for each; kind 0 pivot, 1 link, 2 fixed, absent for 0), else the edges (creases.h).
+// 4. With one state, the target of a flat sheet is that state folded by its edges_foldAngle.
+//
+// Writing merges corners into one vertex only where they agree to the last bit in both states, so
+// that reading gives the same doubles back. Joints of corners that differ by rounding survive
+// through kirireel:joints. nlohmann's ordered_json keeps the order of keys, so that the same model
+// gives the same bytes.
+//
+// The library throws where types do not fit; every access below is checked first, so that messages
+// speak of faces and edges.
 #include "sim/model/fold_file.h"
 
 #include <algorithm>
@@ -31,10 +48,12 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kJoints = "kirireel:joints";
 constexpr const char* kPulled = "kirireel:pulled_tiles";
 
+// The whole file as JSON; its syntax errors as ours.
 Json parsedFile(const fs::path& file) {
   try {
     return Json::parse(readTextFile(file, "give a FOLD file"));
   } catch (const nlohmann::json::exception& error) {
+    // The library's texts begin with "[json.exception.parse_error.101] ", which helps nobody.
     const std::string_view text = error.what();
     const std::string_view reason = text.substr(text.find("] ") + 2);  // after its number
     throw inputErrorAt({file},
@@ -42,6 +61,7 @@ Json parsedFile(const fs::path& file) {
   }
 }
 
+// Numbers such as 1e99 or 2^40 are valid JSON; a cast would wrap them to a vertex that exists.
 bool fitsInt(const Json& value) {
   if (!value.is_number_integer()) return false;
   if (value.is_number_unsigned()) {
@@ -59,6 +79,7 @@ class FoldReader {
 
   /// The corner numbers of the faces.
   CornerNumbers faces() const {
+    // Frames inherit the faces in most files; some programs write them into the frames instead.
     const Json* faces = find(whole_, "faces_vertices");
     for (const Json* frame : frames()) {
       if (faces == nullptr) faces = find(*frame, "faces_vertices");
@@ -93,6 +114,7 @@ class FoldReader {
     return states;
   }
 
+  // The faces with coordinates of one state. Throws where a face names a vertex that is not there.
   std::vector<Tile> tiles(const CornerNumbers& faces, const std::vector<Vector3>& points) const {
     std::vector<Tile> tiles;
     for (const std::vector<int>& face : faces) {
@@ -156,11 +178,13 @@ class FoldReader {
     return pulled;
   }
 
+  // A list of numbers that fit an int. `index` names the entry in the message.
   std::vector<int> wholeNumbers(const Json& list, std::size_t index) const {
     std::vector<int> numbers;
     for (const Json& value : list) {
       if (fitsInt(value)) numbers.push_back(value.get<int>());
     }
+    // A value that is no whole number makes the counts differ.
     if (list.is_array() && numbers.size() == list.size()) return numbers;
     throw fault(
         fmt::format("entry {} is no list of whole numbers; write vertex numbers, from 0", index));
@@ -169,11 +193,13 @@ class FoldReader {
   InputError fault(const std::string& message) const { return inputErrorAt({file_}, message); }
 
  private:
+  // The value of a key; null where the object has none.
   static const Json* find(const Json& object, const char* key) {
     const auto found = object.find(key);
     return found == object.end() ? nullptr : &*found;
   }
 
+  // The frames beyond the file's own, in order.
   std::vector<const Json*> frames() const {
     std::vector<const Json*> found;
     const Json* frames = find(whole_, "file_frames");
@@ -189,8 +215,10 @@ class FoldReader {
     return found;
   }
 
+  // Edges name two vertices each, and have as many letters and angles as there are edges.
   void requireSoundEdges(const Json& frame, std::size_t vertexCount) const {
     const Json* coordinates = find(frame, "vertices_coords");
+    // A frame without coordinates of its own inherits those of the file.
     if (coordinates != nullptr && !coordinates->empty()) vertexCount = coordinates->size();
     const Json* edges = find(frame, "edges_vertices");
     if (edges == nullptr) return;
@@ -242,6 +270,7 @@ class FoldReader {
     }
     for (std::size_t k = 0; k < count; ++k) {
       const Json& angle = (*angles)[k];
+      // FOLD writes null for edges whose angle is unknown, boundaries among them.
       if (angle.is_null() || (angle.is_number() && std::abs(angle.get<double>()) <= 180)) continue;
       throw fault(
           fmt::format("edge {} has a fold angle that is no number of degrees from -180 to "
@@ -258,12 +287,15 @@ class FoldReader {
     return std::string_view("BMVFUCJ").find(letter) == std::string_view::npos ? '\0' : letter;
   }
 
+  // Coordinates of all vertices, metres; z is 0 where it is not given.
   std::vector<Vector3> points(const Json& coordinates) const {
     std::vector<Vector3> points;
     for (const Json& entry : coordinates) {
       Vector3& point = points.emplace_back(Vector3::Zero());
+      // Two coordinates are a planar pattern at z = 0.
       const bool isPoint = entry.is_array() && (entry.size() == 2 || entry.size() == 3);
       for (std::size_t axis = 0; isPoint && axis < entry.size(); ++axis) {
+        // NaN for what is no number, so that one test below refuses it.
         point[static_cast<int>(axis)] = entry[axis].is_number() ? entry[axis].get<double>() : NAN;
       }
       if (isPoint && point.allFinite() && point.cwiseAbs().maxCoeff() <= kMaxCoordinate) continue;
@@ -291,6 +323,7 @@ TileTable tableOf(const fs::path& file, std::vector<Tile> tiles) {
 /// A joint of another kind than the pivot that it was read as.
 Joint ofKind(JointKind kind, const Joint& joint, const FoldReader& reader,
              const std::vector<Tile>& tiles) {
+  // The corners of a fixed joint carry no meaning; makeFixedJoint() names those of the model.
   if (kind == JointKind::Fixed) return makeFixedJoint(tiles, joint.a.tile, joint.b.tile);
   if (kind != JointKind::Link) return joint;
   const Joint link = makeLink(tiles, joint.a, joint.b);
@@ -334,6 +367,8 @@ std::vector<Joint> readOwnJoints(const FoldReader& reader, const TileTable& tile
 /// A flat sheet whose creases have angles goes where they fold it.
 void foldAlong(const std::vector<Crease>& creases, const CornerNumbers& faces, Model& model,
                const fs::path& file, std::vector<std::string>& warnings) {
+  // The largest opening between joints that a target may have: the same part of a tile as kTooFar
+  // in joint_checks.cpp. More means that the angles do not close round a loop.
   constexpr double kTorn = 0.05;  // of a tile
   if (!liesFlat(model.tiles, 1e-9 * modelSize(model))) return;
   std::optional<std::vector<Tile>> folded = foldedTiles(faces, creases, model.tiles);
@@ -355,10 +390,13 @@ void foldAlong(const std::vector<Crease>& creases, const CornerNumbers& faces, M
   model.target = std::move(folded);
 }
 
+// Coordinates by vertex number, each from its first corner.
 Json coordinatesOf(const std::vector<Tile>& tiles, const CornerNumbers& numbers) {
   Json list = Json::array();
   for (std::size_t i = 0; i < tiles.size(); ++i) {
     for (std::size_t k = 0; k < numbers[i].size(); ++k) {
+      // Numbers rise in the order of their first corners, so that a corner with the next number is
+      // the first one of its vertex.
       if (numbers[i][k] != std::ssize(list)) continue;
       const Vector3& vertex = tiles[i].vertices[k];
       list.push_back({vertex.x(), vertex.y(), vertex.z()});
@@ -367,6 +405,7 @@ Json coordinatesOf(const std::vector<Tile>& tiles, const CornerNumbers& numbers)
   return list;
 }
 
+// Three lists of one length: ends, letters, angles in degrees.
 void addCreases(const std::vector<Crease>& creases, Json& json) {
   Json edges = Json::array(), assignment = Json::array(), angles = Json::array();
   for (const Crease& crease : creases) {
@@ -413,6 +452,8 @@ void writeFold(const Model& inOrder, const fs::path& file) {
   json["file_creator"] = "Kirireel";
   json["file_classes"] = {model.target ? "animation" : "singleModel"};
   json["frame_title"] = "start";
+  // A flat start is a crease pattern, and its edges carry the angles of the target. Otherwise they
+  // carry those of the start itself.
   const bool isFlat = liesFlat(model.tiles, 1e-9 * modelSize(model));
   json["frame_classes"] = {isFlat ? "creasePattern" : "foldedForm"};
   json["vertices_coords"] = coordinatesOf(model.tiles, numbers);

@@ -16,10 +16,13 @@ namespace kirireel {
 /// say more.
 ///
 /// Throws InputError for text that is no JSON, no faces, wrong numbers, tiles that make no bricks.
+/// Coordinates count as metres, whatever the file's frame_unit says. Appends to warnings what a run
+/// can live with: tiles of a target that are not congruent, angles that do not close.
 Model readFold(const std::filesystem::path& file, std::vector<std::string>& warnings);
 
 /// Writes the model with its edges, their assignments and the angles that they fold by, so that
 /// origami programs fold it and reading gives it back to the last bit. Throws OutputError.
+/// An existing file is replaced.
 void writeFold(const Model& model, const std::filesystem::path& file);
 
 }  // namespace kirireel

@@ -1,3 +1,13 @@
+// PyKirigami's folders, read and written.
+//
+// A folder is read in the order in which later files depend on earlier ones: tiles, joints, target,
+// hull, pulled tiles. Each file is checked as soon as it is read, so that the first message is
+// about the file that is wrong and not about what follows from it. Repairs (mending.h) come before
+// the checks that they would otherwise fail, and the turning of clockwise tiles last, as it
+// renumbers the corners of everything.
+//
+// Numbers are written with the shortest digits that read back as the same double, so that a folder
+// that is read and written again is the same model to the last bit.
 #include "sim/model/folder.h"
 
 #include <system_error>
@@ -44,8 +54,10 @@ std::string folderName(const fs::path& folder) {
   return whole.has_filename() ? whole.filename().string() : whole.parent_path().filename().string();
 }
 
+// A line holds three numbers for each of at least three vertices.
 void requireWholeVertices(const TextTable& text, const TextLine& line, size_t tile) {
   const size_t count = line.fields.size();
+  // The message points at the first number of the vertex that is not whole.
   const size_t left = count % 3;
   if (left != 0) {
     throw inputErrorAt(text.at(line, line.fields[count - left]),
@@ -61,6 +73,7 @@ void requireWholeVertices(const TextTable& text, const TextLine& line, size_t ti
   }
 }
 
+// Tiles with the places of their vertices in the file, for messages.
 TileTable readTiles(const fs::path& file) {
   TextTable text(file, kTilePurpose);
   TileTable table;
@@ -86,6 +99,7 @@ TileTable readTiles(const fs::path& file) {
   return table;
 }
 
+// Four or five whole numbers; whether they exist is checked later, once the base is known.
 JointRow readJointRow(const TextTable& text, const TextLine& line) {
   const size_t count = line.fields.size();
   if (count != 4 && count != 5) {
@@ -117,6 +131,7 @@ JointTable readJointRows(const fs::path& file, Model& model, std::vector<std::st
   return table;
 }
 
+// Numbers from 0, as many on a line as the user likes.
 std::vector<int> readPulledTiles(const fs::path& file, int tileCount) {
   TextTable text(file, kPullPurpose);
   std::vector<int> pulled;
@@ -181,6 +196,7 @@ std::string tilesText(const std::vector<Tile>& tiles) {
 void requireFree(const fs::path& file, const std::string& text) {
   std::error_code ignored;
   if (!fs::exists(fs::symlink_status(file, ignored))) return;
+  // A file that says the same already is no loss. So the same model can be written twice.
   if (fs::is_regular_file(file, ignored) && !text.empty() && readTextFile(file, "") == text) return;
   throw InputError(
       fmt::format("{}: error: this file of another model is in the way; move it away, or choose "
@@ -198,6 +214,7 @@ void requirePivots(const Model& model, const fs::path& folder) {
   }
 }
 
+// A comment stands for no joints, as an empty file would look like a mistake.
 std::string jointText(const std::vector<Joint>& joints) {
   if (joints.empty()) return "# no joints\n";
   std::string text;
@@ -214,6 +231,7 @@ std::string hullText(const std::vector<Corner>& hull) {
   return text;
 }
 
+// A name that exists as it stands goes before one within the folder.
 fs::path jointsFileOf(const fs::path& folder, const ReadSettings& settings) {
   if (settings.jointsFile.empty()) return folder / "constraints.txt";
   const fs::path inside = folder / settings.jointsFile;
@@ -281,6 +299,8 @@ void writeModelFolder(const Model& inOrder, const fs::path& folder) {
       {"pull.txt",
        model.pulledTiles ? fmt::format("{}\n", fmt::join(*model.pulledTiles, "\n")) : ""},
       {"hull.txt", model.hull ? hullText(*model.hull) : ""}};
+  // All files are looked at before the first one is written, so that a refusal leaves nothing
+  // behind.
   for (const auto& [name, text] : files) requireFree(folder / name, text);
   makeFolder(folder);
   for (const auto& [name, text] : files) {

@@ -1,3 +1,11 @@
+// The convex outline by Andrew's monotone chain.
+//
+// The points are sorted by x, then by y. Walking them once from left to right, each new point takes
+// away those before it at which the chain would turn right; what stays is the lower half of the
+// outline. Walking back gives the upper half. This costs O(n log n) for the sorting and O(n) for
+// the walks. Corners on a straight side stay, as they are corners of the sheet that springs may
+// pull. A. M. Andrew, Another efficient algorithm for convex hulls in two dimensions, Information
+// Processing Letters 9, 1979.
 #include "sim/model/hull.h"
 
 #include <algorithm>
@@ -11,6 +19,7 @@ struct TilePoint {
   Corner corner;
 };
 
+// By x, then y; a stable sort keeps the first corner of each place first.
 std::vector<TilePoint> sortedPoints(const std::vector<Tile>& tiles) {
   std::vector<TilePoint> points;
   for (std::size_t i = 0; i < tiles.size(); ++i) {
@@ -53,6 +62,7 @@ std::vector<Corner> outlineCorners(const std::vector<Tile>& tiles) {
   };
   points.erase(std::unique(points.begin(), points.end(), samePlace), points.end());
   const double width = points.back().x - points.front().x;
+  // Areas smaller than this come from rounding: then a point counts as being on the straight side.
   const double rounding = 1e-9 * width * width;
   std::vector<Corner> outline;
   appendHalf(points.begin(), points.end(), rounding, outline);

@@ -1,3 +1,6 @@
+// Checks of a list of joints, in the order in which a reader runs them: numbers that exist, then
+// faces, then a joint of two tiles, and, once the joints are made, the distance of their corners.
+// Each message names the file's own line, column and numbers, which count from 0 or from 1.
 #include "sim/model/joint_checks.h"
 
 #include <algorithm>
@@ -18,6 +21,7 @@ FileLocation locationOf(const JointTable& table, const JointRow& row, int entry)
   return {table.file, row.line, row.columns[entry]};
 }
 
+// Entry 0 or 2 of the row.
 void checkTileNumber(const JointTable& table, const TileTable& tiles, const JointRow& row,
                      int entry) {
   const int count = static_cast<int>(tiles.tiles.size());
@@ -29,12 +33,14 @@ void checkTileNumber(const JointTable& table, const TileTable& tiles, const Join
                   table.countsFrom, table.countsFrom + count - 1, table.countsFrom + tile));
 }
 
+// Entry 1 or 3, of the tile in the entry before it.
 void checkVertexNumber(const JointTable& table, const TileTable& tiles, const JointRow& row,
                        int entry) {
   const int tile = row.values[entry - 1];
   const int vertex = row.values[entry];
   const int count = static_cast<int>(tiles.tiles[tile].vertices.size());
   if (vertex >= 0 && vertex < count) return;
+  // A vertex number above the last may also mean that the tile lacks a vertex.
   const std::string usual =
       vertex < 0 ? "correct this column"
                  : "correct this column or add the vertex at " + tiles.shortName(tile);
@@ -75,6 +81,8 @@ double startGap(const Model& model, const Joint& joint) {
 
 bool namesWhatIsThere(const JointTable& table, const std::vector<Tile>& tiles, int shift) {
   return std::all_of(table.rows.begin(), table.rows.end(), [&](const JointRow& row) {
+    // Entries 0 and 2 are tiles, the ones after them vertices. Everything is shifted alike, since a
+    // file counts both from 0 or both from 1.
     for (const int entry : {0, 2}) {
       const int tile = row.values[entry] + shift;
       const int vertex = row.values[entry + 1] + shift;
@@ -90,6 +98,7 @@ std::vector<Joint> checkedJoints(const JointTable& table, const TileTable& tiles
   joints.reserve(table.rows.size());
   for (const JointRow& row : table.rows) {
     for (const int entry : {0, 2}) {
+      // The tile goes first: without it there is no count of vertices to compare with.
       checkTileNumber(table, tiles, row, entry);
       checkVertexNumber(table, tiles, row, entry + 1);
     }
@@ -111,6 +120,7 @@ void checkClosed(const JointTable& table, Model& model, const TileTable& tiles,
   for (size_t i = 0; i < model.joints.size(); ++i) {
     const Joint& joint = model.joints[i];
     const double gap = startGap(model, joint);
+    // A wrong number joins corners that are nowhere near each other.
     if (gap > allowed) {
       throw inputErrorAt(
           {table.file, table.rows[i].line},
@@ -121,10 +131,12 @@ void checkClosed(const JointTable& table, Model& model, const TileTable& tiles,
                       table.countsFrom + joint.b.vertex, table.countsFrom + joint.b.tile, gap,
                       allowed, tiles.shortName(joint.a.tile), tiles.shortName(joint.b.tile)));
     }
+    // The digits of the file explain the gap: the corners are one.
     if (gap <= samePlace) {
       rounded.add(joint, gap, toString({table.file, table.rows[i].line}));
       continue;
     }
+    // Everything between is an opening that the first steps of a run close.
     ++open;
     if (gap <= worst) continue;
     worst = gap;

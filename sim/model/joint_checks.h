@@ -27,6 +27,7 @@ struct JointTable {
 };
 
 /// Whether all tiles and vertices of the rows are there, after adding `shift` to their numbers.
+/// `shift` is added to tile and vertex numbers alike. Costs O(rows).
 bool namesWhatIsThere(const JointTable& table, const std::vector<Tile>& tiles, int shift);
 
 /// The joints of the rows. Throws InputError for tiles, vertices or faces that do not exist, and
@@ -36,6 +37,8 @@ std::vector<Joint> checkedJoints(const JointTable& table, const TileTable& tiles
 /// Throws InputError for a joint whose corners are far apart at the start. Gaps that the file's
 /// digits do not explain are appended to warnings; those that they do are noted as mends, since
 /// the corners are one. `model` holds the tiles and the joints of `table`.
+/// Joints further apart than 0.05 of the mean edge are refused; joints of links are not given here,
+/// since these stand apart by design.
 void checkClosed(const JointTable& table, Model& model, const TileTable& tiles,
                  std::vector<std::string>& warnings);
 

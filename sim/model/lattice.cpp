@@ -1,3 +1,9 @@
+// Which corner of a tile belongs to which neighbour. In a rotating lattice neighbours turn in
+// opposite senses, so that an even tile shares its corners 0, 1, 2, 3 (from bottom left,
+// anticlockwise) with its neighbours in the west, south, east and north, and an odd tile with those
+// in the south, east, north and west. A joint therefore lies at the corner that both lists give to
+// each other. J. N. Grima, K. E. Evans, Auxetic behavior from rotating squares, Journal of
+// Materials Science Letters 19, 2000, describe the mechanism.
 #include "sim/model/lattice.h"
 
 namespace kirireel {

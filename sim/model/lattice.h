@@ -38,6 +38,7 @@ struct Lattice {
 };
 
 /// The joints of the lattice on the given face: each tile to its right, then upwards.
+/// There are (columns - 1) rows + columns (rows - 1) of them.
 std::vector<Joint> latticeJoints(const Lattice& lattice, JointFace face);
 
 }  // namespace kirireel

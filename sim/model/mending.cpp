@@ -1,3 +1,8 @@
+// Repairs of input that is odd but has one meaning only.
+//
+// The rule for each repair: it is made only where no other reading of the file makes sense, it is
+// noted with its place, and `--strict` refuses it. A repair is a `Mend` of the model and one line
+// among the warnings.
 #include "sim/model/mending.h"
 
 #include <algorithm>
@@ -25,6 +30,8 @@ bool isClockwise(const Tile& tile) {
 }
 
 bool isFlat(const std::vector<Tile>& tiles, double size) {
+  // Numbers that were rounded may differ by their last digit; the factor leaves room for what a
+  // double cannot hold of it.
   return liesFlat(tiles, std::max(kLevelStart * size, 1.01 * roundingOf(tiles)));
 }
 
@@ -59,7 +66,9 @@ void noteNoJoints(const std::filesystem::path& file, Model& model,
 RoundedCorners::RoundedCorners(const Model& model)
     : lastPlace_(lastPlace(model.tiles)), least_(0.5 * lastPlace_) {}
 
+// Only the first place is told; the others are counted.
 void RoundedCorners::add(const Joint& joint, double gap, const std::string& place) {
+  // Gaps below half a last digit cannot come from writing the digits down.
   if (lastPlace_ == 0 || gap < least_) return;
   if (mend_.corners.empty()) mend_.place = place;
   mend_.corners.push_back(joint.a);
@@ -87,9 +96,12 @@ void dropRepeatedJoints(JointTable& table, Model& model, std::vector<std::string
   for (JointRow& row : table.rows) {
     CornerNumbers a{row.values[0], row.values[1]};
     CornerNumbers b{row.values[2], row.values[3]};
+    // The order of the two ends does not change what a joint holds.
     if (b < a) std::swap(a, b);
     const bool hasFaces = row.kind == JointKind::Pivot && row.values[4] >= 1 && row.values[4] <= 3;
     int newFaces = 0, line = 0;
+    // Faces are bits: 1 bottom, 2 top, 3 both. So rows "bottom" and "top" at one corner add up to
+    // "both", and a later "both" repeats them.
     for (const int face : {1, 2}) {
       if (!hasFaces || (row.values[4] & face) == 0) continue;
       const auto [entry, isNew] = firstLine.try_emplace({a, b, face}, row.line);
@@ -102,6 +114,7 @@ void dropRepeatedJoints(JointTable& table, Model& model, std::vector<std::string
       firstRepeated = line;
     }
     if (repeats) mend.corners.push_back({row.values[0], row.values[1]});
+    // Nothing of the row is new. Where a part of it is new, only that part stays.
     if (repeats && newFaces == 0) continue;
     if (repeats) row.values[4] = newFaces;
     kept.push_back(row);
@@ -116,10 +129,14 @@ void dropRepeatedJoints(JointTable& table, Model& model, std::vector<std::string
   noteMend(std::move(mend), model, warnings);
 }
 
+// The shift applies to all four numbers of every row alike.
 void mendBase(JointTable& table, const TileTable& tiles, Model& model,
               std::vector<std::string>& warnings) {
+  // The rows hold numbers that count from 0, made with the base that the format has by default.
+  // Counted from the other base they are one lower, or one higher.
   const int other = 1 - table.countsFrom;
   const int shift = table.countsFrom - other;
+  // A file that fits the usual base is never changed, even where it would fit the other one too.
   if (namesWhatIsThere(table, tiles.tiles, 0) || !namesWhatIsThere(table, tiles.tiles, shift)) {
     return;
   }
@@ -138,6 +155,7 @@ void mendBase(JointTable& table, const TileTable& tiles, Model& model,
   noteMend(std::move(mend), model, warnings);
 }
 
+// Decided for the start alone: a tile keeps its vertices' order in every state.
 void turnClockwiseTiles(const TileTable& table, Model& model, std::vector<std::string>& warnings) {
   const double size = modelSize(model);
   if (!isFlat(model.tiles, size)) return;
@@ -145,6 +163,8 @@ void turnClockwiseTiles(const TileTable& table, Model& model, std::vector<std::s
   std::transform(model.tiles.begin(), model.tiles.end(), clockwise.begin(), isClockwise);
   const auto count = std::count(clockwise.begin(), clockwise.end(), true);
   if (count == 0) return;
+  // In a sheet that leaves the plane, the side on which bricks grow decides which face a joint lies
+  // on. To turn all tiles round would swap top and bottom.
   const bool isFolded = model.target && !isFlat(*model.target, size);
   if (isFolded && count == std::ssize(model.tiles)) {
     warnings.push_back(

@@ -27,6 +27,7 @@ void refuseMends(const Model& model);
 
 /// Drops rows that hold corners on no face that earlier rows do not hold already, in either order
 /// of the two ends, and cuts others down to the faces that are new.
+/// `model` gets the mend; the joints themselves are still rows of `table`. O(rows log rows).
 void dropRepeatedJoints(JointTable& table, Model& model, std::vector<std::string>& warnings);
 
 /// Notes that a file of joints holds nothing, not even a comment: its tiles are loose.
@@ -53,6 +54,7 @@ class RoundedCorners {
 
 /// Where a table names what is not there, but all of it is there when counted from the other of 0
 /// and 1, shifts the rows' numbers.
+/// Nothing happens where the usual base fits. The model's fileOrder learns the base of its file.
 void mendBase(JointTable& table, const TileTable& tiles, Model& model,
               std::vector<std::string>& warnings);
 

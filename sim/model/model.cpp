@@ -1,3 +1,15 @@
+// Measures of polygons and sheets, and the order of a file's vertices.
+//
+// A polygon with the vertices p_0 ... p_(n-1), anticlockwise seen from its normal, is taken as the
+// fan of triangles (p_0, p_k, p_(k+1)). With u_k = p_k - p_0, in metres:
+//   a = sum over k of u_k x u_(k+1)                          twice the vector area, m^2
+//   n = a / |a|                                              unit normal (Newell's method)
+//   S = |a| / 2                                              area, m^2
+//   c = p_0 + sum w_k (u_k + u_(k+1)) / 3 / sum w_k          centroid, w_k = (u_k x u_(k+1)) . n
+// Triangles outside a concave polygon have negative weights w_k, which take away what other
+// triangles count too much. So one formula serves convex and concave polygons, and no triangulation
+// is needed. I. E. Sutherland, R. F. Sproull, R. A. Schumacker, A characterization of ten
+// hidden-surface algorithms, ACM Computing Surveys 6, 1974, describe Newell's method.
 #include "sim/model/model.h"
 
 #include <algorithm>
@@ -24,6 +36,7 @@ Vector3 doubledVectorArea(const Tile& tile) {
 
 Corner FileOrder::across(const Corner& corner, const std::vector<Tile>& tiles) const {
   if (isReversed.empty() || !isReversed[corner.tile]) return corner;
+  // Reversal takes vertex k of n to n - 1 - k, and is its own inverse.
   return {corner.tile, static_cast<int>(tiles[corner.tile].vertices.size()) - 1 - corner.vertex};
 }
 
@@ -39,6 +52,8 @@ std::vector<Tile> inFileOrder(std::vector<Tile> tiles, const FileOrder& order) {
 }
 
 Model inFileOrder(Model model) {
+  // Corners are renumbered while model.tiles still has the vertex counts that across() needs; the
+  // order of the two does not matter otherwise, since reversal keeps the counts.
   const auto turn = [&](Corner& corner) { corner = model.fileOrder.across(corner, model.tiles); };
   for (Joint& joint : model.joints) {
     turn(joint.a);
@@ -48,11 +63,13 @@ Model inFileOrder(Model model) {
   for (Mend& mend : model.mends) std::for_each(mend.corners.begin(), mend.corners.end(), turn);
   model.tiles = inFileOrder(std::move(model.tiles), model.fileOrder);
   if (model.target) model.target = inFileOrder(std::move(*model.target), model.fileOrder);
+  // A second call must not turn the tiles back.
   model.fileOrder.isReversed.clear();
   return model;
 }
 
 Joint makeFixedJoint(const std::vector<Tile>& tiles, int tileA, int tileB) {
+  // Which corners are named does not matter for a rigid connection. The first ones give it a place.
   const Vector3 apart = tiles[tileA].vertices.front() - tiles[tileB].vertices.front();
   return {{tileA, 0}, {tileB, 0}, JointFace::Bottom, JointKind::Fixed, apart};
 }
@@ -86,6 +103,7 @@ Vector3 tileCentroid(const Tile& tile) {
   return origin + weighted / doubledArea;
 }
 
+// The target does not count: it may be far away.
 double modelSize(const Model& model) {
   Eigen::AlignedBox3d box;
   for (const Tile& tile : model.tiles) {
@@ -94,6 +112,7 @@ double modelSize(const Model& model) {
   return box.isEmpty() ? 0.0 : box.diagonal().norm();
 }
 
+// Long and short edges count alike, whichever tile they are of.
 double tileSize(const Model& model) {
   double sum = 0;
   size_t edges = 0;
@@ -110,6 +129,7 @@ double tileSize(const Model& model) {
 int countTurnedOver(const std::vector<Tile>& start, const std::vector<Tile>& target) {
   int count = 0;
   for (std::size_t i = 0; i < start.size(); ++i) {
+    // The sign of the cosine between the normals tells more than 90 degrees from less.
     if (tileNormal(start[i]).dot(tileNormal(target[i])) < 0) ++count;
   }
   return count;
@@ -126,6 +146,8 @@ bool liesFlat(const std::vector<Tile>& tiles, double tolerance) {
 
 bool isOnePiece(const Model& model) {
   // Each tile points to one of its piece; following the pointers ends at the piece's own tile.
+  // Disjoint sets with path halving: R. E. Tarjan, J. van Leeuwen, Worst-case analysis of set union
+  // algorithms, J. ACM 31, 1984.
   std::vector<std::size_t> towards(model.tiles.size());
   std::iota(towards.begin(), towards.end(), std::size_t{0});
   const auto pieceOf = [&](std::size_t tile) {
@@ -136,6 +158,7 @@ bool isOnePiece(const Model& model) {
   for (const Joint& joint : model.joints) {
     const std::size_t a = pieceOf(static_cast<std::size_t>(joint.a.tile));
     const std::size_t b = pieceOf(static_cast<std::size_t>(joint.b.tile));
+    // This joint closes a loop within one piece.
     if (a == b) continue;
     towards[a] = b;
     --pieces;

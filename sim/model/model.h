@@ -60,6 +60,7 @@ struct FileOrder {
 
   /// A corner of the model as the file numbers it but from 0, and back: `tile` has that many
   /// vertices.
+  /// Both have to be corners that exist.
   Corner across(const Corner& corner, const std::vector<Tile>& tiles) const;
   /// The corner of the model that the file numbers so.
   Corner toModel(const Corner& numbered, const std::vector<Tile>& tiles) const;
@@ -73,7 +74,7 @@ struct Model {
   std::optional<std::vector<Tile>> target;      ///< wanted positions, vertex by vertex as in tiles
   std::optional<std::vector<int>> pulledTiles;  ///< tiles that feel target forces; all if absent
   std::optional<std::vector<Corner>> hull;      ///< the corners round the outside, in order
-  std::string hullFault;                        ///< why a hull that is there was left out, if one was
+  std::string hullFault;                        ///< why a hull that is there was left out, if so
   FileOrder fileOrder;                          ///< how its file counts and orders
   double rounding = 0;      ///< the last digit that coordinates were rounded to, metres; 0 for none
   std::vector<Mend> mends;  ///< what its reader put right
@@ -84,28 +85,39 @@ Model inFileOrder(Model model);
 std::vector<Tile> inFileOrder(std::vector<Tile> tiles, const FileOrder& order);
 
 /// A rigid connection of two different tiles as they stand.
+/// Its corners are the first of both tiles, and `apart` is the vector between them as they stand.
 Joint makeFixedJoint(const std::vector<Tile>& tiles, int tileA, int tileB);
 
 /// A link between two corners of different tiles that stand apart.
+/// Corners that coincide would give a link without a length, which holds no direction: the caller
+/// excludes them.
 Joint makeLink(const std::vector<Tile>& tiles, const Corner& a, const Corner& b);
 
 /// The unit normal of a tile by Newell's method: the direction in which its brick is thickened.
+/// Not defined for a tile without area. Works for concave tiles, and for tiles that are not quite
+/// flat.
 Vector3 tileNormal(const Tile& tile);
 
 /// Area of a tile, square metres.
+/// Of concave tiles too; never negative.
 double tileArea(const Tile& tile);
 
 /// The centroid of a tile's area.
+/// Also of a concave tile, which may not hold it. Not defined for a tile without area.
 Vector3 tileCentroid(const Tile& tile);
 
 /// Diagonal of the bounding box of the start state, metres: the length that relative tolerances
 /// refer to.
+/// 0 for a model without tiles. Costs a look at every vertex.
 double modelSize(const Model& model);
 
 /// Mean edge length over all tiles, metres: the length that "tile size" means.
+/// 0 for a model without tiles.
 double tileSize(const Model& model);
 
 /// Whether joints hold all tiles together, so that none can go away from the others for good.
+/// Every kind of joint counts, a single one too. True for a model without tiles. Costs about
+/// O(tiles + joints).
 bool isOnePiece(const Model& model);
 
 /// How many tiles face the other way in a second state: their normals are more than 90 degrees
@@ -113,6 +125,7 @@ bool isOnePiece(const Model& model);
 int countTurnedOver(const std::vector<Tile>& start, const std::vector<Tile>& target);
 
 /// Whether all vertices lie at one height, to the tolerance in metres.
+/// The height of the first vertex is the reference. At least one tile.
 bool liesFlat(const std::vector<Tile>& tiles, double tolerance);
 
 }  // namespace kirireel

@@ -8,6 +8,7 @@
 namespace kirireel {
 
 /// One neck beside a shut slit, between two tiles 50 times as wide.
+/// The tiles are so much wider that their own bending does not count.
 struct NeckRow {
   double length = 0;  ///< in widths
   double ends = 0;  ///< the widths by which the neck seems longer: k = E t w^2 / (12 (L/w + ends))
@@ -27,6 +28,7 @@ inline constexpr auto kNeckTable = std::to_array<NeckRow>({
 });
 
 /// One neck without length at the end of a shut slit between two squares, nu = 0.3.
+/// All its flexibilities have no unit. They are used for any Poisson's ratio.
 struct CornerNeckRow {
   double width = 0;    ///< in sides of the squares
   double bend = 0;     ///< the turn of a square against the other per moment, times E t w^2

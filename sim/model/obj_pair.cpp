@@ -1,3 +1,12 @@
+// Pairs of OBJ files as inverse design programs leave them: one file for the contracted and one for
+// the deployed sheet, with the same faces.
+//
+// OBJ knows vertices, faces and comments. Joints are vertex numbers that faces share, on the
+// bottom. What that cannot say (the face of a joint, joints whose corners differ by rounding,
+// pulled tiles) stands in comments that other programs pass over: "# joint A a B b FACE" and "#
+// pull TILE", numbered from 0. A file with such comments is read by them alone, so that writing and
+// reading give the same model. G. P. T. Choi, L. H. Dudte, L. Mahadevan, Programming shape using
+// kirigami tessellations, Nature Materials 18, 2019, is where such pairs come from.
 #include "sim/model/obj_pair.h"
 
 #include <algorithm>
@@ -38,6 +47,7 @@ class ObjReader {
     TextLine line;
     while (text_.next(line)) {
       const std::string_view word = line.fields[0].text;
+      // All other statements of the format describe looks.
       if (word == "v") readVertex(line);
       if (word == "f") readFace(line);
       if (word == "#") readComment(line);
@@ -54,7 +64,9 @@ class ObjReader {
     return text_.at(line, line.fields[field]);
   }
 
+  // The first three numbers, metres.
   void readVertex(const TextLine& line) {
+    // Numbers beyond the third (a weight, colours) are passed over.
     if (line.fields.size() < 4) {
       throw inputErrorAt({text_.file(), line.number},
                          fmt::format("a vertex has x, y and z, not {} numbers; complete it",
@@ -72,6 +84,7 @@ class ObjReader {
     number.text = number.text.substr(0, number.text.find('/'));
     const int count = static_cast<int>(vertices_.size());
     const int value = parseWholeNumber(number, at(line, field), "a vertex number");
+    // Negative numbers count backwards from the last vertex so far.
     const int fromZero = value < 0 ? count + value : value - 1;
     if (fromZero >= 0 && fromZero < count) return fromZero;
     throw inputErrorAt(at(line, field),
@@ -80,6 +93,7 @@ class ObjReader {
                                               : "correct this number"));
   }
 
+  // A face takes vertices that stand before it, as OBJ has it.
   void readFace(const TextLine& line) {
     const std::size_t tile = sheet_.tiles.tiles.size();
     if (line.fields.size() < 4) {
@@ -99,6 +113,7 @@ class ObjReader {
     }
   }
 
+  // The two comments that this program writes; all others are passed over.
   void readComment(const TextLine& line) {
     const bool isJoint = line.fields.size() == 7 && line.fields[1].text == "joint";
     if (isJoint) {
@@ -135,6 +150,8 @@ class ObjReader {
 };
 
 void requireSameFaces(const ObjSheet& start, const ObjSheet& target) {
+  // Where each face has vertices of its own, their numbers say nothing about joints, and the
+  // programs that write such files number them as they like.
   if (!sharesNumbers(start.numbers)) return;
   const std::size_t common = std::min(start.numbers.size(), target.numbers.size());
   for (std::size_t i = 0; i < common; ++i) {
@@ -158,6 +175,7 @@ fs::path deployedName(const fs::path& contracted) {
   return contracted.parent_path() / (modelName(contracted) + "_deployed.obj");
 }
 
+// All vertices first, then a face for each tile.
 std::string objText(const std::vector<Tile>& tiles, const CornerNumbers& numbers) {
   int count = 0;
   std::string vertices, faces;
@@ -195,6 +213,7 @@ Model readObjPair(const fs::path& start, const std::optional<fs::path>& target,
   std::vector<const std::vector<Tile>*> states = {&model.tiles};
   if (target) {
     const ObjSheet deployed = ObjReader(*target).read();
+    // Shapes are compared before numbers: a target of other tiles is the likelier mistake.
     checkTarget(deployed.tiles, model, sheet.tiles, warnings);
     requireSameFaces(sheet, deployed);
     model.target = deployed.tiles.tiles;

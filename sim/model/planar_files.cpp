@@ -1,3 +1,12 @@
+// The planar text files of the quasicrystal kirigami simulator: vertices, constraints, hull.
+//
+// Two conventions of that program matter here. Tiles and vertices count from 1 in the lists of
+// joints and from 0 in the hulls. And a joint holds its two vertices at the distance that they have
+// at the start: 0 makes a pivot, anything else a rod (a link here). A model in the plane has no
+// faces, so that pivots are on both faces of the bricks, which makes them hinges about the
+// vertical.
+//
+// L. Liu, G. P. T. Choi, L. Mahadevan, Quasicrystal kirigami, Physical Review Research 4, 2022.
 #include "sim/model/planar_files.h"
 
 #include <algorithm>
@@ -25,6 +34,7 @@ const std::string kPlanarJointPurpose =
 const std::string kPlanarHullPurpose =
     "write one corner of the sheet's outside a line, \"tile vertex\", from 0, at least 3";
 
+// Pairs of numbers, at height 0.
 TileTable readPlanarTiles(const fs::path& file) {
   TextTable text(file, kPlanarTilePurpose);
   TileTable table;
@@ -60,6 +70,7 @@ int fromOne(int number) {
   return std::max(number, std::numeric_limits<int>::min() + 2) - 1;
 }
 
+// Rows with numbers from 0, whatever the file counts from.
 JointTable readPlanarJoints(const fs::path& file, Model& model,
                             std::vector<std::string>& warnings) {
   TextTable text(file, kPlanarJointPurpose);
@@ -102,6 +113,8 @@ std::vector<Corner> readPlanarHull(const fs::path& file, const std::vector<Tile>
       row.values[k] = parseWholeNumber(field, text.at(line, field), "a tile or vertex number");
     }
   }
+  // The hull's own base is 0; a row with a vertex number equal to the count of vertices shows the
+  // other.
   const int shift = namesWhatIsThere(table, tiles, 0) ? 0 : -1;
   if (!namesWhatIsThere(table, tiles, shift) || table.rows.size() < 3) {
     throw inputErrorAt({file}, fmt::format("its {} rows name corners that are not there, or too "
@@ -168,6 +181,7 @@ bool holdsPairs(const fs::path& vertices) {
   bool onlyTriples = true;
   while (text.next(line)) {
     const std::size_t count = line.fields.size();
+    // A triangle is the least tile: six numbers in the plane.
     if (count % 2 != 0 || count < 6) return false;
     // Six numbers are three vertices in the plane: two in space would not make a tile.
     onlyTriples = onlyTriples && count % 3 == 0 && count != 6;
@@ -184,6 +198,7 @@ void makeRods(const JointTable& rows, Model& model, std::vector<std::string>& wa
   for (std::size_t i = 0; i < model.joints.size(); ++i) {
     Joint& joint = model.joints[i];
     const double gap = startGap(model, joint);
+    // The corners are one, as far as the digits of the file can tell: a pivot.
     if (gap <= samePlace) {
       rounded.add(joint, gap, toString({rows.file, rows.rows[i].line}));
       continue;

@@ -1,3 +1,11 @@
+// Which files beside each other make one planar model.
+//
+// Programs leave many files in one folder, told apart by their names alone. The part of a name
+// before "vertices" is the prefix of a model; every other file belongs to the model with the
+// longest prefix that begins its name. Of several lists of joints the one is chosen that the user
+// named, directly or by the hull that goes with it; else the one that is called as the vertices
+// are; else the only one. Nothing is guessed beyond that: several lists without a usual name are
+// refused with their names.
 #include "sim/model/planar_siblings.h"
 
 #include <algorithm>
@@ -32,14 +40,17 @@ std::string prefixOf(const fs::path& vertices) {
   return stem.substr(0, stem.rfind(kVertices));
 }
 
+// All text files in the folder of this one, by name.
 std::vector<fs::path> textFilesBeside(const fs::path& file) {
   const fs::path folder = file.has_parent_path() ? file.parent_path() : ".";
   std::vector<fs::path> files;
+  // A folder that cannot be listed counts as empty: opening the named file gives a better message.
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
     if (entry.path().extension() != ".txt" || !entry.is_regular_file(ignored)) continue;
     files.push_back(file.parent_path() / entry.path().filename());
   }
+  // The system lists files in any order.
   std::sort(files.begin(), files.end());
   return files;
 }
@@ -85,6 +96,7 @@ fs::path namedList(const fs::path& jointsFile, const fs::path& vertices) {
   return fs::exists(jointsFile) || !fs::exists(beside) ? jointsFile : beside;
 }
 
+// What the user named, else what goes with it, else the usual name, else the only one.
 fs::path chosenList(const fs::path& named, const fs::path& vertices,
                     const std::vector<fs::path>& lists) {
   if (hasWord(named, kConstraints) && !hasWord(named, kVertices)) return named;

@@ -1,3 +1,14 @@
+// PLY meshes, in the three encodings of the format.
+//
+// A file is a header of lines, which lists elements (how many there are, and the properties of
+// each), and the elements' values one after the other: as words (ASCII) or as bytes of the widths
+// that the header gives. Only vertices (x, y, z) and faces (vertex_indices or vertex_index) are
+// kept. Everything else has to be read too, as nothing but its width says where the next value
+// begins.
+//
+// The bytes are put together by shifts, so that the order of bytes of the machine does not matter.
+// Counts of the header are not trusted: nothing is reserved by them, a list may not be longer than
+// the file, and reading past the end is an error. G. Turk, The PLY polygon file format, 1994.
 #include "sim/model/ply_file.h"
 
 #include <bit>
@@ -91,6 +102,7 @@ class PlyReader {
 
   void skipLine() { at_ = std::min(text_.find('\n', at_), text_.size() - 1) + 1; }
 
+  // The two spellings of each type that are in use.
   PlyType typeNamed(std::string_view name) const {
     using NumberKind = PlyType::NumberKind;
     static constexpr std::pair<std::string_view, PlyType> kTypes[] = {
@@ -108,6 +120,7 @@ class PlyReader {
     throw fault(fmt::format("there is no type '{}'", shown(name, 24)));
   }
 
+  // Keys in any order; what is none of ours (comment, obj_info) is passed over with its line.
   void readHeader() {
     if (word() != "ply") throw fault("the file does not begin with \"ply\"");
     bool hasFormat = false;
@@ -136,6 +149,8 @@ class PlyReader {
           throw fault(fmt::format("an element cannot be there '{}' times", shown(count, 24)));
         }
       } else if (key == "property") {
+        // A list has more words than a plain property; readProperty() takes exactly what it needs,
+        // and the next key follows.
         readProperty();
         continue;
       }
@@ -159,6 +174,7 @@ class PlyReader {
     elements_.back().properties.push_back(property);
   }
 
+  // The next number of the data, in the format of the file.
   double number(const PlyType& type) {
     if (format_ == PlyFormat::Ascii) {
       const std::string_view text = word();
@@ -172,6 +188,7 @@ class PlyReader {
     if (text_.size() - at_ < width) throw fault("the file ends early");
     std::uint64_t bits = 0;
     for (std::size_t k = 0; k < width; ++k) {
+      // The most significant byte first.
       const std::size_t place = format_ == PlyFormat::LittleEndian ? width - 1 - k : k;
       bits = bits << 8 | static_cast<unsigned char>(text_[at_ + place]);
     }
@@ -181,6 +198,8 @@ class PlyReader {
       return width == 8 ? std::bit_cast<double>(bits)
                         : std::bit_cast<float>(static_cast<std::uint32_t>(bits));
     }
+    // Shifting up and arithmetically down again copies the sign bit of a narrow number into the
+    // upper bits.
     const int unused = 64 - 8 * type.width;
     return static_cast<double>(static_cast<std::int64_t>(bits << unused) >> unused);
   }
@@ -194,6 +213,7 @@ class PlyReader {
     throw fault(fmt::format("{:g} is no {}", value, what));
   }
 
+  // A length and as many entries, which are vertex numbers where they are whole.
   std::vector<int> list(const PlyProperty& property) {
     const int count = wholeNumber(property.count, "length of a list");
     if (count < 0 || count > std::ssize(text_)) {
@@ -201,6 +221,7 @@ class PlyReader {
     }
     std::vector<int> numbers;
     for (int k = 0; k < count; ++k) {
+      // Entries that are real numbers are read over: a vertex number is whole.
       numbers.push_back(property.type.kind == PlyType::NumberKind::Real
                             ? (static_cast<void>(number(property.type)), 0)
                             : wholeNumber(property.type, "vertex number"));
@@ -208,6 +229,7 @@ class PlyReader {
     return numbers;
   }
 
+  // Every property of every entry is read, since nothing else tells where the next one begins.
   void readElement(const PlyElement& element) {
     const bool areVertices = element.name == "vertex", areFaces = element.name == "face";
     // What has no properties takes no bytes, however many there are.

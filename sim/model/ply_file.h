@@ -16,6 +16,8 @@ namespace kirireel {
 ///
 /// Throws InputError for headers and numbers that are wrong, files that end early, and tiles that
 /// make no bricks.
+/// Coordinates count as metres. There is no target. A file as large as kMostTextBytes is read whole
+/// into memory.
 Model readPly(const std::filesystem::path& file, std::vector<std::string>& warnings);
 
 }  // namespace kirireel

@@ -1,3 +1,10 @@
+// The choice of a reader by what stands at a path, and the end that all readers share.
+//
+// A name's ending decides, in any case of its letters. Two things need a look into files: whether a
+// vertices.txt holds points in the plane or in space, which both use the same names, and whether a
+// path is a folder of one or the other. After reading, the last digit of the coordinates is found
+// for later tolerances, strict reading refuses repairs, and the target of another model replaces
+// the model's own.
 #include "sim/model/read_model.h"
 
 #include <algorithm>
@@ -38,6 +45,7 @@ void requireNoJointsFile(const fs::path& path, const ReadSettings& settings) {
                      "the model to a folder");
 }
 
+// A file by its ending.
 Model readFile(const fs::path& path, const std::optional<fs::path>& target,
                const ReadSettings& settings, std::vector<std::string>& warnings) {
   const std::string ending = endingOf(path);
@@ -48,6 +56,7 @@ Model readFile(const fs::path& path, const std::optional<fs::path>& target,
     if (!isFolder) return readPlanarFiles(path, settings, warnings);
     const fs::path folder = vertices.has_parent_path() ? vertices.parent_path() : ".";
     ReadSettings own = settings;
+    // A list that was named itself is the one to take: its own folder gives all else.
     const bool isList =
         path.filename() != "vertices.txt" && !path.stem().string().starts_with("hull");
     if (own.jointsFile.empty() && isList) own.jointsFile = path;
@@ -58,6 +67,8 @@ Model readFile(const fs::path& path, const std::optional<fs::path>& target,
   if (ending == ".ply") return readPly(path, warnings);
   if (ending == ".svg" || ending == ".dxf") return readCutPattern(path, warnings);
   if (ending == ".obj") {
+    // A target that was asked for makes the sibling superfluous, and what is wrong with it
+    // harmless.
     return readObjPair(path, target ? std::nullopt : deployedSibling(path), warnings);
   }
   throw inputErrorAt({path}, fmt::format("'{}' is no model's ending; give {}", ending, kFormats));
@@ -68,6 +79,7 @@ bool isPlanarFolder(const fs::path& folder) {
   return fs::is_regular_file(vertices) && holdsPlanarModel(vertices);
 }
 
+// As many tiles, each with as many vertices, in the same order.
 void requireSameTiles(const Model& model, const Model& other, const fs::path& path) {
   const auto same = [](const Tile& a, const Tile& b) {
     return a.vertices.size() == b.vertices.size();
@@ -83,9 +95,12 @@ void requireSameTiles(const Model& model, const Model& other, const fs::path& pa
 
 /// The start of another model in any format, vertex by vertex as the model has them.
 std::vector<Tile> startOf(const fs::path& path, const Model& model) {
+  // The warnings about another model's start are not about this model.
   std::vector<std::string> ignored;
   const Model other = readModel(path, std::nullopt, ignored);
   requireSameTiles(model, other, path);
+  // Back to the order of the other model's file, which both models share, then to this model's
+  // order.
   return inFileOrder(inFileOrder(other.tiles, other.fileOrder), model.fileOrder);
 }
 

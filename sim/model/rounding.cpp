@@ -1,3 +1,10 @@
+// How many digits a file was written with, as the header explains.
+//
+// std::to_chars gives the shortest decimal digits that read back as the same double (F. Loitsch,
+// Printing floating-point numbers quickly and accurately with integers, PLDI 2010, describes such
+// an algorithm). A coordinate that was written as 0.866 comes out as 866e-3 again: 3 digits, the
+// last at 10^-3. The finest last place of all coordinates is the place that the file was rounded
+// to, as zeros at the end hide it in some numbers but not in all.
 #include "sim/model/rounding.h"
 
 #include <algorithm>
@@ -67,6 +74,7 @@ bool countsSignificant(const std::vector<Digits>& all, int most, int highest) {
     ++lower;
     full += digits.count == most ? 1 : 0;
   }
+  // Fewer numbers would let chance decide.
   constexpr int kEnough = 8;
   return lower >= kEnough && 2 * full > lower;
 }
@@ -79,6 +87,7 @@ Model modelOf(const std::vector<Tile>& tiles) {
 
 }  // namespace
 
+// A power of ten, or 0.
 double lastPlace(const std::vector<Tile>& tiles) {
   std::vector<Digits> all;
   int most = 0, finest = 0, highest = 0;
@@ -87,6 +96,7 @@ double lastPlace(const std::vector<Tile>& tiles) {
       for (const double value : vertex) {
         const Digits digits = digitsOf(value);
         if (digits.count == 0) continue;
+        // One number with all its digits shows that none was rounded.
         if (digits.count >= kAllDigits) return 0;
         finest = all.empty() ? digits.last() : std::min(finest, digits.last());
         highest = all.empty() ? digits.exponent : std::max(highest, digits.exponent);
@@ -96,10 +106,13 @@ double lastPlace(const std::vector<Tile>& tiles) {
     }
   }
   if (all.empty()) return 0;
+  // With so many significant digits everywhere, the largest numbers have the coarsest last place,
+  // which bounds the error of all.
   const int place = countsSignificant(all, most, highest) ? highest + 1 - most : finest;
   return std::pow(10.0, place);
 }
 
+// Whether that power of ten came from rounding, or is what was meant.
 double roundingOf(const std::vector<Tile>& tiles) {
   const double place = lastPlace(tiles);
   if (place == 0 || place > kCoarse * tileSize(modelOf(tiles))) return 0;

@@ -1,3 +1,12 @@
+// Corners that are one, found by their numbers or by their places.
+//
+// By place: corners coincide where they are within the tolerance of each other in every state. A
+// grid of cubic cells, as wide as the tolerance, holds one corner for each distinct place; a new
+// corner is compared with those in its own cell and the 26 around it, which hold everything within
+// the tolerance. So n corners cost O(n), not O(n^2). Corners that coincide are merged in a forest
+// of disjoint sets. Coincidence within a tolerance is not transitive: a chain of close places
+// merges into one vertex. Where that would make two corners of one tile the same, the file is
+// refused.
 #include "sim/model/shared_corners.h"
 
 #include <algorithm>
@@ -38,6 +47,7 @@ std::vector<Corner> allCorners(const std::vector<Tile>& tiles) {
 /// Corners merged pair by pair into groups.
 class CornerGroups {
  public:
+  // Every corner is a group of its own at first.
   explicit CornerGroups(const std::vector<Tile>& tiles) : corners_(allCorners(tiles)) {
     first_.push_back(0);
     for (const Tile& tile : tiles) {
@@ -69,8 +79,10 @@ class CornerGroups {
  private:
   int indexOf(const Corner& corner) const { return first_[corner.tile] + corner.vertex; }
 
+  // The lowest corner of a group.
   int root(int index) {
     while (parents_[index] != index) {
+      // Path halving keeps the trees flat.
       parents_[index] = parents_[parents_[index]];
       index = parents_[index];
     }
@@ -104,6 +116,8 @@ class NearCorners {
       for (const Corner& other : residents->second) {
         const double apart = largestDistance(corner, other);
         if (apart <= tolerance_) found.push_back(other);
+        // Most corners that are one agree to the last bit. They need no entry of their own, so that
+        // a cell stays small.
         if (apart == 0) isNewPlace = false;
       }
     }
@@ -121,6 +135,8 @@ class NearCorners {
   }
 
  private:
+  // Cell numbers are whole numbers held as doubles: a coordinate over a tolerance may be larger
+  // than an int.
   using Cell = std::array<double, 3>;
   struct CellHash {
     std::size_t operator()(const Cell& cell) const {
@@ -147,6 +163,7 @@ class NearCorners {
     return cells;
   }
 
+  // Over all states, metres.
   double largestDistance(const Corner& a, const Corner& b) const {
     double largest = 0;
     for (const std::vector<Tile>* tiles : states_) {
@@ -155,6 +172,7 @@ class NearCorners {
     return largest;
   }
 
+  // Too many places within one tolerance cannot be told apart, and would take long.
   void settle(const Corner& corner, std::vector<Corner>& residents) const {
     residents.push_back(corner);
     if (residents.size() > kMostInACell) refuse(static_cast<std::size_t>(corner.tile));
@@ -220,6 +238,7 @@ std::vector<Joint> jointsOfMesh(const CornerNumbers& numbers,
                                 : jointsOfCoincidingCorners(states, file);
 }
 
+// Exact equality, so that nothing is lost when a mesh is written and read.
 CornerNumbers sharedNumbers(const Model& model) {
   CornerGroups groups(model.tiles);
   for (const Joint& joint : model.joints) {

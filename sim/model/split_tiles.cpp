@@ -1,3 +1,11 @@
+// Tiles as triangles that are hinged to each other, so that rigid parts can bend.
+//
+// A convex polygon with n corners is cut by the n - 3 diagonals from one corner, the apex: that
+// with the least sum of diagonals, since short diagonals bend more easily in sheets and give
+// triangles that are less thin. Concave tiles are cut into ears (convex_parts.h). Two parts that
+// share a diagonal are joined at both its ends on the bottom face: two point joints on one line are
+// a hinge about it. Joints of the tile move to the first part that has their corner. One part is
+// enough, as the other parts at this corner are joined to it there.
 #include "sim/model/split_tiles.h"
 
 #include <algorithm>
@@ -17,6 +25,7 @@ using Part = std::vector<int>;
 
 double diagonalsFrom(const Tile& tile, std::size_t corner) {
   double sum = 0;
+  // Sides count in this sum too, which hardly moves the choice.
   for (const Vector3& vertex : tile.vertices) sum += (vertex - tile.vertices[corner]).norm();
   return sum;
 }
@@ -39,12 +48,15 @@ class Splitter {
  public:
   explicit Splitter(const Model& model) : model_(model) {}
 
+  // Joints first, then the tiles themselves, in both states, then the hinges between the parts.
   void split(int tile) {
     const std::vector<Part> parts = partsOf(model_.tiles[tile]);
     std::vector<int> numbers = {tile};
     for (std::size_t k = 1; k < parts.size(); ++k) {
+      // The numbers that cutTiles() will give to the parts after the first.
       numbers.push_back(static_cast<int>(model_.tiles.size()) + static_cast<int>(k) - 1);
     }
+    // Before the tiles are cut, while corner numbers are still those of the whole tile.
     moveJoints(tile, parts, numbers);
     cutTiles(model_.tiles, tile, parts);
     if (model_.target) cutTiles(*model_.target, tile, parts);
@@ -69,12 +81,14 @@ class Splitter {
           const int j = static_cast<int>(found - parts[b].begin());
           hinge.push_back({{numbers[a], i}, {numbers[b], j}, JointFace::Bottom});
         }
+        // Parts that touch at one corner only are held together through the parts between them.
         if (hinge.size() < 2) continue;
         model_.joints.insert(model_.joints.end(), hinge.begin(), hinge.end());
       }
     }
   }
 
+  // A corner goes to the first part that has it.
   void moveJoints(int tile, const std::vector<Part>& parts, const std::vector<int>& numbers) {
     const auto move = [&](Corner& corner) {
       if (corner.tile != tile) return;

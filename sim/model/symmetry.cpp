@@ -30,9 +30,13 @@
 namespace kirireel {
 namespace {
 
+// Places that agree to this part of a tile are the same. Designs that are solved to 1e-12 have
+// their symmetries with room to spare; coordinates of 9 digits and fewer have none.
 constexpr double kSamePart = 1e-9;  // of a tile
 // Isometries of larger groups stay as one tile says: each is compared with each product of two.
 constexpr std::size_t kLargestPolished = 64;
+// Each round squares what the isometries are off by: 1e-9, 1e-18. The second round is there for the
+// rounding of the first.
 constexpr int kPolishings = 2;
 // Products of two isometries are a third up to this.
 constexpr double kSameTurn = 1e-3;
@@ -66,6 +70,8 @@ struct CentredState {
     Matrix3 axes;
     axes.col(0) = (points[(vertex + step) % points.size()] - points[vertex]).normalized();
     axes.col(2) = normals[tile];
+    // With the sense -1 the axes are left-handed, so that the isometry between them is a
+    // reflection.
     axes.col(1) = sense * axes.col(2).cross(axes.col(0));
     return axes;
   }
@@ -86,6 +92,7 @@ class SymmetrySearch {
     for (const Joint& joint : model.joints) joints_.insert(keyOf(joint, joint.a, joint.b));
   }
 
+  // Tries every tile as the image of tile 0, by each of its edges and both senses.
   std::vector<Symmetry> find() {
     Symmetry identity;
     for (std::size_t i = 0; i < model_.tiles.size(); ++i) {
@@ -125,6 +132,8 @@ class SymmetrySearch {
     std::vector<std::vector<int>> corners;
     for (std::size_t i = 0; i < model_.tiles.size(); ++i) {
       const std::vector<int> images = tilesAt(symmetry.turn, i, true);
+      // None: the isometry does not map the sheet. Several: tiles lie on each other in both states,
+      // and cannot be told apart.
       if (images.size() != 1) return {};
       corners.push_back(cornersAt(symmetry.turn, i, static_cast<std::size_t>(images.front())));
       if (corners.back().empty()) return {};
@@ -156,6 +165,7 @@ class SymmetrySearch {
     const std::size_t count = model_.tiles[tile].vertices.size();
     if (model_.tiles[image].vertices.size() != count) return {};
     for (const CentredState& state : states_) {
+      // The normals decide on which side bricks grow.
       if ((turn * state.normals[tile]).dot(state.normals[image]) < 0.5) return {};
     }
     std::vector<int> corners;
@@ -173,6 +183,7 @@ class SymmetrySearch {
     return corners;
   }
 
+  // Every joint must become a joint of the same kind and face.
   bool mapsJoints(const std::vector<int>& images,
                   const std::vector<std::vector<int>>& corners) const {
     const auto imageOf = [&](const Corner& corner) -> Corner {
@@ -201,6 +212,9 @@ class SymmetrySearch {
 };
 
 Matrix3 nearestOrthogonal(const Matrix3& matrix) {
+  // The orthogonal factor of the polar decomposition is the nearest orthogonal matrix in the
+  // Frobenius norm: N. J. Higham, Computing the polar decomposition - with applications, SIAM J.
+  // Sci. Stat. Comput. 7, 1986.
   const Eigen::JacobiSVD<Matrix3> parts(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
   return parts.matrixU() * parts.matrixV().transpose();
 }
@@ -223,6 +237,7 @@ void polish(std::vector<Symmetry>& group) {
     for (const Symmetry& first : group) {
       const int image = first.images[static_cast<std::size_t>(group[k].images.front())];
       const auto both = memberThat(group, first.turn * group[k].turn, image);
+      // The isometries found are no group, so that their mean means nothing: they stay as they are.
       if (!both) return;
       means[k] += first.turn.transpose() * group[*both].turn;
     }
@@ -279,8 +294,10 @@ void keepHeights(const std::vector<Tile>& from, std::vector<Tile>& to) {
   }
 }
 
+// Replaces the tiles by the mean of their images where that moves any vertex by more than rounding.
 void symmetriseTiles(std::vector<Tile>& tiles, std::span<const Symmetry> group, double least) {
   std::vector<Tile> mean = symmetricMean(tiles, group);
+  // What is symmetric to rounding keeps its bits, so that such a model's run does not change.
   if (!(farthestMove(tiles, mean) > least)) return;
   keepHeights(tiles, mean);
   tiles = std::move(mean);
@@ -317,6 +334,7 @@ void symmetrise(Model& model) {
   if (model.target) symmetriseTiles(*model.target, group, least);
 }
 
+// The largest over all symmetries and tiles.
 double asymmetry(const Poses& poses, std::span<const Symmetry> group, double radius) {
   const Vector3 centre = centreOf(poses);
   double farthest = 0;

@@ -1,3 +1,7 @@
+// Tessellations of equal parallelograms, from the exact motion of their lattice (turning_field.h).
+// The constants are those of regularField(): sides of `length` along x and of `width` at `skew`
+// from the y axis. Both states are evaluated from the same constants, so that start and target are
+// congruent to rounding, and no solver is needed.
 #include "sim/model/tessellation.h"
 
 #include <cmath>

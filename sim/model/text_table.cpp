@@ -1,3 +1,9 @@
+// Lines and fields of text files that people and other programs write.
+//
+// The file is held whole in memory, and fields are views into it: no text is copied. What is
+// accepted is wide on purpose (a byte-order mark, line ends of any system, comments of three
+// languages, commas), because each of these is clear; numbers on the other hand are read by
+// std::from_chars, which knows no locale, takes nothing but a number and rounds correctly.
 #include "sim/model/text_table.h"
 
 #include <algorithm>
@@ -52,6 +58,7 @@ TextTable::TextTable(std::filesystem::path file, const std::string& purpose, Com
   if (isUtf16(text_)) {
     throw inputErrorAt({file_}, "this is UTF-16 text; save it as UTF-8 or plain text");
   }
+  // Line ends of old Macintosh programs.
   if (text_.find('\n') == text_.npos) std::ranges::replace(text_, '\r', '\n');
 }
 
@@ -61,9 +68,11 @@ bool TextTable::next(TextLine& line) {
     const size_t end = std::min(text_.find('\n', position_), text_.size());
     std::string_view text(text_.data() + position_, end - position_);
     position_ = end + 1;
+    // Passed-over lines are counted too.
     line.number = ++number_;
     const size_t comment = commentBegin(text);
     hasComment_ = hasComment_ || comment != text.npos;
+    // substr(0, npos) is the whole line.
     if (comments_ == Comments::Skip) text = text.substr(0, comment);
     splitFields(text, line);
   }
@@ -100,6 +109,7 @@ double parseCoordinate(const TextField& field, const FileLocation& location) {
   const std::string_view text = withoutPlus(field.text);
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  // Numbers too large for a double are left to the next message.
   if (error == std::errc::invalid_argument || end != text.data() + text.size()) {
     const bool hasComma = std::ranges::count(text, ',') == 1;
     throw inputErrorAt(location,

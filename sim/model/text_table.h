@@ -43,6 +43,7 @@ class TextTable {
             Comments comments = Comments::Skip);
 
   /// Gives the next line that holds data; false at the end. Throws InputError above kMaxFields.
+  /// The fields of the last line stay valid, since they point into the file's text.
   bool next(TextLine& line);
 
   /// Whether a comment was passed over: the file was left without data on purpose.

@@ -1,3 +1,10 @@
+// What a polygon needs to become a brick: vertices that differ, an area, a plane, sides that do not
+// cross; and what a target needs to be a target of these tiles.
+//
+// Every threshold is a part of the tile's diameter (its largest distance between vertices) or of
+// the model's size, and the largest or smallest value that real designs have stands beside it. The
+// checks run from the cheap and basic to those that build on them: the plane of a tile without
+// area, for one, is not defined.
 #include "sim/model/tile_checks.h"
 
 #include <algorithm>
@@ -26,6 +33,7 @@ constexpr double kSameShape = 1e-6;
 // (sphere-to-saddle).
 constexpr double kOtherShape = 0.2;
 
+// All pairs: O(n^2) with at most 300 vertices.
 double diameter(const Tile& tile) {
   double largest = 0;
   for (std::size_t b = 0; b < tile.vertices.size(); ++b) {
@@ -59,12 +67,15 @@ bool leadsToHole(const std::vector<Vector3>& vertices, std::size_t a, std::size_
          isSame((a + 1) % count, (b + count - 1) % count);
 }
 
+// All pairs: two vertices at one place need not follow each other.
 void checkDistinctVertices(const TileTable& table, int tile, double extent) {
   const std::vector<Vector3>& vertices = table.tiles[tile].vertices;
   const double tolerance = kSameVertex * extent;
   for (size_t b = 0; b < vertices.size(); ++b) {
     for (size_t a = 0; a < b; ++a) {
       if ((vertices[a] - vertices[b]).norm() > tolerance) continue;
+      // Drawing programs cut a polygon with a hole open along a line, which gives two vertices at
+      // each end of it.
       if (leadsToHole(vertices, a, b, tolerance)) {
         throw inputErrorAt(
             table.at(tile, static_cast<int>(b)),
@@ -83,6 +94,7 @@ void checkDistinctVertices(const TileTable& table, int tile, double extent) {
   }
 }
 
+// Against the square of the diameter, so that needles are refused whatever their size.
 void checkArea(const TileTable& table, int tile, double extent) {
   if (tileArea(table.tiles[tile]) > kLeastArea * extent * extent) return;
   throw inputErrorAt(table.at(tile),
@@ -91,9 +103,12 @@ void checkArea(const TileTable& table, int tile, double extent) {
                                  table.countsFrom + tile));
 }
 
+// Against the plane of Newell's normal through the mean of the vertices.
 void checkFlatness(const TileTable& table, int tile, double extent) {
   const std::vector<Vector3>& vertices = table.tiles[tile].vertices;
   const Vector3 normal = tileNormal(table.tiles[tile]);
+  // The plane goes through the mean of the vertices, so that one bad vertex does not put all others
+  // off.
   Vector3 middle = Vector3::Zero();
   for (const Vector3& vertex : vertices) middle += vertex / static_cast<double>(vertices.size());
   const double allowed = kFlatness * extent;
@@ -116,6 +131,8 @@ bool isSurelySimple(const std::vector<Vector3>& vertices, const Vector3& normal)
     const Vector3 after = vertices[(k + 1) % count] - vertices[k];
     const double area = before.cross(after).dot(normal);
     if (area <= 0) return false;
+    // The exterior angles of a simple polygon add up to 2 pi; a star that winds twice gives 4 pi.
+    // Between them lies the limit.
     turned += std::atan2(area, before.dot(after));
   }
   return turned < 3 * std::numbers::pi;
@@ -136,6 +153,7 @@ Vector3 meetingPoint(const Vector3& a, const Vector3& b, const Vector3& c, const
 void checkSimple(const TileTable& table, int tile, double extent) {
   const std::vector<Vector3>& vertices = table.tiles[tile].vertices;
   const Vector3 normal = tileNormal(table.tiles[tile]);
+  // This takes O(n), the comparison of all sides O(n^2).
   if (isSurelySimple(vertices, normal)) return;
   const auto crossing = crossingSides(vertices, normal, kSameVertex * extent);
   if (!crossing) return;
@@ -186,6 +204,7 @@ struct ShapeChange {
   double size() const { return std::abs(targetDistance - startDistance); }
 };
 
+// Over all pairs of vertices: a rigid tile keeps all their distances.
 ShapeChange shapeChange(const Tile& start, const Tile& target, int tile) {
   ShapeChange worst;
   worst.tile = tile;

@@ -1,3 +1,12 @@
+// The motion v(theta) = F_odd e^(-i theta/2) + F_even e^(i theta/2) evaluated.
+//
+// Why tiles stay rigid: all corners of an even tile have the same F_even, so that their differences
+// are differences of F_odd alone, turned by -theta/2; those of an odd tile are turned by +theta/2.
+// Why joints stay closed: the corner is the same sum for both tiles that share it. Neighbours so
+// turn by theta against each other. The regular field has its constants at the places of a lattice
+// of parallelograms with sides a (along) and b (up), as complex numbers: with x = column - (columns
+// - 1)/2 and y = row - (rows - 1)/2,
+//   F_even = (x + y)/2 a - (x - y)/2 b,      F_odd = (x - y)/2 a + (x + y)/2 b
 #include "sim/model/turning_field.h"
 
 #include <utility>

@@ -44,6 +44,7 @@ class TurningField {
 };
 
 /// The field of equal parallelograms with the given sides, counted from the sheet's middle.
+/// `along` and `up` are the sides as complex numbers x + i y, metres, not parallel to each other.
 TurningField regularField(const Lattice& lattice, Complex along, Complex up);
 
 }  // namespace kirireel

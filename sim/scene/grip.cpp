@@ -1,3 +1,12 @@
+// [[grip]] entries of a scene file: which parts of a sheet are held, moved or pushed while the load
+// grows from 0 to 1.
+//
+// An entry is read key by key, and what the keys mean together is checked afterwards: tiles are
+// given in one of two ways, a point of them in one of two ways or not at all, and the grip either
+// moves (metres, degrees) or pushes (newtons, N m). A coordinate that is not named stays free,
+// while one that is named as 0 holds still: x, y, z and turn are therefore optional values and not
+// zeros. Numbers of tiles and vertices stay those of the model's file until numberAsModel() has the
+// model to compare them with.
 #include "sim/scene/grip.h"
 
 #include <string>
@@ -10,10 +19,12 @@
 namespace kirireel {
 namespace {
 
+// A bound against slips of the pen, and against products that overflow; no real load comes near it.
 constexpr double kMost = 1e12;  // of any amount
 const std::vector<std::string> kGripKeys = {"tile", "tiles", "vertex", "edge", "move", "force"};
 const std::vector<std::string> kAmountKeys = {"x", "y", "z", "turn"};
 
+// Metres and degrees, or newtons and N m.
 void readAmounts(const TomlEntry& entry, GripSetting& grip) {
   const TomlTable* table = entry.value.table();
   grip.isForce = entry.key == "force";
@@ -32,6 +43,7 @@ void readAmounts(const TomlEntry& entry, GripSetting& grip) {
     } else if (amount.key == "z") {
       grip.z = read();
     } else if (amount.key == "turn") {
+      // A moment is in N m as it stands, a turn is typed in degrees.
       grip.turn = read() * (grip.isForce ? 1 : kDegree);
     } else {
       refuseKey(amount, "key of a grip's " + entry.key, kAmountKeys);
@@ -39,6 +51,7 @@ void readAmounts(const TomlEntry& entry, GripSetting& grip) {
   }
 }
 
+// One key; what the keys mean together is checked by readGrip().
 void readGripKey(const TomlEntry& entry, GripSetting& grip) {
   if (entry.key == "tile") {
     grip.tiles = {readIndex(entry.value, "a tile number")};
@@ -64,6 +77,7 @@ GripSetting readGrip(const TomlValue& value) {
   GripSetting grip;
   grip.where = value.where;
   for (const TomlEntry& entry : *table) readGripKey(entry, grip);
+  // Keys are counted and not only looked for: one of two has to be there, and not both.
   const auto has = [&](const char* key) { return find(*table, key) ? 1 : 0; };
   if (has("tile") + has("tiles") != 1) {
     throw inputErrorAt(value.where, "a grip holds tiles; give one of tile = 3 and tiles = [3, 4]");
@@ -78,6 +92,7 @@ GripSetting readGrip(const TomlValue& value) {
                        "a grip moves or pushes; give one of move = {x = 0.1} and force "
                        "= {x = 1.5}");
   }
+  // A point has no direction that could turn.
   if (grip.turn && !grip.vertices.empty()) {
     throw inputErrorAt(value.where, "points do not turn; leave turn away, or vertex and edge");
   }
@@ -104,6 +119,7 @@ void numberAsModel(std::vector<GripSetting>& grips, const Model& model) {
   const int first = model.fileOrder.countsFrom;
   const int tiles = static_cast<int>(model.tiles.size());
   for (GripSetting& grip : grips) {
+    // Called again, the list would grow.
     grip.corners.clear();
     for (int& tile : grip.tiles) {
       if (tile < first || tile >= first + tiles) {
@@ -117,6 +133,7 @@ void numberAsModel(std::vector<GripSetting>& grips, const Model& model) {
         }
         grip.corners.push_back(model.fileOrder.toModel({tile, vertex}, model.tiles));
       }
+      // The vertices needed the file's number of the tile; from here on the model's own counts.
       tile -= first;
     }
   }

@@ -1,3 +1,16 @@
+// Springs at hinges: those of a file, one hinge a line, and those that all hinges have.
+//
+// 1. Hinges are found from the pivots that two bricks share (brick/hinge.h). In space, two tiles
+//    may share an edge whose corners are joined only by way of other tiles, as where four panels of
+//    an origami meet and the joints form a chain. For these folds all corners at one place are
+//    joined pair by pair first, face by face, and folds that this adds are hinges too.
+// 2. Each hinge gets a stiffness (N m/rad), a rest angle (rad) and a damping (N m s/rad): those of
+//    its line in the file where the line has them, else those of all hinges. The stiffness of all
+//    hinges may be that of a neck of material (neck_stiffness.h) where tiles turn about a corner. A
+//    neck without length beside a slit that is shut at the start has the stiffness of the end of a
+//    crack, which is its own table.
+// 3. A rest angle at which bricks would lie in each other is refused, since contacts or joints
+//    could never let the spring come to rest.
 #include "sim/scene/hinge_springs.h"
 
 #include <algorithm>
@@ -33,6 +46,7 @@ int readTile(const TextTable& table, const TextLine& line, std::size_t column, c
 /// A number of a line that need not be there.
 std::optional<double> readOptional(const TextTable& table, const TextLine& line, std::size_t column,
                                    double least, double most, const char* meaning) {
+  // A hyphen holds the place of a column that is left out, so that later columns can be given.
   if (column >= line.fields.size() || line.fields[column].text == "-") return std::nullopt;
   const TextField& field = line.fields[column];
   return parseNumberWithin(field, table.at(line, field), least, most, meaning);
@@ -93,6 +107,7 @@ std::vector<Joint> joinedCorners(const std::vector<Joint>& joints, JointFace fac
     }
     const int kept = groupAt(joint.a), emptied = groupAt(joint.b);
     if (kept == emptied) continue;
+    // Corners of the emptied group move to the kept one. Groups have a few corners each.
     for (const Corner& corner : groups[static_cast<std::size_t>(emptied)]) {
       groupOf[{corner.tile, corner.vertex}] = kept;
       groups[static_cast<std::size_t>(kept)].push_back(corner);
@@ -111,12 +126,14 @@ std::vector<Joint> joinedCorners(const std::vector<Joint>& joints, JointFace fac
 }
 
 bool isFold(const Hinge& hinge) {
+  // Angles at corners begin at 0, where tiles lie flush; folds go to both sides of flat.
   return hinge.least < 0;
 }
 
 /// Adds the folds between tiles whose common corners are joined by way of other tiles, as where
 /// four tiles of an origami meet.
 void addIndirectFolds(const Scene& scene, const std::vector<Brick>& bricks, FoundHinges& found) {
+  // A pair that is joined directly has its hinge already.
   std::set<TilePair> known;
   for (const Hinge& hinge : found.hinges) known.insert(std::minmax(hinge.brickA, hinge.brickB));
   for (const JointFace face : {JointFace::Bottom, JointFace::Top}) {
@@ -131,6 +148,7 @@ void addIndirectFolds(const Scene& scene, const std::vector<Brick>& bricks, Foun
 
 /// The hinges of a scene, of which there must be one at least.
 FoundHinges requireHinges(const Scene& scene, const std::vector<Brick>& bricks) {
+  // In the plane one shared point is a hinge about the vertical; in space it is a ball.
   const bool isPlanar = sceneNeeds(scene).planar.on;
   FoundHinges found = findHinges(bricks, makePivots(scene.model.joints, bricks), isPlanar);
   if (!isPlanar) addIndirectFolds(scene, bricks, found);
@@ -150,6 +168,7 @@ FoundHinges requireHinges(const Scene& scene, const std::vector<Brick>& bricks) 
 /// What a hinge has of which no line of the file says more.
 double stiffnessOf(const HingeSettings& all, const Hinge& hinge, const std::vector<Brick>& bricks,
                    const BrickRule& rule) {
+  // Necks stand at corners. A fold has the stiffness of all hinges.
   const bool isCorner = hinge.least == 0;
   if (!all.neck || !isCorner) return all.stiffness;
   const bool isShut = hinge.start <= kAngleRounding;
@@ -219,6 +238,7 @@ std::vector<HingeSpring> hingeSprings(const Scene& scene, const std::vector<Bric
     if (const auto line = lines.find(std::minmax(hinge.brickA, hinge.brickB));
         line != lines.end()) {
       own = *line->second;
+      // What is left of the file in the end names no hinge, and is refused.
       lines.erase(line);
     }
     const std::optional<double> rest = own.rest ? own.rest : all.rest;

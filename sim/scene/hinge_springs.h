@@ -22,6 +22,7 @@ std::vector<OwnHingeSpring> readHingeSprings(const std::filesystem::path& file, 
 /// tiles whose common corners are joined by way of others: those with a stiffness or a damping.
 /// `bricks` are the scene's. Throws InputError where nothing has an axis to turn about, where a
 /// line of the file names no hinge, and where bricks would lie in each other at the rest angle.
+/// Empty where scene.hinges asks for nothing. Costs about O(joints log joints).
 std::vector<HingeSpring> hingeSprings(const Scene& scene, const std::vector<Brick>& bricks);
 
 /// What the size of tiles beside a neck is told by, metres: the side of a square of the mean area

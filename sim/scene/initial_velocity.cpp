@@ -1,3 +1,8 @@
+// Speeds at the start: a group of tiles begins to move as one rigid body. With the common centre of
+// mass c (m), the velocity v of c (m/s) and the angular velocity w (rad/s), the tile at x has
+//   v_x = v + w x (x - c),     w_x = w
+// Velocities of several entries for one tile add up. What joints do not allow is taken away by the
+// first projection of the run, which keeps momentum.
 #include "sim/scene/initial_velocity.h"
 
 #include <numeric>
@@ -33,6 +38,7 @@ std::vector<Velocity> initialVelocities(const std::vector<InitialVelocity>& give
       mass += bricks[tile].mass;
       centre += bricks[tile].mass * poses[tile].position;
     }
+    // Masses are positive, and a group has one tile at least.
     centre /= mass;
     for (const int tile : tiles) {
       const Vector3 arm = poses[tile].position - centre;

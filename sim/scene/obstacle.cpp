@@ -1,3 +1,6 @@
+// Surfaces of obstacles as polygons, for pictures, and the floor that a box is thickened from. A
+// sphere's polygons have their corners on the sphere, so that they lie within it by up to about
+// one per cent of the radius; collisions use the exact sphere (world/sphere_pair.h).
 #include "sim/scene/obstacle.h"
 
 #include <algorithm>
@@ -42,6 +45,7 @@ std::vector<Tile> sphereFaces(const Obstacle& sphere) {
 
 std::vector<Tile> boxFaces(const Obstacle& box) {
   const Tile floor = boxFloor(box, box.size);
+  // The brick of the floor is the box, so that pictures and contacts have the same faces.
   const Brick brick = makeBrick(floor, {.thickness = box.size.z()});
   std::vector<Tile> faces;
   for (std::vector<Vector3>& corners : brickFaces(brick)) {

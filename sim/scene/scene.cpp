@@ -1,3 +1,14 @@
+// What a scene needs: decisions made from the scene alone, before anything moves, each with the
+// reason that the summary states.
+//
+// *Planar* scenes have three degrees of freedom a tile in place of six, which makes a step about
+// three times as cheap. A scene is planar where nothing can push a brick out of its plane: start
+// and all targets are flat and at one height (to 1e-9 of the model's size), no tile is turned over
+// on the way, no speed, drag, obstacle or gravity points out of the plane, unless the ground
+// carries gravity's part. *Quasi-static* scenes need no dynamics: only geometry decides where the
+// sheet goes, so that its mechanism can be followed without masses and time. Everything that a user
+// gives beyond the model and the numbers of the output (a drive, a timeline, springs, friction,
+// ...) speaks of dynamics.
 #include "sim/scene/scene.h"
 
 #include <algorithm>
@@ -22,6 +33,7 @@ bool isVertical(const Vector3& vector) {
 /// All targets that the bricks may be pulled to.
 std::vector<const std::vector<Tile>*> targets(const Scene& scene) {
   std::vector<const std::vector<Tile>*> found;
+  // Other drives do not look at the targets.
   if (scene.actuation.drive != Drive::Target) return found;
   if (scene.model.target) found.push_back(&*scene.model.target);
   for (const TimelineEntry& entry : scene.timeline) {
@@ -34,6 +46,7 @@ std::vector<const std::vector<Tile>*> targets(const Scene& scene) {
 /// Whether a drag leaves the heights of the sheet's bricks.
 bool dragsOutOfPlane(const Scene& scene, double tolerance) {
   const double bottom = height(scene.model.tiles) - tolerance;
+  // A drag within the thickness of the bricks is taken as one in their plane.
   const double top = bottom + scene.brick.thickness + 2 * tolerance;
   for (const TimelineEntry& entry : scene.timeline) {
     const auto* drag = std::get_if<timeline::Drag>(&entry.action);
@@ -49,7 +62,9 @@ bool leavesPlane(const InitialVelocity& velocity) {
   return velocity.linear.z() != 0 || !velocity.angular.head<2>().isZero(0);
 }
 
+// The first reason found is the one told; their order goes from the most to the least basic.
 Need planarNeed(const Scene& scene) {
+  // An answer that was asked for is not questioned.
   if (scene.solver.planar) return {*scene.solver.planar, "asked for"};
   if (scene.hinges.panels) return {false, "tiles bend"};
   const double tolerance = 1e-9 * modelSize(scene.model);
@@ -59,6 +74,7 @@ Need planarNeed(const Scene& scene) {
     if (std::abs(height(*target) - height(scene.model.tiles)) > tolerance) {
       return {false, "start and target lie at different heights"};
     }
+    // A tile can only be turned over through space.
     if (countTurnedOver(scene.model.tiles, *target) > 0) {
       return {false, "tiles are turned over at the target"};
     }
@@ -71,6 +87,7 @@ Need planarNeed(const Scene& scene) {
   const Vector3& gravity = scene.environment.gravity;
   if (!isVertical(gravity)) return {false, "gravity is not vertical"};
   const std::optional<Ground>& ground = scene.environment.ground;
+  // Gravity down onto the ground is a normal force; anything else lifts or drops the sheet.
   if (gravity.z() > 0 || (gravity.z() < 0 && !ground)) {
     return {false, "gravity pulls out of the plane"};
   }
@@ -129,6 +146,8 @@ std::string describe(const StartAlignment& alignment) {
 TargetSpringSettings springsOf(const Scene& scene) {
   TargetSpringSettings springs = scene.springs;
   const double edge = tileSize(scene.model);
+  // A torque damping is in N m s per rad/s: lengths enter it squared, so that a model scaled by a
+  // factor moves alike.
   if (springs.dampsByArea) springs.torqueDamping *= edge * edge;
   springs.dampsByArea = false;
   return springs;
@@ -155,6 +174,7 @@ void fillFromModel(Scene& scene) {
 }
 
 bool isQuasiStatic(const Scene& scene, std::string& reason) {
+  // Full extension has no end where a part is held by nothing.
   const bool fliesApart = !scene.model.target && !isOnePiece(scene.model);
   reason = scene.actuation.drive != defaultDrive(scene.model) ? "the actuation was given"
            : !scene.timeline.empty()                          ? "the timeline leads"

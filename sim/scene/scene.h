@@ -49,6 +49,7 @@ struct Environment {
 
 /// Springs from every bottom vertex to its target (paper, Algorithm 2), acting as one force at the
 /// mean of the vertices and one torque about it.
+/// All of them act through TargetSprings, where the equations stand.
 struct TargetSpringSettings {
   double springStiffness = 100;  ///< k_f, N/m for each vertex, from 0
   double torqueStiffness = 100;  ///< k_tau, N/m for each vertex, from 0
@@ -257,14 +258,13 @@ Drive defaultDrive(const Model& model);
 
 /// Whether a scene's deployment is geometry: it goes to its target, or to full extension without
 /// one, and nothing asked for needs mass, damping or time (speeds at the start, gravity, ground,
-/// obstacles, friction, a
-/// timeline, other springs or damping than the usual, another solver, tiles that fly apart). Else
-/// `reason` says what does.
+/// obstacles, friction, a timeline, other springs or damping than the usual, another solver, tiles
+/// that fly apart). Else `reason` says what does.
 bool isQuasiStatic(const Scene& scene, std::string& reason);
 
-/// Decides what the scene needs. A scene is planar when start and target lie in horizontal planes,
-/// no tile faces the other way at the target, nothing pushes out of the plane, and no joint lets a
-/// brick tilt away (see the reasons returned).
+/// Decides what the scene needs. A scene is planar when start and target lie in horizontal planes
+/// at one height, no tile faces the other way at the target, and nothing pushes out of the plane
+/// (see the reasons returned). Costs a look at all vertices.
 Needs sceneNeeds(const Scene& scene);
 
 /// The lowest z of start and target: where the ground lies unless told otherwise, metres.

@@ -1,3 +1,11 @@
+// scene.toml read into plain values.
+//
+// The file is read in two layers. Tables of settings ([environment] and so on) become texts with a
+// key each; what they mean, and which values they may have, is known to the list of settings
+// (settings.h) alone. Lists of tables ([[timeline]], [[obstacle]], [[velocity]], [[grip]]) have a
+// form of their own and are read here. Every value knows its line and column, so that a message can
+// point at it. Unknown keys are errors, as a misspelt key would otherwise be a setting without
+// effect.
 #include "sim/scene/scene_file.h"
 
 #include <algorithm>
@@ -27,6 +35,7 @@ std::vector<int> readTiles(const TomlValue& value, const std::string& wanted) {
   return readIndices(value, wanted, "a tile number");
 }
 
+// Three coordinates, metres (or degrees, where a caller says so).
 Vector3 readPoint(const TomlValue& value) {
   const std::vector<TomlValue>* array = value.array();
   if (!array || array->size() != 3) refuseValue(value, "a point [x, y, z]");
@@ -40,10 +49,12 @@ Vector3 readPoint(const TomlValue& value) {
 
 // ---- settings
 
+// A setting as texts; its meaning is checked where settings are known.
 SceneSetting readSetting(const std::string& table, const TomlEntry& entry) {
   const TomlValue& value = entry.value;
   SceneSetting setting{table, entry.key, {}, value.truth() != nullptr, value.where};
   const std::vector<TomlValue>* array = value.array();
+  // An array of numbers is one value, such as a gravity; an array of anything else holds several.
   const bool several = array && !array->empty() && !array->front().number();
   if (!several) {
     setting.values = {typedText(value)};
@@ -63,12 +74,14 @@ struct EntryParts {
   std::vector<Action> actions;
 };
 
+// Each key of an entry appends what it says: a moment or an action.
 using PartReader = std::function<void(const TomlValue&, EntryParts&)>;
 
 constexpr double kLongest = 1e6;  // seconds
 const std::string kSeconds = "a number of seconds, from 0 to 1e6";
 const std::string kPositiveSeconds = "a positive number of seconds, at most 1e6";
 
+// A time, or one of the two states that a run may come to.
 void readAt(const TomlValue& value, EntryParts& parts) {
   const std::string wanted = kSeconds + ", \"rest\" or \"target\"";
   Occasion moment;
@@ -135,6 +148,7 @@ void readDragKey(const TomlEntry& entry, Drag& drag) {
   }
 }
 
+// Tile and path are needed, the rest has defaults.
 void readDrag(const TomlValue& value, EntryParts& parts) {
   const std::string wanted = "a table, {tile = 3, path = [[0, 0, 1]], seconds = 2}";
   const TomlTable* table = value.table();
@@ -161,6 +175,7 @@ void readTarget(const TomlValue& value, EntryParts& parts) {
   if (*text == kOwnTarget) {
     parts.actions.emplace_back(GoTo{});
   } else {
+    // Files are named relative to the scene file, so that a folder can be moved as a whole.
     const std::filesystem::path folder = value.where.file.parent_path();
     parts.actions.emplace_back(GoTo{folder / *text, {}});
   }
@@ -194,6 +209,7 @@ const std::map<std::string, PartReader>& entryKeys() {
   return keys;
 }
 
+// One moment at most, and one action.
 TimelineEntry readEntry(const TomlValue& value) {
   const TomlTable* table = value.table();
   if (!table) refuseValue(value, "tables, each under [[timeline]]");
@@ -207,6 +223,8 @@ TimelineEntry readEntry(const TomlValue& value) {
     }
     found->second(entry.value, parts);
   }
+  // Counting what was found tells every mistake of this kind: nothing to do, two things at once,
+  // two moments.
   if (parts.actions.size() != 1 || parts.moments.size() > 1) {
     throw inputErrorAt(
         value.where,
@@ -230,6 +248,7 @@ Timeline readTimeline(const TomlValue& value) {
 // ---- obstacles
 
 constexpr double kFarthest = 1e6;  // metres
+// Each is a body of the broad phase. A mesh may have as many faces as its file.
 constexpr std::size_t kMostObstacles = 1000;
 
 const std::vector<std::string> kObstacleKeys = {"shape",    "size",     "radius",  "file",
@@ -254,10 +273,12 @@ Vector3 boxSize(const TomlValue& value) {
 /// Turns about the axes of the world, x first, as they are typed in degrees.
 Quaternion turn(const TomlValue& value) {
   const Vector3 angles = kDegree * readPoint(value);
+  // The rotation about x is applied first, so that it stands on the right.
   return rotationFromVector({0, 0, angles.z()}) * rotationFromVector({0, angles.y(), 0}) *
          rotationFromVector({angles.x(), 0, 0});
 }
 
+// Faces of an OBJ file as they stand, convex and flat or not: contacts take each face by itself.
 std::vector<Tile> meshFaces(const TomlValue& value) {
   const std::string* name = value.text();
   if (!name || name->empty()) refuseValue(value, "the name of an OBJ file");
@@ -294,6 +315,7 @@ void requireMeasure(const TomlValue& obstacle, const std::string& shape) {
   }
 }
 
+// The shape first, since it decides which other keys are allowed.
 Obstacle readObstacle(const TomlValue& value) {
   const TomlTable* table = value.table();
   if (!table) refuseValue(value, "tables, each under [[obstacle]]");
@@ -376,6 +398,7 @@ std::string entriesText(const SceneFile& file, bool withFileNames) {
   };
   std::string text;
   for (const TomlEntry& list : file.entries) {
+    // Only lists that were read without fault are kept, so that their types are known.
     for (const TomlValue& element : *list.value.array()) {
       text += fmt::format("\n[[{}]]\n", list.key);
       for (const TomlEntry& entry : *element.table()) {

@@ -1,3 +1,10 @@
+// What the command line adds to a model, in the order in which one depends on the other: targets
+// first, as the start is aligned to the last of them; then numbers of tiles in the timeline; then
+// the alignment, which looks at the tiles that are pinned; then what is measured in the aligned
+// state (links, fixed joints).
+//
+// Everything that a user types counts tiles and vertices as the model's file does (from 0 or from
+// 1, in the file's order). Here these numbers become the model's own.
 #include "sim/scene/scene_parts.h"
 
 #include <algorithm>
@@ -18,6 +25,7 @@ void addTargets(const std::vector<std::filesystem::path>& files, Scene& scene,
   if (files.empty()) return;
   Timeline chain;
   for (std::size_t k = 0; k + 1 < files.size(); ++k) {
+    // The first target is headed for at once, each further one when the one before it is reached.
     const Occasion when = k == 0 ? Occasion{} : Occasion{Occasion::Kind::AtTarget};
     chain.push_back(
         {when, timeline::GoTo{files[k], readTarget(files[k], scene.model, warnings)}, {files[k]}});
@@ -53,6 +61,7 @@ void requireVertex(const Model& model, const Corner& corner, const char* option)
                                option, corner.tile, first, end - 1, corner.vertex));
 }
 
+// Pairs of tiles that move as one from where they stand.
 void addFixed(const std::vector<std::array<int, 2>>& pairs, Model& model) {
   for (const auto& [tileA, tileB] : pairs) {
     requireTwoTiles(model, tileA, tileB, "--fix");
@@ -61,6 +70,7 @@ void addFixed(const std::vector<std::array<int, 2>>& pairs, Model& model) {
   }
 }
 
+// Pairs of corners that keep their present distance.
 void addLinks(const std::vector<std::array<int, 4>>& links, Model& model) {
   for (const auto& [tileA, vertexA, tileB, vertexB] : links) {
     requireTwoTiles(model, tileA, tileB, "--link");
@@ -68,6 +78,7 @@ void addLinks(const std::vector<std::array<int, 4>>& links, Model& model) {
     requireVertex(model, {tileB, vertexB}, "--link");
     const Joint link = makeLink(model.tiles, model.fileOrder.toModel({tileA, vertexA}, model.tiles),
                                 model.fileOrder.toModel({tileB, vertexB}, model.tiles));
+    // kSamePlace of rounding.h: points as near as that are one.
     if (link.apart.norm() <= 1e-6 * modelSize(model)) {
       throw InputError(fmt::format(
           "--link: error: vertex {} of tile {} and vertex {} of tile {} are at one place; join "
@@ -97,6 +108,8 @@ void release(const std::vector<int>& freed, std::vector<int>& held) {
 std::vector<int> heldTiles(const Timeline& timeline) {
   std::vector<int> held;
   for (const TimelineEntry& entry : timeline) {
+    // Entries happen in their order, so that the first one that waits ends what happens before
+    // anything moves.
     const bool isAtOnce = entry.when.value == 0 && (entry.when.kind == Occasion::Kind::After ||
                                                     entry.when.kind == Occasion::Kind::AtTime);
     if (!isAtOnce) break;
@@ -110,6 +123,7 @@ std::vector<int> heldTiles(const Timeline& timeline) {
   return held;
 }
 
+// Notes how far the start was moved and turned, for the summary.
 void align(Scene& scene, const std::vector<int>& held) {
   const std::vector<Tile> before = scene.model.tiles;
   const RigidMotion motion = alignStartToTarget(scene.model, held);
@@ -131,12 +145,15 @@ void completeScene(const SceneParts& parts, Scene& scene, std::vector<std::strin
   readTimelineTargets(scene, warnings);
   Timeline entries = scene.timeline;
   if (!parts.pinned.empty()) {
+    // Tiles of --pin are pinned before all other entries.
     entries.insert(entries.begin(), {Occasion{}, timeline::Pin{parts.pinned}, {"--pin"}});
   }
   checkTimeline(entries, scene.model);
   numberAsModel(entries, scene.model);
   scene.timeline = std::move(entries);
   numberAsModel(scene.velocities, scene.model);
+  // Before joints are added: links and fixed joints measure distances, which a rigid motion keeps,
+  // and directions, which it turns.
   if (scene.alignment.wanted) align(scene, heldTiles(scene.timeline));
   numberAsModel(scene.grips, scene.model);
   if (!scene.hinges.file.empty()) {

@@ -1,3 +1,7 @@
+// Texts to values and back. Numbers are read by std::from_chars, which knows no locale, and written
+// with the fewest digits that read back as the same double. A value that was converted (degrees to
+// radians) is written so that converting it again gives the same bits: candidates with 6 to 17
+// digits are tried, then the doubles next to the guess.
 #include "sim/scene/setting_values.h"
 
 #include <charconv>
@@ -18,6 +22,7 @@ std::optional<T> readAll(std::string_view text) {
   if (text.starts_with('+')) text.remove_prefix(1);
   T number{};
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  // The whole text has to be the number.
   if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
   return number;
 }
@@ -40,6 +45,7 @@ std::optional<long> readWhole(std::string_view text) {
   return readAll<long>(text);
 }
 
+// The pieces refer to the text, which must outlive them.
 std::vector<std::string_view> split(std::string_view text, char separator) {
   std::vector<std::string_view> parts;
   for (;;) {
@@ -52,6 +58,7 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
 
 double parseNumber(const TypedValue& value, Range range) {
   const std::optional<double> number = readNumber(value.text);
+  // from_chars reads "inf" and "nan" too.
   const bool fits = number && std::isfinite(*number) && range.holds(*number);
   if (!fits) throw valueError(value, describe(range, "a number"));
   return *number;
@@ -124,6 +131,7 @@ std::string quotedList(const std::vector<std::string>& values) {
 }
 
 double numberReadAs(double wanted, double guess, const std::function<double(double)>& read) {
+  // 17 digits tell any two doubles apart, fewer are nicer to read.
   for (int digits = 6; digits <= 17; ++digits) {
     const double shorter = std::stod(fmt::format("{:.{}g}", guess, digits));
     if (read(shorter) == wanted) return shorter;

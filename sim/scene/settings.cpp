@@ -1,3 +1,10 @@
+// The list of settings. Each setting is one expression: a pattern (`number`, `whole`, `choice`,
+// `flag`, or `special` with functions of its own) with the path of members that leads to its field,
+// its key, range, unit and help, followed by what it goes with (`with`) and whether it makes a
+// scene need dynamics (`needsDynamics`).
+//
+// Defaults are not written down a second time: they are read off openScene(). So the help, the
+// range checks and the values of a scene made in code cannot disagree.
 #include "sim/scene/settings.h"
 
 #include <algorithm>
@@ -8,6 +15,7 @@
 namespace kirireel {
 namespace {
 
+// A bound against slips of the pen; springs of 1e12 N/m are beyond any material at these sizes.
 constexpr Range kFromZero{0, 1e12};
 
 bool isLed(const Scene& scene) {
@@ -44,6 +52,8 @@ constexpr const char* kOtherSprings = "springs or damping were given";
 constexpr const char* kOtherSolver = "the solver was given";
 
 /// The field of a scene that a path of members leads to.
+// `Path` are pointers to members, applied one after the other: number<&Scene::path,
+// &PathSettings::ledTime>(...) is the field scene.path.ledTime.
 template <auto... Path>
 auto& fieldOf(auto&& scene) {
   return (scene.*....*Path);
@@ -302,6 +312,7 @@ SettingGroup pathSettings() {
 
 /// The ground, put there if there is none yet.
 Ground& groundOf(Scene& scene) {
+  // Any setting of the ground puts one there; its height is found later, from the model.
   std::optional<Ground>& ground = scene.environment.ground;
   return ground ? *ground : ground.emplace();
 }
@@ -410,6 +421,8 @@ SettingGroup solverSettings() {
 /// Whether a setting is what it is unless told otherwise, in the program or in code.
 bool isUsual(const Setting& setting, const Scene& scene) {
   const std::string text = setting.write(scene);
+  // Scenes made in code begin with the defaults of their structs, those of the program with
+  // openScene(): neither is a wish of the user.
   return text == setting.write(openScene()) || text == setting.write({});
 }
 
@@ -450,6 +463,8 @@ void requireRanges(const Scene& scene) {
   Scene read;
   for (const SettingGroup& group : sceneSettings()) {
     for (const Setting& setting : group.settings) {
+      // Writing a value and reading it again checks it against its range, with the message that a
+      // user would get.
       const std::string text = setting.isNumber ? setting.write(scene) : "";
       if (!text.empty()) setting.read(read, {setting.key, text});
     }

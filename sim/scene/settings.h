@@ -57,12 +57,14 @@ struct SettingGroup {
 };
 
 /// All settings of a scene, in the order of the help.
+/// Built at the first use; it lives as long as the program.
 const std::vector<SettingGroup>& sceneSettings();
 
 /// The setting with this key. Throws std::out_of_range where there is none.
 const Setting& sceneSetting(const std::string& key);
 
 /// Throws InputError for the first number of a scene that is out of its range.
+/// Words and switches cannot be out of range; texts such as file names are not looked at.
 void requireRanges(const Scene& scene);
 
 /// Why the settings of a scene need dynamics; empty where a path that is geometry serves them.

@@ -1,3 +1,5 @@
+// Numbers of tiles as people write them. An index of a file is a whole number from 0 on; whether
+// the model has such a tile, and counts from 0 or from 1, is known once the model is read.
 #include "sim/scene/tile_numbers.h"
 
 #include <limits>

@@ -1,3 +1,6 @@
+// Checks of a timeline against its model, in the numbers of the model's file, and the change to the
+// model's own numbers. The order matters: checking needs the file's numbers for its messages, and
+// everything after it the model's.
 #include "sim/scene/timeline.h"
 
 #include <array>
@@ -14,6 +17,7 @@ void requireTiles(const std::vector<int>& tiles, const Model& model, const FileL
 }
 
 void requireVertex(const timeline::Drag& drag, const Model& model, const FileLocation& where) {
+  // The centre of mass of any brick can be dragged.
   if (!drag.vertex) return;
   const int first = model.fileOrder.countsFrom;
   const int end = first + static_cast<int>(model.tiles[drag.tile - first].vertices.size());
@@ -45,6 +49,7 @@ bool needsTarget(const TimelineEntry& entry) {
 std::string actionName(const timeline::Action& action) {
   static const std::array<const char*, std::variant_size_v<timeline::Action>> kNames = {
       "pin", "unpin", "drag", "forces", "pause", "target", "snapshot", "export", "reset", "quit"};
+  // In the order of timeline::Action.
   return kNames[action.index()];
 }
 
@@ -57,6 +62,7 @@ void checkTimeline(const Timeline& timeline, const Model& model) {
                          "this waits for a target, but there is none; add target.txt to the model "
                          "or name one with --target");
     }
+    // From this entry on there is a target to wait for.
     hasTarget = hasTarget || std::holds_alternative<timeline::GoTo>(entry.action);
   }
 }
@@ -72,6 +78,7 @@ void numberAsModel(Timeline& timeline, const Model& model) {
       const Corner corner =
           model.fileOrder.toModel({drag->tile, drag->vertex.value_or(first)}, model.tiles);
       drag->tile = corner.tile;
+      // Of a tile that was turned round, the file's vertex has another number in the model.
       if (drag->vertex) drag->vertex = corner.vertex;
     }
   }

@@ -1,3 +1,8 @@
+// TOML by the library toml++, made safe against files that nobody would write, and translated into
+// values of our own, so that no other file needs its headers (which take seconds to compile).
+//
+// Three bounds are set before and while the library works: 8 MiB of text, 64 dots in a key (each
+// makes a table within a table, and the parser recurses), 16 levels of tables and arrays.
 #include "sim/scene/toml_file.h"
 
 #include <algorithm>
@@ -74,6 +79,7 @@ class Translator {
  private:
   TomlValue valueOf(const toml::node& node, int depth) const {
     TomlValue value{{}, placeIn(file_, node.source())};
+    // Translation is recursive too.
     if (depth > kDeepest) {
       throw inputErrorAt(value.where,
                          fmt::format("tables and arrays are more than {} deep here; nothing needs "
@@ -135,6 +141,7 @@ std::string tomlText(const std::string& text) {
   for (const char letter : text) {
     const auto code = static_cast<unsigned char>(letter);
     if (letter == '"' || letter == '\\') marked += '\\';
+    // Control characters have no place in a TOML text but as escapes.
     marked += code < 0x20 || code == 0x7f ? fmt::format("\\u{:04X}", code) : std::string(1, letter);
   }
   return '"' + marked + '"';

@@ -47,6 +47,7 @@ struct TomlEntry {
 
 /// Reads a file. `hint` says what could be named when there is none. Throws InputError with
 /// file:line:column for what is no TOML.
+/// At most 8 MiB; the whole file is held in memory.
 TomlTable readTomlFile(const std::filesystem::path& path, const std::string& hint);
 
 /// A number, text or truth as it would be typed on a command line; an array of numbers as

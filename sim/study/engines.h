@@ -51,6 +51,7 @@ using DynamicsMaker = std::function<std::unique_ptr<Dynamics>(
     const Scene&, const std::vector<Brick>& bricks, const Poses& start)>;
 
 /// The maker of a method's dynamics. Its engine must be available.
+/// The maker may be called often, also from several threads.
 DynamicsMaker dynamicsMaker(const Method& method);
 
 }  // namespace kirireel

@@ -10,6 +10,7 @@ namespace kirireel {
 /// A square sheet of side x side tiles, without contacts, opened by so many radians at the start.
 /// Joints on both faces are hinges, two point joints each to engines; on the bottom alone they are
 /// one.
+/// Tiles are 1 m wide; the target is the sheet opened to 90 degrees.
 Scene sheetScene(int side, bool planar, JointFace face = JointFace::Both, double startAngle = 0);
 
 /// The angle between the first two tiles of a sheet, radians from 0.
@@ -29,6 +30,7 @@ using SheetWay = std::vector<std::vector<Tile>>;
 
 /// The limit of ever shorter steps of first order: their error is a power series in the step, so
 /// that ways in steps of h, h / 2 and h / 4 give it but for the third order.
+/// All three have the same states at the same times.
 SheetWay limitOfSteps(const SheetWay& coarse, const SheetWay& middle, const SheetWay& fine);
 
 /// The farthest that a vertex is on one way from where it is on another at that time, metres.

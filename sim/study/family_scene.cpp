@@ -1,3 +1,5 @@
+// A family's model with default parameters as a scene, its start moved onto its target by the best
+// rigid motion, so that springs pull the tiles no farther than the deployment needs.
 #include "sim/study/family_scene.h"
 
 #include "sim/generate/families.h"

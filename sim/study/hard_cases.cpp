@@ -1,3 +1,8 @@
+// Hard cases, each run with our solver and with Bullet as PyKirigami sets it, and judged by the
+// same limits: a run holds where it stays finite, its joints do not open by more than a thousandth
+// of a tile, its energy does not grow, and bricks do not overlap by more than a fiftieth of a tile.
+// Inputs that make no sense have to be refused with a message. A case that takes longer than its
+// budget of CPU time is cut off and judged by what it did.
 #include <algorithm>
 #include <cmath>
 
@@ -25,21 +30,25 @@ double overlapNow(const SteppedScene& run, const Scene& scene) {
          tileSize(scene.model);
 }
 
+// A run that took fewer steps than asked for, though all was finite, ran out of its CPU time.
 std::string outcomeOf(const Stability& stability, int steps) {
   if (!stability.finite) return "diverged";
   return stability.steps < steps ? "cut off" : "done";
 }
 
+// One row: what a method did with a hard case.
 std::vector<Row> tryOut(const HardTrial& trial, Method method, double budget) {
   method.rate = trial.rate;
   Scene scene = trial.scene;
   scene.solver.timestep = 1.0 / trial.rate;
+  // Cases with bricks of their own (masses) bring them; others get those of the scene.
   SteppedScene run(scene,
                    trial.bricks.empty() ? makeBricks(scene.model.tiles, scene.brick) : trial.bricks,
                    dynamicsMaker(method));
   const int steps = static_cast<int>(std::lround(trial.seconds * trial.rate));
   const Stability stability = watchStability(run, steps, budget);
   const double tile = tileSize(scene.model);
+  // From parts of the model's size to parts of a tile.
   const double gap = stability.gap * run.size() / tile;
   const double overlap = overlapNow(run, scene);
   const double time = static_cast<double>(stability.steps) / trial.rate;
@@ -52,6 +61,7 @@ std::vector<Row> tryOut(const HardTrial& trial, Method method, double budget) {
            cell(held)}};
 }
 
+// One row: whether an input was refused, and with which message.
 std::vector<Row> expectRefusal(const Refusal& refusal) {
   std::string outcome = "not refused";
   bool held = false;
@@ -64,6 +74,7 @@ std::vector<Row> expectRefusal(const Refusal& refusal) {
   return {{refusal.tried, "direct", cell(outcome), "", "", "", "", "", "", "", "", cell(held)}};
 }
 
+// Each trial once with each solver, then each input that must be refused.
 std::vector<StudyCase> hardCasesCases(Extent extent) {
   const bool quick = extent == Extent::Quick;
   const double budget = quick ? 3 : 30;
@@ -91,6 +102,7 @@ double count(const Table& table, const std::string& engine, const std::string& c
   return found;
 }
 
+// Counts alone: the rows say which case it was.
 std::vector<Finding> hardCasesFindings(const Table& table) {
   const std::string bullet = "sequential impulse";
   return {{"direct_diverged", count(table, "direct", "outcome", "diverged"), "runs of ours"},

@@ -1,3 +1,6 @@
+// The hard cases themselves: singular starts, redundant and inconsistent joints, extreme masses,
+// thicknesses, stiffnesses and steps, friction with a known answer, contacts in narrow places, a
+// large sheet; and inputs that are to be refused.
 #include "sim/study/hard_trials.h"
 
 #include <cmath>
@@ -41,7 +44,9 @@ HardTrial contactTrial(std::string name, std::string tried, const std::string& f
 /// The same numbers from every standard library, from -1 to 1.
 class Noise {
  public:
+  // A whole number from 0 to 2^32 - 1, less its middle, over 2^31.
   double next() { return generator_() / 2147483648.0 - 1; }
+  // A random vector in the plane, each component up to `size` metres.
   Vector3 inPlane(double size) {
     const double x = next();
     return size * Vector3(x, next(), 0);
@@ -51,6 +56,7 @@ class Noise {
   std::mt19937 generator_{1};
 };
 
+// Each hinge's rows three times: the rank stays what it was.
 HardTrial redundantHinges() {
   HardTrial trial = sheetTrial("redundant hinges", "every hinge three times; 20 x 20", 20, false);
   const std::vector<Joint> once = trial.scene.model.joints;
@@ -86,6 +92,7 @@ HardTrial noisyShapes(double size) {
   return trial;
 }
 
+// Neighbours differ by a million, so that every joint has one light and one heavy brick.
 HardTrial massRatio() {
   HardTrial trial =
       sheetTrial("mass ratio 1e6", "every other tile a million times as heavy", 6, false);
@@ -97,6 +104,8 @@ HardTrial massRatio() {
   return trial;
 }
 
+// The pivots of a joint's two faces are a thickness apart: in thin bricks their rows are nearly
+// dependent, in thick ones they lie far from the centres of mass.
 HardTrial thickness(double metres) {
   HardTrial trial = sheetTrial(fmt::format("thickness {:g}", metres),
                                fmt::format("bricks {:g} thick; tiles 1 wide", metres), 6, false);
@@ -104,6 +113,7 @@ HardTrial thickness(double metres) {
   return trial;
 }
 
+// An explicit step of 1/240 s would diverge at far less.
 HardTrial stiffness() {
   HardTrial trial = sheetTrial("stiffness 1e5", "k_f and k_tau 1e5; hardly any damping", 6, false);
   trial.scene.springs.springStiffness = trial.scene.springs.torqueStiffness = 1e5;
@@ -112,6 +122,7 @@ HardTrial stiffness() {
   return trial;
 }
 
+// An implicit step has no limit of stability. It must hold the joints however long it is.
 HardTrial longStep(int rate) {
   HardTrial trial =
       sheetTrial(fmt::format("step 1/{} s", rate), fmt::format("a step of 1/{} s", rate), 6, false);
@@ -120,6 +131,7 @@ HardTrial longStep(int rate) {
   return trial;
 }
 
+// A tenth of a second, since it is the size that is tried.
 HardTrial hugeSheet() {
   HardTrial trial = sheetTrial("10000 tiles", "a sheet of 100 x 100", 100, true);
   trial.seconds = 0.1;
@@ -128,12 +140,16 @@ HardTrial hugeSheet() {
 
 /// A brick on a slope: it starts to slide, and gains what friction leaves.
 HardTrial sliding() {
+  // Accelerations, m/s^2: standard gravity down, and a pull along the ground above friction's bound
+  // 0.3 x 9.81, so that the brick slides from the start.
   constexpr double kDown = 9.81;
   constexpr double kAlong = 5;
   constexpr double kFriction = 0.3;
   HardTrial trial{"sliding", "a brick slides down a slope with friction 0.3", sheetScene(1, false)};
   trial.scene.model.target.reset();
   Environment& environment = trial.scene.environment;
+  // Tilted gravity in place of a tilted ground: with the acceleration a = kAlong - kFriction kDown
+  // the brick has slid by a t^2 / 2.
   environment.gravity = {kAlong, 0, -kDown};
   environment.ground = Ground{0, kFriction};
   environment.linearDamping = environment.angularDamping = 0;
@@ -147,6 +163,8 @@ HardTrial sliding() {
 
 }  // namespace
 
+// Noise from below rounding of a file to a thousandth of a tile; a thickness of a ten-thousandth
+// and of two tiles. A quick study leaves the largest sheet out.
 std::vector<HardTrial> hardTrials(bool quick) {
   std::vector<HardTrial> trials;
   trials.push_back(sheetTrial("compact start", "closed; singular; 10 x 10 in space", 10, false));
@@ -165,6 +183,7 @@ std::vector<HardTrial> hardTrials(bool quick) {
   return trials;
 }
 
+// Each must end in an InputError. The scene is valid but for what is spoilt.
 std::vector<Refusal> refusals() {
   const auto deployed = [](const std::function<void(Scene&)>& spoil) {
     return [spoil] {

@@ -36,7 +36,9 @@ struct MovingRun {
   double gap = 0;
 };
 
+// One run of a method over kSeconds, with the tiles at each state's time.
 MovingRun runMoving(const MovingJob& job) {
+  // Engines get one point joint a hinge in the plane, which is enough and costs them least.
   const bool isPoint = job.planar && job.method.engine != Engine::Direct;
   Scene scene =
       sheetScene(job.side, job.planar, isPoint ? JointFace::Bottom : JointFace::Both, kFirstAngle);
@@ -47,6 +49,7 @@ MovingRun runMoving(const MovingJob& job) {
   for (int step = 1; step <= steps && run.isFinite(); ++step) {
     run.advance();
     result.gap = std::max(result.gap, run.gap());
+    // Every rate is a multiple of the states' rate, so that all runs have states at the same times.
     if (step % perState == 0) result.states.push_back(run.tiles());
   }
   if (!run.isFinite()) result.gap = std::nan("");
@@ -54,9 +57,12 @@ MovingRun runMoving(const MovingJob& job) {
   return result;
 }
 
+// The same with a better figure for its cost. States and gap are those of the first run, since all
+// runs are equal.
 MovingRun runMovingTimed(const MovingJob& job) {
   MovingRun result = runMoving(job);
   double spent = result.cpuSeconds;
+  // The least of several times is the one that other programs on the machine disturbed least.
   for (int times = 1; times < kMostTimes && spent < kTimedSeconds; ++times) {
     const double again = runMoving(job).cpuSeconds;
     result.cpuSeconds = std::min(result.cpuSeconds, again);
@@ -65,6 +71,7 @@ MovingRun runMovingTimed(const MovingJob& job) {
   return result;
 }
 
+// The exact way, to the third order of 1/1920 s.
 SheetWay limitOfFixedSteps(int side) {
   const auto statesAt = [&](int rate) {
     return runMoving({{Engine::Direct, rate}, side, true}).states;
@@ -85,6 +92,7 @@ double errorInTime(const MovingRun& run, int side) {
   return std::isnan(run.gap) ? run.gap : wayError(run.states, movingReference(side));
 }
 
+// One row of the table.
 std::vector<Row> measureMoving(const MovingJob& job) {
   const MovingRun run = runMovingTimed(job);
   const Method& method = job.method;
@@ -94,6 +102,7 @@ std::vector<Row> measureMoving(const MovingJob& job) {
            cell(errorInTime(run, job.side))}};
 }
 
+// Ours with fixed steps from 1/30 s on, and with steps of up to 1/30 s to a tolerance in tiles.
 void addOurs(std::vector<Method>& methods) {
   for (const int rate : {30, 60, 90, 120, 240, 480, 960}) methods.push_back({Engine::Direct, rate});
   for (const double tolerance : {1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 1e-4, 1e-5, 1e-6}) {
@@ -101,6 +110,8 @@ void addOurs(std::vector<Method>& methods) {
   }
 }
 
+// Methods for the plane or for space: Box2D and Chipmunk know the plane alone, and Bullet has no
+// plane of its own. The rates are multiples of kStatesASecond.
 std::vector<Method> movingMethods(bool planar, Extent extent) {
   std::vector<Method> methods;
   addOurs(methods);
@@ -126,6 +137,7 @@ std::vector<Method> movingMethods(bool planar, Extent extent) {
   return methods;
 }
 
+// Names of cases must differ, since a study is resumed by them.
 std::vector<StudyCase> movingCases(Extent extent) {
   std::vector<StudyCase> made;
   for (const int side : {10, 20}) {
@@ -166,6 +178,7 @@ double leastCostAtEqualError(const Table& table, const std::string& engine,
   return least;
 }
 
+// One figure for each engine, motion and size. It is not a number where the engine is absent.
 std::vector<Finding> movingFindings(const Table& table) {
   const std::vector<std::pair<std::string, std::vector<std::string>>> engines = {
       {"plane", {"box2d", "mujoco", "chipmunk"}},

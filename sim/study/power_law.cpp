@@ -1,9 +1,12 @@
+// The slope of a straight line through (ln x, ln y) by least squares: b = sum (X - mean X)(Y - mean
+// Y) / sum (X - mean X)^2.
 #include "sim/study/power_law.h"
 
 #include <cmath>
 
 namespace kirireel {
 
+// Not a number where all points have the same x, or where a logarithm does not exist.
 double fittedExponent(const std::vector<PowerPoint>& points) {
   const double count = static_cast<double>(points.size());
   double meanX = 0;

@@ -1,3 +1,7 @@
+// Runs the cases of a study one after the other and keeps what is finished. The rows of a case
+// follow from its name alone, so that a resumed study takes the rows of an earlier file for every
+// case that has some. The caption says on which machine and with which versions a table was made,
+// since times mean nothing without them.
 #include "sim/study/run_study.h"
 
 #include <cmath>
@@ -19,6 +23,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+// Linux tells it; other systems leave it unknown.
 std::string processorName() {
   std::ifstream file = openInputFile("/proc/cpuinfo");
   std::string line;
@@ -28,6 +33,7 @@ std::string processorName() {
   return "unknown processor";
 }
 
+// An engine that this build lacks is called absent, so that a gap in a table explains itself.
 std::string engineVersions() {
   const auto named = [](const char* name, const std::string& version) {
     return fmt::format(", {} {}", name, version.empty() ? "absent" : version);
@@ -36,6 +42,7 @@ std::string engineVersions() {
                      named("box2d", box2dVersion()), named("mujoco", mujocoVersion()));
 }
 
+// What has to be the same for two tables to be comparable, and how to make the table again.
 Caption makeCaption(const Study& study, const StudySettings& settings) {
   Caption caption;
   caption.study = study.name;
@@ -68,6 +75,7 @@ std::vector<Row> finishedRows(const Table& table, const StudySettings& settings,
                   file.string(), earlier.columns.size(), table.columns.size()));
 }
 
+// Runs a case and puts its name in front of each row: the first column of every table.
 std::vector<Row> rowsOf(const StudyCase& studyCase) {
   std::vector<Row> rows = studyCase.run();
   for (Row& row : rows) row.insert(row.begin(), studyCase.name);
@@ -76,6 +84,7 @@ std::vector<Row> rowsOf(const StudyCase& studyCase) {
 
 }  // namespace
 
+// Times are of this machine: processor, cores that the system offers, system and architecture.
 std::string machineText() {
   utsname system{};
   uname(&system);
@@ -83,6 +92,7 @@ std::string machineText() {
                      system.sysname, system.machine);
 }
 
+// The file is written after each case, so that nothing is lost when the study is ended.
 Table runStudy(const Study& study, const StudySettings& settings, const StudyObserver& observer) {
   makeFolder(settings.folder);
   Table table;
@@ -96,6 +106,7 @@ Table runStudy(const Study& study, const StudySettings& settings, const StudyObs
     for (const Row& row : earlier) {
       if (row.front() == cases[k].name) table.rows.push_back(row);
     }
+    // The earlier run had finished this case.
     if (table.rows.size() > before) continue;
     if (!observer(cases[k].name, k, cases.size())) return table;
     const std::vector<Row> rows = rowsOf(cases[k]);
@@ -107,6 +118,7 @@ Table runStudy(const Study& study, const StudySettings& settings, const StudyObs
   return table;
 }
 
+// The table with its findings, one space of indentation. Cells stay text, as they are in the CSV.
 std::string studyJson(const Study& study, const Table& table) {
   const Caption& caption = table.caption;
   Json json;
@@ -124,6 +136,7 @@ std::string studyJson(const Study& study, const Table& table) {
   json["findings"] = Json::array();
   for (const Finding& finding : study.findings(table)) {
     Json entry{{"name", finding.name}, {"value", nullptr}, {"meaning", finding.meaning}};
+    // JSON has no number for "not a number": null stands for it.
     if (std::isfinite(finding.value)) entry["value"] = finding.value;
     json["findings"].push_back(std::move(entry));
   }

@@ -1,3 +1,7 @@
+// How the error falls with time for different stiffnesses, dampings and thicknesses, as curves of
+// two models that are hard in different ways: a square to a disk locks on its way where the pull is
+// stiff, and the bricks of a cap meet. Rows come twelve times a second. Curves that exceed their
+// budget of CPU time end early.
 #include <algorithm>
 #include <cmath>
 
@@ -24,6 +28,7 @@ struct SensitivityCurve {
   double budget = 0;  // CPU seconds
 };
 
+// The scene of a curve: the family's model with one value changed from the default.
 Scene sceneOf(const SensitivityCurve& curve) {
   Scene scene = familyScene(curve.family);
   if (curve.family == "square-to-disk") scene.springs.springStiffness = kSpringStiffness;
@@ -37,6 +42,7 @@ Scene sceneOf(const SensitivityCurve& curve) {
   return scene;
 }
 
+// A row for each twelfth of a second.
 std::vector<Row> follow(const SensitivityCurve& curve) {
   const Scene scene = sceneOf(curve);
   SteppedScene run(scene, curve.method);
@@ -58,6 +64,7 @@ std::vector<Row> follow(const SensitivityCurve& curve) {
   return rows;
 }
 
+// The values of a panel: N/m, N s/m, or metres.
 std::vector<double> valuesOf(const std::string& parameter, bool quick) {
   if (parameter == "k_f")
     return quick ? std::vector{25.0, 200.0} : std::vector{10.0, 25.0, 50.0, 100.0, 200.0};
@@ -66,6 +73,7 @@ std::vector<double> valuesOf(const std::string& parameter, bool quick) {
   return quick ? std::vector{0.005, 0.05} : std::vector{0.001, 0.005, 0.02, 0.05, 0.1};
 }
 
+// Every curve once with ours and once with Bullet; a quick study has two values a panel.
 std::vector<StudyCase> sensitivityCases(Extent extent) {
   const bool quick = extent == Extent::Quick;
   std::vector<StudyCase> made;
@@ -84,6 +92,7 @@ std::vector<StudyCase> sensitivityCases(Extent extent) {
   return made;
 }
 
+// Panels of thickness alone have contacts, and are counted apart: contacts change the gaps.
 double largestGap(const Table& table, const std::string& engine, bool contacts) {
   double largest = std::nan("");
   for (const Row& row : table.rows) {

@@ -1,3 +1,8 @@
+// A square that becomes a disk, against the exact path of its closure equations (closure_path.h).
+// The mechanism has one way to move, so that a state of a run is compared with the state of the
+// path at the same angle between two tiles, moved onto it by the best fit. The path is followed
+// from the middle of the run towards both ends, because it is regular in the middle and singular
+// where the sheet is closed.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -31,11 +36,13 @@ struct State {
   std::vector<Tile> tiles;
 };
 
+// By how much tile 1 has turned against tile 0 since the start, radians from 0 to pi.
 double turnBetween(const std::vector<Tile>& start, const std::vector<Tile>& tiles) {
   const double turn = planarTurn(start[1], tiles[1]) - planarTurn(start[0], tiles[0]);
   return std::abs(std::remainder(turn, 2 * std::numbers::pi));
 }
 
+// States of one run, at equal steps of the angle.
 std::vector<State> deployed(const Scene& scene, const Method& method, double seconds) {
   SteppedScene run(scene, method);
   std::vector<State> states;
@@ -44,6 +51,8 @@ std::vector<State> deployed(const Scene& scene, const Method& method, double sec
     run.advance();
     State state{step / double(method.rate), 0, run.gap(), run.tiles()};
     state.angle = turnBetween(scene.model.tiles, state.tiles);
+    // Rows at equal steps of the angle and not of time: the run is fast in the middle and slow at
+    // its ends.
     const double next = states.empty() ? 0 : states.back().angle + kRowEvery;
     if (state.angle >= next || step == steps) states.push_back(std::move(state));
   }
@@ -86,6 +95,7 @@ std::map<const State*, std::vector<Tile>> exactTiles(const Scene& scene,
   const PlanarState open = path.stateOf(middle->tiles);
   std::map<const State*, std::vector<Tile>> exact;
   const auto followTo = [&](PlanarState& state, const State& wanted) {
+    // The run's own state says to which angle the path is followed, and nothing else.
     const PlanarState there = path.stateOf(wanted.tiles);
     state = path.follow(std::move(state), path.angle(there), kPathStep);
     exact[&wanted] = path.tiles(state);
@@ -97,6 +107,7 @@ std::map<const State*, std::vector<Tile>> exactTiles(const Scene& scene,
   return exact;
 }
 
+// Deploys with a method and compares each kept state with the exact path at its own angle.
 std::vector<Row> deployAndCompare(const Method& method, double seconds) {
   Scene scene = familyScene("square-to-disk");
   scene.springs.springStiffness = kDiskStiffness;
@@ -114,6 +125,7 @@ std::vector<Row> deployAndCompare(const Method& method, double seconds) {
   return rows;
 }
 
+// One case a method. A quick study ends earlier on the way.
 std::vector<StudyCase> squareToDiskCases(Extent extent) {
   const double seconds = extent == Extent::Quick ? 3 : 6;
   std::vector<StudyCase> made;
@@ -136,6 +148,7 @@ double largest(const Table& table, const std::string& engine, const std::string&
   return found;
 }
 
+// Errors near the closed states are told apart: the path itself is uncertain there.
 std::vector<Finding> squareToDiskFindings(const Table& table) {
   const std::string bullet = "sequential impulse";
   return {{"direct_radius_error", largest(table, "direct", "radius_error_m", false),

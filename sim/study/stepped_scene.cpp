@@ -1,3 +1,6 @@
+// A loop simpler than a run's: springs of constant stiffness, a nudge, no path, no timeline, no
+// stop. It serves studies that look at each step's energy, gap and cost, and its figures are about
+// the solver alone.
 #include "sim/study/stepped_scene.h"
 
 #include <algorithm>
@@ -11,6 +14,7 @@ namespace {
 constexpr double kNudge = 1e-6;  // model sizes a second, as in a deployment
 constexpr double kLost = 1e3;    // model sizes
 
+// The scene with the method's step, 1 / rate seconds, and its tolerance.
 Scene withRate(Scene scene, const Method& method) {
   scene.solver.timestep = 1.0 / method.rate;
   scene.solver.tolerance = method.tolerance;
@@ -47,11 +51,13 @@ SteppedScene::SteppedScene(const Scene& scene, std::vector<Brick> bricks,
   timedLoads_ = [this](double, const Poses& poses, std::vector<Load>& out) { loads_(poses, out); };
   const double before = threadCpuSeconds();
   dynamics_ = makeSolver(scene_, bricks_, motion_.poses);
+  // Joints that do not close are made compliant, as in a run.
   if (!dynamics_->assemble(motion_.poses)) dynamics_->setJointStiffness(kMisfitStiffness);
   setupSeconds_ = threadCpuSeconds() - before;
   nudge(kNudge * size_);
 }
 
+// One step of the scene's length. Only the solver's time is counted, not that of what looks at it.
 void SteppedScene::advance() {
   const double before = threadCpuSeconds();
   const double step = scene_.solver.timestep;
@@ -60,28 +66,35 @@ void SteppedScene::advance() {
   seconds_ += threadCpuSeconds() - before;
 }
 
+// Also false where a place is not a number: no comparison with it is true.
 bool SteppedScene::isFinite() const {
   const double bound = kLost * size_;
   return std::all_of(motion_.poses.begin(), motion_.poses.end(),
                      [&](const Pose& pose) { return pose.position.norm() < bound; });
 }
 
+// Motion, springs and weight, joules. Contacts and closed joints store none.
 double SteppedScene::energy() const {
   double energy = kineticEnergy(bricks_, motion_);
   if (springs_) energy += springs_->energy(motion_.poses, 1);
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
+    // Potential energy of gravity: -m g . x, with g the acceleration as a vector.
     energy -= bricks_[i].mass * scene_.environment.gravity.dot(motion_.poses[i].position);
   }
   return energy;
 }
 
+// Random velocities, each component up to `speed` (m/s). Without them a singular closed state, in
+// which all pulls balance, might never be left.
 void SteppedScene::nudge(double speed) {
   std::mt19937 generator(scene_.solver.seed);
   for (Velocity& velocity : motion_.velocities) {
+    // The generator's whole numbers are the same with every standard library.
     for (int k = 0; k < 3; ++k) velocity.linear[k] = speed * (generator() / 2147483648.0 - 1);
   }
 }
 
+// The energy at the start must not be 0, since growth is measured against it.
 Stability watchStability(SteppedScene& run, int steps, double cpuSeconds) {
   const double start = run.energy();
   double before = start;

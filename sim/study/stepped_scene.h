@@ -16,6 +16,7 @@ namespace kirireel {
 class SteppedScene {
  public:
   /// With the solver that the scene asks for.
+  /// Throws what makeDynamics() and makeBricks() throw.
   explicit SteppedScene(const Scene& scene);
   /// With another solver; its rate sets the timestep, or the longest of steps to its tolerance.
   SteppedScene(const Scene& scene, const Method& method);

@@ -1,3 +1,4 @@
+// The list of all studies, and finding one by its name.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -9,12 +10,14 @@
 
 namespace kirireel {
 
+// In the order in which "all" runs them. Made at the first call.
 const std::vector<Study>& studies() {
   static const std::vector<Study> all{workPrecisionStudy(), movingStudy(), scalingStudy(),     tessellationStudy(),
                                       squareToDiskStudy(),  sensitivityStudy(), hardCasesStudy()};
   return all;
 }
 
+// Throws InputError for a name that no study has, with the nearest one as a suggestion.
 const Study& studyNamed(const std::string& name) {
   std::vector<std::string> names;
   for (const Study& study : studies()) {

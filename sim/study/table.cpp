@@ -1,3 +1,5 @@
+// Tables as CSV: lines of the caption that begin with '#', the columns' names, the rows. Cells hold
+// no commas and no line ends, so that nothing needs quoting.
 #include "sim/study/table.h"
 
 #include <algorithm>
@@ -28,6 +30,7 @@ auto captionParts(CaptionType& caption) {
                            {"versions", &caption.versions}};
 }
 
+// Cells hold no commas, see cell().
 Row splitCells(const std::string& line) {
   Row cells(1);
   for (const char letter : line) {
@@ -40,6 +43,7 @@ Row splitCells(const std::string& line) {
   return cells;
 }
 
+// Lines that begin with '#' and name no part of the caption are skipped.
 void readCaptionLine(const std::string& line, Caption& caption) {
   for (const auto& [name, value] : captionParts(caption)) {
     const std::string start = fmt::format("# {}: ", name);
@@ -49,6 +53,7 @@ void readCaptionLine(const std::string& line, Caption& caption) {
 
 }  // namespace
 
+// Throws InputError where the column is absent, as in a file of an earlier version.
 std::size_t Table::columnIndex(const std::string& name) const {
   const auto found = std::find_if(columns.begin(), columns.end(),
                                   [&](const Column& column) { return column.name == name; });
@@ -65,6 +70,8 @@ const std::string& Table::text(const Row& row, const std::string& column) const 
   return row[columnIndex(column)];
 }
 
+// Not a number for empty cells and for text. strtod reads a point as the decimal sign as long as
+// the program sets no other locale.
 double Table::number(const Row& row, const std::string& column) const {
   const std::string& digits = text(row, column);
   char* end = nullptr;
@@ -73,6 +80,7 @@ double Table::number(const Row& row, const std::string& column) const {
   return whole ? value : std::numeric_limits<double>::quiet_NaN();
 }
 
+// Five significant digits; empty where there is no number. Times and errors are not known better.
 std::string cell(double number) {
   return std::isfinite(number) ? fmt::format("{:.5g}", number) : "";
 }
@@ -85,12 +93,14 @@ std::string cell(bool flag) {
   return flag ? "yes" : "no";
 }
 
+// Commas and line ends would break the table, so that they are replaced.
 std::string cell(std::string text) {
   std::replace(text.begin(), text.end(), ',', ';');
   std::replace(text.begin(), text.end(), '\n', ' ');
   return text;
 }
 
+// The inverse of readCsv(), but for the columns' meanings, which the CSV does not hold.
 std::string csvText(const Table& table) {
   std::string text;
   for (const auto& [name, value] : captionParts(table.caption)) {
@@ -103,6 +113,8 @@ std::string csvText(const Table& table) {
   return text;
 }
 
+// Throws InputError where the file cannot be read or a row has another number of cells than the
+// table has columns.
 Table readCsv(const std::filesystem::path& file) {
   std::ifstream stream = openInputFile(file);
   if (!stream) {

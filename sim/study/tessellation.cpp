@@ -1,3 +1,6 @@
+// The rotating squares from closed to 90 degrees, against their exact motion at the same opening
+// angle. A row for each degree has the worst of all steps since the row before, so that no step
+// goes unseen.
 #include <cmath>
 #include <numbers>
 
@@ -23,6 +26,7 @@ struct TessellationRun {
   double seconds;
 };
 
+// Rows of one run, a degree apart.
 std::vector<Row> openSheet(const TessellationRun& settings) {
   Scene scene = sheetScene(kTessellationSide, settings.planar);
   scene.springs.springStiffness = scene.springs.torqueStiffness = kStiffness;
@@ -49,6 +53,7 @@ std::vector<Row> openSheet(const TessellationRun& settings) {
   return rows;
 }
 
+// Ours in the plane and in space, Bullet in space, Chipmunk in the plane where it is there.
 std::vector<StudyCase> tessellationCases(Extent extent) {
   const double seconds = extent == Extent::Quick ? 5 : 10;
   std::vector<StudyCase> made;
@@ -75,6 +80,7 @@ double largestError(const Table& table, const std::string& engine, bool atStart)
   return largest;
 }
 
+// How far the sheet came: an error counts only on the way that was made.
 double largestAngle(const Table& table) {
   double largest = std::nan("");
   for (const Row& row : table.rows) {
@@ -84,6 +90,8 @@ double largestAngle(const Table& table) {
   return largest;
 }
 
+// The start is told apart: near the closed state the motion is singular, and errors are larger
+// there.
 std::vector<Finding> tessellationFindings(const Table& table) {
   return {{"direct_error_start", largestError(table, "direct", true),
            "largest vertex error of ours up to 2.3 degrees, metres"},

@@ -1,3 +1,20 @@
+// Arrays in HDF5 files: written so that the same calls give the same bytes, read as if the file
+// came from an enemy.
+//
+// Writing. Objects carry no times, the library version is fixed to the format of 1.8, and numbers
+// have one byte order, so that bytes depend on the numbers alone. Series are stored in chunks:
+// bytes of equal significance are put together (shuffle), compressed by zlib at its lowest level,
+// and each chunk has a Fletcher checksum. A row that is appended extends the array and writes the
+// chunks that it touches, so that memory does not grow with the run.
+//
+// Reading. HDF5 1.10 trusts what a file says: lengths, links to other files, filters, places of
+// texts. So each claim is checked before it is used: an array must stand in the file itself, be
+// stored contiguously or in chunks with the three known filters, claim no more entries than a file
+// of this size can hold, and have exactly the type that the writer gives it. Texts have checks of
+// their own (text_heaps.h).
+//
+// HDF5 reports failures through return codes; `check` and `requireRead` turn them into exceptions.
+// The library is not thread-safe by default: this file refuses to compile against such a build.
 #include "sim/trajectory/array_file.h"
 
 #include <algorithm>
@@ -43,6 +60,7 @@ class Handle {
   Handle(hid_t id, herr_t (*closing)(hid_t)) : id_(id), close_(closing) {}
   Handle(Handle&& other) noexcept
       : id_(std::exchange(other.id_, H5I_INVALID_HID)), close_(other.close_) {}
+  // Swapping leaves the old identifier to the other's destructor.
   Handle& operator=(Handle&& other) noexcept {
     std::swap(id_, other.id_);
     std::swap(close_, other.close_);
@@ -63,11 +81,13 @@ class Handle {
 /// Comes before any other call of HDF5: failures are thrown, not printed, and nothing is tried
 /// again as the program ends.
 void startLibrary() {
+  // Initialised once, by whichever thread comes first.
   static const herr_t once = H5dont_atexit();
   static_cast<void>(once);
   H5Eset_auto(H5E_DEFAULT, nullptr, nullptr);
 }
 
+// How files are opened, for writing and for reading alike.
 Handle accessProperties() {
   startLibrary();
   Handle properties(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
@@ -85,8 +105,10 @@ Handle untimed(hid_t kind) {
   return properties;
 }
 
+// UTF-8 of any length.
 Handle textType() {
   Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  // Texts of any length: HDF5 keeps them in heaps apart from the array.
   H5Tset_size(type.id(), H5T_VARIABLE);
   H5Tset_cset(type.id(), H5T_CSET_UTF8);
   return type;
@@ -143,6 +165,7 @@ struct ArrayWriter::Internals {
 
   void check(bool done) {
     if (done) return;
+    // The destructor must not close a file whose writing failed.
     failed = true;
     const std::string reason = errno != 0 ? std::strerror(errno) : "HDF5 reports no reason";
     throw OutputError(
@@ -160,9 +183,12 @@ struct ArrayWriter::Internals {
     return array;
   }
 
+  // An array that is written once and does not grow. `stored` and `given` are its types in the file
+  // and in memory.
   void writeWhole(const std::string& name, hid_t stored, hid_t given, const void* entries,
                   const Shape& shape) {
     arrays.push_back(make(name, stored, spaceOf(shape), untimed(H5P_DATASET_CREATE)));
+    // HDF5 refuses to write no entries at all.
     if (entryCount(shape) == 0) return;
     check(H5Dwrite(arrays.back().id(), given, H5S_ALL, H5S_ALL, H5P_DEFAULT, entries) >= 0);
   }
@@ -231,8 +257,11 @@ void ArrayWriter::write(const std::string& name, const std::vector<std::string>&
   internals_->writeWhole(name, type.id(), type.id(), pointers.data(), {texts.size()});
 }
 
+// A chunk holds whole rows, as reading goes row by row.
 void ArrayWriter::addSeries(const std::string& name, const Shape& rowShape) {
   const std::size_t rowBytes = std::max<std::size_t>(1, entryCount(rowShape)) * sizeof(double);
+  // At least one row a chunk, and no more than 1024 of short rows, so that the first rows of a run
+  // reach the disk.
   const std::size_t chunkRows = std::clamp<std::size_t>(kChunkBytes / rowBytes, 1, 1024);
   std::vector<hsize_t> chunk = withRows(chunkRows, rowShape);
   const std::vector<hsize_t> start = withRows(0, rowShape);
@@ -249,8 +278,10 @@ void ArrayWriter::addSeries(const std::string& name, const Shape& rowShape) {
                               0};
 }
 
+// Extends the array, then writes the new rows into what was added.
 void ArrayWriter::append(const std::string& name, std::span<const double> rows) {
   Internals::Series& series = internals_->series.at(name);
+  // A row without entries would divide by 0.
   const std::size_t count = rows.size() / std::max<std::size_t>(1, entryCount(series.rowShape));
   if (count == 0) return;
   errno = 0;
@@ -275,8 +306,10 @@ void ArrayWriter::setAttribute(const std::string& object, const std::string& nam
   internals_->setAttribute(object, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, &number);
 }
 
+// Everything is closed by hand, so that errors show; destructors could not tell of them.
 void ArrayWriter::close() {
   errno = 0;
+  // Arrays first: a file that closes while one is open stays open.
   for (Handle& array : internals_->arrays) internals_->check(array.close());
   for (auto& [name, series] : internals_->series) internals_->check(series.array.close());
   internals_->check(internals_->file.close());
@@ -326,6 +359,7 @@ struct ArrayReader::Internals {
       const std::string part = name.substr(0, end);
       if (H5Lexists(file.id(), part.c_str(), H5P_DEFAULT) <= 0) return false;
       if (H5Lget_info(file.id(), part.c_str(), &link, H5P_DEFAULT) < 0) return false;
+      // Soft and external links lead elsewhere.
       if (link.type != H5L_TYPE_HARD) return false;
       if (end == std::string::npos) return true;
     }
@@ -363,17 +397,20 @@ struct ArrayReader::Internals {
 
   /// Whether a file of this size can hold an array of this shape.
   bool isClaimable(const Shape& shape) const {
+    // In doubles, as a product of lengths may overflow an integer.
     double bytes = sizeof(double);
     for (const std::size_t length : shape) bytes *= static_cast<double>(length);
     return bytes <= kMostShrunk * fileBytes;
   }
 
+  // No conversion is asked of HDF5: only the writer's own types are taken.
   void requireType(const Handle& array, const std::string& name, TypeCheck isWanted,
                    const char* shownType) const {
     const Handle type(H5Dget_type(array.id()), H5Tclose);
     if (!isWanted(type)) refuse(fmt::format("the array {} does not hold {}", name, shownType));
   }
 
+  // The lengths that the file claims, once they are possible at all.
   Shape shapeOf(const Handle& array) const {
     const Handle space(H5Dget_space(array.id()), H5Sclose);
     std::vector<hsize_t> lengths(
@@ -401,6 +438,7 @@ struct ArrayReader::Internals {
       stream.read(stored.data(), stored.size());
       const auto number = [&stored](int first, int size) {
         std::uint64_t value = 0;
+        // Little-endian.
         for (int place = first + size; place-- > first;)
           value = value << 8 | static_cast<unsigned char>(stored[place]);
         return value;
@@ -453,6 +491,7 @@ ArrayReader::ArrayReader(std::filesystem::path path) : internals_(std::make_uniq
                     in.path.string()));
   }
   in.fileBytes = static_cast<double>(std::filesystem::file_size(in.path, error));
+  // The order matters: these two look at the bytes themselves, before HDF5 is given anything.
   if (!in.beginsAsOurs()) in.refuse("this is not an HDF5 file");
   if (!hasWholeTextHeaps(in.path)) in.refuse("the file is cut short or damaged");
   in.file = Handle(H5Fopen(in.path.c_str(), H5F_ACC_RDONLY, access.id()), H5Fclose);
@@ -488,6 +527,7 @@ std::vector<double> ArrayReader::doubles(const std::string& name) const {
 
 std::vector<double> ArrayReader::checkedDoubles(const std::string& name) const {
   std::vector<double> entries = doubles(name);
+  // A CRC of 32 bits is a whole number that a double holds exactly.
   if (checksum(entries) != numberAttribute(name, kChecksum)) {
     refuse(fmt::format("the array {} is damaged", name));
   }
@@ -503,6 +543,7 @@ std::vector<int> ArrayReader::integers(const std::string& name) const {
   return entries;
 }
 
+// Checked byte by byte before HDF5 follows their places.
 std::vector<std::string> ArrayReader::texts(const std::string& name) const {
   const Handle& array = internals_->array(name);
   internals_->requireType(array, name, isText, "texts");
@@ -514,11 +555,13 @@ std::vector<std::string> ArrayReader::texts(const std::string& name) const {
   std::vector<std::string> texts;
   for (char* pointer : pointers) {
     texts.emplace_back(pointer == nullptr ? "" : pointer);
+    // The library allocated the text.
     H5free_memory(pointer);
   }
   return texts;
 }
 
+// Selects one row of the array in the file, and reads it into a flat list.
 std::vector<double> ArrayReader::row(const std::string& name, std::size_t index) const {
   const Handle& array = internals_->array(name);
   Shape rowShape = internals_->shapeOf(array);

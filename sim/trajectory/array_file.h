@@ -24,13 +24,16 @@ class ArrayWriter {
  public:
   /// Makes the file. `shownPath` is the name that messages give it.
   /// Every function throws OutputError when the file cannot be written.
+  /// An existing file is replaced.
   ArrayWriter(const std::filesystem::path& path, std::filesystem::path shownPath);
   ~ArrayWriter();
   ArrayWriter(const ArrayWriter&) = delete;
   ArrayWriter& operator=(const ArrayWriter&) = delete;
 
+  /// A group that is made twice is an error.
   void addGroup(const std::string& name);
 
+  /// `entries` holds entryCount(shape) numbers, the last dimension fastest.
   void write(const std::string& name, std::span<const double> entries, const Shape& shape);
   void write(const std::string& name, std::span<const int> entries, const Shape& shape);
   /// A list of doubles, at least one, uncompressed and with a checksum beside it: its attribute
@@ -42,6 +45,7 @@ class ArrayWriter {
   /// Makes an array of doubles that grows along its first dimension, compressed in chunks.
   void addSeries(const std::string& name, const Shape& rowShape);
   /// Adds rows to the end of a series, one after the other.
+  /// Their count follows from the row's shape. The series has to be known.
   void append(const std::string& name, std::span<const double> rows);
 
   /// Notes a property of a group or an array ("/" is the file itself).
@@ -69,10 +73,13 @@ class ArrayReader {
   /// Throws an InputError: what was found in the file, and how to mend it.
   [[noreturn]] void refuse(const std::string& found) const;
 
+  /// Whether the file itself holds an array or a group of this name; links do not count.
   bool has(const std::string& name) const;
   bool hasAttribute(const std::string& object, const std::string& name) const;
+  /// The lengths of an array, at most what a file of this size can hold.
   Shape shape(const std::string& name) const;
 
+  /// All entries, the last dimension fastest; the whole array is read into memory.
   std::vector<double> doubles(const std::string& name) const;
   /// A list that writeChecked() wrote.
   std::vector<double> checkedDoubles(const std::string& name) const;
@@ -82,6 +89,7 @@ class ArrayReader {
   /// One row of an array of doubles, from 0.
   std::vector<double> row(const std::string& name, std::size_t index) const;
 
+  /// A single text, or a single number, that setAttribute() wrote.
   std::string textAttribute(const std::string& object, const std::string& name) const;
   double numberAttribute(const std::string& object, const std::string& name) const;
 

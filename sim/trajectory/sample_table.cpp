@@ -1,9 +1,13 @@
+// Samples as long arrays. Angular velocities come from the rotation vector between two samples: the
+// axis times the angle of to * from^-1, divided by the time between them, which is exact for a turn
+// at constant speed about a fixed axis and of second order else.
 #include "sim/trajectory/sample_table.h"
 
 #include <algorithm>
 
 namespace kirireel {
 
+// Quaternions are kept as w, x, y, z; Eigen's own order is x, y, z, w.
 void SampleTable::append(const Sample& sample) {
   brickCount_ = sample.poses.size();
   times_.push_back(sample.time);

@@ -1,3 +1,15 @@
+// Checks of HDF5's global heap collections, byte by byte, by the HDF5 File Format Specification,
+// III.E.
+//
+// A collection begins with "GCOL", its version (1), 3 zero bytes and its size (8 bytes, this header
+// included). Entries follow: number (2 bytes), references (2), 4 zero bytes, size (8), then the
+// bytes, padded to a multiple of 8. An entry with the number 0 is the free space at the end, and
+// its size counts its own header. All numbers are little-endian. A collection is whole where
+// walking from entry to entry ends exactly within its size.
+//
+// The collections are found by their signature anywhere in the file, since only HDF5 itself knows
+// the places that it will follow. A text that happens to contain the signature makes a sound file
+// look damaged; none that the program writes does.
 #include "sim/trajectory/text_heaps.h"
 
 #include <algorithm>
@@ -16,6 +28,7 @@ constexpr std::uint64_t kEntryHeader = 16;  // number, references, 4 bytes, size
 /// An unsigned number in `size` bytes, the lowest first; 0 beyond the end of the file.
 std::uint64_t numberAt(std::istream& file, std::uint64_t place, int size) {
   std::string bytes(static_cast<std::size_t>(size), '\0');
+  // A stream that once reached the end refuses to seek until it is cleared.
   file.clear();
   file.seekg(static_cast<std::streamoff>(place));
   file.read(bytes.data(), size);
@@ -33,6 +46,7 @@ std::uint64_t stepAt(std::istream& file, std::uint64_t place, std::uint64_t left
   return step <= left ? step : 0;
 }
 
+// Walks the heap's entries; each must end within the heap.
 bool isWhole(std::istream& file, std::uint64_t heap, std::uint64_t fileSize) {
   const std::uint64_t size = numberAt(file, heap + kSignature.size(), 8);
   if (size < kHeader || size > fileSize - heap) return false;
@@ -83,6 +97,7 @@ bool TextPlaces::hold(std::uint64_t heap, std::uint64_t number, std::uint64_t le
   return entry != known->second.end() && entry->second == length;
 }
 
+// Nothing where no heap begins at this place.
 TextPlaces::Entries TextPlaces::entriesOf(std::uint64_t heap) {
   std::string beginning(kSignature.size(), '\0');
   file_.clear();

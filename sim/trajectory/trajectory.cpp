@@ -6,6 +6,7 @@ namespace kirireel {
 
 void Sample::transfer(StateTape& tape) {
   tape.transfer(time, poses, jointGap, targetError, penetration, pinned, steps);
+  // Whether there is something comes first, so that playing back knows what to read.
   bool known = mechanics.has_value();
   tape.transfer(known);
   if (!known) return mechanics.reset();
@@ -13,6 +14,7 @@ void Sample::transfer(StateTape& tape) {
   tape.transfer(*mechanics);
 }
 
+// Bricks are made from the scene's tiles as the run makes them.
 Subject subjectOf(const Scene& scene) {
   std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
   std::vector<HingeSpring> springs = hingeSprings(scene, bricks);

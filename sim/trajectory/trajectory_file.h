@@ -16,6 +16,13 @@
 ///       normal                bricks x 3
 ///       thickness, volume, mass                m, m^3, kg
 ///       inertia               bricks x 3 x 3   kg m^2, about the centre of mass
+///   ///     obstacles/face_sizes    faces            vertices of each face; only if there are some
+///   ///     obstacles/vertices      vertices x 3     m, world axes
+///   ///     hinges/                 only if hinges have springs
+///   ///       bricks                springs x 2      the two bricks of each hinge
+///   ///       axis                  springs x 3
+///   ///       start, least, most, rest   springs     rad
+///   ///       stiffness, damping    springs          N m/rad, N m s/rad
 ///     ground/                 attributes height, friction; only if there is one
 ///     time                    samples          s
 ///     position                samples x bricks x 3   m, of the centres of mass
@@ -69,8 +76,10 @@ struct Channel {
 class SampleMeter {
  public:
   virtual ~SampleMeter() = default;
+  /// Asked once, before the first sample.
   virtual std::vector<Channel> channels() const = 0;
   /// The values of all channels, one channel after the other.
+  /// A channel without a row has one value, one of width w has w values.
   virtual std::vector<double> measure(const Sample& sample) = 0;
 };
 
@@ -81,6 +90,7 @@ class SampleMeter {
 class TrajectoryWriter {
  public:
   /// `meter` may be null; else its channels become curves/NAME.
+  /// Writes all that does not change at once.
   TrajectoryWriter(const std::filesystem::path& path, const Subject& subject,
                    std::unique_ptr<SampleMeter> meter = nullptr);
   ~TrajectoryWriter();
@@ -123,6 +133,9 @@ class TrajectoryReader {
 
   /// One sample, its index from 0 to times().size() - 1, with its steps. Files do not say which
   /// tiles were pinned.
+  /// From a file this reads the chunks that hold the row; HDF5 keeps those that neighbours share.
+  /// Throws InputError for a pose that is no rotation, not finite or too far away, and Interrupted
+  /// where a scope asks for it.
   Sample sample(std::size_t index) const;
 
  private:
@@ -133,6 +146,7 @@ class TrajectoryReader {
 };
 
 /// The whole trajectory in memory. Throws InputError.
+/// Memory grows with the number of samples: some 60 bytes a brick and sample.
 Trajectory readTrajectory(const std::filesystem::path& path);
 
 /// Writes a whole trajectory. Throws OutputError.

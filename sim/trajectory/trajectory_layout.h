@@ -10,9 +10,11 @@
 
 namespace kirireel::layout {
 
+/// The attribute "format" of the file itself.
 inline constexpr const char* kFormat = "kirireel trajectory";
 inline constexpr double kFormatVersion = 2;
 inline constexpr double kFirstVersion = 1;  ///< had neither steps nor figures
+/// Columns of model/joints: tile, vertex, tile, vertex, face, kind.
 inline constexpr std::size_t kJointColumns = 6;
 
 /// A number that each spring at a hinge has; files without springs, and of earlier releases, have

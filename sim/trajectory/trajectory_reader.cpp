@@ -1,3 +1,9 @@
+// Trajectories read with distrust: what pictures, meshes and measures take for granted is checked
+// here, so that a damaged file ends in one message and not in a picture of nonsense.
+//
+// Everything that is small is read at once (the model, the bricks, times, measures, steps, holds);
+// poses and joint forces are read sample by sample, as they may not fit in memory. `FileRun` and
+// `MemoryRun` give the same answers for a file and for a run that has not been written.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -31,9 +37,11 @@ class SubjectReader {
  public:
   explicit SubjectReader(const ArrayReader& file) : file_(file) {}
 
+  // The order matters: sizes of tiles first, then what refers to them.
   Subject read() {
     requireFormat();
     Subject subject;
+    // Every later shape follows from these sizes.
     sizes_ = readSizes("model/tile_sizes");
     subject.settings = oneText("settings");
     subject.model = readModel();
@@ -62,6 +70,7 @@ class SubjectReader {
     }
   }
 
+  // Vertices of each polygon, 3 at least.
   std::vector<std::size_t> readSizes(const std::string& name) const {
     std::vector<std::size_t> sizes;
     for (const int size : file_.integers(name)) {
@@ -112,6 +121,7 @@ class SubjectReader {
     return tiles;
   }
 
+  // A corner that exists.
   Corner corner(int tile, int vertex) const {
     const bool exists = tile >= 0 && static_cast<std::size_t>(tile) < sizes_.size() &&
                         vertex >= 0 &&
@@ -132,6 +142,7 @@ class SubjectReader {
     return value;
   }
 
+  // Rows of six whole numbers, and the vectors of links and fixed joints.
   std::vector<Joint> readJoints() const {
     const std::vector<int> rows = file_.integers("model/joints");
     const std::size_t count = rows.size() / layout::kJointColumns;
@@ -209,6 +220,8 @@ class SubjectReader {
     return rule;
   }
 
+  // Bricks are stored whole, so that pictures are those of the run, whatever later rules make of
+  // tiles.
   void readBricks(Subject& subject) const {
     const std::size_t count = sizes_.size();
     subject.brickRule = readBrickRule();
@@ -227,6 +240,7 @@ class SubjectReader {
             fmt::format("the normal of brick {} in bricks/normal is not a unit vector", i));
       }
       requireSolid(brick, i);
+      // Convex parts follow from the outline, so that no file needs to store them.
       brick.parts = partsOfBottom(brick.bottom, brick.normal);
       subject.bricks.push_back(std::move(brick));
     }
@@ -246,6 +260,7 @@ class SubjectReader {
     for (std::size_t k = 0; k < brick.bottom.size(); ++k) {
       const Vector3& next = brick.bottom[(k + 1) % brick.bottom.size()];
       lowest = std::min(lowest, brick.normal.dot(brick.top[k] - brick.bottom[k]));
+      // Newell's vector: along the normal where the bottom runs anticlockwise about it.
       area += brick.bottom[k].cross(next);
     }
     if (lowest > 0 && brick.normal.dot(area) > 0) return;
@@ -292,6 +307,7 @@ struct TrajectoryReader::FileRun final : Internals {
     file.refuse(fmt::format("the array {} does not have an entry for each sample and brick", name));
   }
 
+  // Times, and the shapes that they ask of the poses.
   void readTimes() {
     times = file.doubles("time");
     if (times.empty()) file.refuse("there is no sample");
@@ -342,6 +358,7 @@ struct TrajectoryReader::FileRun final : Internals {
     }
   }
 
+  // Kinds and numbers are stored as doubles, as all series are.
   Hold hold(double kind, double tile, double other) const {
     const auto count = static_cast<double>(subject.bricks.size());
     // Written so that NaN fails.
@@ -358,6 +375,7 @@ struct TrajectoryReader::FileRun final : Internals {
 
   bool hasMechanics() const override { return !energies.front().empty(); }
 
+  // Energies from memory, joint forces from the file.
   Mechanics mechanics(std::size_t index) const {
     Mechanics result;
     for (std::size_t k = 0; k < kEnergies.size(); ++k) {
@@ -371,6 +389,8 @@ struct TrajectoryReader::FileRun final : Internals {
         result.isIndeterminate.push_back(mark != 0);
       }
     }
+    // A hold belongs to the sample with exactly its time, as the writer stores both from one
+    // number.
     const auto [first, last] = std::ranges::equal_range(holdTimes, times[index]);
     result.holds.assign(holds.begin() + (first - holdTimes.begin()),
                         holds.begin() + (last - holdTimes.begin()));
@@ -394,6 +414,7 @@ struct TrajectoryReader::FileRun final : Internals {
     return entries;
   }
 
+  // All figures of all steps, a few numbers each.
   void readSteps() {
     steps.resize(file.doubles(kStepColumns.front().name).size());
     for (const layout::StepColumn& column : kStepColumns) {
@@ -402,6 +423,7 @@ struct TrajectoryReader::FileRun final : Internals {
     }
     for (const StepFigure& figure : kStepFigures) {
       const std::string name = layout::arrayOf(figure);
+      // Files of earlier releases lack some figures, which are 0 then.
       if (!file.has(name)) continue;
       const std::vector<double> entries = stepEntries(name);
       for (std::size_t k = 0; k < steps.size(); ++k) figure.set(steps[k].took, entries[k]);
@@ -448,6 +470,7 @@ struct TrajectoryReader::FileRun final : Internals {
     return {first, upTo(times[sample])};
   }
 
+  // A position and a unit quaternion, checked.
   Pose pose(const double* position, const double* turn) const {
     const Pose pose{Vector3(position), Quaternion(turn[0], turn[1], turn[2], turn[3])};
     // Written so that NaN fails.

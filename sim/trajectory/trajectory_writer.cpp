@@ -1,3 +1,10 @@
+// Trajectories written sample by sample. All arrays that grow are made before the first sample, but
+// those of mechanics, as only the first sample shows whether a run has any. The file grows under a
+// temporary name (pending_file.h) and gets its own when it is whole.
+//
+// A file is self-contained: it repeats the model, the bricks, the ground, obstacles and springs, so
+// that pictures need neither the scene nor the program that made it. Names and units stand in
+// trajectory_layout.h, which the reader shares.
 #include "sim/base/pending_file.h"
 #include "sim/trajectory/array_file.h"
 #include "sim/trajectory/trajectory_file.h"
@@ -68,6 +75,7 @@ void writeJoints(ArrayWriter& file, const std::vector<Joint>& joints) {
   writePoints(file, "model/joint_apart", apart);
 }
 
+// How many vertices each tile has: what splits the flat list of vertices into tiles again.
 std::vector<int> sizesOf(const std::vector<Tile>& tiles) {
   std::vector<int> sizes;
   for (const Tile& tile : tiles) sizes.push_back(static_cast<int>(tile.vertices.size()));
@@ -83,6 +91,7 @@ std::vector<int> reversedTiles(const FileOrder& order) {
   return tiles;
 }
 
+// What the reader needs to make the model again, its file's order included.
 void writeModel(ArrayWriter& file, const Model& model) {
   file.addGroup("model");
   file.setAttribute("model", "name", model.name);
@@ -127,6 +136,7 @@ void writeObstacles(ArrayWriter& file, const std::vector<Tile>& faces) {
   writePoints(file, "obstacles/vertices", flatten(faces));
 }
 
+// By value, since the columns reach fields through references that are not const.
 void writeHingeSprings(ArrayWriter& file, std::vector<HingeSpring> springs) {
   if (springs.empty()) return;
   const std::size_t count = springs.size();
@@ -257,6 +267,7 @@ void TrajectoryWriter::Internals::addMechanics() {
     addSeries(file, channel.name, {3}, channel.unit);
 }
 
+// One row in each series of energies and forces, and a row for each hold.
 void TrajectoryWriter::Internals::append(double time, const Mechanics& mechanics) {
   for (const layout::EnergyChannel& channel : layout::kEnergies)
     file.append(channel.name, {&(mechanics.energies.*channel.field), 1});
@@ -273,6 +284,8 @@ void TrajectoryWriter::Internals::append(double time, const Mechanics& mechanics
     kinds.push_back(static_cast<double>(hold.kind));
     tiles.insert(tiles.end(), {static_cast<double>(hold.tile), static_cast<double>(hold.other)});
   }
+  // Holds are rows of their own, with the sample's time, since their number differs from sample to
+  // sample.
   file.append(layout::kHoldTimes, std::vector<double>(kinds.size(), time));
   file.append(layout::kHoldKinds, kinds);
   file.append(layout::kHoldTiles, tiles);
@@ -326,6 +339,7 @@ TrajectoryWriter::TrajectoryWriter(const std::filesystem::path& path, const Subj
 
 TrajectoryWriter::~TrajectoryWriter() = default;
 
+// Steps are written with the sample that ends them.
 void TrajectoryWriter::append(const Sample& sample) {
   ArrayWriter& file = internals_->file;
   std::vector<double> positions;
@@ -359,6 +373,7 @@ void TrajectoryWriter::finish(const TrajectoryEnd& end) {
   writeEvents(file, end.events);
   writeFigureStates(file, end.figureStates, internals_->brickCount);
   file.write("findings", {end.findings});
+  // Before the file gets its name, so that a full disk shows here.
   file.close();
   internals_->pending.commit();
 }

@@ -18,6 +18,7 @@ namespace kirireel {
 /// and tilts stay as they start. `iterations` of the solver in each step; the environment gives
 /// gravity along x and y and the damping of all velocities (its linear one). Null where this
 /// program was built without Chipmunk.
+/// `start` holds one pose a brick. Steps may have any length.
 std::unique_ptr<BrickWorld> makeChipmunkWorld(const std::vector<Brick>& bricks, const Poses& start,
                                               std::span<const Pivot> pivots,
                                               const Environment& environment, int iterations);
@@ -34,6 +35,8 @@ std::unique_ptr<BrickWorld> makeBox2dWorld(const std::vector<Brick>& bricks, con
 /// freedom, else hinges of two pivots turn about one axis and single pivots are balls. Motions that
 /// are written must be the start's poses with any velocities, or the motion read last. Null without
 /// MuJoCo. Throws std::runtime_error for bricks that MuJoCo cannot have.
+/// Costs MuJoCo's compilation of a model with all bricks, and steps with a dense Newton solve over
+/// all joint coordinates that loops touch.
 std::unique_ptr<BrickWorld> makeMujocoWorld(const std::vector<Brick>& bricks, const Poses& start,
                                             std::span<const Pivot> pivots,
                                             const Environment& environment, bool planar);

@@ -1,3 +1,12 @@
+// Box2D 2.4 as a baseline: one dynamic body without a shape for each brick, one revolute joint for
+// each pivot of the lower face.
+//
+// Box2D advances velocities by semi-implicit Euler, holds joints by sequential impulses on
+// velocities, and moves the bodies at the end of a step so that joints close (its position
+// iterations; E. Catto, Iterative dynamics with temporal coherence, Game Developers Conference,
+// 2005). It works in single precision: a gap below about 1e-6 m cannot be had. Box2D damps
+// velocities by 1 / (1 + h c) a step, so that a rate of c = -ln(1 - lost) loses the wanted part
+// within a second for short steps.
 #include "sim/world/baseline_worlds.h"
 
 #ifdef KIRIREEL_BOX2D
@@ -27,6 +36,7 @@ class Box2dWorld : public BrickWorld {
         world_(toBox2d(environment.gravity)),
         iterations_(iterations),
         corrections_(corrections) {
+    // Bodies at rest under small forces would stop to be simulated.
     world_.SetAllowSleeping(false);
     for (std::size_t k = 0; k < bricks.size(); ++k) addBrick(bricks[k], start[k], environment);
     for (const Pivot& pivot : pivots) {
@@ -43,12 +53,14 @@ class Box2dWorld : public BrickWorld {
     world_.Step(static_cast<float>(step), iterations_, corrections_);
   }
 
+  // Heights and tilts are those of the start.
   void readMotion(Motion& motion) const override {
     for (std::size_t k = 0; k < bodies_.size(); ++k) {
       const b2Body& body = *bodies_[k];
       const Eigen::AngleAxisd turn(body.GetAngle(), Vector3::UnitZ());
       motion.poses[k].position = {body.GetPosition().x, body.GetPosition().y,
                                   start_[k].position.z()};
+      // In the plane only the turn about z changes.
       motion.poses[k].rotation = turn * start_[k].rotation;
       const b2Vec2 speed = body.GetLinearVelocity();
       motion.velocities[k].linear = {speed.x, speed.y, 0};
@@ -56,6 +68,7 @@ class Box2dWorld : public BrickWorld {
     }
   }
 
+  // A body's angle is the turn about z since the start.
   void writeMotion(const Motion& motion) override {
     for (std::size_t k = 0; k < bodies_.size(); ++k) {
       b2Body& body = *bodies_[k];
@@ -78,6 +91,7 @@ class Box2dWorld : public BrickWorld {
     bodies_.push_back(world_.CreateBody(&definition));
     b2MassData mass;
     mass.mass = static_cast<float>(brick.mass);
+    // The origin of a brick is its centre of mass.
     mass.center.SetZero();
     mass.I = static_cast<float>(brick.inertia(2, 2));
     bodies_.back()->SetMassData(&mass);

@@ -1,10 +1,10 @@
 // Whether a step may lead from one relative pose of two convex bricks to another.
 //
-// Two convex bodies are apart where a plane separates them: one of a face of either, or one along an
-// edge of each (the separating axis theorem). A step is fine where one plane, carried along by the
-// feature that it belongs to, separates them at the start and at the end; or where one takes over
-// from the other on the way, along the screw that leads from pose to pose. The plane of the last
-// step is tried first, and a pair is not looked at before its bricks could have used up their
+// Two convex bodies are apart where a plane separates them: one of a face of either, or one along
+// an edge of each (the separating axis theorem). A step is fine where one plane, carried along by
+// the feature that it belongs to, separates them at the start and at the end; or where one takes
+// over from the other on the way, along the screw that leads from pose to pose. The plane of the
+// last step is tried first, and a pair is not looked at before its bricks could have used up their
 // distance, so that most pairs cost a few comparisons a step.
 //
 // Where no plane serves, the one that held at the start and is violated least at the end becomes
@@ -52,9 +52,13 @@ struct Screw {
 };
 
 /// The screw that takes one pose to another.
+// The centre c of a screw with the angle p about the unit axis a satisfies to = c + R (from - c) +
+// advance along a; with d the part of the displacement across a, c = from + (d + a x d / tan(p/2))
+// / 2.
 Screw screwBetween(const Pose& from, const Pose& to) {
   const Eigen::AngleAxisd turned(to.rotation * from.rotation.conjugate());
   Screw screw{Vector3::Zero(), from.position, to.position - from.position};
+  // A pure translation has no finite centre.
   if (turned.angle() < kNoTurn) return screw;
   const Vector3& axis = turned.axis();
   const Vector3 across = screw.advance - axis.dot(screw.advance) * axis;
@@ -71,6 +75,7 @@ Pose onTheWay(const Screw& screw, const Pose& from, double part) {
           turn * from.rotation};
 }
 
+// The farthest point of the outline from the brick's centre of mass, metres.
 double outerRadius(const Outline& outline) {
   double radius = 0;
   for (const Vector3& point : outline.points) radius = std::max(radius, point.norm());
@@ -79,6 +84,7 @@ double outerRadius(const Outline& outline) {
 
 }  // namespace
 
+// R_s^T (x - x_s), R_s^T R for the seer s.
 Pose seenFrom(const Pose& seer, const Pose& seen) {
   const Quaternion back = seer.rotation.conjugate();
   return {back * (seen.position - seer.position), back * seen.rotation};
@@ -96,21 +102,27 @@ BrickPair::BrickPair(Side a, Side b, double tolerance)
       planes_(separatingPlanes(outlineA_, outlineB_)),
       last_(planes_.front()),
       clearance_(-kInfinity) {
+  // A never moves in its own axes: it is placed once.
   placeOutline(outlineA_, {}, placedA_);
 }
 
 void BrickPair::keepOverlap(const Pose& startOfB) {
+  // The largest separation over all planes is the distance of the two, or, where it is negative,
+  // minus the least depth.
   placeOutline(outlineB_, startOfB, startB_);
   slack_ = std::max(0.0, -bestSeparationAtStart());
 }
 
 void BrickPair::shrinkOverlap(const Pose& startOfB) {
   placeOutline(outlineB_, startOfB, startB_);
+  // What has come apart must not overlap again.
   slack_ = std::min(slack_, std::max(0.0, -bestSeparationAtStart()));
 }
 
 /// Whether the pair cannot have used up the distance between its bricks since they were looked at.
 bool BrickPair::isSurelyApart(const PairMove& move) const {
+  // A bound on how far any point of B has moved: while it is below the last separation, no plane
+  // need be looked at.
   return motionBound(lookedAt_, move.start, radiusB_) < clearance_ &&
          motionBound(lookedAt_, move.end, radiusB_) < clearance_;
 }
@@ -123,21 +135,26 @@ double BrickPair::separationAtEnd(const SeparatingPlane& plane) const {
   return separation(plane, placedA_, endB_);
 }
 
+// The largest separation over all planes, metres.
 double BrickPair::bestSeparationAtStart() const {
   double best = -kInfinity;
   for (const SeparatingPlane& plane : planes_) best = std::max(best, separationAtStart(plane));
   return best;
 }
 
+// Whether the plane that kept the two apart in the last step does so at both ends of this one.
 bool BrickPair::lastPlaneHolds() {
   const double after = separationAtEnd(last_);
   if (after < -tolerance_ - slack_) return false;
   if (separationAtStart(last_) < -tolerance_ - slack_) return false;
+  // The separation along one plane is a lower bound of the distance.
   lookedAt_ = endB_.pose;
   clearance_ = after;
   return true;
 }
 
+// From the cheapest test to the dearest: a bound on the motion, the last plane, all planes, planes
+// in turn.
 double BrickPair::appendViolated(const PairMove& move, long step, std::vector<Contact>& contacts) {
   if (isSurelyApart(move)) return 0;
   placeOutline(outlineB_, move.start, startB_);
@@ -145,11 +162,16 @@ double BrickPair::appendViolated(const PairMove& move, long step, std::vector<Co
   if (lastPlaneHolds()) return 0;
   const double limit = -tolerance_ - slack_;
   const double bestBefore = bestSeparationAtStart();
+  // Planes that hold at the start: within the tolerance, or, of a pair that overlaps already, the
+  // best one.
   const double held = std::min(limit, bestBefore);
   const double worsening = bestBefore > limit - kWorst * tolerance_ ? kWorsening * tolerance_ : 0;
+  // An overlap deeper than the tolerance may not grow but by a little, since a solver takes it back
+  // over several steps.
   const double wanted = std::min(limit, bestBefore - worsening);
   double bestAfter = -kInfinity;  // of the planes that held before
   for (const SeparatingPlane& plane : planes_) {
+    // A plane that did not hold at the start says nothing about the way: B may have come through.
     if (separationAtStart(plane) < held) continue;
     const double after = separationAtEnd(plane);
     if (after <= bestAfter) continue;
@@ -161,6 +183,7 @@ double BrickPair::appendViolated(const PairMove& move, long step, std::vector<Co
     clearance_ = bestAfter;
     return 0;
   }
+  // The dearest test comes last, and only for pairs that no single plane keeps apart.
   if (keptApartInTurn(move)) return 0;
   // No plane kept the pair apart.
   if (const SeparatingPlane* plane = planeToGive(step)) givePlane(*plane, contacts);
@@ -192,6 +215,7 @@ bool BrickPair::keptApartInTurn(const PairMove& move) const {
       placeOutline(outlineB_, onTheWay(screw, move.start, part), way);
       (std::any_of(holding.begin(), holding.end(), holds) ? reached : lost) = part;
     }
+    // No plane holds any further: the two really meet.
     if (reached == from) return false;
     placeOutline(outlineB_, onTheWay(screw, move.start, reached), way);
   }
@@ -235,6 +259,7 @@ void BrickPair::givePlane(const SeparatingPlane& plane, std::vector<Contact>& co
   appendPlaneContacts(plane, a_, b_, placedA_, startB_, contacts);
   for (std::size_t c = first; c < contacts.size(); ++c) {
     const bool onA = contacts[c].brickA == a_;
+    // The overlap from the start of the run moves the contact's zero.
     contacts[c].slack = slack_;
     contacts[c].partA = onA ? partA_ : partB_;
     contacts[c].partB = onA ? partB_ : partA_;
@@ -249,12 +274,15 @@ bool BrickPair::isCurrent(const Contact& contact, const Pose& startOfB) const {
 
 /// Whether the contact's point lies on the face that it is held against, not beside it.
 bool BrickPair::touches(const Contact& contact, const PlacedOutline& placedB) const {
+  // An edge against an edge has no face that it could lie on.
   if (contact.isEdge) return false;
   const bool onA = contact.brickA == a_;
   const PlacedOutline& other = onA ? placedB : placedA_;
   const Vector3 point = (onA ? placedA_ : placedB).pose.apply(contact.pointA);
   for (std::size_t f = 0; f < other.normals.size(); ++f) {
     const Vector3& onFace = other.points[other.outline->facePoints[f]];
+    // Beyond the plane of any face, the point is outside the other brick, so that it cannot touch
+    // the face from within its borders.
     if (other.normals[f].dot(point - onFace) > kTouching * radiusB_) return false;
   }
   return true;
@@ -262,6 +290,7 @@ bool BrickPair::touches(const Contact& contact, const PlacedOutline& placedB) co
 
 /// Whether another plane than that of the contact keeps the pair apart at the start of the step.
 bool BrickPair::isApartOtherwise(const Contact& contact, const PlacedOutline& placedB) const {
+  // The contact's first brick may be B of the pair; its normal then points the other way.
   const bool swapped = contact.brickA != a_;
   Contact numbered = contact;
   numbered.brickA = swapped ? 1 : 0;

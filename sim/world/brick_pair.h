@@ -26,6 +26,8 @@ class BrickPair {
     int part = 0;
     Outline outline;
   };
+  /// Costs the making of all planes of the pair: faces of both, and in space products of their
+  /// edges.
   BrickPair(Side a, Side b, double tolerance);
   BrickPair(const BrickPair&) = delete;
   BrickPair& operator=(const BrickPair&) = delete;
@@ -42,6 +44,9 @@ class BrickPair {
 
   /// Appends the contacts of the plane that the move violates, unless they were given in this step
   /// already. Returns the overlap at the end of the move, metres.
+  /// `step` numbers the step: planes whose contacts were given in the same step are not given
+  /// again. Costs a bound on the motion for pairs that are far apart, one plane for most others,
+  /// all planes (some dozens of products) else.
   double appendViolated(const PairMove& move, long step, std::vector<Contact>& contacts);
 
   /// Whether a contact of this pair still is in force at the start of a step: its point touches the

@@ -12,12 +12,16 @@ class BrickWorld {
   virtual ~BrickWorld() = default;
 
   /// Adds a force at the centre of mass and a torque, world axes, for the next step alone.
+  /// Newtons and newton metres. Loads of several calls for one brick add up, but in Chipmunk's
+  /// world, which keeps the last one.
   virtual void applyLoad(int brick, const Vector3& force, const Vector3& torque) = 0;
 
   /// Advances by exactly `step` seconds, one internal step.
+  /// `step` is positive.
   virtual void advance(double step) = 0;
 
   /// Reads the poses and velocities of all bricks.
+  /// `motion` has to hold as many poses and velocities as there are bricks.
   virtual void readMotion(Motion& motion) const = 0;
 
   /// Sets the poses and velocities of all bricks.

@@ -37,6 +37,7 @@ struct PrincipalAxes {
 
 /// The principal axes of a brick, right-handed.
 inline PrincipalAxes principalAxes(const Brick& brick) {
+  /// Eigenvectors are orthonormal but may be left-handed, which no rotation is.
   const Eigen::SelfAdjointEigenSolver<Matrix3> solver(brick.inertia);
   Matrix3 axes = solver.eigenvectors();
   if (axes.determinant() < 0) axes.col(2) = -axes.col(2);

@@ -1,3 +1,15 @@
+// Bullet's rigid-body world as a baseline, with our rules for contacts.
+//
+// Bullet advances velocities by the loads, solves joints and contacts together on velocities by one
+// of three methods, and moves the bodies by semi-implicit Euler. A joint's gap c is fed back as a
+// velocity of erp c / h (Baumgarte's stabilisation: J. Baumgarte, Stabilization of constraints and
+// integrals of motion in dynamical systems, Comput. Methods Appl. Mech. Eng. 1, 1972), so that gaps
+// shrink over many steps and never vanish.
+//
+// Three things differ from Bullet's defaults. Shapes are shrunk so that shape and margin together
+// are the brick (inset_hull.h). Friction coefficients belong to pairs, where Bullet multiplies
+// those of two bodies. Contact points near a shared pivot are removed (pivot_zones.h), as they
+// would pry the joint open.
 #include "sim/world/bullet_world.h"
 
 #include <optional>
@@ -39,6 +51,7 @@ SolverParts makeSolver(BulletMethod method) {
       break;
     case BulletMethod::Dantzig:
       made.pivoting = std::make_unique<btDantzigSolver>();
+      // Where pivoting fails, Bullet falls back to sequential impulses by itself.
       made.solver = std::make_unique<btMLCPSolver>(made.pivoting.get());
       break;
   }
@@ -46,6 +59,7 @@ SolverParts makeSolver(BulletMethod method) {
 }
 
 std::unique_ptr<btConvexHullShape> makeHull(const Brick& brick, const PrincipalAxes& axes) {
+  // A body's axes are the principal axes of the brick, so that points are turned into them.
   const InsetHull hull = insetHull(brick);
   auto shape = std::make_unique<btConvexHullShape>();
   for (const Vector3& point : hull.points) {
@@ -80,6 +94,7 @@ class KirigamiWorld : public btDiscreteDynamicsWorld {
   }
 
  private:
+  // Sets friction, and removes points near shared pivots.
   void amend(btPersistentManifold& manifold) const {
     const int brickA = manifold.getBody0()->getUserIndex();
     const int brickB = manifold.getBody1()->getUserIndex();
@@ -148,6 +163,7 @@ void BulletWorld::Internals::addBrick(const Brick& brick, const Environment& env
   info.m_angularDamping = environment.angularDamping;
   btRigidBody& body = *bodies.emplace_back(std::make_unique<btRigidBody>(info));
   body.setUserIndex(static_cast<int>(bodies.size()) - 1);
+  // Bodies that Bullet takes for resting are no longer moved by springs.
   body.setActivationState(DISABLE_DEACTIVATION);
   const bool touchesBricks = environment.contacts != ContactFilter::None;
   world->addRigidBody(&body, kBrickGroup,
@@ -170,6 +186,7 @@ void BulletWorld::Internals::addGround(const Ground& ground) {
   world->addRigidBody(groundBody.get(), kGroundGroup, kBrickGroup);
 }
 
+// To the poses and velocities of `motion`.
 void BulletWorld::Internals::placeBodies() {
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     const Pose& pose = motion.poses[k];
@@ -211,11 +228,13 @@ void BulletWorld::applyLoad(int brick, const Vector3& force, const Vector3& torq
 
 void BulletWorld::advance(double step) {
   Internals& in = *internals_;
+  // No substeps: one call is one step of exactly this length.
   in.world->stepSimulation(step, 0);
   for (std::size_t k = 0; k < in.bodies.size(); ++k) {
     const btRigidBody& body = *in.bodies[k];
     in.motion.poses[k].position = fromBullet(body.getCenterOfMassPosition());
     in.motion.poses[k].rotation =
+        // From principal axes back to the brick's.
         fromBullet(body.getOrientation()) * in.axes[k].rotation.conjugate();
     in.motion.velocities[k] = {fromBullet(body.getLinearVelocity()),
                                fromBullet(body.getAngularVelocity())};

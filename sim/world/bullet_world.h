@@ -33,6 +33,7 @@ struct BulletSettings {
 class BulletWorld : public BrickWorld {
  public:
   /// The environment gives gravity, damping, contacts and ground.
+  /// Poses are those of the centres of mass. All lists are in the order of the bricks.
   BulletWorld(const std::vector<Brick>& bricks, const Poses& start, std::span<const Pivot> pivots,
               const Environment& environment, const BulletSettings& settings);
   ~BulletWorld() override;

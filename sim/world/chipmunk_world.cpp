@@ -1,3 +1,8 @@
+// Chipmunk 7 as a baseline, as the quasicrystal kirigami simulator uses it through Pymunk: a body
+// for each brick and a pivot joint for each pivot of the lower face. Chipmunk solves by sequential
+// impulses in double precision and corrects gaps by feeding a part of them back as velocities. Its
+// damping is the part of a velocity that is kept over a second, for straight and turning motions
+// alike, so that the environment's angular damping does not count.
 #include "sim/world/baseline_worlds.h"
 
 #ifdef KIRIREEL_CHIPMUNK
@@ -40,6 +45,7 @@ class ChipmunkWorld : public BrickWorld {
     }
   }
 
+  // A space must not hold what is freed.
   ~ChipmunkWorld() override {
     for (const JointOfBodies& joint : joints_) cpSpaceRemoveConstraint(space_.get(), joint.get());
     for (const Body& body : bodies_) cpSpaceRemoveBody(space_.get(), body.get());
@@ -48,12 +54,14 @@ class ChipmunkWorld : public BrickWorld {
   ChipmunkWorld& operator=(const ChipmunkWorld&) = delete;
 
   void applyLoad(int brick, const Vector3& force, const Vector3& torque) override {
+    // Chipmunk sets forces to zero after each step.
     cpBodySetForce(bodies_[brick].get(), toChipmunk(force));
     cpBodySetTorque(bodies_[brick].get(), torque.z());
   }
 
   void advance(double step) override { cpSpaceStep(space_.get(), step); }
 
+  // Heights and tilts are those of the start.
   void readMotion(Motion& motion) const override {
     for (std::size_t k = 0; k < bodies_.size(); ++k) {
       const cpBody* body = bodies_[k].get();

@@ -1,3 +1,19 @@
+// Contacts of all bricks in three stages.
+//
+// 1. The broad phase (near_pairs.h) lists pairs of convex pieces whose boxes meet. Concave bricks
+//    have several pieces; those of one brick never meet each other.
+// 2. Each listed pair that may touch is looked at as a `BrickPair`, or as a `SpherePair` where one
+//    of the two is a sphere. These remember, from step to step, what keeps the two apart.
+// 3. Bricks on the ground: a brick whose lowest vertex is below the ground gets a contact at each
+//    of its vertices, of which the solver holds those that push.
+//
+// Bodies are numbered: first the bricks, then the parts of obstacles, so that a body is an obstacle
+// where its number is not below movingCount(). Pairs are visited in the order of their numbers, so
+// that contacts have the same order on every machine.
+//
+// Bricks that share a corner are looked at without that corner (pivotZone of an edge, see
+// shared_corners.h): bricks joined on one face would else be stopped by the least fold, as the
+// edges at their joint already touch.
 #include "sim/world/contact_finder.h"
 
 #include <algorithm>
@@ -45,6 +61,7 @@ struct ContactFinder::Internals {
         shapes(shapesOf(pieces)),
         near(shapes) {
     firstPiece.resize(bricks.size());
+    // Backwards, so that the first piece of each brick is what stays.
     for (std::size_t k = pieces.size(); k-- > 0;) {
       firstPiece[pieces[k].brick] = static_cast<int>(k);
     }
@@ -90,6 +107,8 @@ struct ContactFinder::Internals {
 
 BrickPair& ContactFinder::Internals::pairOf(int a, int b) {
   const Key key = pairKey(a, b);
+  // Pairs are kept for the rest of the run, since what they remember is worth more than their
+  // memory.
   const auto known = pairs.find(key);
   if (known != pairs.end()) return known->second;
   const BrickPiece& pieceA = pieces[a];
@@ -107,6 +126,7 @@ BrickPair& ContactFinder::Internals::pairOf(int a, int b) {
              withoutCorners(pieceB, corners->second.ofB, length));
 }
 
+// The pair of a piece of a brick and the piece that stands for a sphere, made where it is new.
 SpherePair& ContactFinder::Internals::sphereOf(int piece, int sphere) {
   const int body = pieces[sphere].brick;
   return spheres
@@ -115,6 +135,7 @@ SpherePair& ContactFinder::Internals::sphereOf(int piece, int sphere) {
       .first->second;
 }
 
+// Pieces move with their bricks.
 Poses ContactFinder::Internals::posesOfPieces(const Poses& poses) const {
   Poses placed;
   placed.reserve(pieces.size());
@@ -125,11 +146,14 @@ Poses ContactFinder::Internals::posesOfPieces(const Poses& poses) const {
 /// Two bodies, the smaller number first.
 bool ContactFinder::Internals::mayTouch(int a, int b) const {
   if (a == b) return false;
+  // b has the larger number, so that an obstacle among the two is b. Obstacles do not meet each
+  // other.
   if (partOf(b)) return !partOf(a);
   return environment.contacts == ContactFilter::All ||
          (environment.contacts == ContactFilter::Unjoined && !joined.contains({a, b}));
 }
 
+// Takes notice of a move; the list of near pairs changes seldom.
 void ContactFinder::Internals::updatePairs(const Poses& from, const Poses& to) {
   if (environment.contacts == ContactFilter::None && parts.empty()) return;
   const bool areBricks = pieces.size() == bricks.size();
@@ -157,15 +181,18 @@ void ContactFinder::Internals::transfer(StateTape& tape) {
   std::vector<std::pair<int, int>> known;
   for (const auto& [key, pair] : pairs) known.push_back(piecesOf(key));
   tape.transfer(near, known);
+  // Playing back, pairOf() makes the pair anew, and the tape fills in what it remembered.
   for (const auto& [a, b] : known) pairOf(a, b).transfer(tape);
   if (tape.isPlaying()) listNearPairs();
 }
 
+// Coulomb's coefficient of a pair: an obstacle's own, else that between bricks.
 double ContactFinder::Internals::frictionWith(int a, int b) const {
   const ObstaclePart* part = partOf(std::max(a, b));
   return part ? part->friction : environment.brickFriction;
 }
 
+// A brick in an obstacle could not be got out without a jump.
 void ContactFinder::Internals::requireFree(int brick, int body, double overlap) const {
   const ObstaclePart* part = partOf(body);
   if (!part || overlap <= tolerance) return;
@@ -177,7 +204,9 @@ void ContactFinder::Internals::requireFree(int brick, int body, double overlap) 
 double ContactFinder::Internals::appendGround(int brick, const Pose& end,
                                               std::vector<Contact>& contacts) {
   const double height = environment.ground->height;
+  // Heights in brick axes: one product for each vertex.
   const Vector3 up = end.rotation.conjugate() * Vector3::UnitZ();
+  // The lowest vertex alone decides whether the brick is in the ground.
   double lowest = std::numeric_limits<double>::infinity();
   for (const std::vector<Vector3>* points : {&bricks[brick].bottom, &bricks[brick].top}) {
     for (const Vector3& point : *points) lowest = std::min(lowest, point.dot(up));
@@ -208,6 +237,8 @@ ContactFinder::ContactFinder(const std::vector<Brick>& bricks, const Poses& star
   in.tolerance = tolerance;
   in.updatePairs(start, start);
   for (BrickPair* pair : in.nearPairs) {
+    // Flush bricks of rounded models overlap a little where the run begins. They may keep that, but
+    // an obstacle may not be entered at all.
     pair->keepOverlap(seenFrom(start[pair->a()], start[pair->b()]));
     in.requireFree(pair->a(), pair->b(), pair->slack());
     if (pair->slack() > 0) in.overlapping.push_back(pair);
@@ -233,6 +264,7 @@ void ContactFinder::startStep(const Poses& start) {
   }
 }
 
+// Pairs of bricks, then spheres, then the ground.
 double ContactFinder::appendViolated(const Poses& end, std::vector<Contact>& contacts) {
   Internals& in = *internals_;
   in.updatePairs(in.start, end);
@@ -254,6 +286,7 @@ double ContactFinder::appendViolated(const Poses& end, std::vector<Contact>& con
   for (std::size_t c = first; c < contacts.size(); ++c) {
     contacts[c].friction = in.frictionWith(contacts[c].brickA, contacts[c].brickB);
   }
+  // A planar sheet on the ground never leaves it.
   if (in.environment.ground && !in.planar) {
     for (int i = 0; i < in.movingCount(); ++i) {
       overlap = std::max(overlap, in.appendGround(i, end[i], contacts));
@@ -267,10 +300,13 @@ double ContactFinder::pairsExamined() const {
 }
 
 bool ContactFinder::isCurrent(const Contact& contact) const {
+  // The ground's contacts hold while they push.
   if (contact.brickB == kFixed) return true;
   const Internals& in = *internals_;
   const auto [a, b] = std::minmax(contact.brickA, contact.brickB);
   const ObstaclePart* part = in.partOf(b);
+  // The nearest points of a sphere's contact turn with the brick, so that they are found anew in
+  // each step.
   if (part && part->radius) return false;
   const auto [pieceA, pieceB] = std::minmax({in.firstPiece[contact.brickA] + contact.partA,
                                              in.firstPiece[contact.brickB] + contact.partB});

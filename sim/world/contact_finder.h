@@ -27,6 +27,7 @@ class ContactFinder : public ContactSource {
   /// `tolerance`: overlap in metres that counts as none. `planar`: only outlines meet.
   /// `obstacles`: the parts whose bodies are the last of the bricks, which stay where they are.
   /// Throws InputError when a brick overlaps an obstacle.
+  /// `pivots` says which bricks are joined. `bricks` are copied. Poses are one a body.
   ContactFinder(const std::vector<Brick>& bricks, const Poses& start, std::span<const Pivot> pivots,
                 const Environment& environment, bool planar, double tolerance,
                 const std::vector<ObstaclePart>& obstacles = {});

@@ -1,3 +1,11 @@
+// A brick's hull moved inwards by a margin m (metres), so that Bullet's margin fills it up again.
+//
+// Moving all faces inwards by m moves a vertex v of the bottom to v + m (d + n): n the tile's unit
+// normal, and d the vector in the plane whose products with the inward unit normals i_1 and i_2 of
+// both edges at v are 1,
+//   d = (i_1 + i_2) / (1 + i_1 . i_2)
+// At a sharp corner |d| is large, and short edges would turn round: their ends come together at the
+// rate (d_k - d_(k+1)) . e for the edge's unit direction e, which bounds m.
 #include "sim/world/inset_hull.h"
 
 #include <algorithm>
@@ -5,6 +13,7 @@
 namespace kirireel {
 namespace {
 
+// Half of Bullet's usual margin of 0.04 m.
 constexpr double kLargestMargin = 0.02;     // metres
 constexpr double kMarginOfThickness = 0.2;  // so that three fifths of the thickness remain
 constexpr double kLargestEdgeLoss = 0.5;    // of an edge's length
@@ -26,6 +35,7 @@ std::vector<Vector3> insetDirections(const Brick& brick) {
   return directions;
 }
 
+// The wanted margin, or less where an edge would lose too much.
 double marginFor(const Brick& brick, const std::vector<Vector3>& directions) {
   double margin = std::min(kLargestMargin, kMarginOfThickness * brick.thickness);
   const std::size_t count = brick.bottom.size();
@@ -33,6 +43,7 @@ double marginFor(const Brick& brick, const std::vector<Vector3>& directions) {
     const std::size_t next = (k + 1) % count;
     const Vector3 edge = brick.bottom[next] - brick.bottom[k];
     const double lossRate = (directions[k] - directions[next]).dot(edge.normalized());
+    // An edge between two obtuse outer corners may as well grow.
     if (lossRate > 0) margin = std::min(margin, kLargestEdgeLoss * edge.norm() / lossRate);
   }
   return margin;

@@ -3,6 +3,11 @@
 // within each other, their hinges joints; every other hinge closes a loop and is a "connect".
 #include "sim/world/baseline_worlds.h"
 
+// MuJoCo holds joints exactly, as its coordinates are joint angles; what a "connect" holds it keeps
+// by its soft constraints, so that gaps appear at closed loops alone. Model: E. Todorov, T. Erez,
+// Y. Tassa, MuJoCo: A physics engine for model-based control, IROS 2012. Velocities cannot be
+// written in joint coordinates without solving for them: a push by M v / t for the time t = kPush,
+// with gravity off, gives accelerations whose t-fold are the joint velocities.
 #ifdef KIRIREEL_MUJOCO
 
 #include <array>
@@ -46,9 +51,11 @@ struct PivotsOfPair {
   std::vector<Pivot> pivots;
 };
 
+// By pairs of bricks, in the order of their numbers.
 std::vector<PivotsOfPair> pairsOf(std::span<const Pivot> pivots, bool planar) {
   std::map<std::pair<int, int>, PivotsOfPair> pairs;
   for (const Pivot& pivot : pivots) {
+    // In the plane both pivots of a hinge are the same constraint.
     if (planar && pivot.isUpper) continue;
     PivotsOfPair& pair = pairs[std::minmax(pivot.brickA, pivot.brickB)];
     pair.a = pivot.brickA;
@@ -73,6 +80,7 @@ class MujocoText {
         children_(bricks.size()),
         isPlaced_(bricks.size(), false) {}
 
+  // Each brick that no tree has reached yet is the root of another.
   std::string write() {
     std::string bodies;
     for (std::size_t k = 0; k < bricks_.size(); ++k) {
@@ -85,6 +93,7 @@ class MujocoText {
         "<option gravity=\"{}\" integrator=\"Euler\"><flag contact=\"disable\"/></option>"
         "<default><equality solref=\"{} 1\" solimp=\"{} {} 0.001\"/></default>"
         "<worldbody>{}</worldbody><equality>{}</equality></mujoco>",
+        // njmax: a loop has at most two connects of three rows each.
         6 * pairs_.size() + 1, vectorWords(gravity_), kSoonClosed, kHard, kHard, bodies, loops_);
   }
 
@@ -94,6 +103,7 @@ class MujocoText {
     std::size_t pair;
   };
 
+  // A tree's first brick is free.
   std::string rootJoints() const {
     if (!planar_) return "<freejoint/>";
     return "<joint type=\"slide\" axis=\"1 0 0\"/><joint type=\"slide\" axis=\"0 1 0\"/>"
@@ -108,6 +118,8 @@ class MujocoText {
     while (!waiting.empty()) {
       const int brick = waiting.front();
       waiting.pop_front();
+      // All pairs for each brick: O(bricks x pairs), which is short beside MuJoCo's own
+      // compilation.
       for (std::size_t p = 0; p < pairs_.size(); ++p) {
         const PivotsOfPair& pair = pairs_[p];
         if (isUsed[p] || (pair.a != brick && pair.b != brick)) continue;
@@ -135,6 +147,7 @@ class MujocoText {
   std::string bodyText(int brick, const Vector3& parent, const std::string& joints) const {
     const Vector3 place = start_[brick].position;
     const Matrix3 turn = start_[brick].rotation.toRotationMatrix();
+    // Bodies have the world's axes at the start, so that their inertia is turned into them.
     const Matrix3 inertia = turn * bricks_[brick].inertia * turn.transpose();
     std::string text = fmt::format(
         "<body name=\"b{}\" pos=\"{}\"><inertial pos=\"0 0 0\" mass=\"{}\" fullinertia=\"{} {} {} "
@@ -147,6 +160,7 @@ class MujocoText {
     return text + "</body>";
   }
 
+  // A hinge about the line through two pivots, a ball at one, in the plane a turn about z.
   std::string jointText(const Child& child) const {
     const PivotsOfPair& pair = pairs_[child.pair];
     const auto pointOf = [&](const Pivot& pivot) {
@@ -198,6 +212,8 @@ class MujocoWorld : public BrickWorld {
     for (std::size_t k = 0; k < bricks.size(); ++k) {
       bodies_.push_back(mj_name2id(model_.get(), mjOBJ_BODY, fmt::format("b{}", k).c_str()));
     }
+    // mj_step1 computes positions and velocities of all bodies, mj_step2 forces and the step: loads
+    // come between the two.
     mj_step1(model_.get(), data_.get());
   }
 
@@ -249,6 +265,7 @@ class MujocoWorld : public BrickWorld {
 
  private:
   Velocity velocityOf(std::size_t brick) const {
+    // MuJoCo's spatial vectors have the angular part first.
     mjtNum both[6];
     mj_objectVelocity(model_.get(), data_.get(), mjOBJ_BODY, bodies_[brick], both, 0);
     return {{both[3], both[4], both[5]}, {both[0], both[1], both[2]}};
@@ -264,6 +281,8 @@ class MujocoWorld : public BrickWorld {
 
   /// The damping of the environment: MuJoCo has some of joints alone.
   void damp() {
+    // The rate whose exponential loses that part in a second. It acts explicitly, which is enough
+    // for the small rates of studies.
     const double linear = -std::log1p(-environment_.linearDamping);
     const double angular = -std::log1p(-environment_.angularDamping);
     if (linear == 0 && angular == 0) return;

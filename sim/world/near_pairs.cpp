@@ -1,3 +1,13 @@
+// The broad phase: which pairs of convex bodies may meet in a step.
+//
+// Each body has a box round its places at the start and at the end of a move, widened by a margin,
+// the same for all. While no body has moved by more than the margin from the place that its box was
+// made for, the list of pairs stays valid, and nothing is computed but a bound on each body's
+// motion:
+//   |p' - p| + 2 |q' - q| r
+// p and q position and unit quaternion, r the distance of the farthest point. Otherwise all boxes
+// are set anew, and Bullet's dynamic bounding volume tree lists which of them meet (O(n log n) for
+// n bodies that are spread out).
 #include "sim/world/near_pairs.h"
 
 #include <algorithm>
@@ -17,6 +27,7 @@ int number(const btBroadphaseProxy* proxy) {
   return static_cast<int>(reinterpret_cast<std::intptr_t>(proxy->m_clientObject));
 }
 
+// By all corners of a brick at a pose.
 void extend(Eigen::AlignedBox3d& box, const Brick& brick, const Pose& pose) {
   for (const std::vector<Vector3>* points : {&brick.bottom, &brick.top}) {
     for (const Vector3& point : *points) box.extend(pose.apply(point));
@@ -64,6 +75,7 @@ struct NearPairs::Internals {
   std::vector<std::pair<int, int>> pairs;
 };
 
+// Whether any body may have left its box.
 bool NearPairs::Internals::anyLeft(const Poses& poses) const {
   for (std::size_t i = 0; i < poses.size(); ++i) {
     if (motionBound(boxedTo[i], poses[i], radii[i]) > margin) return true;
@@ -71,6 +83,7 @@ bool NearPairs::Internals::anyLeft(const Poses& poses) const {
   return false;
 }
 
+// From the two states of `boxedFrom` and `boxedTo`.
 void NearPairs::Internals::setBoxes() {
   boxes.assign(bricks.size(), {});
   for (std::size_t i = 0; i < bricks.size(); ++i) {
@@ -108,6 +121,7 @@ void NearPairs::Internals::listPairs() {
     const auto [a, b] = std::minmax({number(found[i].m_pProxy0), number(found[i].m_pProxy1)});
     if (boxes[a].intersects(boxes[b])) pairs.emplace_back(a, b);
   }
+  // Bullet's order depends on the history of its tree, and the order of contacts on this one.
   std::sort(pairs.begin(), pairs.end());
 }
 

@@ -11,6 +11,7 @@
 namespace kirireel {
 
 /// How far any point within `radius` of the origin is displaced by a change of pose, at most.
+/// Metres. Never too small; at most twice too large for small turns.
 double motionBound(const Pose& from, const Pose& to, double radius);
 
 /// The distance of a brick's farthest point from its centre of mass, metres.
@@ -25,6 +26,7 @@ class NearPairs {
   ~NearPairs();
 
   /// Takes notice of a move. Returns whether the pairs were found anew.
+  /// O(bricks) where the boxes still hold, else O(bricks log bricks).
   bool update(const Poses& start, const Poses& end);
 
   /// The pairs whose boxes overlap, smaller number first, sorted. A box holds its brick at the

@@ -1,3 +1,5 @@
+// Obstacles as bricks that stay where they are: a box is one brick, each face of a mesh a brick
+// without thickness, a sphere the cube round it, which the broad phase needs, with its radius.
 #include "sim/world/obstacle_parts.h"
 
 namespace kirireel {
@@ -26,6 +28,8 @@ void append(const Obstacle& obstacle, int number, std::vector<ObstaclePart>& par
       return;
     case Obstacle::Shape::Mesh:
       for (const Tile& face : obstacleFaces(obstacle)) {
+        // A face without thickness keeps bricks off on the side from which they come: no plane that
+        // held on one side at the start holds on the other.
         parts.push_back(makePart(face, 0, obstacle.friction, number));
       }
   }

@@ -19,6 +19,7 @@ struct ObstaclePart {
 };
 
 /// The parts of all obstacles, in order.
+/// Throws InputError for a mesh that cannot be read.
 std::vector<ObstaclePart> obstacleParts(const std::vector<Obstacle>& obstacles);
 
 }  // namespace kirireel

@@ -1,3 +1,6 @@
+// Zones round shared pivots in which Bullet's contact points are dropped: balls round single
+// pivots, cylinders with round ends round hinge lines. They are kept in the axes of the pair's
+// first brick, with which the pivot moves.
 #include "sim/world/pivot_zones.h"
 
 #include <algorithm>
@@ -7,14 +10,18 @@
 namespace kirireel {
 namespace {
 
+// Rounded hulls touch beside a common corner within a few margins of it.
 constexpr double kMargins = 4;
+// A twentieth of an edge is small against a tile.
 constexpr double kEdges = 0.05;
 
+// Metres; the larger of the two rules.
 double zoneRadius(const Brick& a, const Brick& b) {
   const double margin = std::max(contactMargin(a), contactMargin(b));
   return std::max(kMargins * margin, kEdges * 0.5 * (meanEdge(a) + meanEdge(b)));
 }
 
+// A segment without length is a point.
 double distanceToSegment(const Vector3& point, const Vector3& from, const Vector3& to) {
   const Vector3 along = to - from;
   const double squaredLength = along.squaredNorm();

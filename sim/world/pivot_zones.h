@@ -14,6 +14,7 @@ namespace kirireel {
 /// always touch there, and rounded hulls a little beside it; a contact would pry the joint open.
 class PivotZones {
  public:
+  /// Links, whose corners are apart, have no zone.
   PivotZones(const std::vector<Brick>& bricks, std::span<const Pivot> pivots);
 
   /// Whether a contact point of two bricks, given in world axes, lies within max(4 margins, 0.05

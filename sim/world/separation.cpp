@@ -1,3 +1,16 @@
+// Planes between two convex bodies A and B by the separating axis theorem.
+//
+// Two convex polyhedra that do not meet are separated by a plane parallel to a face of either, or
+// parallel to an edge of each (S. Gottschalk, M. C. Lin, D. Manocha, OBBTree, SIGGRAPH 1996). With
+// the unit normal n from B towards A,
+//   s = min over A of (p . n) - max over B of (p . n)             metres
+// is the separation: positive where they are apart, negative where they overlap along n. For a face
+// of B, n is its outward normal, and the maximum over B is reached on the face, so that one point
+// of it serves. For edges, n = +-(e_A x e_B) / |e_A x e_B|: both signs are tried as planes of their
+// own, so that a plane keeps its side when it is followed.
+//
+// A prism over a polygon with k corners has k + 2 faces and up to k + 1 edge directions. In the
+// plane only its k side faces count.
 #include "sim/world/separation.h"
 
 #include <algorithm>
@@ -15,6 +28,7 @@ constexpr double kSteady = 0.05;
 // Points that reach equally far to this part of an edge tie.
 constexpr double kTie = 1e-9;
 
+// The least projection of the points on a direction.
 double lowest(const std::vector<Vector3>& points, const Vector3& direction) {
   double low = std::numeric_limits<double>::infinity();
   for (const Vector3& point : points) low = std::min(low, point.dot(direction));
@@ -24,6 +38,7 @@ double lowest(const std::vector<Vector3>& points, const Vector3& direction) {
 void addDirection(Outline& outline, const Vector3& edge) {
   const Vector3 direction = edge.normalized();
   const bool known =
+      // Parallel edges span the same planes, so that they count once.
       std::any_of(outline.directions.begin(), outline.directions.end(),
                   [&](const Vector3& other) { return other.cross(direction).norm() < 1e-9; });
   if (!known) outline.directions.push_back(direction);
@@ -31,6 +46,8 @@ void addDirection(Outline& outline, const Vector3& edge) {
 
 /// The point that reaches farthest along a direction; of both ends of an edge across it the first.
 const Vector3& farthest(const PlacedOutline& placed, const Vector3& direction, int& index) {
+  // Both ends of an edge across the direction reach equally far; rounding must not choose between
+  // them.
   const double tie = kTie * (placed.points[1] - placed.points[0]).norm();
   index = 0;
   for (int p = 1; p < static_cast<int>(placed.points.size()); ++p) {
@@ -67,6 +84,7 @@ void appendEdgeContacts(const SeparatingPlane& plane, int brickA, int brickB,
   }
   contact.pointA = pointA;
   for (int p = 0; p < static_cast<int>(b.outline->points.size()); ++p) {
+    // That pair of points stands among those of A already.
     if (p == nearestB) continue;
     contact.pointB = b.outline->points[p];
     contacts.push_back(contact);
@@ -96,7 +114,9 @@ Outline makeOutline(const Brick& brick, bool planar) {
   return outline;
 }
 
+// Memory of `placed` is used again, as this is called for each pair in each step.
 void placeOutline(const Outline& outline, const Pose& pose, PlacedOutline& placed) {
+  // One matrix for all points is cheaper than a quaternion for each.
   const Matrix3 R = pose.rotation.toRotationMatrix();
   const auto turn = [&](const std::vector<Vector3>& from, std::vector<Vector3>& to) {
     to.resize(from.size());
@@ -110,6 +130,7 @@ void placeOutline(const Outline& outline, const Pose& pose, PlacedOutline& place
   for (Vector3& point : placed.points) point += pose.position;
 }
 
+// Faces come first: they are cheaper, and keep most pairs apart.
 std::vector<SeparatingPlane> separatingPlanes(const Outline& a, const Outline& b) {
   std::vector<SeparatingPlane> planes;
   for (int f = 0; f < static_cast<int>(a.normals.size()); ++f) {

@@ -19,6 +19,7 @@ struct Outline {
   std::vector<Vector3> directions;  ///< of edges, unit, parallel ones once
 };
 
+/// `brick` is convex. O(n^2) in its corners, for the directions of its edges.
 Outline makeOutline(const Brick& brick, bool planar);
 
 /// An outline at a pose, in world axes.
@@ -55,6 +56,7 @@ Vector3 planeNormal(const SeparatingPlane& plane, const PlacedOutline& a, const 
 
 /// Distance between A and B along a plane's normal, metres: negative where they overlap along it,
 /// minus infinity where the plane does not exist.
+/// O(points of A and B).
 double separation(const SeparatingPlane& plane, const PlacedOutline& a, const PlacedOutline& b);
 
 /// Whether contacts should hold A and B on their sides of a plane: not where two edges are nearly

@@ -1,3 +1,11 @@
+// A convex brick and a sphere with the centre c and radius R, in brick axes.
+//
+// The nearest point of the brick to c lies on a face where c is over the face, else on an edge or
+// at a corner. Within the brick, where all heights h = n . (c - f) over the faces are negative, the
+// face with the largest height is nearest. The pair overlaps by R - distance. The contact plane is
+// the face, or else the sphere's tangent plane at the nearest point. As a convex brick has a
+// nearest point only, one contact a pair is enough. C. Ericson, Real-Time Collision Detection,
+// 2005, section 5.1, has these cases.
 #include "sim/world/sphere_pair.h"
 
 #include <algorithm>
@@ -15,6 +23,7 @@ Vector3 normalOf(const std::vector<Vector3>& face) {
   return sum.normalized();
 }
 
+// Whether the point projects into the face, seen along its normal.
 bool isOverFace(const std::vector<Vector3>& face, const Vector3& normal, const Vector3& point) {
   for (std::size_t k = 0; k < face.size(); ++k) {
     const Vector3 edge = face[(k + 1) % face.size()] - face[k];
@@ -23,6 +32,7 @@ bool isOverFace(const std::vector<Vector3>& face, const Vector3& normal, const V
   return true;
 }
 
+// The point must not lie on the edge, where the direction is not defined.
 NearestPoint nearestOnEdge(const Vector3& from, const Vector3& to, const Vector3& point) {
   const Vector3 edge = to - from;
   const double part = std::clamp((point - from).dot(edge) / edge.squaredNorm(), 0.0, 1.0);
@@ -41,6 +51,8 @@ NearestPoint nearestPoint(const std::vector<std::vector<Vector3>>& faces, const 
     const double height = normal.dot(to - face[0]);
     const NearestPoint onFace{to - height * normal, normal, height};
     if (height > within.distance) within = onFace;
+    // Faces that look away from the centre cannot hold the nearest point, unless the centre is
+    // within.
     if (height <= 0) continue;
     if (isOverFace(face, normal, to)) return onFace;
     for (std::size_t k = 0; k < face.size(); ++k) {
@@ -66,12 +78,14 @@ double SpherePair::overlap(const Pose& brick, const Vector3& centre) const {
   return std::max(0.0, radius_ - nearest(brick, centre).distance);
 }
 
+// The contact of the nearest feature at a pose, which stays for the step.
 Contact SpherePair::contactAt(const Pose& brick, const Vector3& centre) const {
   const NearestPoint near = nearest(brick, centre);
   Contact contact;
   if (near.isOnFace) {
     contact.brickA = sphere_;
     contact.brickB = brick_;
+    // The sphere's point that faces the brick; its axes are the world's, since it does not turn.
     contact.pointA = radius_ * (brick.rotation * -near.away);
     contact.pointB = near.point;
     contact.normal = near.away;
@@ -91,6 +105,8 @@ double SpherePair::appendViolated(const Pose& start, const Pose& end, const Vect
   if (deep <= tolerance_) return 0;
   if (givenStep_ != step) given_.clear();
   givenStep_ = step;
+  // The start's feature is what the brick came towards. When its contact is there and the overlap
+  // stays, the end's feature is another one.
   for (const Pose* pose : {&start, &end}) {
     const Contact contact = contactAt(*pose, centre);
     if (std::find(given_.begin(), given_.end(), contact) != given_.end()) continue;

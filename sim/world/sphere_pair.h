@@ -17,6 +17,7 @@ struct NearestPoint {
 };
 
 /// `faces`: of a convex brick, outward, see brickFaces. `to`: in brick axes.
+/// Costs a look at every face, O(corners).
 NearestPoint nearestPoint(const std::vector<std::vector<Vector3>>& faces, const Vector3& to);
 
 /// Finds contacts at the surface's nearest points: a face of the brick keeps off the sphere's point
