@@ -108,7 +108,7 @@ TEST(OptionTileColour, IsTilesAndAColour) {
   const TileColour made = parseTileColour({"--tile-colour", "3,7,10-12=teal"});
   EXPECT_EQ(made.tiles, (std::vector<int>{3, 7, 10, 11, 12}));
   EXPECT_EQ(made.colour, (Colour{0, 128, 128}));
-  EXPECT_EQ(tileColoursText({made}), "[\"3,7,10,11,12=008080\"]");
+  EXPECT_EQ(tileColoursText({made}), "\"3,7,10,11,12=008080\"");
   for (const char* text : {"3", "=teal", "a=teal", "3,=teal", "5-3=teal", "-1=teal", "1-=teal"}) {
     EXPECT_EQ(messageOf([&] {
                 parseTileColour({"--tile-colour", text});
