@@ -12,6 +12,7 @@
 namespace kirireel {
 namespace {
 
+// No tiles named means all.
 std::vector<int> tilesOf(const InitialVelocity& velocity, std::size_t count) {
   if (!velocity.tiles.empty()) return velocity.tiles;
   std::vector<int> all(count);
@@ -21,12 +22,15 @@ std::vector<int> tilesOf(const InitialVelocity& velocity, std::size_t count) {
 
 }  // namespace
 
+// From the file's numbers to the model's. Throws InputError for a tile that the model does not
+// have.
 void numberAsModel(std::vector<InitialVelocity>& velocities, const Model& model) {
   for (InitialVelocity& velocity : velocities) {
     for (int& tile : velocity.tiles) tile = tileOfModel(tile, model, velocity.where);
   }
 }
 
+// Tiles must be numbered as the model's. One velocity a brick, zero where no entry names it.
 std::vector<Velocity> initialVelocities(const std::vector<InitialVelocity>& given,
                                         const std::vector<Brick>& bricks, const Poses& poses) {
   std::vector<Velocity> velocities(bricks.size());

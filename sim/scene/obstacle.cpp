@@ -16,11 +16,13 @@ namespace {
 // many round it.
 constexpr int kBands = 16;
 
+// A polygon in an obstacle's axes as one in the world's.
 Tile placed(const Pose& pose, Tile tile) {
   for (Vector3& vertex : tile.vertices) vertex = pose.apply(vertex);
   return tile;
 }
 
+// The corner at a band's border (0 is the upper pole, kBands the lower one) and a sector's, metres.
 Vector3 onSphere(const Obstacle& sphere, int band, int sector) {
   const double polar = std::numbers::pi * band / kBands;
   const double around = std::numbers::pi * sector / kBands;
@@ -29,12 +31,14 @@ Vector3 onSphere(const Obstacle& sphere, int band, int sector) {
                                                         std::cos(polar));
 }
 
+// Corners go round each face counter-clockwise as seen from outside: down, along, up, back.
 std::vector<Tile> sphereFaces(const Obstacle& sphere) {
   std::vector<Tile> faces;
   for (int band = 0; band < kBands; ++band) {
     for (int sector = 0; sector < 2 * kBands; ++sector) {
       Tile& face = faces.emplace_back();
       face.vertices = {onSphere(sphere, band, sector), onSphere(sphere, band + 1, sector)};
+      // At a pole the two corners of a band's border coincide, so that one of them is left out.
       // Triangles at the poles.
       if (band + 1 < kBands) face.vertices.push_back(onSphere(sphere, band + 1, sector + 1));
       if (band > 0) face.vertices.push_back(onSphere(sphere, band, sector + 1));
@@ -43,6 +47,7 @@ std::vector<Tile> sphereFaces(const Obstacle& sphere) {
   return faces;
 }
 
+// Floor and walls of a box in the world's axes.
 std::vector<Tile> boxFaces(const Obstacle& box) {
   const Tile floor = boxFloor(box, box.size);
   // The brick of the floor is the box, so that pictures and contacts have the same faces.
@@ -56,6 +61,8 @@ std::vector<Tile> boxFaces(const Obstacle& box) {
 
 }  // namespace
 
+// The lower side of a box of that size, with its corners counter-clockwise from above in the box's
+// own axes. `size` may differ from the obstacle's.
 Tile boxFloor(const Obstacle& obstacle, const Vector3& size) {
   const Vector3 half = 0.5 * size;
   return placed(obstacle.pose, {{{-half.x(), -half.y(), -half.z()},

@@ -8,6 +8,7 @@
 
 namespace kirireel {
 
+// Throws InputError for anything but a whole number that an int holds, from 0.
 int readIndex(const TomlValue& value, const std::string& wanted) {
   const std::int64_t* number = value.whole();
   if (!number || *number < 0 || *number > std::numeric_limits<int>::max()) {
@@ -16,6 +17,7 @@ int readIndex(const TomlValue& value, const std::string& wanted) {
   return static_cast<int>(*number);
 }
 
+// An empty list is refused: elsewhere it means all tiles, which would be a surprise here.
 std::vector<int> readIndices(const TomlValue& value, const std::string& wanted,
                              const std::string& wantedElement) {
   const std::vector<TomlValue>* array = value.array();
@@ -25,6 +27,7 @@ std::vector<int> readIndices(const TomlValue& value, const std::string& wanted,
   return numbers;
 }
 
+// Throws InputError where the model has no such tile, with the numbers that it has.
 int tileOfModel(int number, const Model& model, const FileLocation& where) {
   const int first = model.fileOrder.countsFrom;
   const int end = first + static_cast<int>(model.tiles.size());

@@ -16,6 +16,7 @@ void requireTiles(const std::vector<int>& tiles, const Model& model, const FileL
   for (const int tile : tiles) tileOfModel(tile, model, where);
 }
 
+// The tile must have been checked before: its vertices are counted here.
 void requireVertex(const timeline::Drag& drag, const Model& model, const FileLocation& where) {
   // The centre of mass of any brick can be dragged.
   if (!drag.vertex) return;
@@ -26,6 +27,7 @@ void requireVertex(const timeline::Drag& drag, const Model& model, const FileLoc
                                         drag.tile, first, end - 1, *drag.vertex));
 }
 
+// Only these three actions name tiles.
 void check(const TimelineEntry& entry, const Model& model) {
   if (const auto* pin = std::get_if<timeline::Pin>(&entry.action)) {
     requireTiles(pin->tiles, model, entry.where);
@@ -37,6 +39,7 @@ void check(const TimelineEntry& entry, const Model& model) {
   }
 }
 
+// Whether an entry waits for, or goes to, the target that the model has.
 bool needsTarget(const TimelineEntry& entry) {
   const Occasion::Kind kind = entry.when.kind;
   const auto* goTo = std::get_if<timeline::GoTo>(&entry.action);
@@ -53,6 +56,8 @@ std::string actionName(const timeline::Action& action) {
   return kNames[action.index()];
 }
 
+// Throws InputError at the first entry that makes no sense. Entries are looked at in their order,
+// because one may set the target that a later one waits for.
 void checkTimeline(const Timeline& timeline, const Model& model) {
   bool hasTarget = model.target.has_value();
   for (const TimelineEntry& entry : timeline) {
@@ -67,6 +72,7 @@ void checkTimeline(const Timeline& timeline, const Model& model) {
   }
 }
 
+// To be called once, after checkTimeline(): a second call would count from the wrong number.
 void numberAsModel(Timeline& timeline, const Model& model) {
   const int first = model.fileOrder.countsFrom;
   for (TimelineEntry& entry : timeline) {

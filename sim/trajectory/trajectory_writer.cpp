@@ -17,6 +17,7 @@ void append(std::vector<double>& numbers, const Vector3& vector) {
   numbers.insert(numbers.end(), vector.data(), vector.data() + 3);
 }
 
+// x, y and z of all vertices one after the other, tile by tile.
 std::vector<double> flatten(const std::vector<Tile>& tiles) {
   std::vector<double> numbers;
   for (const Tile& tile : tiles) {
@@ -40,6 +41,7 @@ std::vector<double> flatten(const std::vector<Brick>& bricks, double Brick::*fie
   return numbers;
 }
 
+// Nine numbers a brick, kg m^2, about its centre of mass in its own axes.
 std::vector<double> inertias(const std::vector<Brick>& bricks) {
   std::vector<double> numbers;
   // Symmetric: rows and columns are alike.
@@ -129,6 +131,7 @@ void writeBricks(ArrayWriter& file, const std::vector<Brick>& bricks, const Bric
   writeArray(file, "bricks/inertia", inertias(bricks), {count, 3, 3}, "kg m^2");
 }
 
+// Faces in the world's axes, metres. A run without obstacles has no such group.
 void writeObstacles(ArrayWriter& file, const std::vector<Tile>& faces) {
   if (faces.empty()) return;
   file.addGroup("obstacles");
@@ -166,6 +169,7 @@ void appendPoses(const Poses& poses, std::vector<double>& positions,
   }
 }
 
+// One time and one line of text an event. A run without any has empty arrays.
 void writeEvents(ArrayWriter& file, const std::vector<Event>& events) {
   std::vector<double> times;
   std::vector<std::string> texts;
