@@ -1,3 +1,18 @@
+// How a command line becomes an order:
+//
+// - 1. PyKirigami's spellings are replaced by ours (peer_spellings.h), and where some were found,
+//   its defaults are appended for what was not given.
+// - 2. CLI11 parses the words. Each option calls a reader that writes into the order which its
+//   command was added with; a wrong value throws InputError there, so that all are refused in the
+//   same words. Extra words are allowed at this stage.
+// - 3. What nothing took is refused here, with the nearest name that exists. CLI11's own error
+//   would not suggest one.
+// - 4. The command that was given completes its order: it checks what belongs together and reads
+//   its scene file.
+//
+// The order is a plain value; main() visits it with carryOut(). Nothing but parsing has happened
+// until then, so that other programs (sweeps, the Python module, tests) make orders in the same way
+// and run them themselves.
 #include "render/cli/command_line.h"
 
 #include <algorithm>
@@ -22,6 +37,7 @@ namespace {
 constexpr const char* kName = "kirireel";
 constexpr const char* kPurpose = "Records kirigami deployments off screen.";
 
+/// Long names with their hyphens, for suggestions.
 std::vector<std::string> optionNames(const CLI::App& command) {
   std::vector<std::string> names;
   for (const CLI::Option* option : command.get_options()) {
@@ -36,6 +52,7 @@ std::vector<std::string> commandNames(const CLI::App& command) {
   return names;
 }
 
+/// The page of a command, with the full name before its usage line, and one line feed at the end.
 std::string helpText(const CLI::App& command) {
   const CLI::App* parent = command.get_parent();
   // CLI11 leaves two blank lines between groups; one will do.
@@ -46,17 +63,20 @@ std::string helpText(const CLI::App& command) {
 
 /// Arguments that no option and no place took: the first unknown option, else the first of all.
 void requireNothingLeft(const CLI::App& program) {
+  // CLI11 leaves the "--" that ends the options among what remains.
   std::vector<std::string> left = program.remaining(true);
   std::erase(left, "--");
   if (left.empty()) return;
   const CLI::App& command = chosenCommand(program);
   const std::string help = fmt::format("see {} --help", fullName(command));
+  // An unknown option comes first: its value, which nothing took either, is no mistake of its own.
   for (const std::string& argument : left) {
     if (!argument.starts_with('-')) continue;
     const std::string name = argument.substr(0, argument.find('='));
     throw InputError(fmt::format("error: unknown option {}{}; {}", name,
                                  suggestion(name, optionNames(command)), help));
   }
+  // A surplus word after a command that has commands below it was meant to be one of those.
   const std::vector<std::string> commands = commandNames(command);
   if (!commands.empty()) {
     throw InputError(fmt::format("error: unknown command {}{}; {}", left.front(),
@@ -76,8 +96,10 @@ InputError missingValue(const std::string& text, const CLI::App& command) {
 /// alike whatever the tiles' size; steps are of fixed length.
 std::vector<std::string> withPeerDefaults(const std::vector<std::string>& typed,
                                           std::vector<std::string> words) {
+  // The other commands have no such defaults.
   const bool runs = !words.empty() && (words.front() == "record" || words.front() == "simulate");
   if (!runs || !usesPeerSpellings(typed)) return words;
+  // PyKirigami's own defaults; --tolerance 0 means steps of fixed length.
   const std::pair<std::string, std::string> defaults[] = {
       {"--torque-damping", "2"}, {"--path", "dynamic"}, {"--contacts", "none"},
       {"--thickness", "0.02"},   {"--search", "60"},    {"--actuation", "target"},
@@ -123,13 +145,14 @@ template <typename Wanted>
 Command addCommand(CLI::App& program, CLI::App* (*add)(CLI::App&, Wanted&)) {
   const auto order = std::make_shared<Wanted>();
   CLI::App* app = add(program, *order);
+  // Both closures share the order, which lives until the list of commands goes.
   return {app, [app, order]() -> Order {
             completeOrder(*app, *order);
             return *order;
           }};
 }
 
-/// What holds for the program as a whole, and its commands.
+/// What holds for the program as a whole, and its commands. Their order is that of the help.
 std::vector<Command> addCommands(CLI::App& program) {
   program.allow_extras();
   program.set_version_flag("--version", versionText());
@@ -168,6 +191,7 @@ LoadedModel loadModel(const std::filesystem::path& place, const std::vector<std:
   program.allow_extras();
   OptionGroup group(program, "Model");
   addReadOptions(group, settings);
+  // --help ends parsing early with a page, which callers in code cannot use.
   if (parseInto(program, options)) throw InputError("error: a model is read without --help");
   requireNothingLeft(program);
   const InputRecord record(loaded.inputs);
@@ -181,6 +205,8 @@ RecordOrder parseRunOptions(const LoadedModel& loaded, const std::vector<std::st
   RecordOrder order;
   order.madeModel = loaded.model;
   CLI::App* command = addRecordCommand(program, order);
+  // The words of `kirireel record MODEL`: first what the model was read with, then what is asked
+  // for now, so that the later of two values counts.
   std::vector<std::string> words = {command->get_name()};
   if (!loaded.place.empty()) words.push_back(loaded.place.string());
   words.insert(words.end(), loaded.options.begin(), loaded.options.end());

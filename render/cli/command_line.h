@@ -19,15 +19,16 @@
 
 namespace kirireel {
 
-/// `--help` and `--version`.
+/// `--help` and `--version`. The text is the whole page, made while parsing.
 struct PrintOrder {
   std::string text;
 };
 
-/// Prints the text. Returns the exit code.
+/// Prints the text. Returns the exit code. Always 0.
 int carryOut(const PrintOrder& order);
 
-/// One of the things that kirireel does.
+/// One of the things that kirireel does. It holds all values that carryOut() needs; no parser is
+/// left when it is returned.
 using Order =
     std::variant<RecordOrder, RenderOrder, ExportOrder, GenerateOrder, InspectOrder, ConvertOrder,
                  StudyOrder, SweepOrder, VerifyOrder, CurvesOrder, PageOrder, PrintOrder>;
@@ -50,7 +51,8 @@ LoadedModel loadModel(const std::filesystem::path& place, const std::vector<std:
 RecordOrder parseRunOptions(const LoadedModel& loaded, const std::vector<std::string>& options);
 
 /// Reads the arguments that follow the program's name. Throws InputError for an unknown option
-/// (suggesting the nearest), a value out of range, a missing or surplus argument.
+/// (suggesting the nearest), a value out of range, a missing or surplus argument. Scene files that
+/// the arguments name are read; models are not.
 Order parseCommandLine(const std::vector<std::string>& arguments);
 
 }  // namespace kirireel

@@ -1,3 +1,6 @@
+// Reads descriptions off CLI11's objects, after all commands have been added and before anything is
+// parsed. Manual pages, shell completions, the Python stubs and the tests of documentation are made
+// from these values, so that none of them can say something else than --help does.
 #include "render/cli/command_tree.h"
 
 #include <algorithm>
@@ -19,7 +22,9 @@ std::vector<std::string> hyphenedNames(const CLI::Option& option) {
   return names;
 }
 
+/// `key` and `table` are those of a scene file; "" where none can set it.
 OptionDescription describeOption(CLI::Option& option) {
+  // CLI11 tells an option without a value by the number of words that it may take.
   const bool isSwitch = option.get_items_expected_max() == 0;
   OptionDescription described;
   described.names = hyphenedNames(option);
@@ -30,6 +35,7 @@ OptionDescription describeOption(CLI::Option& option) {
   described.help = option.get_description();
   described.words = allowedWords(option);
   described.isSwitch = isSwitch;
+  // Options that may be given several times take all of their values; others the last one.
   described.repeats = option.get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll;
   return described;
 }
@@ -41,6 +47,7 @@ CommandDescription describeCommand(CLI::App& command) {
   described.name = command.get_name();
   described.help = command.get_description();
   described.footer = command.get_footer();
+  // Positional arguments are options without hyphens in CLI11.
   for (CLI::Option* option : command.get_options()) {
     if (option->get_positional()) {
       described.places.push_back({option->get_name(true), option->get_description()});

@@ -11,7 +11,8 @@ class App;
 
 namespace kirireel {
 
-/// An option of a command.
+/// An option of a command. All texts are those that --help shows; a text that does not apply is
+/// empty.
 struct OptionDescription {
   std::vector<std::string> names;  ///< with hyphens, e.g. "-h", "--help"; the last one is long
   std::string key;                 ///< its name in a scene file or a program, e.g. "thickness"
@@ -40,10 +41,12 @@ struct CommandDescription {
   std::vector<CommandDescription> commands;  ///< below it
 };
 
-/// Reads a command's description off the command itself, and leaves that as it was.
+/// Reads a command's description off the command itself, and leaves that as it was. The order of
+/// options and commands is that of the help. The command must not have been parsed.
 CommandDescription describeCommand(CLI::App& command);
 
-/// The whole program.
+/// The whole program. Its name is "kirireel"; `commands` are those of the program, with theirs
+/// below them.
 CommandDescription describeProgram();
 
 /// The command below it that has this name. Throws std::out_of_range where there is none.

@@ -1,3 +1,10 @@
+// Each setting carries its conditions (sim/scene/settings.h), such as "--solver direct". A setting
+// that was given although one of them does not hold would be read and do nothing, which is worse
+// than an error: a user would draw conclusions from a number that nothing has used. So it is
+// refused, with what it needs.
+//
+// Conditions of single settings stand with the settings. What is left here concerns two settings at
+// once, or options of pictures, which are no settings of a scene.
 #include "render/cli/contradictions.h"
 
 #include <algorithm>
@@ -12,6 +19,7 @@
 namespace kirireel {
 namespace {
 
+/// The project's own solver: other engines have no pins, links or guided paths.
 bool isDirect(const Scene& scene) {
   return scene.solver.kind == SolverKind::Direct;
 }
@@ -27,6 +35,7 @@ std::vector<Condition> conditionsOf(const std::string& option) {
   return {};
 }
 
+/// On the command line or by a scene file, which adds its values to the same option.
 bool isGiven(const CLI::App& command, const char* option) {
   const CLI::Option* found = command.get_option_no_throw(option);
   return found && found->count() > 0;
@@ -37,6 +46,7 @@ bool isGiven(const CLI::App& command, const char* option) {
                                option, needed, option));
 }
 
+/// Whether an option was given with this word; the last one counts.
 bool isChosen(const CLI::App& command, const char* option, const char* word) {
   return isGiven(command, option) && command.get_option(option)->results().back() == word;
 }
@@ -69,6 +79,7 @@ void requireConsistent(const CLI::App& command, const Scene& scene) {
       if (!condition.holds(scene)) refuse(option->get_name(), condition.needed);
     }
   }
+  // A guided path moves tiles towards the target in steps of its own, by the direct solver alone.
   const bool isLed = scene.path.kind == PathKind::Led;
   const Drive drive = scene.actuation.drive;
   const bool pullsToTarget = drive == Drive::Target || drive == Drive::Auto;

@@ -1,3 +1,6 @@
+// Reads a model in any format that readModel() knows and writes it in the one that the ending of
+// OUT names. Positions are written to the last bit; what a format cannot hold (a .fold file has no
+// faces of joints in thick bricks, for example) is for writeModel() to say.
 #include "render/cli/convert_command.h"
 
 #include <CLI/CLI.hpp>

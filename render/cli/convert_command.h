@@ -11,7 +11,7 @@ class App;
 
 namespace kirireel {
 
-/// A model to be written in another format.
+/// A model to be written in another format. The formats of both are told by their names.
 struct ConvertOrder {
   std::filesystem::path input;
   ReadSettings reading;
@@ -25,7 +25,8 @@ CLI::App* addConvertCommand(CLI::App& program, ConvertOrder& order);
 /// Throws InputError where something is missing. To be called after parsing.
 void completeOrder(const CLI::App& command, ConvertOrder& order);
 
-/// Reads and writes. Returns the exit code.
+/// Reads and writes. Returns the exit code. Throws InputError for a model that cannot be read,
+/// OutputError for a file that cannot be written.
 int carryOut(const ConvertOrder& order);
 
 }  // namespace kirireel

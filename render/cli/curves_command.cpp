@@ -1,3 +1,6 @@
+// The command reads trajectory.h5 alone: everything that curves show is measured from the samples,
+// or was stored with them. Options of figures are in print sizes (mm, points); see curves/plot.h
+// for what follows from them.
 #include "render/cli/curves_command.h"
 
 #include <algorithm>
@@ -13,6 +16,7 @@
 namespace kirireel {
 namespace {
 
+/// "svg,png": each format once, in the order of their first naming.
 std::vector<PageFormat> parsePlots(const TypedValue& typed) {
   std::vector<PageFormat> plots;
   std::istringstream words(typed.text);
@@ -42,6 +46,7 @@ CLI::App* addCurvesCommand(CLI::App& program, CurvesOrder& order) {
                                  {"progress", CurvesAgainst::Progress},
                                  {"opening", CurvesAgainst::Opening}},
                                 "what lies along the horizontal axes");
+  // Millimetres and points are those of print; --dpi turns them into pixels of a PNG alone.
   PlotSettings& plot = order.settings.plot;
   figures.number("--width", plot.width, {30, 1000}, "MM", "of the figure in print");
   figures.number("--font-size", plot.fontPoints, {3, 50}, "PT", "of its text in print");
@@ -70,6 +75,7 @@ void completeOrder(const CLI::App& command, CurvesOrder& order) {
 
 int carryOut(const CurvesOrder& order) {
   CurvesSettings settings = order.settings;
+  // Beside the trajectory; a bare file name has no parent, so the current folder.
   if (settings.folder.empty()) settings.folder = order.run.parent_path();
   if (settings.folder.empty()) settings.folder = ".";
   const TrajectoryReader run(order.run);

@@ -1,4 +1,7 @@
 /// What the program's exit code says.
+///
+/// Scripts tell a wrong order (2) from a run that ended elsewhere than it was to (3) and from a
+/// failure of the machine (1); numbers stay as they are, since scripts rely on them.
 #pragma once
 
 namespace kirireel {

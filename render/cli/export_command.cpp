@@ -1,3 +1,7 @@
+// Options of states, elements and decks, which `record` and `simulate` have too (behind --export),
+// and the command that exports a finished run. Every value that decides the bytes of a file says
+// itself by saidAs(), so that the fingerprint of a run holds it; aliases (--states beside --state,
+// --quadratic beside --linear) decide nothing.
 #include "render/cli/export_command.h"
 
 #include <memory>
@@ -14,6 +18,7 @@
 namespace kirireel {
 namespace {
 
+/// One word more than there are commas; empty ones stay, and are refused by those who read them.
 std::vector<std::string> splitAtCommas(const TypedValue& value) {
   std::vector<std::string> words;
   std::size_t begin = 0;
@@ -27,6 +32,8 @@ std::vector<std::string> splitAtCommas(const TypedValue& value) {
 
 void addStateOptions(OptionGroup& group, ExportSettings& settings) {
   // What is typed takes the place of the default.
+  // The default is two states. The first state that is typed empties the list, later ones add to
+  // it; the flag is shared by both options and outlives this function.
   const auto isTyped = std::make_shared<bool>(false);
   const auto append = [&settings, isTyped](const std::string& name) {
     requireStateName(name);
@@ -54,6 +61,7 @@ void addStateOptions(OptionGroup& group, ExportSettings& settings) {
 
 void addElementOptions(CLI::App& command, ElementRule& elements) {
   OptionGroup group(command, "Elements (inp, msh)", "recording");
+  // Lengths of 0 mean "as usual" in the rule, so a typed one starts above it.
   const auto length = [&group](const char* name, const char* usual, const char* help,
                                double& target) {
     group
@@ -69,6 +77,7 @@ void addElementOptions(CLI::App& command, ElementRule& elements) {
                elements.perEdge = static_cast<int>(parseInteger(typed, {1, 64}));
              })
       .saidAs([&elements] { return elements.perEdge > 0 ? numberText(elements.perEdge) : ""; });
+  // Empty words for the default: the count per edge is in force then.
   length("--element-size", "", "the longest element edge, in place of the count", elements.size);
   group.integer("--elements-through", elements.through, {1, 64}, "COUNT", "through the thickness");
   group.flag("--linear", elements.quadratic,
@@ -77,24 +86,28 @@ void addElementOptions(CLI::App& command, ElementRule& elements) {
       .flag("--quadratic", "20 nodes an element (C3D20R); the default",
             [&elements] { elements.quadratic = true; })
       .decidesNothing();
+  // The first word is the default.
   group.choice<JointStyle>("--joints", elements.joints,
                            {{"shared", JointStyle::Shared},
                             {"equation", JointStyle::Equation},
                             {"patch", JointStyle::Patch},
                             {"neck", JointStyle::Neck}},
                            "shared nodes, *EQUATION, rigid patches, or one sheet with necks");
+  // Lengths of necks and patches are metres of the model, whatever the deck's unit.
   length("--patch-radius", "a quarter of the shortest edge",
          "of rigid patches; below half of an edge", elements.patchRadius);
   length("--neck-width", "", "of necks: the material that stays at a joint", elements.neck.width);
   length("--neck-length", "the kerf", "of necks, from tile to tile", elements.neck.length);
   length("--neck-radius", "0", "of the fillets at the ends of necks", elements.neck.radius);
   length("--kerf", "0", "width of the cuts of a sheet with necks", elements.neck.kerf);
+  // --shells and --plane-stress exclude each other with some joints; the element rule says so.
   group.flag("--shells", "shells (S8R, S4), offset where joints lie on one face",
              [&elements] { elements.family = ElementFamily::Shell; });
   group.flag("--plane-stress", "plane elements of a sheet with necks (CPS8R, CPS4)",
              [&elements] { elements.family = ElementFamily::Plane; });
 }
 
+/// "all", "edge", or numbers with commas; whether the model has such tiles is seen when it is read.
 DriveChoice parseDrive(const TypedValue& typed) {
   if (typed.text == "all") return {DriveChoice::All, {}};
   if (typed.text == "edge") return {DriveChoice::Edge, {}};
@@ -108,6 +121,8 @@ DriveChoice parseDrive(const TypedValue& typed) {
 /// `isAlone` tells the command whose options are these alone: names may be short there.
 void addDeckOptions(CLI::App& command, DeckSettings& decks, bool isAlone) {
   OptionGroup group(command, "Decks (inp)", "recording");
+  // Within `record` the names --solver and --density belong to the simulation, so a deck's have a
+  // prefix there.
   group.choice<Solver>(isAlone ? "--solver,--deck-solver" : "--deck-solver", decks.solver,
                        {{"calculix", Solver::Calculix}, {"abaqus", Solver::Abaqus}},
                        "whose keywords are written where they differ");
@@ -118,7 +133,9 @@ void addDeckOptions(CLI::App& command, DeckSettings& decks, bool isAlone) {
             typed,
             {{"none", SetChoice::None}, {"joints", SetChoice::Joints}, {"all", SetChoice::All}});
       });
+  // SI units here whatever --deck-unit says; the deck is what is scaled.
   group.number("--youngs", decks.material.youngs, {1e-12, 1e18}, "PASCAL", "Young's modulus");
+  // The limits of isotropic material are -1 and 0.5; at either, stiffness is singular.
   group.number("--poisson", decks.material.poisson, {-0.99, 0.499}, "", "Poisson's ratio");
   group.number(isAlone ? "--density,--deck-density" : "--deck-density", decks.material.density,
                {1e-12, 1e9}, "KG/M3", "of the material");
@@ -139,6 +156,7 @@ void addDeckOptions(CLI::App& command, DeckSettings& decks, bool isAlone) {
              [&decks](const TypedValue& typed) {
                decks.contactFriction = parseNumber(typed, {0, 10});
              })
+      // Absent contact is no contact; a coefficient of 0 is contact without friction.
       .saidAs([&decks] {
         return decks.contactFriction ? numberText(*decks.contactFriction) : std::string();
       });
@@ -147,6 +165,7 @@ void addDeckOptions(CLI::App& command, DeckSettings& decks, bool isAlone) {
              [&decks] { decks.stateMap = true; });
 }
 
+/// A folder stands for the trajectory.h5 in it.
 std::filesystem::path trajectoryFile(const std::filesystem::path& given) {
   return std::filesystem::is_directory(given) ? given / output::kTrajectory : given;
 }
@@ -156,6 +175,7 @@ std::filesystem::path trajectoryFile(const std::filesystem::path& given) {
 void addExportOptions(CLI::App& command, const std::string& formatOption,
                       ExportSettings& settings) {
   OptionGroup group(command, "Export", "recording");
+  // The list follows the enum, so a new format shows up in the help by itself.
   std::string help = "formats, separated by commas: " + listWords(choiceNames(exportFormatNames()));
   group
       .value(formatOption, "LIST", "", help,
@@ -220,12 +240,14 @@ int carryOut(const ExportOrder& order) {
   const std::filesystem::path file = trajectoryFile(order.trajectory);
   const TrajectoryReader trajectory(file);
   const std::filesystem::path folder = order.folder.empty() ? file.parent_path() : order.folder;
+  // Warnings come before the files, which may take long.
   for (const std::string& line : exportWarnings(trajectory, order.settings)) {
     fmt::print(stderr, "kirireel: {}\n", line);
   }
   for (const std::string& name : exportStates(trajectory, order.settings, folder)) {
     fmt::print("{}\n", (folder / name).string());
   }
+  // The check solves every deck twice and may take far longer than the export.
   if (!order.isChecked) return kExitDone;
   for (const std::string& line : meshSensitivity(trajectory, order.settings)) {
     fmt::print("{}\n", line);

@@ -1,3 +1,5 @@
+// One command a family of models (sim/generate/families.h), made from the family's list of
+// parameters: name, range, default, unit. A new family needs no line here.
 #include "render/cli/generate_command.h"
 
 #include <CLI/CLI.hpp>
@@ -10,11 +12,13 @@
 namespace kirireel {
 namespace {
 
+/// Values are kept by name; what was not given is absent, and the family has its own default.
 void addParameter(OptionGroup& group, const FamilyParameter& parameter, GenerateOrder& order) {
   const Range range{parameter.least, parameter.most};
   const auto read = [&order, range, name = parameter.name,
                      whole = parameter.whole](const TypedValue& typed) {
     order.values[name] =
+        // Whole numbers are kept as doubles, which hold them exactly up to 2^53.
         whole ? static_cast<double>(parseInteger(typed, range)) : parseNumber(typed, range);
   };
   const auto write = [&order, parameter] {
@@ -40,6 +44,7 @@ CLI::App* addFamily(CLI::App& generate, const Family& family, GenerateOrder& ord
                                           {"bottom", JointFace::Bottom},
                                           {"top", JointFace::Top}},
                                          "faces that joints lie on");
+  // Called for the family that was given alone, so the order learns its name.
   command->parse_complete_callback([&order, name = family.name] { order.family = name; });
   command->footer(fmt::format("Example:\n  kirireel generate {} my_model", family.name));
   return command;

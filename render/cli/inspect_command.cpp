@@ -1,3 +1,5 @@
+// Reads a model as `record` would, aligns its start to its target, and prints counts, mobility, and
+// what does not fit. Nothing runs.
 #include "render/cli/inspect_command.h"
 
 #include <CLI/CLI.hpp>
@@ -15,8 +17,10 @@
 namespace kirireel {
 namespace {
 
+// Pixels of each of the two states.
 constexpr FrameSize kStateSize{1200, 1200};
 
+/// The rank of the constraints takes long in large sheets, so the line says what is at work.
 Inspection inspectWithProgress(const Scene& scene) {
   ProgressLine line;
   return inspect(scene, [&line](const char* what) { line.show(what); });
@@ -43,6 +47,7 @@ CLI::App* addInspectCommand(CLI::App& program, InspectOrder& order) {
   OptionGroup group(*command, "Model");
   addTargetOption(group, order.target);
   addReadOptions(group, order.reading);
+  // The default has to stand in the scene before the option is added, which shows it in the help.
   order.scene.brick.thickness = openScene().brick.thickness;
   group.setting(sceneSetting("thickness"), order.scene);
   OptionGroup output(*command, "Output");

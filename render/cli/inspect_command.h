@@ -12,7 +12,8 @@ class App;
 
 namespace kirireel {
 
-/// A model to be looked at.
+/// A model to be looked at. The scene's thickness is an option, since mobility and needs depend on
+/// it.
 struct InspectOrder {
   std::filesystem::path model;
   ReadSettings reading;
@@ -28,7 +29,9 @@ CLI::App* addInspectCommand(CLI::App& program, InspectOrder& order);
 /// Throws InputError where something is missing. To be called after parsing.
 void completeOrder(const CLI::App& command, InspectOrder& order);
 
-/// Reads the model, prints what it is, paints it if asked. Returns the exit code.
+/// Reads the model, prints what it is, paints it if asked. Returns the exit code. Throws InputError
+/// for a model that cannot be read; for one with a tile that crosses itself the picture is written
+/// first.
 int carryOut(const InspectOrder& order);
 
 }  // namespace kirireel

@@ -8,11 +8,13 @@ namespace kirireel {
 
 /// From now on SIGINT, SIGTERM and SIGHUP are noted instead of ending the program, and a full disk
 /// quota is an error of the write instead of a signal. A SIGHUP that is ignored, as under nohup,
-/// stays so.
+/// stays so. To be called once, before a run starts; commands that take seconds leave signals as
+/// they are.
 void noteSignals();
 
 /// The name of the signal that came since the last call, such as "SIGTERM"; absent when none did.
-/// Each signal ends one stage of a run.
+/// Each signal ends one stage of a run. May be called from any thread; of two signals between two
+/// calls the later one is told.
 std::optional<std::string> takeInterrupt();
 
 }  // namespace kirireel

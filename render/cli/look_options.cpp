@@ -1,3 +1,11 @@
+// Options of colours, drawing and camera. Angles are typed in degrees and kept in radians; lengths
+// are metres. A typed value is written back (saidAs) as the shortest number that reads to the same
+// double, so that a scene file made from an order gives the same pictures to the last bit.
+//
+// Two ways to say a view write into one place: --view with a word or azimuth and elevation, and
+// --yaw and --pitch as PyKirigami has them, where yaw 0 looks from the front and pitch -90 from
+// above (PyBullet's resetDebugVisualizerCamera). The later of two counts. Written back is the word
+// where there is one, else yaw and pitch.
 #include "render/cli/look_options.h"
 
 #include <cmath>
@@ -14,11 +22,14 @@ namespace {
 constexpr double kUsualYaw = 50 * kDegree;
 constexpr double kUsualPitch = -35 * kDegree;
 
+/// "" where the colour is that of the theme.
 std::string saidColour(const std::optional<Colour>& colour) {
   return colour ? colourText(*colour) : "";
 }
 
+/// Colours are names of CSS or six hexadecimal digits.
 void addColourOptions(OptionGroup& group, Look& look) {
+  // Measures of single bricks are coloured by a scale, "plain" and "shape" need none.
   group.choice<Colouring>("--colour", look.colouring,
                           {{"plain", Colouring::Plain},
                            {"shape", Colouring::Shape},
@@ -73,6 +84,7 @@ void addColourOptions(OptionGroup& group, Look& look) {
       .saidAs([&look] { return saidColour(look.background); });
 }
 
+/// What decides a picture but not its camera.
 void addDrawingOptions(CLI::App& command, Look& look) {
   OptionGroup group(command, "Look", "style");
   group.choice<Theme>("--theme", look.theme, {{"light", Theme::Light}, {"dark", Theme::Dark}},
@@ -105,15 +117,18 @@ void addDrawingOptions(CLI::App& command, Look& look) {
 /// One of the words, or "45,30".
 std::optional<ViewAngles> parseView(const TypedValue& value,
                                     const Choices<std::optional<ViewAngles>>& views) {
+  // Words have no comma.
   const std::size_t comma = value.text.find(',');
   if (comma == std::string::npos) return parseChoice(value, views);
   const auto degrees = [&value](const std::string& text, double most) {
     return parseNumber({value.name, text}, {-most, most}) * kDegree;
   };
+  // Azimuth may be any number of turns, elevation is from -90 to 90 degrees.
   return ViewAngles{degrees(value.text.substr(0, comma), 3600),
                     degrees(value.text.substr(comma + 1), 90)};
 }
 
+/// `views` is kept by the readers, so it is copied into each.
 void addViewOptions(OptionGroup& group, CameraChoice& camera) {
   const Choices<std::optional<ViewAngles>> views = {
       {"auto", std::nullopt}, {"top", kTopView},       {"bottom", kBottomView},
@@ -132,6 +147,8 @@ void addViewOptions(OptionGroup& group, CameraChoice& camera) {
     return nameOfChoice(views, camera.view).empty() ? std::optional(typedView(*camera.view))
                                                     : std::nullopt;
   };
+  // The first of --yaw and --pitch sets both to PyBullet's start, so that one alone means what it
+  // does there.
   const auto usual = [&camera] {
     if (!camera.view) camera.view = viewFromYawPitch(kUsualYaw, kUsualPitch);
   };
@@ -140,6 +157,7 @@ void addViewOptions(OptionGroup& group, CameraChoice& camera) {
              "turns the camera about z, 0 is from the front, as in PyKirigami",
              [&camera, usual](const TypedValue& typed) {
                usual();
+               // viewFromYawPitch turns both; only the one that was typed is taken over.
                const double yaw = parseNumber(typed, {-3600, 3600}) * kDegree;
                camera.view->azimuth = viewFromYawPitch(yaw, 0).azimuth;
              })
@@ -155,6 +173,7 @@ void addViewOptions(OptionGroup& group, CameraChoice& camera) {
       .saidAs([angles] { return angles() ? numberText(angles()->pitch) : ""; });
 }
 
+/// Lengths in metres, angles in degrees.
 void addCameraOptions(CLI::App& command, Look& look) {
   OptionGroup group(command, "Camera", "camera");
   CameraChoice& camera = look.camera;

@@ -16,6 +16,7 @@ namespace {
 
 using namespace kirireel;
 
+/// One line on standard error, whatever line breaks the message holds. Returns the code.
 int complain(int exitCode, const std::string& message) {
   fmt::print(stderr, "kirireel: {}\n", oneLine(message));
   return exitCode;
@@ -30,6 +31,7 @@ void requirePrinted() {
 }
 
 int carryOutOrder(const std::vector<std::string>& arguments) {
+  // Out of the try block: errors of parsing are no errors of printing.
   const Order order = parseCommandLine(arguments);
   try {
     const int exitCode = std::visit([](const auto& wanted) { return carryOut(wanted); }, order);
@@ -48,8 +50,10 @@ int main(int argumentCount, char** arguments) {
   try {
     return carryOutOrder({arguments + 1, arguments + argumentCount});
   } catch (const InputError& error) {
+    // Of the user: what to mend stands in the message.
     return complain(kExitInputWrong, error.what());
   } catch (const std::bad_alloc&) {
+    // Caught before std::exception, from which it descends, for what() says nothing.
     return complain(
         kExitFailed,
         "error: there is too little memory; allow more, or ask for less: fewer tiles, a "

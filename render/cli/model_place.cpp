@@ -9,7 +9,9 @@
 namespace kirireel {
 namespace {
 
-/// Tiles that lie in each other are a mistake, or meant, as where a sheet is folded flat.
+/// Tiles that lie in each other are a mistake, or meant, as where a sheet is folded flat. The depth
+/// is how far two tiles would have to move apart, in metres. One line tells the deepest pair and
+/// how many there are.
 void warnOfOverlaps(const Model& model, std::vector<std::string>& warnings) {
   constexpr double kShareOfTile = 1e-3;  // less cannot be seen
   const std::vector<TileOverlap> overlaps =
@@ -28,6 +30,7 @@ void warnOfOverlaps(const Model& model, std::vector<std::string>& warnings) {
 
 std::filesystem::path findModel(const std::filesystem::path& named) {
   if (std::filesystem::exists(named) || named.is_absolute()) return named;
+  // The current folder's data/ first, then what was installed with the program.
   for (const std::filesystem::path folder : {"data", KIRIREEL_MODELS}) {
     if (std::filesystem::exists(folder / named)) return folder / named;
   }
@@ -58,6 +61,7 @@ void addReadOptions(OptionGroup& group, ReadSettings& settings) {
 Model readModelAt(const std::filesystem::path& place, const std::filesystem::path& target,
                   const ReadSettings& settings, std::vector<std::string>& warnings) {
   std::optional<std::filesystem::path> named;
+  // A target of another model is looked for in the same places.
   if (!target.empty()) named = findModel(target);
   Model model = readModel(findModel(place), named, warnings, settings);
   warnOfOverlaps(model, warnings);

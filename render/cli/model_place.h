@@ -15,14 +15,16 @@ inline constexpr const char* kModelHelp =
     "with NAME_constraints.txt beside it), a .fold file, a contracted .obj file, a .ply mesh, or a "
     "cut pattern (.svg, .dxf)";
 
-/// Adds --target.
+/// Adds --target. Empty when it was not given. The target must outlive the parsing.
 void addTargetOption(OptionGroup& group, std::filesystem::path& target);
 
-/// Adds --joints-file and --strict.
+/// Adds --joints-file and --strict. Both decide how files are read, and no more. The settings must
+/// outlive the parsing.
 void addReadOptions(OptionGroup& group, ReadSettings& settings);
 
 /// Where a model stands: as named, or in data/ when it stands only there, or among the models that
-/// were installed with the program.
+/// were installed with the program. As named where it stands nowhere, so that the error names what
+/// the user typed.
 std::filesystem::path findModel(const std::filesystem::path& named);
 
 /// Reads the model, in data/ too when it stands only there, as PyKirigami's users name theirs.

@@ -1,3 +1,12 @@
+// A layer over CLI11 that gives every option three things: how its value is read, how it is said
+// again, and which table of a scene file it belongs to. CLI11 has no place for the last two and for
+// the list of words, so they are kept where it has one that goes unused:
+//
+// - what an option says, in its default_function, which CLI11 calls only when it is asked to
+//   capture a default;
+// - words and tables, as validators that never run (active(false)) with a name and a text.
+//
+// A second list of options beside CLI11's would have to be kept in step with it.
 #include "render/cli/option_group.h"
 
 #include <sstream>
@@ -13,7 +22,7 @@ constexpr const char* kWords = "words";
 constexpr const char* kTable = "table";
 
 /// Notes a text on an option, as a check that checks nothing: values are read, and refused, in one
-/// place for all options.
+/// place for all options. `kind` is the validator's name, by which noteOf() finds it.
 void addNote(CLI::Option& option, const char* kind, const std::string& text) {
   CLI::Validator validator([](std::string&) { return std::string(); }, text, kind);
   option.check(validator.active(false));
@@ -64,6 +73,7 @@ OptionGroup::Statement OptionGroup::added(CLI::Option* option) {
 OptionGroup::Statement OptionGroup::value(const std::string& name, const std::string& unit,
                                           const std::string& usual, const std::string& help,
                                           const Reader& read) {
+  // The default is said in words, since CLI11 would print what is bound, and nothing is bound here.
   const std::string text = usual.empty() ? help : fmt::format("{} (default {})", help, usual);
   const auto readText = [name, read](const std::string& typed) { read({name, typed}); };
   CLI::Option* option = command_.add_option_function<std::string>(name, readText, text)
@@ -122,6 +132,7 @@ OptionGroup::Statement OptionGroup::flag(const std::string& name, const std::str
   return added(option).saidAs([option] { return fmt::format("{}", option->count() > 0); });
 }
 
+/// Runs the option's writer: CLI11 keeps what it gives as the default's text.
 std::string saidBy(CLI::Option& option) {
   return option.capture_default_str()->get_default_str();
 }
@@ -150,6 +161,7 @@ void requireGiven(const std::filesystem::path& path, const char* what, const CLI
 
 const CLI::App& chosenCommand(const CLI::App& program) {
   const CLI::App* command = &program;
+  // CLI11 lists the commands that were parsed, and only one can be.
   while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
   return *command;
 }

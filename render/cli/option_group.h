@@ -19,7 +19,8 @@ class Option;
 namespace kirireel {
 
 /// Adds options of one group to a command; each knows how to read its value, so that every wrong
-/// value is reported in the same words.
+/// value is reported in the same words. Targets are written while CLI11 parses, in the order of the
+/// words.
 class OptionGroup {
  public:
   /// `table`: of a scene file that sets these options too; empty where none can. `command` and
@@ -27,7 +28,9 @@ class OptionGroup {
   OptionGroup(CLI::App& command, std::string heading, std::string table = "")
       : command_(command), heading_(std::move(heading)), table_(std::move(table)) {}
 
+  /// Sets what the option stands for; throws InputError for a value that is not allowed.
   using Reader = std::function<void(const TypedValue&)>;
+  /// The value that it has now, in the spelling of a scene file.
   using Writer = std::function<std::string()>;
 
   /// What an option says about a run, beside what it does. Unless told otherwise an option decides
@@ -52,18 +55,22 @@ class OptionGroup {
   };
 
   /// An option with a value that `read` understands. `unit` and `usual` (the default, none when
-  /// empty) are for the help. Given several times, the last one counts.
+  /// empty) are for the help. Given several times, the last one counts. `name` may list several
+  /// names with commas, "--a,-b"; the first long one is the key of a scene file.
   Statement value(const std::string& name, const std::string& unit, const std::string& usual,
                   const std::string& help, const Reader& read);
 
-  /// The same for an option that may be given several times; each value is read in turn.
+  /// The same for an option that may be given several times; each value is read in turn. The reader
+  /// must append: nothing tells it which value is the first.
   Statement values(const std::string& name, const std::string& unit, const std::string& help,
                    const Reader& read);
 
-  /// A setting of a scene.
+  /// A setting of a scene. Name, unit, help, reader and writer are those of the setting. The scene
+  /// must outlive the parsing.
   void setting(const Setting& setting, Scene& scene);
 
-  /// A number within a range; the target's value is the default.
+  /// A number within a range; the target's value is the default. Both ends of the range are
+  /// accepted, unless it says otherwise.
   void number(const std::string& name, double& target, Range range, const std::string& unit,
               const std::string& help);
 
@@ -78,6 +85,7 @@ class OptionGroup {
 
   /// One of several words; the first is the default.
   template <typename T, typename Target>
+  /// Values that are no words of the list are refused with the list.
   Statement choice(const std::string& name, Target& target, const Choices<T>& choices,
                    const std::string& help) {
     const std::vector<std::string> words = choiceNames(choices);
@@ -89,7 +97,8 @@ class OptionGroup {
         .saidAs([&target, choices] { return quotedText(nameOfChoice(choices, target)); });
   }
 
-  /// An option without a value, which sets the target to `given`.
+  /// An option without a value, which sets the target to `given`. It says true where the target is
+  /// as the switch would set it.
   Statement flag(const std::string& name, bool& target, const std::string& help, bool given = true);
 
   /// An option without a value that does something else.
@@ -113,17 +122,21 @@ std::vector<std::string> allowedWords(CLI::Option& option);
 /// The table of a scene file that an option belongs to; empty when a scene file cannot set it.
 std::string settingTable(CLI::Option& option);
 
-/// Adds the argument that stands without an option's name.
+/// Adds the argument that stands without an option's name. The target stays empty when it is
+/// missing: requireGiven() says so in our words.
 void addPlace(CLI::App& command, const std::string& name, std::filesystem::path& target,
               const std::string& help);
 
-/// Throws InputError when an argument is missing: `what` is its name.
+/// Throws InputError when an argument is missing: `what` is its name. `command` gives the example
+/// in the message.
 void requireGiven(const std::filesystem::path& path, const char* what, const CLI::App& command);
 
-/// The command with those it belongs to, e.g. "kirireel generate tessellation".
+/// The command with those it belongs to, e.g. "kirireel generate tessellation". For messages that
+/// name the page of the help to look at.
 std::string fullName(const CLI::App& command);
 
-/// The innermost command that was given, e.g. "generate tessellation".
+/// The innermost command that was given, e.g. "generate tessellation". The program itself where no
+/// command was given.
 const CLI::App& chosenCommand(const CLI::App& program);
 
 }  // namespace kirireel

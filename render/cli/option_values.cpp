@@ -1,3 +1,7 @@
+// Readers and writers in pairs: for every value x that a reader gives, reading what the writer
+// makes of x gives x again, to the last bit. orderText() relies on it, for what it writes is a
+// scene file. Degrees are the hard case, since x pi / 180 rounds: numberReadAs() looks for the
+// shortest number of degrees that reads back to the same radians.
 #include "render/cli/option_values.h"
 
 #include <charconv>
@@ -13,8 +17,10 @@
 namespace kirireel {
 namespace {
 
+/// Along each side; more pictures than 10,000 no page can show.
 constexpr int kMostGridCells = 100;
 
+/// "3x4"; nothing where there is no single x or a part is no whole number.
 std::optional<std::pair<long, long>> readPair(std::string_view text) {
   const std::vector<std::string_view> parts = split(text, 'x');
   if (parts.size() != 2) return std::nullopt;
@@ -24,7 +30,8 @@ std::optional<std::pair<long, long>> readPair(std::string_view text) {
   return std::pair(*first, *second);
 }
 
-/// The parts of a caption, in the order in which they are written.
+/// The parts of a caption, in the order in which they are written. Words and the members that they
+/// switch on; reader and writer share the list.
 const Choices<bool CaptionParts::*>& captionChoices() {
   static const Choices<bool CaptionParts::*> choices = {{"progress", &CaptionParts::progress},
                                                         {"time", &CaptionParts::time},
@@ -34,6 +41,7 @@ const Choices<bool CaptionParts::*>& captionChoices() {
   return choices;
 }
 
+/// Both ends belong to the range.
 bool isBetween(long number, long least, long most) {
   return number >= least && number <= most;
 }
@@ -62,6 +70,8 @@ Colour parseColour(const TypedValue& value) {
   for (const auto& [name, colour] : namedColours()) {
     if (value.text == name) return colour;
   }
+  // from_chars would also read fewer than six digits and stop at other letters, so length and end
+  // are checked.
   std::string_view digits = value.text;
   if (digits.starts_with('#')) digits.remove_prefix(1);
   unsigned bits = 0;
@@ -71,6 +81,7 @@ Colour parseColour(const TypedValue& value) {
                      "red, green and blue in hexadecimal, for example 80AEDC, or a name of CSS "
                      "such as teal, navy or grey");
   }
+  // Red is in the highest of the three bytes.
   const auto channel = [bits](int shift) { return static_cast<std::uint8_t>(bits >> shift); };
   return {channel(16), channel(8), channel(0)};
 }
@@ -79,10 +90,12 @@ std::vector<CameraKey> parseCameraKeys(const TypedValue& value) {
   std::vector<CameraKey> keys;
   for (const std::string_view text : split(value.text, ',')) {
     const std::vector<std::string_view> parts = split(text, ':');
+    // All four are needed: a key that left zoom out would be read as another order of parts.
     if (parts.size() != 4) {
       throw valueError({value.name, std::string(text)},
                        "TIME:YAW:PITCH:ZOOM, for example 2.5:90:-20:1.5");
     }
+    // Each part is read as an option's value of its own, so that its error names what was typed.
     const auto part = [&](int k, Range range) {
       return parseNumber({value.name, std::string(parts[k])}, range);
     };
@@ -95,8 +108,11 @@ std::vector<CameraKey> parseCameraKeys(const TypedValue& value) {
 
 CaptionParts parseCaption(const TypedValue& value) {
   CaptionParts parts;
+  // All parts are off from the start.
   if (value.text == "none") return parts;
   Choices<bool CaptionParts::*> choices = captionChoices();
+  // "none" is among the words so that the message for a wrong word lists it; beside others it is
+  // refused.
   choices.emplace_back("none", nullptr);
   for (const std::string_view word : split(value.text, ',')) {
     const auto part = parseChoice<bool CaptionParts::*>({value.name, std::string(word)}, choices);
@@ -109,9 +125,11 @@ CaptionParts parseCaption(const TypedValue& value) {
 std::vector<FrameChoice> parseFrameChoices(const TypedValue& value) {
   std::vector<FrameChoice> choices;
   for (const std::string_view text : split(value.text, ',')) {
+    // A share is kept as 0 to 1.
     const bool isShare = text.ends_with('%');
     const TypedValue number{value.name, std::string(text.substr(0, text.size() - isShare))};
     if (isShare) {
+      // Times are simulated seconds.
       choices.push_back({parseNumber(number, {0, 100}) / 100, FrameChoice::Unit::Share});
     } else {
       choices.push_back({parseNumber(number, {0, 1e6}), FrameChoice::Unit::Seconds});
@@ -198,6 +216,8 @@ std::string colourText(Colour colour) {
 }
 
 TypedView typedView(const ViewAngles& view) {
+  // Yaw differs from azimuth by a constant, pitch from elevation by its sign; degrees are found by
+  // guess and check.
   const ViewAngles level = viewFromYawPitch(0, 0);
   const auto azimuth = [](double yaw) { return viewFromYawPitch(yaw * kDegree, 0).azimuth; };
   const auto elevation = [](double pitch) {

@@ -1,3 +1,20 @@
+// Two orders are the same when they make the same bytes. The fingerprint is the SHA-256 (FIPS
+// 180-4) of a text:
+//
+//     versions of the program and its libraries
+//     command
+//     key = value          every option that has an effect, by table, as it is now
+//     [[timeline]] ...     the scene file's lists, in one spelling
+//     model NAME
+//     SHA-256 ROLE         each input file, in the order in which it was read
+//
+// Values are taken after parsing, defaults too, so that it does not matter how a setting was given,
+// and a default that changes with a version changes the fingerprint. Options without effect in this
+// scene are left out, and so are those that decide no byte (--out, --painters). Names of files are
+// replaced by their hashes: a copy of a model elsewhere is the same model. Within a folder the
+// names count, because the reader looks for vertices.txt by name.
+//
+// Hashing the typed words would be simpler and wrong: the same order can be typed in many ways.
 #include "render/cli/order_fingerprint.h"
 
 #include <algorithm>
@@ -27,11 +44,14 @@ std::string withoutNames(const CLI::Option& option) {
   return fmt::format("{} files", option.count());
 }
 
-/// The tables of a scene file; options that no scene file can set stand under "".
+/// The tables of a scene file; options that no scene file can set stand under "". A scene file in
+/// its form; the order of tables is that of their names.
 std::string tablesText(CLI::App& command, const Scene& scene, bool withFileNames) {
+  // Sorted by name; within a table options keep the order in which they were added.
   std::map<std::string, std::string> tables;
   for (CLI::Option* option : command.get_options()) {
     const std::string key = settingKey(*option);
+    // An empty text says that the option decides nothing.
     std::string value = key.empty() ? "" : saidBy(*option);
     if (value.empty() || !hasEffect(option->get_name(), scene)) continue;
     if (namesFiles(key) && !withFileNames) value = withoutNames(*option);
@@ -47,6 +67,7 @@ std::string tablesText(CLI::App& command, const Scene& scene, bool withFileNames
 }
 
 /// Files of a folder have fixed names, by which they are told apart; of others the ending counts.
+/// For a file in a folder its name, for another its ending.
 std::string roleOf(const fs::path& file, const std::vector<fs::path>& folders) {
   const bool isInFolder = std::ranges::any_of(folders, [&](const fs::path& folder) {
     return !folder.empty() && folder / file.filename() == file;

@@ -1,3 +1,5 @@
+// Options of a page and the command `page`. A page is made of one run or of two side by side;
+// `record --page` makes one of the run that has just ended, with the same settings' look.
 #include "render/cli/page_command.h"
 
 #include <sstream>
@@ -13,11 +15,13 @@
 namespace kirireel {
 namespace {
 
+/// 0 stands for all samples of the trajectory.
 int parseSamples(const TypedValue& typed) {
   return typed.text == "all" ? 0 : static_cast<int>(parseInteger(typed, {2, 1e6}));
 }
 
-/// The trajectory of a run that was named by its folder or its file.
+/// The trajectory of a run that was named by its folder or its file. A file is taken as it is; a
+/// folder without a trajectory is refused with what to do.
 std::filesystem::path trajectoryOf(const std::filesystem::path& run) {
   if (!std::filesystem::is_directory(run)) return run;
   const std::filesystem::path file = run / output::kTrajectory;
@@ -47,6 +51,7 @@ void addPageOptions(CLI::App& command, WebPageSettings& settings) {
              "files of the run that go into the page: videos play, pictures show, others can be "
              "saved from it, such as deployment.mp4,final.obj",
              [&settings](const TypedValue& typed) {
+               // Names are looked for beside the trajectory when the page is made.
                std::istringstream names(typed.text);
                for (std::string name; std::getline(names, name, ',');) {
                  settings.embedded.push_back(name);
@@ -84,6 +89,7 @@ CLI::App* addPageCommand(CLI::App& program, PageOrder& order) {
 }
 
 void completeOrder(const CLI::App& command, PageOrder& order) {
+  // CLI11 is told to expect one at least, but --help and our own message come before its error.
   requireGiven(order.runs.empty() ? "" : order.runs.front(), "RUN", command);
   if (order.runs.size() > kMostPageRuns) {
     throw InputError(

@@ -1,3 +1,16 @@
+// PyKirigami's command line has options in snake case, short names of two letters after one hyphen
+// (-bt), which CLI11 would read as two options, and a model by --model. The words are rewritten one
+// by one before parsing:
+//
+//     --brick_thickness 0.02  ->  --thickness 0.02
+//     -bt 0.02                ->  --thickness 0.02
+//     --no_collision          ->  --contacts=unjoined
+//     --model cylinder        ->  cylinder
+//     --camera_distance 3     ->  (nothing: it moves a window's camera)
+//     --headless              ->  (nothing: no window is ever opened)
+//
+// A table of words, and no aliases among our options: the help stays short, and a value that looks
+// like an option is left alone.
 #include "render/cli/peer_spellings.h"
 
 #include <algorithm>
@@ -8,6 +21,7 @@
 namespace kirireel {
 namespace {
 
+/// With hyphens for underscores. An entry may bring a value along, after an equals sign.
 const std::map<std::string, std::string>& peerOptions() {
   static const std::map<std::string, std::string> options = {
       {"--brick-thickness", "--thickness"},
@@ -44,6 +58,7 @@ bool asksForPeer(const std::vector<std::string>& arguments, std::size_t i) {
   return arguments[i] == kLike + "=" + kPeer;
 }
 
+/// Names without a counterpart come back as they are, with hyphens.
 std::string translateName(std::string name) {
   if (name.starts_with("--")) std::replace(name.begin(), name.end(), '_', '-');
   const auto found = peerOptions().find(name);
@@ -57,11 +72,14 @@ std::vector<std::string> translatePeerSpellings(const std::vector<std::string>& 
   bool skip = false;
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     const std::string& argument = arguments[i];
+    // The value of an option that was left out.
     if (std::exchange(skip, false)) continue;
     if (asksForPeer(arguments, i)) {
       skip = argument == kLike;
       continue;
     }
+    // Values and places. Negative numbers begin with a hyphen too; no name in the table is a
+    // number.
     if (!argument.starts_with('-')) {
       translated.push_back(argument);
       continue;
@@ -74,6 +92,8 @@ std::vector<std::string> translatePeerSpellings(const std::vector<std::string>& 
       skip = value.empty();  // the value is the next argument
       continue;
     }
+    // --model NAME: the name follows as an argument of its own and becomes the place; --model=NAME
+    // has it here.
     if (name != "--model") {
       translated.push_back(name + value);
     } else if (!value.empty()) {

@@ -1,4 +1,6 @@
 /// Other programs' command lines, so that their users need not learn a new one.
+///
+/// Our own spellings pass through unchanged, so that a line may mix both.
 #pragma once
 
 #include <string>
@@ -10,11 +12,12 @@ namespace kirireel {
 /// long options become hyphens, --brick_thickness or -bt becomes --thickness, --no_collision
 /// becomes --contacts=unjoined (which is what it does there), --model NAME becomes the model's own
 /// place, and --headless vanishes, for no window is ever opened, as does --like pykirigami. Values
-/// are left alone.
+/// are left alone. Nothing is thrown: what is unknown stays for the parser to refuse.
 std::vector<std::string> translatePeerSpellings(const std::vector<std::string>& arguments);
 
 /// Whether any of the arguments is spelled as PyKirigami spells it, or is --like pykirigami,
-/// so that what is not given is to be as there.
+/// so that what is not given is to be as there. An underscore in the name of any long option
+/// counts, because only PyKirigami has them.
 bool usesPeerSpellings(const std::vector<std::string>& arguments);
 
 }  // namespace kirireel

@@ -1,3 +1,5 @@
+// Options that `record` and `render` share. Sizes are pixels; --width and --font-size are of the
+// printed page (mm, points of 1/72 inch), from which grid/ computes pixels at --dpi.
 #include "render/cli/picture_options.h"
 
 #include <algorithm>
@@ -13,13 +15,16 @@ namespace kirireel {
 
 namespace {
 
-/// "180mm" or "7pt": a positive number with its unit, or without.
+/// "180mm" or "7pt": a positive number with its unit, or without. In the unit that is named, as a
+/// plain number.
 double parseLength(const TypedValue& value, const std::string& unit, Range range) {
+  // The unit may be left out, since only one is allowed.
   std::string digits = value.text;
   if (digits.ends_with(unit)) digits.resize(digits.size() - unit.size());
   return parseNumber({value.name, digits}, range);
 }
 
+/// Between commas; a comma at the very end adds no empty word.
 std::vector<std::string> parseWords(const std::string& text) {
   std::vector<std::string> words;
   std::istringstream list(text);
@@ -27,6 +32,7 @@ std::vector<std::string> parseWords(const std::string& text) {
   return words;
 }
 
+/// Each format once.
 std::vector<PageFormat> parsePages(const TypedValue& value) {
   std::vector<PageFormat> pages;
   for (const std::string& word : parseWords(value.text)) {
@@ -37,6 +43,7 @@ std::vector<PageFormat> parsePages(const TypedValue& value) {
   return pages;
 }
 
+/// As a scene file has it: "svg,pdf" in quotation marks.
 std::string pagesText(const std::vector<PageFormat>& pages) {
   std::string text;
   for (const PageFormat page : pages) {
@@ -45,6 +52,7 @@ std::string pagesText(const std::vector<PageFormat>& pages) {
   return quotedText(text);
 }
 
+/// What a figure for a paper needs beside the pictures.
 void addPrintOptions(OptionGroup& group, PictureSettings& settings) {
   group
       .value("--width", "MM", "as it comes", "of the grid in print, 180mm; at --dpi, else 300 dpi",
@@ -118,6 +126,7 @@ void addPictureOptions(CLI::App& command, PictureSettings& settings) {
   group.flag("--svg", settings.svg,
              "the grid's pictures as snapshot_01.svg ..., hidden surfaces removed");
   group
+      // More painters make the same bytes sooner, so the number is no part of an order.
       .value("--painters", "COUNT", "one for each core", "that paint frames at the same time",
              [&](const TypedValue& typed) {
                settings.painterCount = static_cast<int>(parseInteger(typed, {1, 64}));

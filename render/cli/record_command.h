@@ -18,7 +18,9 @@ class App;
 
 namespace kirireel {
 
-/// What is to be deployed, and what it leaves.
+/// What is to be deployed, and what it leaves. It is filled in three steps: by parsing, by
+/// completeOrder() and, for what needs the model, by prepareOrder(). After parsing nothing in it
+/// points to the parser.
 struct RecordOrder {
   std::filesystem::path model;
   ReadSettings reading;            ///< of `model`
@@ -42,17 +44,19 @@ CLI::App* addRecordCommand(CLI::App& program, RecordOrder& order);
 CLI::App* addSimulateCommand(CLI::App& program, RecordOrder& order);
 
 /// Checks that a model was named, reads its scene file, and writes down all settings. To be called
-/// after parsing.
+/// after parsing. Throws InputError for a missing model, contradictions, and a scene file that
+/// cannot be read.
 void completeOrder(CLI::App& command, RecordOrder& order);
 
 /// Reads the files that a complete order names, in the order in which its run reads them, as far as
-/// they can be read.
+/// they can be read. Throws nothing for files that are wrong: the model's name is empty then.
 OrderInputs readInputs(const RecordOrder& order);
 
-/// What tells a complete order from all others, see orderFingerprint().
+/// What tells a complete order from all others, see orderFingerprint(). 64 hexadecimal digits; the
+/// inputs are those of readInputs() or of the run itself.
 std::string fingerprintOf(const RecordOrder& order, const OrderInputs& inputs);
 
-/// A run, before or after it was made.
+/// A run, before or after it was made. Before the run the summary is empty.
 struct RecordResult {
   Scene scene;
   RecordSettings settings;  ///< with their folder
@@ -64,10 +68,12 @@ struct RecordResult {
 RecordResult prepareOrder(const RecordOrder& order, std::vector<std::string>& warnings);
 
 /// Reads the model, runs it, leaves its files but no checkpoints. The order must be complete.
-/// Throws as readModel() and record().
+/// Throws as readModel() and record(). For sweeps: what it prints are warnings alone, on standard
+/// error.
 RecordResult runOrder(const RecordOrder& order, const ProgressObserver& observer);
 
-/// Reads the model, runs it, leaves its files, prints the summary. Returns the exit code.
+/// Reads the model, runs it, leaves its files, prints the summary. Returns the exit code. Throws as
+/// readModel() and record(). Signals are noted from here on and end the run between steps.
 int carryOut(const RecordOrder& order);
 
 }  // namespace kirireel

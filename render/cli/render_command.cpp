@@ -1,3 +1,6 @@
+// Paints a recorded run again from trajectory.h5. The trajectory holds poses at samples; nothing is
+// simulated, so that another camera, size or colour costs the painting alone. Several trajectories
+// make one grid with a row each and the same camera and scale.
 #include "render/cli/render_command.h"
 
 #include <CLI/CLI.hpp>
@@ -42,6 +45,7 @@ CLI::App* addRenderCommand(CLI::App& program, RenderOrder& order) {
 
 void completeOrder(const CLI::App& command, RenderOrder& order) {
   requireGiven(order.trajectories.empty() ? "" : order.trajectories.front(), "TRAJECTORY", command);
+  // A folder stands for the trajectory.h5 in it.
   for (std::filesystem::path& trajectory : order.trajectories) {
     if (std::filesystem::is_directory(trajectory)) trajectory /= output::kTrajectory;
   }
@@ -56,6 +60,7 @@ void completeOrder(const CLI::App& command, RenderOrder& order) {
 int carryOut(const RenderOrder& order) {
   noteSignals();
   PictureSettings settings = order.settings;
+  // A figure has no video, so there is no progress to show.
   if (order.trajectories.size() > 1) {
     fmt::print("{}", describePictures(settings, renderFigure(order.trajectories, settings)));
     return kExitDone;

@@ -1,3 +1,10 @@
+// Words about a run, made from its summary. Errors are lengths in metres; beside them stands the
+// share of a tile's mean edge, by which models of different size compare.
+//
+// "Why no nearer" goes through the causes from the strongest proof to the weakest: the input's
+// rounding, the shapes of the target's tiles (a bound that no rigid tiles can beat), contacts (a
+// better state is known, and bricks overlap there), the pull (a better state is known), the
+// target's own open joints. Only when none of them holds is the thickness blamed.
 #include "render/cli/report.h"
 
 #include <cstdio>
@@ -24,11 +31,13 @@ std::string inTiles(double metres, double tile) {
   return fmt::format("{:.3g} m ({:.2g} tiles)", metres, metres / tile);
 }
 
-/// Why a run that came to rest did not come nearer; empty where it reached its target.
+/// Why a run that came to rest did not come nearer; empty where it reached its target. One line.
+/// The errors and bounds are metres.
 std::string whyNoNearer(const Scene& scene, const RunSummary& summary) {
   const double tile = tileSize(scene.model);
   const double error = summary.accuracy.targetErrorEnd;
   if (summary.outcome != Outcome::Settled || error <= kReached * tile) return "";
+  // Coordinates with few digits put tiles and target off by as much as the rounding spreads.
   if (scene.model.rounding > 0 && error <= roundedReach(scene.model)) {
     return fmt::format(
         "why no nearer: coordinates rounded to {:g} m, with which tiles and target fit no better\n",
@@ -59,6 +68,7 @@ std::string whyNoNearer(const Scene& scene, const RunSummary& summary) {
          "faces of thick bricks, which the target's tiles do not know\n";
 }
 
+/// Two or three lines: error, bounds, reason.
 std::string describeTarget(const Scene& scene, const RunSummary& summary) {
   const Accuracy& accuracy = summary.accuracy;
   const double tile = tileSize(scene.model);
@@ -73,6 +83,8 @@ std::string describeTarget(const Scene& scene, const RunSummary& summary) {
   return text + "\n" + whyNoNearer(scene, summary);
 }
 
+/// The largest gap of any step, and the gap at the end; joints that give are told apart, since they
+/// are meant to open.
 std::string describeJoints(const Scene& scene, const RunSummary& summary) {
   const Accuracy& accuracy = summary.accuracy;
   const double tile = tileSize(scene.model);
@@ -85,11 +97,14 @@ std::string describeJoints(const Scene& scene, const RunSummary& summary) {
   return text + "\n";
 }
 
-/// How exact a run is in time that kept a tolerance there; empty for others.
+/// How exact a run is in time that kept a tolerance there; empty for others. "Tiles" in it are
+/// lengths of a tile's mean edge.
 std::string describeTime(const Scene& scene, const RunSummary& summary) {
   const DeployCost& cost = summary.deployCost;
+  // Simulated seconds in which the estimate of the error did not hold.
   const double uncertified = cost.took.touchingTime + cost.took.singularTime;
   if (cost.took.timeError == 0 && uncertified == 0) {
+    // A tolerance was asked for, and a guided path cannot keep it.
     const bool isLost = scene.solver.isToleranceGiven() && summary.path.kind == PathKind::Led;
     return isLost ? "time: tiles are led in fixed steps, which keep no tolerance\n" : "";
   }
@@ -108,7 +123,8 @@ std::string describeTime(const Scene& scene, const RunSummary& summary) {
   return text + "\n";
 }
 
-/// The depth as a whole, and what of it contacts would have to prevent.
+/// The depth as a whole, and what of it contacts would have to prevent. Overlap in the corners that
+/// joined bricks share cannot be avoided with thick bricks; contacts look at the rest.
 std::string describePenetration(const Scene& scene, const RunSummary& summary) {
   const Accuracy& accuracy = summary.accuracy;
   std::string text = fmt::format("penetration {} at most",
@@ -134,6 +150,7 @@ std::string describeElasticity(const std::optional<Elasticity>& found) {
       found->springs, found->energyStart, found->energyEnd, found->momentEnd);
 }
 
+/// Runs without a target say nothing about a path unless joints opened.
 std::string describePath(const RunSummary& summary, bool hasTarget) {
   if (!hasTarget && summary.accuracy.jointOpeningMax == 0) return "";
   return fmt::format("path: {}\n", summary.pathReason);
@@ -146,6 +163,7 @@ std::string describeNeed(const char* name, const Need& need) {
 /// Of the bricks that are in each other's way at the target, so many pairs are named.
 constexpr std::size_t kPairsNamed = 3;
 
+/// The deepest pairs come first.
 std::string describeBlocking(const std::vector<BlockingPair>& blocking, int countsFrom) {
   if (blocking.empty()) return "";
   std::vector<std::string> pairs;
@@ -156,6 +174,7 @@ std::string describeBlocking(const std::vector<BlockingPair>& blocking, int coun
                      fmt::join(pairs, "; "), blocking.size() > pairs.size() ? "; ..." : "");
 }
 
+/// CPU seconds of the threads together, wall time for all of it.
 std::string describeCost(const RunSummary& summary) {
   const DeployCost& deploy = summary.deployCost;
   const RecordCost& record = summary.recordCost;
@@ -174,10 +193,12 @@ std::string describeCost(const RunSummary& summary) {
   return text;
 }
 
-/// The files by name, those in a folder of their own as that folder alone.
+/// The files by name, those in a folder of their own as that folder alone. "frames/" stands for
+/// hundreds of files.
 std::vector<std::string> shortList(const std::vector<std::string>& files) {
   std::vector<std::string> list;
   for (const std::string& file : files) {
+    // Empty for a file at the top: find gives npos, and npos + 1 is 0.
     const std::string name = file.substr(0, file.find('/') + 1);
     if (name.empty()) {
       list.push_back(file);
@@ -214,6 +235,7 @@ void ProgressLine::show(const Progress& progress) {
 }
 
 void ProgressLine::show(const std::string& line) {
+  // A log file gets no line at all, since it could not be taken back.
   if (!isTerminal_ || line == shown_) return;
   // Back to the start of the line and clear it.
   fmt::print(stderr, "\r\033[K{}", line);

@@ -16,8 +16,9 @@ class ProgressLine {
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
 
-  /// Redraws the line when what it says has changed.
+  /// Redraws the line when what it says has changed. Shows stage and per cent.
   void show(const Progress& progress);
+  /// The text must be shorter than the terminal is wide, or the end of the line stays behind.
   void show(const std::string& line);
 
  private:
@@ -25,11 +26,12 @@ class ProgressLine {
   std::string shown_;
 };
 
-/// The summary in a few lines: outcome, accuracy, cost, files.
+/// The summary in a few lines: outcome, accuracy, cost, files. Several lines, each with its line
+/// feed.
 std::string describeRun(const Scene& scene, const RecordSettings& settings,
                         const RunSummary& summary);
 
-/// The same of pictures that were made of a recorded run.
+/// The same of pictures that were made of a recorded run. Frames, seconds, files.
 std::string describePictures(const PictureSettings& settings, const PictureReport& report);
 
 }  // namespace kirireel

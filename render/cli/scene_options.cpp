@@ -1,3 +1,6 @@
+// Options that make up a scene: all settings of sim/scene/settings.h, which are added without being
+// named here, and what belongs to a model (targets, pins, fixed pairs, links), whose values are
+// lists. The scene file comes last: it fills the options that the command line left alone.
 #include "render/cli/scene_options.h"
 
 #include <algorithm>
@@ -22,6 +25,7 @@ std::vector<int> parseIndices(const TypedValue& value, std::size_t count,
     int number = 0;
     const auto [next, error] = std::from_chars(at, end, number);
     const bool isLast = next == end;
+    // A comma must be followed by a number, so "3," is refused.
     if (error != std::errc() || number < 0 || (!isLast && *next != ',') || next + 1 == end) {
       throw valueError(value, wanted);
     }
@@ -33,6 +37,7 @@ std::vector<int> parseIndices(const TypedValue& value, std::size_t count,
 }
 
 template <typename List>
+/// Each list as "3,4", all of them as a scene file has them.
 std::string listsText(const std::vector<List>& lists) {
   std::vector<std::string> texts;
   for (const List& list : lists)
@@ -43,6 +48,7 @@ std::string listsText(const std::vector<List>& lists) {
 }  // namespace
 
 void addSceneOptions(CLI::App& command, Scene& scene) {
+  // A group of settings is a heading of the help and a table of a scene file.
   for (const SettingGroup& group : sceneSettings()) {
     OptionGroup options(command, group.heading, group.table);
     for (const Setting& setting : group.settings) options.setting(setting, scene);
@@ -56,6 +62,7 @@ void addSceneRequestOptions(CLI::App& command, SceneRequest& request, StartAlign
              [&request](const TypedValue& typed) { request.file = typed.text; })
       .decidesNothing();  // what the file says does
   OptionGroup group(command, "Model", "model");
+  // Numbers stay as they were typed; completeScene() knows from where the model's file counts.
   SceneParts& parts = request.parts;
   group
       .values("--target", "MODEL",
@@ -108,7 +115,9 @@ SceneFile readSceneFileOf(CLI::App& command, const std::filesystem::path& modelF
                           const SceneRequest& request, Scene& scene) {
   const std::filesystem::path file = sceneFileOf(modelFolder, request);
   std::error_code ignored;
+  // A file that was named has to be there; scene.toml beside the model need not.
   if (request.file.empty() && !std::filesystem::exists(file, ignored)) return {};
+  // Settings went into the options; lists have no options and are taken here.
   SceneFile read = applySceneFile(command, file);
   scene.timeline = read.timeline;
   scene.environment.obstacles = read.obstacles;

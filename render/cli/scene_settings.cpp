@@ -1,3 +1,10 @@
+// A key of scene.toml is the long name of an option with underscores, in the table that the
+// option's group names. So every option of a run can stand in the file, and the file needs no list
+// of its own. Values go through the option's own reader, as text, and are refused in its words,
+// with the place in the file in front.
+//
+// An option that the command line gave keeps its value: what is typed counts more than what is
+// stored.
 #include "render/cli/scene_settings.h"
 
 #include <algorithm>
@@ -12,6 +19,7 @@
 namespace kirireel {
 namespace {
 
+/// Of one table, for suggestions.
 std::vector<std::string> keysOf(CLI::App& command, const std::string& table) {
   std::vector<std::string> keys;
   for (CLI::Option* option : command.get_options()) {
@@ -20,11 +28,14 @@ std::vector<std::string> keysOf(CLI::App& command, const std::string& table) {
   return keys;
 }
 
+/// The first option with this key and table; a key of another table gets a message of its own,
+/// since it is the most frequent mistake.
 CLI::Option& findOption(CLI::App& command, const SceneSetting& setting) {
   for (CLI::Option* option : command.get_options()) {
     if (settingKey(*option) != setting.key) continue;
     const std::string table = settingTable(*option);
     if (table == setting.table) return *option;
+    // No scene file can set it, so it counts as unknown.
     if (table.empty()) break;
     throw inputErrorAt(setting.where, fmt::format("{} belongs in [{}], not in [{}]", setting.key,
                                                   table, setting.table));
@@ -62,6 +73,7 @@ void applySetting(CLI::Option& option, const SceneSetting& setting) {
   requireKindOfValue(setting, isSwitch);
   const bool isGiven = option.count() > 0;
   if (isGiven || (isSwitch && setting.values.front() == "false")) return;
+  // Arrays give one value an element, as if the option were given as often.
   for (const std::string& value : setting.values) option.add_result(value);
   try {
     option.run_callback();

@@ -23,7 +23,8 @@ SceneFile applySceneFile(CLI::App& command, const std::filesystem::path& file);
 std::string settingKey(const CLI::Option& option);
 
 /// Gives an option the values of a setting, unless the option was given before. To be called after
-/// parsing. Throws InputError with file:line:column for values that the option refuses.
+/// parsing. Throws InputError with file:line:column for values that the option refuses. A switch
+/// that is false in the file is left as it is.
 void applySetting(CLI::Option& option, const SceneSetting& setting);
 
 }  // namespace kirireel

@@ -1,3 +1,6 @@
+// Studies measure this machine: seconds of CPU time against error, of our solver and of engines
+// that were found when the program was built. Rows are kept as they are finished, so an interrupted
+// study goes on with --resume.
 #include "render/cli/study_command.h"
 
 #include <CLI/CLI.hpp>
@@ -21,6 +24,7 @@ std::string studyList() {
   return text + fmt::format("{:<16}{}\n", kAll, "these one after the other");
 }
 
+/// Throws InputError for a name that no study has.
 std::vector<const Study*> chosenStudies(const std::string& name) {
   std::vector<const Study*> chosen;
   if (name != kAll) return {&studyNamed(name)};
@@ -28,12 +32,14 @@ std::vector<const Study*> chosenStudies(const std::string& name) {
   return chosen;
 }
 
-/// As it could be typed again; --resume changes no result.
+/// As it could be typed again; --resume changes no result. It stands in the caption of NAME.csv and
+/// NAME.json.
 std::string commandText(const StudyOrder& order) {
   return fmt::format("kirireel study {}{}", order.name.string(),
                      order.settings.extent == Extent::Quick ? " --quick" : "");
 }
 
+/// What a timing depends on: program, compiler, Eigen.
 std::string ownVersions() {
   std::vector<std::string> parts;
   for (const auto& [name, version] : allVersions()) {
@@ -44,6 +50,7 @@ std::string ownVersions() {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
+/// Engines are found when the program is built; a study leaves out those that were not.
 void sayWhatIsMissing() {
   const std::vector<std::pair<Engine, const char*>> packages = {
       {Engine::Chipmunk, "libchipmunk-dev"},
@@ -67,9 +74,11 @@ bool runOne(const Study& study, const StudySettings& settings) {
         if (isTerminal) {
           fmt::print(stderr, "\r\033[K{} {}/{}: {}", study.name, done, total, name);
         }
+        // Asked after each case.
         stopped = takeInterrupt().has_value();
         return !stopped;
       });
+  // Takes the line of progress away before results are printed.
   if (isTerminal) fmt::print(stderr, "\r\033[K");
   if (stopped) return false;
   const std::filesystem::path file = settings.folder / (study.name + ".csv");

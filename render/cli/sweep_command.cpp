@@ -1,3 +1,17 @@
+// A sweep makes many runs in worker processes and keeps each in a folder named by its fingerprint.
+// Its steps:
+//
+// - 1. All keys and values are checked, each alone (sweep_runs.h).
+// - 2. Workers take runs in turn. A run whose folder is there already, or which another process has
+//   claimed, is skipped; so the same command may run on several machines with one folder, and goes
+//   on where it was ended.
+// - 3. A failed run leaves its reason in place of its files. A worker that crashes, hangs or eats
+//   too much memory takes only its own run along (worker_pool.h).
+// - 4. All that is there is gathered: NAME.csv, NAME.h5, NAME_costs.csv and a contact sheet
+//   NAME.png, put in place together.
+//
+// Shard I/N makes the runs I, I + N, I + 2N, ... (from 1): neighbours in the plan take about
+// equally long, so interleaving shares the work better than blocks would.
 #include "render/cli/sweep_command.h"
 
 #include <chrono>
@@ -27,12 +41,15 @@ namespace fs = std::filesystem;
 
 /// More runs than this are hardly meant.
 constexpr std::uint64_t kMostUnconfirmed = 1'000'000;
+// A megabyte is 10^6 bytes here, as in the page's limit.
 constexpr double kBytesInMegabyte = 1e6;
+// In each run's folder: what it printed, warnings above all.
 constexpr const char* kMessages = "messages.txt";
 
 /// Of the contact sheet: half the time of zlib's usual level for a third more bytes.
 constexpr int kSheetCompression = 3;
 
+/// hardware_concurrency() is 0 where it cannot be told.
 int coreCount() {
   return static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
 }
@@ -45,7 +62,7 @@ WorkerLimits withMemoryLimit(WorkerLimits limits) {
   return limits;
 }
 
-/// "3/8".
+/// "3/8". Both numbers from 1; any other text gets one message that shows the form.
 SweepShard parseShard(const TypedValue& value) {
   const std::string wanted = "I/N, as in 3/8: part I of N, counted from 1";
   const std::size_t slash = value.text.find('/');
@@ -80,6 +97,7 @@ void addWorkerOptions(CLI::App& command, WorkerLimits& limits) {
               });
 }
 
+/// 0.1 s a run is that of a small sheet.
 void requireMeant(const SweepRuns& runs, bool confirmed) {
   const std::uint64_t count = runs.sweep().plan.size();
   if (count <= kMostUnconfirmed || confirmed) return;
@@ -98,6 +116,8 @@ std::uint64_t runsOf(const SweepShard& shard, std::uint64_t runs) {
 /// What a run prints goes into its folder.
 void redirectPrints(const fs::path& file) {
   std::fflush(nullptr);
+  // Standard output and error are the worker's own after fork; if the file cannot be opened, they
+  // stay.
   const int opened = ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (opened < 0) return;
   ::dup2(opened, STDOUT_FILENO);
@@ -105,6 +125,7 @@ void redirectPrints(const fs::path& file) {
   ::close(opened);
 }
 
+/// Most runs print nothing, and thousands of empty files help nobody.
 void dropEmptyMessages(const fs::path& folder) {
   std::fflush(nullptr);
   std::error_code ignored;
@@ -120,7 +141,7 @@ std::string withoutFolder(std::string text, const fs::path& folder) {
   return text;
 }
 
-/// The runs of a sweep in their folder.
+/// The runs of a sweep in their folder. `runs` and `order` must outlive it.
 class SweepFolder {
  public:
   SweepFolder(const SweepRuns& runs, const fs::path& folder, const SweepOrder& order)
@@ -134,6 +155,7 @@ class SweepFolder {
     std::optional<RunClaim> claim = take(index);
     if (!claim) return Verdict::Skipped;
     redirectPrints(claim->folder() / kMessages);
+    // An empty reason means that the run was made.
     RunRecord record{false, "", runs_.inputs(index)};
     try {
       runs_.make(index, claim->folder());
@@ -161,6 +183,7 @@ class SweepFolder {
     try {
       claim.finish(record);
     } catch (const OutputError& error) {
+      // The files of the run fill the disk; without them a record of one line fits.
       claim.clear();
       record.failed = true;
       record.reason = withoutFolder(error.what(), claim.folder());
@@ -178,13 +201,15 @@ class SweepFolder {
   const SweepOrder& order_;
 };
 
+/// Seconds up to 2 minutes, minutes up to 2 hours.
 std::string timeText(double seconds) {
   if (seconds < 120) return fmt::format("{:.0f} s", seconds);
   if (seconds < 7200) return fmt::format("{:.0f} min", seconds / 60);
   return fmt::format("{:.1f} h", seconds / 3600);
 }
 
-/// Counts verdicts and says how far the sweep is.
+/// Counts verdicts and says how far the sweep is. The estimate of the time left is (seconds so far)
+/// x (runs to come) / (runs made).
 class Tally {
  public:
   explicit Tally(std::uint64_t total) : total_(total), start_(Clock::now()) {}
@@ -193,6 +218,7 @@ class Tally {
     ++(verdict == Verdict::Done ? done_ : verdict == Verdict::Failed ? failed_ : skipped_);
     const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
     const std::uint64_t seen = done_ + failed_ + skipped_;
+    // Skipped runs take no time, so the rate is that of the runs that were made.
     const double left = seconds * static_cast<double>(total_ - seen) /
                         static_cast<double>(std::max<std::uint64_t>(1, done_ + failed_));
     line_.show(
@@ -228,6 +254,7 @@ MadeRuns makeRuns(const SweepRuns& runs, const fs::path& folder, const SweepOrde
   const std::uint64_t total = runs.sweep().plan.size();
   Tally tally(runsOf(order.shard, total));
   std::uint64_t next = order.shard.number - 1;
+  // Numbers of runs are handed out here, in the parent; the work is done in children.
   const WorkerJobs jobs = {
       [&]() -> std::optional<std::uint64_t> {
         if (next >= total) return std::nullopt;
@@ -245,8 +272,10 @@ MadeRuns makeRuns(const SweepRuns& runs, const fs::path& folder, const SweepOrde
   return {isWhole, tally.failed()};
 }
 
+/// Reads the end states of the runs that are shown.
 void writeContactSheet(const Gathered& gathered, const std::vector<std::string>& keys,
                        const fs::path& folder, const fs::path& file) {
+  // Nothing to show.
   if (gathered.runs.size() == gathered.failed) return;
   std::vector<ContactPicture> pictures;
   for (const SweepRow& run : gathered.runs) {
@@ -272,6 +301,7 @@ Gathered collect(const SweepRuns& runs, const fs::path& folder) {
   const std::string name = runs.sweep().file.stem().string();
   std::vector<std::string> names = {name + ".csv", name + ".h5", name + "_costs.csv"};
   if (gathered.runs.size() > gathered.failed) names.push_back(name + ".png");
+  // All files appear together, or none.
   FileSet files(folder, output::kContents);
   const auto isWanted = [&names](const std::string& wanted) {
     return wanted == output::kContents || std::ranges::find(names, wanted) != names.end();

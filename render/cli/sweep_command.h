@@ -12,13 +12,14 @@ class App;
 
 namespace kirireel {
 
-/// A part of a sweep: every `count`-th run from the `number`-th on.
+/// A part of a sweep: every `count`-th run from the `number`-th on. Numbers count from 1; `number`
+/// is at most `count`.
 struct SweepShard {
   std::uint64_t number = 1;  ///< from 1 to count
   std::uint64_t count = 1;
 };
 
-/// Runs that are to be made or gathered.
+/// Runs that are to be made or gathered. Nothing of the sweep file is read before carryOut().
 struct SweepOrder {
   std::filesystem::path sweep;   ///< the sweep file
   std::filesystem::path folder;  ///< empty: out/NAME of the sweep file
@@ -36,7 +37,9 @@ CLI::App* addSweepCommand(CLI::App& program, SweepOrder& order);
 void completeOrder(const CLI::App& command, SweepOrder& order);
 
 /// Makes the runs that are missing and, unless it is one shard of several, gathers them all.
-/// Returns the exit code: 1 when a run has failed, but not when one ended short of its target.
+/// Returns the exit code: 1 when a run has failed, but not when one ended short of its target. 4
+/// when a signal ended it. Throws InputError for a sweep file that cannot be meant, OutputError
+/// where the folder cannot be written.
 int carryOut(const SweepOrder& order);
 
 }  // namespace kirireel

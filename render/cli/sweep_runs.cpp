@@ -1,3 +1,12 @@
+// A run of a sweep is what `kirireel simulate` (or `record`) would make of the same words: its
+// settings are applied to a command's options in memory, and the fingerprint is taken of the
+// completed order. So a run that stands in two sweeps has the same name in both and is made once.
+//
+// Names are the first 20 hexadecimal digits, 80 bits. The chance that two of n runs collide is
+// about n^2 / 2^81: 4e-13 for a million runs.
+//
+// To name a run costs as much as to build and complete a command, and no file is read twice: what
+// runs have in common is hashed once (inputs_).
 #include "render/cli/sweep_runs.h"
 
 #include <algorithm>
@@ -31,6 +40,7 @@ std::vector<std::string> runKeys(CLI::App& command) {
   return keys;
 }
 
+/// Parameters of a family stand in its own group of the help.
 std::vector<std::string> familyKeys(const CLI::App& command) {
   std::vector<std::string> keys;
   for (const CLI::Option* option : command.get_options()) {
@@ -39,6 +49,7 @@ std::vector<std::string> familyKeys(const CLI::App& command) {
   return keys;
 }
 
+/// Only for keys that were found among the options before.
 CLI::Option& optionOf(CLI::App& command, const std::string& key) {
   for (CLI::Option* option : command.get_options()) {
     if (settingKey(*option) == key) return *option;
@@ -50,7 +61,8 @@ bool has(const std::vector<std::string>& keys, const std::string& key) {
   return std::find(keys.begin(), keys.end(), key) != keys.end();
 }
 
-/// One run as the commands `generate` and `simulate` would be told it.
+/// One run as the commands `generate` and `simulate` would be told it. Options point into the
+/// orders beside them, so it can be neither copied nor moved.
 class RunOrders {
  public:
   explicit RunOrders(const Sweep& sweep) : family_(sweep.family) {
@@ -68,6 +80,8 @@ class RunOrders {
 
   void apply(const SweepSetting& setting) {
     const auto& [key, value] = setting;
+    // A family's parameter comes before an option of the same name: of `thickness` a family may
+    // mean its own.
     if (shape_ && has(familyKeys(*shape_), key)) {
       applyTo(*shape_, setting);
     } else if (key == "model") {
@@ -83,11 +97,14 @@ class RunOrders {
     }
   }
 
-  /// What tells this run from others. A run that cannot be made has a fingerprint too.
+  /// What tells this run from others. A run that cannot be made has a fingerprint too. `known` is
+  /// the sweep's cache of input files.
   std::string fingerprint(std::map<std::string, OrderInputs>& known) {
     try {
       complete();
     } catch (const InputError& error) {
+      // The message takes the place of the scene: the run fails with it, and fails anew when it
+      // changes.
       record_.text = {
           {}, fmt::format("{}\n{}", orderText(*run_, record_.scene, {}).terms, error.what())};
     }
@@ -131,6 +148,7 @@ class RunOrders {
     // A family's parameters decide whether a target fits.
     std::string names = fmt::format("{}\n{}\n{}", record_.model.string(),
                                     record_.request.file.string(), shape_ ? ownTerms() : "");
+    // The key of the cache: everything that decides which files are read.
     for (const fs::path& target : targets) names += '\n' + target.string();
     const auto [found, isNew] = known.try_emplace(names);
     if (!isNew) return found->second;
@@ -148,6 +166,7 @@ class RunOrders {
     throw inputErrorAt(value.where, "either model or generate will do; remove the other");
   }
 
+  /// For suggestions: the options of a run and the family's parameters.
   std::vector<std::string> allKeys() const {
     std::vector<std::string> keys = runKeys(*run_);
     if (!shape_) return keys;
@@ -173,6 +192,7 @@ class RunOrders {
   CLI::App* shape_ = nullptr;
 };
 
+/// A family that does not exist, with the nearest name that does.
 void requireFamily(const Sweep& sweep) {
   std::vector<std::string> names;
   for (const Family& family : families()) names.push_back(family.name);
@@ -182,12 +202,14 @@ void requireFamily(const Sweep& sweep) {
                                  sweep.family, suggestion(sweep.family, names)));
 }
 
+/// Such values were made paths relative to the sweep file when it was read.
 bool namesFile(const std::string& key) {
   return key == "model" || key == "target" || key == "scene";
 }
 
 /// Tries a value alone.
 void requireValid(const Sweep& sweep, const SweepSetting& setting) {
+  // An order of its own for each value, so that one value cannot hide a mistake of another.
   RunOrders(sweep).apply(setting);
   if (!namesFile(setting.key) || fs::exists(setting.value.text)) return;
   throw inputErrorAt(setting.value.where,
@@ -200,6 +222,7 @@ void requireValid(const Sweep& sweep, const SweepSetting& setting) {
 void requireValid(const Sweep& sweep) {
   requireFamily(sweep);
   for (const SweepSetting& setting : sweep.settings) requireValid(sweep, setting);
+  // A sweep may name its model in [base], at its top, or as a parameter that varies.
   bool namesModel = !sweep.family.empty();
   for (const SweepAxis& axis : sweep.axes) {
     for (const SweepValue& value : axis.values) requireValid(sweep, {axis.key, value});

@@ -15,6 +15,8 @@ namespace kirireel {
 /// Keys and values as typed, by key.
 using RunInputs = std::vector<std::pair<std::string, std::string>>;
 
+/// The runs of one sweep file. name() and make() may be called in forked workers; not from two
+/// threads at once, because of the cache.
 class SweepRuns {
  public:
   /// Checks every key and value of the sweep against the options of `kirireel simulate` (or
@@ -22,9 +24,11 @@ class SweepRuns {
   /// have a key. Throws InputError with file:line:column, suggesting the nearest key.
   explicit SweepRuns(Sweep sweep);
 
+  /// As it was read.
   const Sweep& sweep() const { return sweep_; }
 
-  /// All that a run was told: the family, the settings of all runs, and its own parameters.
+  /// All that a run was told: the family, the settings of all runs, and its own parameters. `index`
+  /// is below the number of runs of the plan. By key, the family first.
   RunInputs inputs(std::uint64_t index) const;
 
   /// Twenty hexadecimal digits of orderFingerprint() of the run as `kirireel simulate` (or

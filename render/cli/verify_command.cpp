@@ -1,3 +1,5 @@
+// Prints what does not agree, one line each, on standard output, because that is the result; exit
+// code 1 then.
 #include "render/cli/verify_command.h"
 
 #include <CLI/CLI.hpp>

@@ -1,3 +1,5 @@
+// Options of the video: file and format, pace, title, quality. Ranges of quality depend on the
+// format, which may be given after it, so requireValidSettings() checks them once all is known.
 #include "render/cli/video_options.h"
 
 #include <CLI/CLI.hpp>
@@ -11,12 +13,13 @@ namespace {
 /// A bare name: the folder is --out's.
 std::string parseFileName(const TypedValue& value) {
   const std::filesystem::path name = value.text;
+  // UTF-8 that is valid, since the name goes into summary.json.
   const bool isName = name.has_filename() && !name.has_parent_path();
   if (isName && codePoints(value.text)) return value.text;
   throw valueError(value, "the name of a file, for example talk.webm; --out gives its folder");
 }
 
-/// Shells leave "\n" as it is typed.
+/// Shells leave "\n" as it is typed. A backslash before an n is two characters on the command line.
 std::string withLineFeeds(std::string text) {
   for (std::size_t at = 0; (at = text.find("\\n", at)) != std::string::npos;) {
     text.replace(at, 2, "\n");
@@ -24,6 +27,8 @@ std::string withLineFeeds(std::string text) {
   return text;
 }
 
+/// --length and --speed choose the pace that they belong to, and only the one in use is written
+/// down.
 void addPaceOptions(OptionGroup& group, PictureSettings& settings) {
   group.choice<Pace>("--pace", settings.pace, {{"even", Pace::Even}, {"real", Pace::Real}},
                      "every frame brings the same motion, or the same simulated time");

@@ -1,3 +1,11 @@
+// Writes curves.csv and the figures of a run.
+//
+// curves.csv is text in UTF-8 with commas (RFC 4180, but with "\n" at line ends). The first line
+// holds the names of the columns, each with its unit at its end (time_s, opening_mean_deg); each
+// further line is a sample of the trajectory, by rising time. A value that does not exist is an
+// empty field, which spreadsheets and pandas read as missing, where "nan" would make a column text.
+//
+// Numbers have the shortest digits that read back to the same double.
 #include "render/curves/curves.h"
 
 #include <algorithm>
@@ -15,8 +23,10 @@ namespace kirireel {
 namespace {
 
 constexpr const char* kTable = "curves.csv";
+// The column that --against opening takes.
 constexpr const char* kOpening = "opening_mean_deg";
 
+/// A name for each format, so that all of them stand side by side.
 const char* fileOf(PageFormat format) {
   switch (format) {
     case PageFormat::Svg:
@@ -29,6 +39,7 @@ const char* fileOf(PageFormat format) {
   return "curves.png";
 }
 
+/// No field needs quotation marks: all are numbers.
 std::string fieldText(double value) {
   return std::isnan(value) ? "" : fmt::format("{}", value);
 }
@@ -43,6 +54,8 @@ std::vector<const Curve*> allCurves(const RunCurves& curves) {
   return all;
 }
 
+/// The values that curves are drawn against, one a sample. They need not rise: a sheet may close
+/// again.
 PlotAbscissa abscissaOf(const RunCurves& curves, const std::vector<double>& progress,
                         CurvesAgainst against) {
   if (against == CurvesAgainst::Time) return {"simulated time, s", curves.times};
@@ -78,6 +91,7 @@ std::vector<std::string> writeCurves(const TrajectoryReader& run, const CurvesSe
     return name == output::kContents || std::ranges::find(names, name) != names.end();
   });
   const RunCurves curves = curvesOf(run);
+  // The share of the motion at a time, as in a video at an even pace; 0 at the start, 1 at the end.
   const MotionCurve motion = motionOf(run);
   std::vector<double> progress;
   for (const double time : curves.times) progress.push_back(motion.shareAt(time));

@@ -28,12 +28,13 @@ struct CurvesSettings {
 
 /// The table: a row a sample, first time_s and progress, then every curve's column, those of each
 /// joint last; numbers read back to the last bit, and empty fields are where a value does not
-/// exist.
+/// exist. `progress` has an entry a sample, 0 to 1.
 std::string curvesTable(const RunCurves& curves, const std::vector<double>& progress);
 
 /// Writes curves.csv and the figures into the folder, all of them or none, and lists them in
 /// contents.json. Returns their names. Throws InputError where files of others stand in the way and
-/// for figures against what the run does not have, OutputError when one cannot be written.
+/// for figures against what the run does not have, OutputError when one cannot be written. Reads
+/// the whole trajectory once.
 std::vector<std::string> writeCurves(const TrajectoryReader& run, const CurvesSettings& settings);
 
 }  // namespace kirireel

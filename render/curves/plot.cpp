@@ -1,3 +1,17 @@
+// A figure is a grid of diagrams, two in a row, one for each group of curves with the same unit.
+// All lengths follow from two numbers: the figure's width W (millimetres) and the size of its text
+// (points, 1/72 inch). With d dots per inch the em of the text is round(points / 72 d) pixels and
+// the figure is round(W / 25.4 d) pixels wide; everything else is in em, so that figures of any
+// width look alike in print.
+//
+//     4.5 em for numbers | diagram, height = 0.5 width | 0.5 em
+//     2 em above it for its title, 4 em below for numbers and words
+//
+// Axes: a group's values decide the vertical one (makeAxis, makeLogarithmicAxis in grid/ticks.h),
+// the abscissa the horizontal one, which begins and ends with the curves. A place in a diagram is a
+// pair of shares, 0 to 1 from left to right and from bottom to top.
+//
+// The same code draws SVG, PDF and PNG: Canvas (vector/canvas.h) hides which.
 #include "render/curves/plot.h"
 
 #include <algorithm>
@@ -21,12 +35,13 @@ constexpr Colour kGrid = {226, 229, 233};
 constexpr Colour kLines[] = {{43, 100, 166}, {194, 87, 26}, {61, 139, 95}};
 
 constexpr int kColumns = 2;
+// About as many; makeAxis takes round numbers.
 constexpr int kTicksAcross = 5;
 constexpr int kTicksUp = 5;
 /// Height of a diagram in parts of its width.
 constexpr double kAspect = 0.5;
 
-/// A rectangle of the figure, pixels.
+/// A rectangle of the figure, pixels. y points down, as in pictures.
 struct Box {
   double left, upper, width, height;
 
@@ -51,6 +66,7 @@ class Plotter {
     }
   }
 
+  /// Lines are 0.13 em wide, 0.9 points in a figure with text of 7 points.
   void draw(const CurveGroup& group, const Box& box) {
     const Axis up = axisOf(group);
     drawGrid(up, box);
@@ -63,6 +79,7 @@ class Plotter {
   }
 
  private:
+  /// All curves of a group share one axis; values that do not exist are left out.
   static Axis axisOf(const CurveGroup& group) {
     std::vector<double> values;
     for (const Curve& curve : group.curves) {
@@ -72,10 +89,12 @@ class Plotter {
     return group.isLogarithmic ? makeLogarithmicAxis(values, kTicksUp) : makeAxis(values, kTicksUp);
   }
 
+  /// Pixels from two shares of the box.
   Eigen::Vector2d place(double across, double up, const Box& box) const {
     return {box.left + across * box.width, box.lower() - up * box.height};
   }
 
+  /// Ticks and numbers of both axes, and the two axes themselves.
   void drawGrid(const Axis& up, const Box& box) {
     std::vector<Canvas::Points> grid;
     for (std::size_t k = 0; k < up.ticks.size(); ++k) {
@@ -86,6 +105,7 @@ class Plotter {
     }
     for (std::size_t k = 0; k < across_.ticks.size(); ++k) {
       const double share = across_.shareOf(across_.ticks[k]);
+      // The axis was cut to the curves' ends, beyond which its first and last ticks may lie.
       if (share < -1e-9 || share > 1 + 1e-9) continue;
       grid.push_back({place(share, 0, box), place(share, 1, box)});
       write(across_.texts[k], place(share, 0, box).x() - 0.5 * width(across_.texts[k]),
@@ -108,16 +128,21 @@ class Plotter {
         lines.emplace_back();
       }
     }
+    // A single sample makes no line.
     std::erase_if(lines, [](const Canvas::Points& line) { return line.size() < 2; });
     return lines;
   }
 
+  /// The name of the group and its unit to the left, the curves' names in their colours to the
+  /// right.
   void drawTitle(const CurveGroup& group, const Box& box) {
     const double baseline = box.upper - 0.6 * em_;
     write(group.unit.empty() ? group.name : group.name + ", " + group.unit, box.left, baseline,
           kText);
     if (group.curves.size() < 2) return;
     double right = box.right();
+    // Names stand at the right border in the order of the curves, so they are set from the last one
+    // on.
     for (std::size_t k = group.curves.size(); k-- > 0;) {
       if (!group.curves[k].hasValues()) continue;
       right -= width(group.curves[k].name);
@@ -164,6 +189,7 @@ PlotLayout layOut(int diagrams, const PlotSettings& settings) {
   const int rows = (diagrams + kColumns - 1) / kColumns;
   layout.size.width =
       static_cast<int>(std::lround(settings.width / kMillimetresPerInch * settings.dotsPerInch));
+  // From here on in pixels, not rounded.
   layout.across = (layout.size.width - em) / columns;
   const double wide = layout.across - 5 * em;
   layout.first = {4.5 * em, 2 * em, wide, kAspect * wide / (diagrams == 1 ? 1.2 : 1)};

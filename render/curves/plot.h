@@ -1,4 +1,6 @@
 /// Curves of a run as a figure for print.
+///
+/// The same figure can be had as SVG, PDF and PNG; sizes are those of print in all three.
 #pragma once
 
 #include <string>
@@ -25,7 +27,9 @@ struct PlotSettings {
 
 /// A file of this format with a diagram for each group that has values, two in a row, and one line
 /// for each curve, named in its colour. The same curves give the same bytes. Throws InputError
-/// where no group has any, OutputError when the font is missing.
+/// where no group has any, OutputError when the font is missing. Also throws InputError for a
+/// figure of more pixels than a frame may have. `abscissa` has a value for each sample of the
+/// curves.
 std::string plotCurves(const RunCurves& curves, const PlotAbscissa& abscissa, PageFormat format,
                        const PlotSettings& settings);
 

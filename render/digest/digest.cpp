@@ -1,3 +1,12 @@
+// A record seals itself: its last key is the SHA-256 (FIPS 180-4) of the text without that key.
+//
+//     {                                   {
+//       "a": 1            sealed()          "a": 1,
+//     }                    ---->            "sha256": "<hash of the text on the left>"
+//                                         }
+//
+// So a reader can tell whether anybody has changed a byte. It is no signature: whoever changes the
+// text on purpose can compute the hash again.
 #include "render/digest/digest.h"
 
 #include <array>
@@ -12,6 +21,7 @@ namespace {
 
 constexpr const char* kEnd = "\n}\n";
 
+/// Always of one length, which isSealed() relies on.
 std::string sealOf(const std::string& json) {
   return fmt::format(",\n  \"sha256\": \"{}\"{}", sha256(json), kEnd);
 }
@@ -23,6 +33,8 @@ FileDigest digestOf(const std::filesystem::path& folder, const std::string& name
   FileDigest digest{name, 0, ""};
   Sha256 hash;
   std::array<char, 1 << 16> bytes{};
+  // Piece by piece, since videos and trajectories may be larger than memory. The last piece sets
+  // eof.
   while (file.read(bytes.data(), bytes.size()), file.gcount() > 0) {
     hash.add({bytes.data(), static_cast<std::size_t>(file.gcount())});
     digest.bytes += static_cast<std::uintmax_t>(file.gcount());
@@ -41,6 +53,7 @@ std::string sealed(const std::string& json) {
 }
 
 bool isSealed(const std::string& text) {
+  // Takes the seal off, makes it anew and compares.
   const std::size_t sealSize = sealOf("").size();
   if (text.size() < sealSize) return false;
   const std::string json = text.substr(0, text.size() - sealSize) + kEnd;

@@ -18,11 +18,12 @@ struct FileDigest {
   bool operator==(const FileDigest&) const = default;
 };
 
-/// The digest of a file in a folder. Throws InputError when it cannot be read.
+/// The digest of a file in a folder. Throws InputError when it cannot be read. Reads the whole file
+/// once.
 FileDigest digestOf(const std::filesystem::path& folder, const std::string& name);
 
 /// A JSON object's text (one key a line, ending in "\n}\n") with a last key "sha256" added, which
-/// is the fingerprint of the text before.
+/// is the fingerprint of the text before. The text must end so, and must not be sealed yet.
 std::string sealed(const std::string& json);
 
 /// Whether a text is as sealed() left it, to the last byte.

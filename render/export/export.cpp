@@ -1,3 +1,15 @@
+// Which files an export writes follows from a table, kFiles: a format, whether it has a file for
+// each state, and the ending of its name. The same table tells isExported() which names an export
+// may write, so that a file of somebody else is never overwritten; a new format has to be entered
+// there.
+//
+// The way of one export: states are chosen (state_choice.h), each state's sample is read once and
+// handed to all formats, then come the files of the whole deployment. Whatever is written before an
+// error is removed again (WrittenFiles), and exportStates() puts files in place only when all of
+// them are whole (FileSet).
+//
+// Meshes of elements are made once a state and serve decks, Gmsh and the jobs. A job on the drive
+// has a coarse mesh of its own where tiles stay rigid on the way.
 #include "render/export/export.h"
 
 #include <algorithm>
@@ -28,8 +40,10 @@
 namespace kirireel {
 namespace {
 
+/// Indexing the names by the format's number relies on both lists having one order.
 void requireDifferent(const std::vector<ExportFormat>& formats) {
   for (std::size_t k = 0; k < formats.size(); ++k) {
+    // Looks behind each format for the same one again; there are twelve at most.
     const auto rest = formats.begin() + static_cast<std::ptrdiff_t>(k) + 1;
     if (std::find(rest, formats.end(), formats[k]) == formats.end()) continue;
     throw InputError(
@@ -43,6 +57,7 @@ bool wants(const ExportSettings& settings, ExportFormat format) {
   return std::ranges::find(settings.formats, format) != settings.formats.end();
 }
 
+/// A hinge width of 0 means a twentieth of the tiles' mean edge.
 std::vector<PatternLine> patternOf(const Model& model, const ExportSettings& settings) {
   constexpr double kHingeOfTile = 0.05;
   const double width = settings.hingeWidth;
@@ -64,6 +79,8 @@ constexpr const char* kBucklingFile = "_buckle.inp";
 constexpr const char* kMapFile = "_map.inp";
 constexpr const char* kPeriodicFile = "_periodic.inp";
 
+/// In the order of the formats. Names of states begin with "state_" and the state's label; names of
+/// necked sheets with "sheet".
 constexpr auto kFiles = std::to_array<ExportFile>({
     {ExportFormat::Obj, true, ".obj"},
     {ExportFormat::Ply, true, ".ply"},
@@ -86,6 +103,7 @@ constexpr auto kFiles = std::to_array<ExportFile>({
     {ExportFormat::Dxf, false, "cut_pattern.dxf"},
 });
 
+/// What the name of a state's files begins with.
 std::string fileStem(const std::string& label) {
   return "state_" + label;
 }
@@ -99,7 +117,8 @@ bool isOfSheet(ExportFormat format, const ExportSettings& settings) {
          (format == ExportFormat::Inp || format == ExportFormat::Msh);
 }
 
-/// Whether an export may write such files.
+/// Whether an export may write such files. Which of the optional jobs are wanted is a matter of the
+/// deck's settings.
 bool wants(const ExportSettings& settings, const ExportFile& file) {
   const std::string_view name = file.name;
   const bool isOfDrive = name == kDriveFile || name == kDriveMesh;
@@ -110,7 +129,8 @@ bool wants(const ExportSettings& settings, const ExportFile& file) {
   return wants(settings, file.format);
 }
 
-/// The rule with tiles numbered as the model's file numbers them.
+/// The rule with tiles numbered as the model's file numbers them. Planar files count from 1,
+/// folders from 0: messages name tiles as the user knows them.
 ElementRule numbered(ElementRule rule, const Model& model) {
   rule.countsFrom = model.fileOrder.countsFrom;
   return rule;
@@ -149,7 +169,8 @@ class WrittenFiles {
   std::vector<std::string> names_;
 };
 
-/// Writes one format after the other.
+/// Writes one format after the other. Reads each state's sample once. The constructor refuses what
+/// the jobs cannot have, before any file is written.
 class Exporter {
  public:
   Exporter(const TrajectoryReader& trajectory, const ExportSettings& settings, WrittenFiles& files)
@@ -163,6 +184,7 @@ class Exporter {
     requireMap();
   }
 
+  /// Necked sheets first, then state by state, then what shows the whole deployment.
   void writeAll() {
     if (isNecked()) writeNeckSheet();
     for (const ChosenState& state : states_) writeState(state, trajectory_.sample(state.sample));
@@ -172,29 +194,36 @@ class Exporter {
  private:
   bool wants(ExportFormat format) const { return kirireel::wants(settings_, format); }
 
+  /// All files of one state.
   void writeState(const ChosenState& state, const Sample& sample) {
     const std::string name = fileStem(state.label);
     if (wantsElements() && !isNecked()) {
       ElementMesh mesh =
           makeElementMesh(subject_.bricks, subject_.model.joints, sample.poses, elements_);
+      // Springs that find no patches are left out; exportWarnings() has said so.
       addHingeSprings(mesh, subject_.hingeSprings, sample.poses);
       const DeckOrigin origin = originOf(state.label, sample);
       std::string sets;
+      // The drive is written first: its sets of nodes belong to the end of the mesh deck.
       if (isDriven(state.sample)) {
         sets = writeDrive(mesh, name, origin, state.sample, sample.poses);
       }
       writeElements(mesh, name, origin, sets);
       writeMap(std::move(mesh), name, origin);
     }
+    // Surface meshes, whose formats writeMesh() tells by the ending.
     for (const auto& [format, ending] : {std::pair{ExportFormat::Obj, ".obj"},
                                          {ExportFormat::Ply, ".ply"},
                                          {ExportFormat::Stl, ".stl"}}) {
       if (wants(format)) writeMesh(files_.add(name + ending), subject_.bricks, sample.poses);
     }
     if (wants(ExportFormat::Vtu)) {
+      // Displacements in the .vtu count from the first sample of the run, whatever states are asked
+      // for.
       if (start_.empty()) start_ = trajectory_.sample(0).poses;
       writeTextFile(files_.add(name + ".vtu"), vtuText(subject_, start_, sample));
     }
+    // The flat formats show the bottoms of bricks, which are the tiles themselves.
     const std::vector<Tile> tiles = sheetOf(sample);
     if (wants(ExportFormat::Planar)) {
       writeTextFile(files_.add(name + "_planar.obj"), planarObjText(tiles));
@@ -253,6 +282,8 @@ class Exporter {
       writeTextFile(files_.add(name + ".msh"), gmshMesh(mesh, settings_.decks.sets));
     }
     if (!wants(ExportFormat::Inp)) return;
+    // Sets of nodes that a job needs stand at the end of the mesh deck, for readers want them after
+    // the nodes.
     const DeckJob job = staticJob(mesh, settings_.decks, origin, name + kMeshFile);
     writeTextFile(files_.add(name + kMeshFile),
                   meshDeck(mesh, settings_.decks, origin) + job.sets + driveSets);
@@ -270,6 +301,7 @@ class Exporter {
   /// The job that takes the first state to this one; keeps the mesh of the first.
   void writeMap(ElementMesh mesh, const std::string& name, const DeckOrigin& origin) {
     if (!wants(ExportFormat::Inp) || !settings_.decks.stateMap) return;
+    // The first state is where the map begins; later ones get a job each on its mesh deck.
     if (!first_) {
       first_.emplace(name, std::move(mesh));
       return;
@@ -280,6 +312,7 @@ class Exporter {
     writeTextFile(files_.add(name + kMapFile), job.text);
   }
 
+  /// The last sample has nothing after it to follow.
   bool isDriven(std::size_t sample) const {
     const bool hasFuture = sample + 1 < trajectory_.times().size();
     return wants(ExportFormat::Inp) && settings_.decks.drive.kind != DriveChoice::None && hasFuture;
@@ -300,11 +333,13 @@ class Exporter {
     const ElementMesh own =
         makeElementMesh(subject_.bricks, subject_.model.joints, poses, coarsest(elements_));
     DeckSettings decks = settings_.decks;
+    // The coarse mesh has no control nodes, since only the periodic job uses them.
     decks.periodic = false;
     writeTextFile(files_.add(meshFile), meshDeck(own, decks, origin) + jobOn(own));
     return {};
   }
 
+  /// Reads all later samples into memory.
   TileHistory historyFrom(std::size_t first) const {
     TileHistory history;
     for (std::size_t k = first; k < trajectory_.times().size(); ++k) {
@@ -314,6 +349,7 @@ class Exporter {
     return history;
   }
 
+  /// `sample` gives time and overlap; the label is as the state was asked for.
   DeckOrigin originOf(const std::string& label, const Sample& sample) const {
     return {subject_.model.name, label,
             sample.time,         subject_.brickRule.thickness,
@@ -344,6 +380,7 @@ class Exporter {
     }
   }
 
+  /// Times in seconds with the names of their files, as pvdText() takes them.
   std::vector<std::pair<double, std::string>> series() const {
     std::vector<std::pair<double, std::string>> files;
     for (const ChosenState& state : states_) {
@@ -352,6 +389,7 @@ class Exporter {
     return files;
   }
 
+  /// All samples of the run, whatever states were asked for.
   std::string animation() const {
     return animationBytes(subject_.bricks, trajectory_.times().size(), [this](std::size_t k) {
       Sample sample = trajectory_.sample(k);
@@ -359,6 +397,7 @@ class Exporter {
     });
   }
 
+  /// In rising time, the first being the frame that others inherit from.
   std::vector<SheetState> sheets() const {
     std::vector<SheetState> states;
     for (const ChosenState& state : states_) {
@@ -396,6 +435,7 @@ void requireExportable(const Model& model, const BrickRule& rule, const ExportSe
   requireDifferent(settings.formats);
   requireValidRule(settings.elements);
   requireDrivable(settings.decks.drive, model.tiles.size(), model.fileOrder.countsFrom);
+  // A cut pattern and necks depend on the start alone, so both can be tried before the run.
   const bool isPattern = wants(settings, ExportFormat::Svg) || wants(settings, ExportFormat::Dxf);
   if (isPattern) patternOf(model, settings);
   const bool isDivided = wants(settings, ExportFormat::Inp) || wants(settings, ExportFormat::Msh);
@@ -407,6 +447,8 @@ void requireExportable(const Model& model, const BrickRule& rule, const ExportSe
   ElementRule elements = numbered(settings.elements, model);
   // How well corners meet that share a node is known of the run's own states alone.
   if (elements.joints == JointStyle::Shared) elements.joints = JointStyle::Equation;
+  // Making the mesh is the check: it throws what it would throw at the end of a run that may take
+  // hours.
   const std::vector<Brick> bricks = makeBricks(model.tiles, rule);
   makeElementMesh(bricks, model.joints, startPoses(model.tiles, bricks), elements);
 }
@@ -416,6 +458,8 @@ bool isExported(const std::string& name, const ExportSettings& settings) {
     const auto nameOf = [&](std::size_t sample) {
       return fileStem(stateLabel(state, sample)) + ending;
     };
+    // Names with the number of a sample: any number counts, since how many samples a run will have
+    // is not known.
     return name == nameOf(0) ||
            isNumbered(name, [&](int k) { return nameOf(static_cast<std::size_t>(k)); });
   };
@@ -434,6 +478,7 @@ std::vector<std::string> exportWarnings(const TrajectoryReader& trajectory,
   const bool isDivided = wants(settings, ExportFormat::Inp) || wants(settings, ExportFormat::Msh);
   if (!isDivided || settings.elements.joints == JointStyle::Neck) return lines;
   const std::vector<Brick>& bricks = trajectory.subject().bricks;
+  // Large sheets get fewer elements than usual without being asked; the user has to know.
   if (isCoarsened(bricks, settings.elements)) {
     lines.push_back(
         fmt::format("warning: a sheet of {} tiles gets {} elements per edge, and 8 would bend more "
@@ -443,6 +488,7 @@ std::vector<std::string> exportWarnings(const TrajectoryReader& trajectory,
   if (!wants(settings, ExportFormat::Inp)) return lines;
   const std::vector<HingeSpring>& springs = trajectory.subject().hingeSprings;
   const bool hasSprings = std::ranges::any_of(springs, [](auto& one) { return one.stiffness > 0; });
+  // Only patches have rotations that a spring can join.
   if (hasSprings && settings.elements.joints != JointStyle::Patch) {
     lines.emplace_back(
         "warning: these decks are without the run's springs at hinges, which stand between rigid "
@@ -465,6 +511,7 @@ std::vector<std::string> exportStates(const TrajectoryReader& trajectory,
                                       const std::filesystem::path& folder) {
   requireDifferent(settings.formats);
   FileSet files(folder, output::kContents);
+  // Before anything is written: names that belong to somebody else are refused.
   files.requireFree([&](const std::string& name) {
     return name == output::kContents || isExported(name, settings);
   });

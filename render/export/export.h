@@ -31,10 +31,11 @@ enum class ExportFormat {
   Dxf,       ///< cut_pattern.dxf: the same
 };
 
-/// The names of the formats on the command line, in that order.
+/// The names of the formats on the command line, in that order. The order of the enum: some callers
+/// use a format's number as an index.
 const std::vector<std::pair<std::string, ExportFormat>>& exportFormatNames();
 
-/// What is to be exported.
+/// What is to be exported. Defaults are those of the command line.
 struct ExportSettings {
   std::vector<std::string> states = {"initial", "final"};  ///< as chooseStates reads them
   std::vector<ExportFormat> formats;
@@ -45,15 +46,17 @@ struct ExportSettings {
 
 /// Throws what exportStates would of this model whatever its run is like: InputError for formats
 /// given twice, cut patterns, elements, joint patches and necks that it cannot have, and drives of
-/// tiles that it does not have.
+/// tiles that it does not have. It makes the elements of the start once, which is the price of an
+/// early answer.
 void requireExportable(const Model& model, const BrickRule& rule, const ExportSettings& settings);
 
-/// Whether an export of some run may write a file of this name.
+/// Whether an export of some run may write a file of this name. Names of states with any sample's
+/// number count.
 bool isExported(const std::string& name, const ExportSettings& settings);
 
 /// What to tell the person who asked for decks of this trajectory, one line each: bricks that
 /// overlap in a state that is exported, and elements that are fewer than usual because the tiles
-/// are many.
+/// are many. Empty where no deck or mesh is asked for. Reads the samples of the states.
 std::vector<std::string> exportWarnings(const TrajectoryReader& trajectory,
                                         const ExportSettings& settings);
 
@@ -66,7 +69,7 @@ std::vector<std::string> exportStates(const TrajectoryReader& trajectory,
                                       const std::filesystem::path& folder);
 
 /// The same into a folder that is being filled anyway: without contents.json, nothing that stands
-/// there is looked at. What was written before an error is removed.
+/// there is looked at. What was written before an error is removed. The folder must exist.
 std::vector<std::string> exportInto(const TrajectoryReader& trajectory,
                                     const ExportSettings& settings,
                                     const std::filesystem::path& folder);

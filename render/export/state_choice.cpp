@@ -1,3 +1,6 @@
+// A name is read into a kind and a number; the number leads to the nearest sample of the
+// trajectory. Files are named by what was asked for (state_25pct) and not by the sample's number,
+// so that a script finds them whatever the number of samples is.
 #include "render/export/state_choice.h"
 
 #include <algorithm>
@@ -16,11 +19,13 @@
 namespace kirireel {
 namespace {
 
+/// `allowed` says what the trajectory has.
 InputError unknownState(const std::string& name, const std::string& allowed) {
   return InputError(fmt::format("error: state '{}' is not in the trajectory; {}", name, allowed));
 }
 
-/// The number that the text consists of, up to the ending.
+/// The number that the text consists of, up to the ending. The whole text but for the ending has to
+/// be a finite number.
 std::optional<double> numberBefore(const std::string& text, const std::string& ending) {
   if (!text.ends_with(ending)) return std::nullopt;
   double number = 0;
@@ -30,7 +35,9 @@ std::optional<double> numberBefore(const std::string& text, const std::string& e
   return isWhole ? std::optional(number) : std::nullopt;
 }
 
+/// Of two samples that are equally near, the earlier.
 std::size_t nearestSample(const std::vector<double>& times, double time) {
+  // The first sample that is not before the time.
   const auto later = std::ranges::lower_bound(times, time);
   if (later == times.begin()) return 0;
   if (later == times.end()) return times.size() - 1;
@@ -38,12 +45,14 @@ std::size_t nearestSample(const std::vector<double>& times, double time) {
   return time - times[index - 1] <= times[index] - time ? index - 1 : index;
 }
 
+/// Of time, not of motion: 50% of a run of 4 s is the sample nearest to 2 s.
 std::size_t sampleAtShare(const std::vector<double>& times, double percent,
                           const std::string& name) {
   if (percent < 0 || percent > 100) throw unknownState(name, "shares go from 0% to 100%");
   return nearestSample(times, percent / 100 * times.back());
 }
 
+/// Sampling may end a fraction of an interval before the time that the run was given.
 std::size_t sampleAtTime(const std::vector<double>& times, double time, const std::string& name) {
   // Half a sample beyond the end still means the end.
   const double slack = times.size() > 1 ? 0.5 * (times[1] - times[0]) : 0;
@@ -53,6 +62,7 @@ std::size_t sampleAtTime(const std::vector<double>& times, double time, const st
   return nearestSample(times, time);
 }
 
+/// The angle of the rotation from one orientation to the other, radians, 0 to pi.
 double largestTurn(const Poses& start, const Poses& poses) {
   double largest = 0;
   for (std::size_t k = 0; k < poses.size(); ++k) {
@@ -61,6 +71,7 @@ double largestTurn(const Poses& start, const Poses& poses) {
   return largest;
 }
 
+/// Reads sample by sample until one has turned far enough.
 std::size_t sampleAtAngle(const TrajectoryReader& trajectory, double degrees,
                           const std::string& name) {
   const Poses start = trajectory.sample(0).poses;
@@ -75,6 +86,7 @@ std::size_t sampleAtAngle(const TrajectoryReader& trajectory, double degrees,
                                        largest / kDegree));
 }
 
+/// Events are told by their text; the first one that contains it counts.
 std::size_t sampleAtEvent(const TrajectoryReader& trajectory, const std::string& text,
                           const std::string& name) {
   std::string known;
@@ -94,12 +106,14 @@ struct StateName {
   std::string text;   ///< of an event
 };
 
+/// Whether the trajectory has such a state is not looked at.
 StateName readName(const std::string& name) {
   constexpr std::string_view kEvent = "event:";
   if (name == "initial") return {StateName::Initial};
   if (name == "final") return {StateName::Final};
   if (name == "all") return {StateName::All};
   if (name.starts_with(kEvent)) return {StateName::Event, 0, name.substr(kEvent.size())};
+  // "deg" before "s", and no ending last, which every number has.
   for (const auto& [ending, kind] : {std::pair{"%", StateName::Share},
                                      {"deg", StateName::Angle},
                                      {"s", StateName::Time},
@@ -113,7 +127,7 @@ StateName readName(const std::string& name) {
                   name));
 }
 
-/// The first and the last sample that a name stands for.
+/// The first and the last sample that a name stands for. Equal for all names but `all`.
 std::pair<std::size_t, std::size_t> samplesNamed(const TrajectoryReader& trajectory,
                                                  const std::string& name) {
   const std::vector<double>& times = trajectory.times();
@@ -138,6 +152,7 @@ std::pair<std::size_t, std::size_t> samplesNamed(const TrajectoryReader& traject
   return one(0);
 }
 
+/// "50%" and "50.0%" are one label, and so are two events whose letters were replaced alike.
 void requireDifferentLabels(const std::vector<ChosenState>& states) {
   for (std::size_t a = 0; a < states.size(); ++a) {
     for (std::size_t b = 0; b < a; ++b) {
@@ -175,6 +190,7 @@ std::string stateLabel(const std::string& name, std::size_t sample) {
   for (char& letter : label) {
     const bool isPlain =
         std::isalnum(static_cast<unsigned char>(letter)) != 0 || letter == '.' || letter == '-';
+    // One underscore a byte: letters beyond ASCII give several.
     if (!isPlain) letter = '_';
   }
   return label;
@@ -182,9 +198,11 @@ std::string stateLabel(const std::string& name, std::size_t sample) {
 
 std::vector<ChosenState> chooseStates(const TrajectoryReader& trajectory,
                                       const std::vector<std::string>& names) {
+  // By sample, so that states come out in the order of time whatever the order of the names.
   std::map<std::size_t, std::pair<std::string, std::string>> chosen;  // names and labels
   for (const std::string& name : names) {
     const auto [first, last] = samplesNamed(trajectory, name);
+    // `all` names each sample by itself, so it goes with no other name.
     for (std::size_t sample = first; sample <= last; ++sample) {
       const auto [place, isNew] = chosen.try_emplace(sample, name, stateLabel(name, sample));
       if (isNew) continue;

@@ -31,7 +31,8 @@ std::string stateLabel(const std::string& name, std::size_t sample);
 /// - `event:TEXT`: the first event whose text contains this.
 ///
 /// Shares, times and events stand for the nearest sample. Throws InputError for a name that means
-/// nothing, a state that is not in the trajectory, and two names of one sample.
+/// nothing, a state that is not in the trajectory, and two names of one sample. An angle reads the
+/// trajectory up to its sample; the others look at times alone.
 std::vector<ChosenState> chooseStates(const TrajectoryReader& trajectory,
                                       const std::vector<std::string>& names);
 

@@ -1,3 +1,16 @@
+// How `ccx` is used: the job is written as one file check.inp with the mesh in place of its
+// *INCLUDE card; `ccx -i check` writes what *NODE PRINT asks for to check.dat, as text:
+//
+//     displacements (vx,vy,vz) for set GRIP_XMIN and time  0.1000000E+01
+//
+//              1  1.000000E-05  2.000000E-06 -3.000000E-09
+//
+// A row is a node (from 1) and its displacement in the deck's unit of length. The table ends where
+// a row cannot be read.
+//
+// The opening is the mean of u over the nodes of GRIP_?MAX less that over GRIP_?MIN, along the axis
+// of the force. With 1 N at each end it is the compliance of the sheet in m/N (or mm/N), and twice
+// the strain energy per newton; that makes it a figure to compare meshes by.
 #include "render/fea/calculix_program.h"
 
 #include <sstream>

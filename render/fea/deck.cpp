@@ -1,3 +1,28 @@
+// Writes a sheet as an input deck: cards that begin with `*`, lines of data, comments that begin
+// with `**`. In this order:
+//
+//     **                       where it comes from, its units, warnings
+//     *NODE, NSET=NALL         number, x, y, z; number from 1
+//     *ELEMENT, TYPE=, ELSET=  number and nodes, a block for each tile and neck
+//     *ELSET, ELSET=EALL       all elements
+//     *NSET, *SURFACE          by tile, by joint, the boundary, reference and control nodes
+//     *EQUATION                what ties corners that meet, three a node that follows
+//     *RIGID BODY, *MPC        patches and their pins, in meshes that have them
+//     *ELEMENT, *SPRING        springs between patches
+//
+// Where the keywords of CalculiX and Abaqus differ, settings.solver decides (CalculiX User's Manual
+// and Abaqus Keywords Reference Guide, the cards by name). Limits that both share are kept: 16
+// numbers a line, 20 characters a number, 256 a line.
+//
+// Nodes in a hexahedron: 1 to 4 round the bottom, anticlockwise seen from the top, 5 to 8 above
+// them, 9 to 12 in the middles of the bottom edges, 13 to 16 of the top edges, 17 to 20 of the
+// upright ones. That is the order in which element_mesh.h has them already. Faces: S1 bottom, S2
+// top, S3 to S6 from corner 1-2 on.
+//
+// Elements by choice: C3D20R bends without shear locking and costs 8 integration points. Its
+// weakness are modes that cost no energy, which a row of elements does not suppress; such tiles
+// take C3D20 with 27 points. Linear elements have incompatible modes (C3D8I), without which thin
+// plates would lock.
 #include "render/fea/deck.h"
 
 #include <algorithm>
@@ -13,7 +38,9 @@
 namespace kirireel {
 namespace {
 
-/// Above this number of tiles, sets are left out unless they are asked for.
+/// Above this number of tiles, sets are left out unless they are asked for. A tile has at least
+/// nine sets, and readers look through all names for each name, so that reading them costs the
+/// square of their number.
 constexpr std::size_t kMostTilesWithSets = 1000;
 
 const char* jointWord(const ElementMesh& mesh) {
@@ -31,7 +58,9 @@ const char* jointWord(const ElementMesh& mesh) {
   return "rigid patches that turn about shared reference nodes";
 }
 
-/// What a hinge's spring would be in place of a neck.
+/// What a hinge's spring would be in place of a neck. So that a user can check the order of
+/// magnitude: E (Pa), t thickness, w width and L length of the neck (m), see
+/// sim/model/neck_stiffness.h.
 void appendNeckStiffness(std::string& text, const NeckShape& neck, const DeckSettings& settings,
                          double thickness) {
   append(text,
@@ -43,6 +72,8 @@ void appendNeckStiffness(std::string& text, const NeckShape& neck, const DeckSet
          deckNumber(settings.material.youngs));
 }
 
+/// The header says what cannot be seen in the numbers: units, what joints are, and the two mistakes
+/// that programs do not report (mechanisms, and forces through single nodes).
 void appendHeader(std::string& text, const ElementMesh& mesh, const DeckSettings& settings,
                   const DeckOrigin& origin) {
   text += "** A sheet of tiles as finite elements. No material and no step.\n";
@@ -61,6 +92,7 @@ void appendHeader(std::string& text, const ElementMesh& mesh, const DeckSettings
       "** Slits that are shut have nodes in one place on both sides: never merge duplicate "
       "nodes.\n";
   if (mesh.rule.joints == JointStyle::Neck) {
+    // Sheets with necks have no ideal hinges, so the warnings below do not concern them.
     const NeckShape& neck = mesh.rule.neck;
     append(
         text,
@@ -105,11 +137,13 @@ void appendNodes(std::string& text, const std::vector<Vector3>& nodes, DeckUnit 
 /// The numbers of one element; a row too long for one line goes on in the next.
 void appendElement(std::string& text, const ElementMesh& mesh, int number) {
   constexpr std::size_t kNumbersInLine = 16;
+  // The element's own number, then up to 20 nodes, all from 0; appendNumbers adds the 1.
   std::array<int, 21> row{number};
   std::ranges::copy(mesh.elements[number].nodes, row.begin() + 1);
   const std::size_t count = nodeCount(mesh.rule) + 1;
   if (count <= kNumbersInLine) return appendNumbers(text, row.data(), count);
   appendNumbers(text, row.data(), kNumbersInLine);
+  // A line of data that ends in a comma continues; the line break behind it is written anew.
   text.back() = ',';
   text += '\n';
   appendNumbers(text, row.data() + kNumbersInLine, count - kNumbersInLine);
@@ -133,6 +167,8 @@ void appendPart(std::string& text, const ElementMesh& mesh, const std::string& n
   for (int k = 0; k < tile.elementCount; ++k) appendElement(text, mesh, tile.firstElement + k);
 }
 
+/// One set for each offset that occurs: *SHELL SECTION takes a set, and OFFSET belongs to the
+/// section.
 void appendOffsetSets(std::string& text, const ElementMesh& mesh) {
   for (const ShellOffset& shells : shellOffsets(mesh)) {
     append(text, "*ELSET, ELSET={}\n", shells.set);
@@ -161,12 +197,15 @@ void appendSurfaces(std::string& text, const TileElements& tile, const std::stri
   append(text, "*SURFACE, NAME={}_SBOT, TYPE=ELEMENT\n", name);
   for (int k = 0; k < tile.layerCount; ++k) append(text, "{}, S1\n", tile.firstElement + k + 1);
   append(text, "*SURFACE, NAME={}_STOP, TYPE=ELEMENT\n", name);
+  // Elements of a tile are numbered layer by layer, the bottom layer first.
   const int lastLayer = tile.firstElement + tile.elementCount - tile.layerCount;
   for (int k = 0; k < tile.layerCount; ++k) append(text, "{}, S2\n", lastLayer + k + 1);
   append(text, "*SURFACE, NAME={}_SIDE, TYPE=ELEMENT\n", name);
   for (const ElementFace& face : tile.sides) {
     append(text, "{}, S{}\n", face.element + 1, face.side + 3);
   }
+  // Sides come sorted by tile edge, so a new surface begins where the edge changes. Necks have no
+  // edges (-1) and take part in _SIDE alone.
   int edge = -1;
   for (const ElementFace& face : tile.sides) {
     if (face.tileEdge < 0) continue;
@@ -178,6 +217,7 @@ void appendSurfaces(std::string& text, const TileElements& tile, const std::stri
   }
 }
 
+/// Shells and plane elements have one face; BOT, TOP and surfaces would say nothing.
 void appendTileSets(std::string& text, const ElementMesh& mesh) {
   for (const auto& [name, tile] : partsOf(mesh)) {
     appendNodeSet(text, name + "_N", tile->nodes);
@@ -195,6 +235,7 @@ void appendJointSets(std::string& text, const ElementMesh& mesh) {
   }
 }
 
+/// Each once and rising; a node that several joints share would be named as often.
 std::vector<int> allJointNodes(const ElementMesh& mesh) {
   std::vector<int> nodes;
   for (const JointNodes& joint : mesh.joints) {
@@ -207,6 +248,8 @@ std::vector<int> allJointNodes(const ElementMesh& mesh) {
   return nodes;
 }
 
+/// u_k - u_0 = 0 for x, y and z (1, 2, 3). The first term is the dependent one, in both programs;
+/// it must not be dependent twice, so all nodes of a cluster follow its lowest.
 void appendEquations(std::string& text, const ElementMesh& mesh) {
   for (const NodeCluster& cluster : mesh.clusters) {
     for (std::size_t k = 1; k < cluster.nodes.size(); ++k) {
@@ -233,6 +276,7 @@ SetChoice chosenSets(SetChoice choice, std::size_t tiles) {
 
 std::vector<ShellOffset> shellOffsets(const ElementMesh& mesh) {
   std::vector<ShellOffset> groups;
+  // Levels are exactly 0, 0.5 or 1: shellLevels in element_mesh.cpp chooses among these.
   for (const auto& [level, set] :
        {std::pair{0.0, "SHELLS_BOTTOM"}, {0.5, "SHELLS_MIDDLE"}, {1.0, "SHELLS_TOP"}}) {
     ShellOffset group{set, level - 0.5, {}};
@@ -241,6 +285,7 @@ std::vector<ShellOffset> shellOffsets(const ElementMesh& mesh) {
     }
     if (!group.tiles.empty()) groups.push_back(std::move(group));
   }
+  // OFFSET=0 is the default: then one section for EALL does.
   const bool isAlone = groups.size() == 1 && groups[0].offset == 0;
   return isAlone ? std::vector<ShellOffset>() : groups;
 }
@@ -255,6 +300,7 @@ const char* elementType(const TileElements& tile, const ElementRule& rule) {
 
 std::string meshDeck(const ElementMesh& mesh, const DeckSettings& settings,
                      const DeckOrigin& origin) {
+  // Numbers: the mesh's nodes, then those of patches, then control nodes. Sets below rely on it.
   const PatchDeck patches(mesh, settings.solver);
   std::vector<Vector3> nodes = mesh.nodes;
   nodes.insert(nodes.end(), patches.nodes().begin(), patches.nodes().end());

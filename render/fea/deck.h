@@ -16,7 +16,9 @@ namespace kirireel {
 /// NECK_00000 and EALL; node sets TILE_00000_N, _BOT, _TOP, JOINT_00000_A and _B, NJOINT, NALL and
 /// those of boundarySets; surfaces TILE_00000_SBOT, _STOP, _SIDE and, on each edge of the tile,
 /// _S0, _S1 and so on. With contact the surfaces of appendContactSurfaces; for periodic jobs the
-/// control nodes NCONTROL, after all others.
+/// control nodes NCONTROL, after all others. All is built in memory: about 70 bytes of text a node
+/// and up to 170 an element. Throws what contactPairs and periodicity throw, where the settings ask
+/// for these, and Interrupted when the user stops the program.
 std::string meshDeck(const ElementMesh& mesh, const DeckSettings& settings,
                      const DeckOrigin& origin);
 
@@ -27,10 +29,11 @@ struct ShellOffset {
   std::vector<int> tiles;  ///< from 0
 };
 
-/// The shells by their offset; none where all lie in the middle.
+/// The shells by their offset; none where all lie in the middle. From the bottom to the top. The
+/// mesh must be of shells.
 std::vector<ShellOffset> shellOffsets(const ElementMesh& mesh);
 
-/// What a deck names an element.
+/// What a deck names an element. The same word in CalculiX and Abaqus.
 const char* elementType(const TileElements& tile, const ElementRule& rule);
 
 }  // namespace kirireel

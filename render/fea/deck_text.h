@@ -37,9 +37,13 @@ enum class DeckUnit {
 
 /// What an SI quantity is multiplied by to stand in a deck.
 struct UnitScale {
+  /// Deck units by metre: 1 or 1e3.
   double length = 1;
+  /// Deck units by pascal: 1 or 1e-6. Forces keep their newtons.
   double stress = 1;
+  /// Deck units by kg/m^3: 1 or 1e-12.
   double density = 1;
+  /// For comments; it lives as long as the program.
   const char* words = "m, N, kg, s, Pa";
 };
 
@@ -79,13 +83,16 @@ struct DeckOrigin {
   std::string run;       ///< what tells the run from others, one line
 };
 
+/// By what SI quantities are multiplied, and the words for a deck's header.
 UnitScale unitScale(DeckUnit unit);
 
-/// Whether bricks overlap by more than an analysis with contact can leave unsaid; metres.
+/// Whether bricks overlap by more than an analysis with contact can leave unsaid; metres. True
+/// above 1e-4 of the thickness.
 bool isOverlapToTell(double overlap, double thickness);
 
 /// A number in at most 20 characters, which is all that CalculiX and Abaqus read of it: the
-/// shortest text that reads back to the same double where it fits, else 14 digits.
+/// shortest text that reads back to the same double where it fits, else 14 digits. Zero for
+/// magnitudes below 1e-90. The value must be finite: neither program reads "nan" or "inf".
 std::string deckNumber(double value);
 
 /// Appends formatted text.
@@ -94,13 +101,15 @@ void append(std::string& text, fmt::format_string<Arguments...> format, Argument
   fmt::format_to(std::back_inserter(text), format, std::forward<Arguments>(arguments)...);
 }
 
-/// Appends numbers from 0 as numbers from 1, at most 16 a line.
+/// Appends numbers from 0 as numbers from 1, at most 16 a line. A count of 0 appends nothing, not
+/// even a line break.
 void appendNumbers(std::string& text, const int* numbers, std::size_t count);
 
 /// Appends *NSET with these nodes, numbered from 0; nothing for an empty set.
 void appendNodeSet(std::string& text, const std::string& name, const std::vector<int>& nodes);
 
-/// Appends comment lines that say where a deck comes from, and warn of bricks that overlap.
+/// Appends comment lines that say where a deck comes from, and warn of bricks that overlap. Names
+/// are made printable and cut to 200 characters.
 void appendOrigin(std::string& text, const DeckOrigin& origin, DeckUnit unit);
 
 /// The card *HEADING with its one line of data, at most 80 characters.

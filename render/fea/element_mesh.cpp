@@ -1,3 +1,25 @@
+// How a mesh of hinged tiles comes about:
+//
+// - 1. How many elements lie along the edges is chosen (usualPerEdge, divisionOf).
+// - 2. Each tile is divided into quadrilaterals once for all tiles of its kind (footprint.h), in
+//   shares of its vertices, so that the positions follow from the brick and its pose.
+// - 3. Prisms are laid on these, layer by layer (prism_layers.h).
+// - 4. The corners that joints hold together are found; they are merged, left for equations, or
+//   given patches (node_clusters.h).
+// - 5. Solids are checked: no prism may fold over, none may be 500 times as long as high.
+//
+// Tiles are meshed one by one and never match along their edges, because only corners are joined; a
+// mesher of general domains would glue what merely touches. Quadrilaterals, not triangles, since
+// wedges (C3D15, C3D6) bend far more stiffly at the same number of nodes.
+//
+// Check of a corner: with a its position, n and p the next and previous corner of its face and u
+// the corner above (or below, with the sign turned),
+//
+//     V = (n - a) x (p - a) . (u - a) > 0,
+//
+// six times the volume of the corner's tetrahedron, m^3. A hexahedron whose eight corners have V >
+// 0 is not turned inside out there. It is the Jacobian determinant at the corners of the linear
+// element; midside nodes lie halfway, so that quadratic elements have the same.
 #include "render/fea/element_mesh.h"
 
 #include <algorithm>
@@ -15,7 +37,9 @@
 namespace kirireel {
 namespace {
 
+/// A single quadratic element cannot show a moment that varies along a tile.
 constexpr int kLeastUsualPerEdge = 2;
+/// Also the range in the command line's help. It bounds an edge and the thickness.
 constexpr int kMostElements = 64;
 /// More would fill memory, and no program reads them.
 constexpr std::size_t kMostElementsInAll = 4'000'000;
@@ -35,7 +59,8 @@ std::vector<double> edgeLengths(const Brick& brick) {
   return lengths;
 }
 
-/// A quarter of the least distance between two corners of a tile: patches at both stay apart.
+/// A quarter of the least distance between two corners of a tile: patches at both stay apart. Half
+/// the least distance would be the limit at which patches touch.
 double usualPatchRadius(const std::vector<Brick>& bricks) {
   double least = std::numeric_limits<double>::infinity();
   for (const Brick& brick : bricks) least = std::min(least, leastDistance(brick.bottom));
@@ -43,19 +68,23 @@ double usualPatchRadius(const std::vector<Brick>& bricks) {
 }
 
 /// How many elements along an edge of this length put its first node into the patch at its end.
+/// Nodes lie l / (m n) apart on an edge of length l, with n elements and m = 2 intervals an element
+/// when quadratic, else 1. The first is within the radius r when n >= l / (m r). The 1e-9 keeps an
+/// exact quotient from being rounded up.
 int perEdgeForPatch(double length, const ElementRule& rule) {
   const int nodesAnElement = rule.quadratic ? 2 : 1;
   return static_cast<int>(std::ceil(length / (nodesAnElement * rule.patchRadius) - 1e-9));
 }
 
-/// How many elements lie along an edge; `usual` where the rule does not say.
+/// How many elements lie along an edge; `usual` where the rule does not say. A length in metres
+/// decides first, then the count per edge.
 int elementsAlong(double length, const ElementRule& rule, int usual) {
   if (rule.size > 0) return std::max(1, static_cast<int>(std::ceil(length / rule.size - 1e-9)));
   if (rule.perEdge > 0) return rule.perEdge;
   return rule.joints == JointStyle::Patch ? std::max(usual, perEdgeForPatch(length, rule)) : usual;
 }
 
-/// How a tile is divided, so that tiles divided alike share one footprint.
+/// How a tile is divided, so that tiles divided alike share one footprint. It is the key of a map.
 struct Division {
   int sides = 0;
   int first = 0;   ///< cells along edge 0 of a grid; half the cells along an edge of a fan
@@ -65,16 +94,22 @@ struct Division {
   auto operator<=>(const Division&) const = default;
 
   std::size_t cells() const {
+    // Three quadrilaterals a triangle, each of first x first cells.
     if (!triangles.empty()) return 3 * triangles.size() * first * first;
+    // A triangle alone: 3 grids of first^2 cells. A fan: as many for each side.
     const auto square = static_cast<std::size_t>(first) * (second > 0 ? second : 3 * first);
     return second > 0 || sides == 3 ? square : sides * square;
   }
 };
 
+/// Concave tiles follow their triangulation, four-sided ones become a grid, all others a fan.
+/// Opposite edges of a grid have the same count, that of the longer; a fan has one count, even and
+/// by the longest edge.
 Division divisionOf(const Brick& brick, const ElementRule& rule, int usual) {
   const std::vector<double> lengths = edgeLengths(brick);
   const int sides = static_cast<int>(lengths.size());
   const int half = (elementsAlong(std::ranges::max(lengths), rule, usual) + 1) / 2;
+  // `parts` are the convex pieces of a concave brick; a fan round its centre could fold over.
   if (!brick.parts.empty()) return {sides, half, 0, trianglesOf(brick.bottom, brick.normal)};
   if (takesGrid(brick.bottom, brick.normal)) {
     return {sides, elementsAlong(std::max(lengths[0], lengths[2]), rule, usual),
@@ -90,6 +125,7 @@ std::vector<Division> divisionsOf(const std::vector<Brick>& bricks, const Elemen
   return divisions;
 }
 
+/// Counted without making any, which decides how fine the mesh may be.
 std::size_t elementsIn(const std::vector<Division>& divisions, const ElementRule& rule) {
   std::size_t count = 0;
   for (const Division& division : divisions) count += rule.through * division.cells();
@@ -132,6 +168,7 @@ std::vector<std::vector<Vector3>> levelsOf(const Brick& brick, const Pose& pose,
   return levels;
 }
 
+/// `level` is the share of the thickness at which shells lie; solids take no note of it.
 void appendBrick(ElementMesh& mesh, const Brick& brick, const Pose& pose,
                  const Footprint& footprint, double level) {
   const int count = PrismLayers::levelCount(mesh.rule);
@@ -143,7 +180,8 @@ void appendBrick(ElementMesh& mesh, const Brick& brick, const Pose& pose,
   mesh.tiles.push_back(std::move(tile));
 }
 
-/// Six times the volume of the tetrahedron that a corner and its three neighbours span.
+/// Six times the volume of the tetrahedron that a corner and its three neighbours span. `corner` is
+/// 0 to 7; base is the first corner of its face, 0 of the bottom or 4 of the top.
 double cornerVolume(const ElementMesh& mesh, const Element& element, int corner) {
   const int base = corner < 4 ? 0 : 4;
   const auto at = [&](int k) { return mesh.nodes[element.nodes[k]]; };
@@ -154,6 +192,7 @@ double cornerVolume(const ElementMesh& mesh, const Element& element, int corner)
   return next.cross(previous).dot(up);
 }
 
+/// Of the bottom face; the top is its copy, a thickness higher.
 double longestEdge(const ElementMesh& mesh, const Element& element) {
   double longest = 0;
   for (int k = 0; k < 4; ++k) {
@@ -175,6 +214,7 @@ void checkAspect(const ElementMesh& mesh, const Element& element, int tile, doub
       tile, length, height, kMostAspect));
 }
 
+/// Merged corners have moved to their mean, so a joint with a large gap can fold an element too.
 void checkCorners(const ElementMesh& mesh, const Element& element, int tile) {
   for (int k = 0; k < 8; ++k) {
     if (cornerVolume(mesh, element, k) > 0) continue;
@@ -198,7 +238,9 @@ void checkElements(const ElementMesh& mesh, const std::vector<Brick>& bricks) {
   }
 }
 
-/// Where in the thickness the shells of each tile lie: where its joints do.
+/// Where in the thickness the shells of each tile lie: where its joints do. 0 bottom, 0.5 middle, 1
+/// top; 0.5 also for tiles without joints. An offset shell carries its nodes where the hinge is,
+/// which keeps the lever of half a thickness between them.
 std::vector<double> shellLevels(std::size_t tiles, const std::vector<Joint>& joints,
                                 const ElementRule& rule) {
   std::vector<std::optional<JointFace>> faces(tiles);
@@ -231,6 +273,7 @@ void divideBricks(const std::vector<Brick>& bricks, const std::vector<Joint>& jo
   const std::vector<Division> divisions =
       divisionsOf(bricks, mesh.rule, usualPerEdge(bricks, mesh.rule));
   requireReasonableCount(divisions, mesh.rule);
+  // Sheets have thousands of tiles and few divisions: a footprint is made once for each.
   std::map<Division, Footprint> footprints;
   for (std::size_t t = 0; t < bricks.size(); ++t) {
     const auto [place, isNew] = footprints.try_emplace(divisions[t]);
@@ -254,7 +297,8 @@ void requireBuildable(const ElementRule& rule) {
   }
 }
 
-/// The least number of elements per edge whose nodes fill every patch.
+/// The least number of elements per edge whose nodes fill every patch. For a message that says how
+/// to mend too coarse a mesh.
 int leastPerEdge(const std::vector<Brick>& bricks, const ElementRule& rule) {
   int least = 1;
   for (const Brick& brick : bricks) {
@@ -302,6 +346,7 @@ void requireValidRule(const ElementRule& rule) {
 
 int usualPerEdge(const std::vector<Brick>& bricks, const ElementRule& rule) {
   int usual = kUsualPerEdge;
+  // The count falls with the square of `usual`, so a few rounds do.
   while (usual > kLeastUsualPerEdge &&
          elementsIn(divisionsOf(bricks, rule, usual), rule) > kUsualElementsInAll) {
     --usual;
@@ -326,6 +371,7 @@ ElementMesh makeElementMesh(const std::vector<Brick>& bricks, const std::vector<
   for (const NodeCluster& cluster : mesh.clusters) {
     mesh.largestGap = std::max(mesh.largestGap, cluster.gap);
   }
+  // Gaps are measured before corners are merged, since the mean closes them.
   if (rule.joints == JointStyle::Shared) mergeClusters(mesh);
   if (rule.joints == JointStyle::Patch) spreadPatches(mesh, leastPerEdge(bricks, mesh.rule));
   if (rule.family == ElementFamily::Solid) checkElements(mesh, bricks);

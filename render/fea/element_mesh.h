@@ -42,6 +42,7 @@ struct ElementRule {
 };
 
 /// The fewest elements that tiles can consist of, 8 nodes each: enough where nothing strains them.
+/// Joints, family and radius stay as they are.
 ElementRule coarsest(ElementRule rule);
 
 /// A prism on a quadrilateral, or the quadrilateral alone. Nodes in the order of Abaqus: bottom
@@ -123,17 +124,20 @@ struct ElementMesh {
 };
 
 /// Throws InputError for numbers of elements and sizes that are out of range or contradict each
-/// other, whatever the bricks.
+/// other, whatever the bricks. Ranges: perEdge 0 to 64, through 1 to 64, lengths from 0; NaN is
+/// refused.
 void requireValidRule(const ElementRule& rule);
 
 /// Elements along an edge when nobody chose and there are not too many of them.
 inline constexpr int kUsualPerEdge = 8;
 
 /// How many elements lie along edges when nobody chose: 8, or as many as keep the sheet below
-/// 60,000 elements, at least 2.
+/// 60,000 elements, at least 2. The rule's other numbers (through, joints, patchRadius) count as
+/// they are. Divides no brick, so it costs up to seven passes over them.
 int usualPerEdge(const std::vector<Brick>& bricks, const ElementRule& rule);
 
-/// Whether nobody chose how many elements lie along edges, and they are fewer than 8.
+/// Whether nobody chose how many elements lie along edges, and they are fewer than 8. Messages tell
+/// the user so.
 bool isCoarsened(const std::vector<Brick>& bricks, const ElementRule& rule);
 
 /// Divides all bricks at the given poses. Four-sided tiles become grids, triangles and other
@@ -150,7 +154,9 @@ bool isCoarsened(const std::vector<Brick>& bricks, const ElementRule& rule);
 /// Throws InputError for a rule out of range, too many elements, bricks too thin for such elements,
 /// a tile that is not star-shaped round its centre, joints that would merge two corners of one
 /// tile, patches that are too small for the elements or so large that they overlap, and shells of
-/// tiles with joints on different faces.
+/// tiles with joints on different faces. Node numbers are those of the tiles in the model's order;
+/// the same bricks give the same mesh on every machine. Memory is 80 bytes an element, 24 a node,
+/// and the tiles' lists of nodes besides.
 ElementMesh makeElementMesh(const std::vector<Brick>& bricks, const std::vector<Joint>& joints,
                             const Poses& poses, const ElementRule& rule);
 
@@ -158,10 +164,12 @@ ElementMesh makeElementMesh(const std::vector<Brick>& bricks, const std::vector<
 bool hasEquations(const ElementMesh& mesh);
 
 /// For each node whether it follows others, so that nothing else may hold it: of *EQUATION all but
-/// the first of a cluster, of rigid patches all, and of ties those that follow.
+/// the first of a cluster, of rigid patches all, and of ties those that follow. One entry a node of
+/// the mesh; reference and control nodes have none.
 std::vector<bool> followers(const ElementMesh& mesh);
 
-/// The node that the patches of a cluster turn about, numbered after all others.
+/// The node that the patches of a cluster turn about, numbered after all others. From 0. `cluster`
+/// counts from 0 and the mesh has JointStyle::Patch.
 int referenceNode(const ElementMesh& mesh, std::size_t cluster);
 
 /// Where that node is: the mean of the cluster's corners.

@@ -1,3 +1,22 @@
+// Divides a polygon with n vertices into quadrilaterals, as shares of its vertices and its centre.
+// Nothing here knows positions: the same footprint serves all tiles with n vertices and the same
+// counts, at the bottom and at the top.
+//
+// A grid has bilinear points (u, v in 0 to 1 along edges 0 and 1):
+//
+//     p = (1-u)(1-v) v0 + u (1-v) v1 + u v v2 + (1-u) v v3.
+//
+// Graded, u = (1 - cos(pi k / n)) / 2: shells bend most near clamped and hinged edges, where these
+// Chebyshev points are dense.
+//
+// Any other polygon is fanned round its centre into triangles, and each triangle is cut into three
+// quadrilaterals at its centroid and the middles of its sides, which fit together at every side of
+// every triangle because both halves of a side have equal cells. A paving mesher would give better
+// shapes and other meshes for each tile; this one is exact, symmetric, and the same for equal
+// tiles.
+//
+// Points are found by whole numbers (shares of 6 m^2 with m cells along half an edge), never by
+// distance: equal points are equal keys, however small a tile is.
 #include "render/fea/footprint.h"
 
 #include <algorithm>
@@ -8,7 +27,8 @@
 namespace kirireel {
 namespace {
 
-/// Below this sine of its angle, a corner of a quadrilateral counts as straight.
+/// Below this sine of its angle, a corner of a quadrilateral counts as straight. About 3 degrees:
+/// beyond, a quadrilateral has nearly lost a corner, and its map is singular there.
 constexpr double kStraightSine = 0.05;
 
 /// Grid points that quadrilaterals share, found by their whole-numbered shares of the bases.
@@ -19,6 +39,7 @@ class SharedPoints {
 
   /// The point with these shares of three bases.
   int find(const std::array<int, 3>& bases, const std::array<int, 3>& shares) {
+    // A base with share 0 is left out, so that a point on a side has one key from both triangles.
     std::vector<std::pair<int, int>> key;
     for (int k = 0; k < 3; ++k) {
       if (shares[k] > 0) key.emplace_back(bases[k], shares[k]);
@@ -73,6 +94,7 @@ void appendTriangle(const std::array<int, 3>& bases, const std::array<int, 3>& o
   }
 }
 
+/// Sides are sorted by edge, stable, so that along an edge they stay in the order of cells.
 void finish(Footprint& footprint) {
   footprint.edges = edgesOf(footprint.cells);
   std::ranges::stable_sort(footprint.sides, {}, &FootprintSide::tileEdge);
@@ -81,6 +103,7 @@ void finish(Footprint& footprint) {
 }  // namespace
 
 Vector3 FootprintPoint::at(const std::vector<Vector3>& verticesAndCentre) const {
+  // A corner has one weight of 1 and no other term, so it is the vertex to the last bit.
   Vector3 sum = weights[0] * verticesAndCentre[bases[0]];
   for (std::size_t k = 1; k < weights.size(); ++k) {
     if (weights[k] != 0) sum += weights[k] * verticesAndCentre[bases[k]];
@@ -121,10 +144,12 @@ Footprint fanFootprint(int sides, int halfPerEdge) {
   const int whole = 6 * halfPerEdge * halfPerEdge;
   Footprint footprint;
   SharedPoints points(footprint, whole);
+  // A triangle needs no centre: its own three sides are the tile's edges.
   if (sides == 3) {
     appendTriangle({0, 1, 2}, {0, 1, 2}, halfPerEdge, points, footprint);
   } else {
     for (int k = 0; k < sides; ++k) {
+      // Base number `sides` is the centre. Only the side from vertex k to the next is an edge.
       appendTriangle({sides, k, (k + 1) % sides}, {-1, k, -1}, halfPerEdge, points, footprint);
     }
   }
@@ -143,6 +168,8 @@ Footprint triangleFootprint(const std::vector<std::array<int, 3>>& triangles, in
   for (const std::array<int, 3>& triangle : triangles) {
     std::array<int, 3> onEdge{};
     for (int k = 0; k < 3; ++k) {
+      // Triangles are of vertices alone; a side is an edge where it leads to the next vertex, else
+      // a diagonal within the tile.
       const bool isEdge = triangle[(k + 1) % 3] == (triangle[k] + 1) % sides;
       onEdge[k] = isEdge ? triangle[k] : -1;
     }
@@ -172,6 +199,7 @@ std::vector<std::array<int, 2>> edgesOf(const std::vector<std::array<int, 4>>& c
 bool takesGrid(const std::vector<Vector3>& vertices, const Vector3& normal) {
   if (vertices.size() != 4) return false;
   for (std::size_t k = 0; k < 4; ++k) {
+    // The sine of the turn at vertex k; negative where the tile is concave.
     const Vector3 before = (vertices[k] - vertices[(k + 3) % 4]).normalized();
     const Vector3 after = (vertices[(k + 1) % 4] - vertices[k]).normalized();
     if (before.cross(after).dot(normal) < kStraightSine) return false;

@@ -34,6 +34,8 @@ class FrontalElimination {
                      const std::vector<bool>& isFixed, double tolerance)
       : equations_(equations), isFixed_(isFixed), tolerance_(tolerance), tileAt_(tileCount) {
     std::vector<std::pair<int, int>> edges;
+    // The graph has a vertex a tile and an edge a pair that equations connect. Its fill is that of
+    // a Cholesky factorisation of J^T J.
     for (const PairEquations& pair : equations) {
       if (pair.firstTile != pair.secondTile) edges.emplace_back(pair.firstTile, pair.secondTile);
     }
@@ -56,7 +58,9 @@ class FrontalElimination {
  private:
   int place(int tile) const { return plan_.place[tile]; }
 
-  /// The equations of a front: those of its own tiles, and what its children left over.
+  /// The equations of a front: those of its own tiles, and what its children left over. Columns are
+  /// the front's own tiles first, then those of `node.rows`, six each. A child's rest has the
+  /// columns of its own `rows`, whose places here `childPlaces` names.
   Eigen::MatrixXd assemble(const Supernode& node) {
     Eigen::Index rows = 0;
     for (const int child : node.children) rows += leftOver_[child].rows();
@@ -76,6 +80,7 @@ class FrontalElimination {
             part.middleCols<kUnknowns>(kUnknowns * static_cast<Eigen::Index>(k));
       }
       row += part.rows();
+      // Memory is given back as fronts are done: no more than one path's rests are kept at a time.
       part.resize(0, 0);
     }
     for (int c = 0; c < node.columnCount; ++c) {
@@ -93,6 +98,7 @@ class FrontalElimination {
   void place(Eigen::MatrixXd& front, Eigen::Index row, const Supernode& node, int tile,
              const PairEquations::Rows& block) const {
     if (isFixed_[tile]) return;
+    // Own tiles follow each other by place; the others are found in the sorted list of rows.
     int column = place(tile) - node.firstColumn;
     if (column >= node.columnCount) {
       const auto found = std::ranges::lower_bound(node.rows, place(tile));
@@ -101,6 +107,7 @@ class FrontalElimination {
     front.block(row, kUnknowns * column, block.rows(), kUnknowns) += block;
   }
 
+  /// Fronts come in an order in which children precede their parents.
   void eliminate(std::size_t number) {
     const Supernode& node = plan_.supernodes[number];
     Eigen::MatrixXd front = assemble(node);
@@ -110,6 +117,7 @@ class FrontalElimination {
     }
     const auto own = kUnknowns * static_cast<Eigen::Index>(node.columnCount);
     Eigen::MatrixXd rest = front.bottomRightCorner(front.rows() - row, front.cols() - own);
+    // More rows than columns carry no further information: R of their QR has the same J^T J.
     if (rest.rows() > rest.cols()) {
       const Eigen::HouseholderQR<Eigen::MatrixXd> factors(rest);
       rest = factors.matrixQR().topRows(rest.cols()).triangularView<Eigen::Upper>();
@@ -117,7 +125,8 @@ class FrontalElimination {
     leftOver_[number] = std::move(rest);
   }
 
-  /// Reflects the columns of one tile, from this row and column on. Returns the row after them.
+  /// Reflects the columns of one tile, from this row and column on. Returns the row after them. The
+  /// invariant: the first `row` rows are done, and no later column of this tile reaches above them.
   Eigen::Index eliminateTile(Eigen::MatrixXd& front, Eigen::Index row, Eigen::Index column,
                              int tile) {
     std::array<int, kUnknowns> unknowns = {0, 1, 2, 3, 4, 5};
@@ -131,10 +140,12 @@ class FrontalElimination {
                      .squaredNorm()
                      .maxCoeff(&longest);
       }
+      // The longest column is too short, so all that remain are.
       if (square <= tolerance_ * tolerance_) {
         for (; k < kUnknowns && !isFixed_[tile]; ++k) free_.push_back({tile, unknowns[k]});
         break;
       }
+      // Pivoting stays within the tile, or the plan of fronts would no longer hold.
       front.col(column + k).swap(front.col(column + k + longest));
       std::swap(unknowns[k], unknowns[k + longest]);
       reflect(front, row++, column + k);

@@ -27,7 +27,8 @@ struct FreeColumn {
 /// The unknowns without which the equations have the solution zero alone, as many as the matrix has
 /// nullity. A column counts as free where elimination leaves it shorter than `tolerance`, in the
 /// equations' own measure. Tiles that are fixed have no unknowns. Each tile's together, in the
-/// order of elimination.
+/// order of elimination. `isFixed` has tileCount entries. The tolerance has the unit of the
+/// equations' rows. Work is that of a sparse QR factorisation in an order of minimum degree.
 std::vector<FreeColumn> freeColumns(int tileCount, const std::vector<PairEquations>& equations,
                                     const std::vector<bool>& isFixed, double tolerance);
 

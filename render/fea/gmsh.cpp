@@ -1,3 +1,20 @@
+// Writes the ASCII format MSH 4.1 (Gmsh reference manual, "MSH file format"). Sections in this
+// order:
+//
+//     $MeshFormat      4.1 0 8: version, 0 for ASCII, 8 bytes a real
+//     $PhysicalNames   count; then dimension, number, "name" of each group
+//     $Entities        counts of points, curves, surfaces, volumes; then each with its place or
+//                      box, its groups, and the entities that bound it (none are named here)
+//     $Nodes           blocks, nodes, least and largest number; by block: dimension, entity, 0,
+//                      count, then the numbers, then the positions
+//     $Elements        blocks, elements, least and largest number; by block: dimension, entity,
+//                      kind, count, then number and nodes of each
+//
+// An element belongs to an entity and an entity to groups, so that an element need not stand in the
+// file once for each of its groups, as in the older format 2.2. A node stands in one block only:
+// the first that has it, points of joints before parts.
+//
+// Groups are few by default, because Gmsh reads thousands of them slowly.
 #include "render/fea/gmsh.h"
 
 #include <algorithm>
@@ -11,10 +28,13 @@ namespace {
 
 // Gmsh's numbers for kinds of elements.
 constexpr int kPoint = 15;
+/// Numbers 3 and 16 have 4 and 8 nodes, 5 and 17 have 8 and 20.
 constexpr int kQuadrilateral[] = {3, 16};  ///< linear, quadratic
 constexpr int kHexahedron[] = {5, 17};
 
-/// The places of Gmsh's edge nodes of a hexahedron in Abaqus's order.
+/// The places of Gmsh's edge nodes of a hexahedron in Abaqus's order. Gmsh counts edges by their
+/// lower corner: 0-1, 0-3, 0-4, 1-2, 1-5, 2-3, 2-6, 3-7, 4-5, 4-7, 5-6, 6-7. Abaqus has those of
+/// the bottom (8 to 11), of the top (12 to 15), the upright (16 to 19).
 constexpr std::array<int, 12> kHexahedronEdges = {8, 11, 16, 9, 17, 10, 18, 19, 12, 15, 13, 14};
 
 /// An element's nodes in Gmsh's order.
@@ -25,7 +45,8 @@ std::vector<int> solid(const Element& element, bool quadratic) {
   return nodes;
 }
 
-/// The nodes of a face, seen from outside: corners, then the middles of its edges.
+/// The nodes of a face, seen from outside: corners, then the middles of its edges. Eight-node
+/// quadrilaterals have the same order in both programs.
 std::vector<int> face(const Element& element, const std::array<int, 8>& places, bool quadratic) {
   std::vector<int> nodes;
   for (int k = 0; k < (quadratic ? 8 : 4); ++k) nodes.push_back(element.nodes[places[k]]);
@@ -35,6 +56,8 @@ std::vector<int> face(const Element& element, const std::array<int, 8>& places, 
 constexpr std::array<int, 8> kBottomFace = {0, 3, 2, 1, 11, 10, 9, 8};
 constexpr std::array<int, 8> kTopFace = {4, 5, 6, 7, 12, 13, 14, 15};
 
+/// `side` is 0 to 3. Of the middles: bottom edge, upright edge of the next corner, top edge,
+/// upright edge of this corner.
 std::array<int, 8> sideFace(int side) {
   const int next = (side + 1) % 4;
   return {side, next, next + 4, side + 4, 8 + side, 16 + next, 12 + side, 16 + side};
@@ -60,6 +83,7 @@ class GmshText {
  public:
   GmshText(const ElementMesh& mesh, SetChoice sets)
       : mesh_(mesh), sets_(sets), positions_(separatedNodes(mesh)) {
+    // Entities count through tiles and necks, so necks follow the last tile.
     for (const TileElements& tile : mesh.tiles) parts_.push_back(&tile);
     for (const TileElements& neck : mesh.necks) parts_.push_back(&neck);
     addGroup(bodyDimension(), "TILES");
@@ -104,6 +128,7 @@ class GmshText {
         const int group = isNamed ? addGroup(0, fmt::format("JOINT_{:05}_{}", j, ending)) : 0;
         for (const int node : *nodes) {
           std::vector<int>& groups = pointGroups_[node];
+          // Group 1 of dimension 0 is JOINTS, the first that was added.
           if (groups.empty()) groups.push_back(1);
           if (isNamed) groups.push_back(group);
         }
@@ -118,6 +143,7 @@ class GmshText {
   bool isSolid() const { return mesh_.rule.family == ElementFamily::Solid; }
   int bodyDimension() const { return isSolid() ? 3 : 2; }
 
+  /// Bodies of solids are volumes, those of shells and plane elements surfaces.
   void addPart(std::size_t number) {
     const TileElements& part = *parts_[number];
     const bool quadratic = mesh_.rule.quadratic;
@@ -134,6 +160,7 @@ class GmshText {
     namePart(number);
   }
 
+  /// Surfaces 3 k + 1, 3 k + 2 and 3 k + 3 are the bottom, top and sides of part k.
   void addFaces(const TileElements& part, int number) {
     const bool quadratic = mesh_.rule.quadratic;
     Block faces[3];
@@ -149,6 +176,7 @@ class GmshText {
           face(mesh_.elements[side.element], sideFace(side.side), quadratic));
     }
     for (Block& block : faces) {
+      // A surface without elements would be an entity that no program can show.
       const bool isSide = &block == &faces[2];
       if (isSide && (sets_ != SetChoice::All || block.elements.empty())) continue;
       blocks_.push_back(std::move(block));
@@ -167,6 +195,7 @@ class GmshText {
     }
   }
 
+  /// Points have a position, all others the box round their part. Curves: none.
   void appendEntities(std::string& text) const {
     const int parts = static_cast<int>(parts_.size());
     append(text, "$Entities\n{} 0 {} {}\n", pointGroups_.size(), isSolid() ? 3 * parts : parts,
@@ -178,6 +207,7 @@ class GmshText {
       for (const int group : groups) append(text, " {}", group);
       text += '\n';
     }
+    // The group of kind 1 + k % 3: BOTTOM, TOP, SIDES.
     if (isSolid()) {
       for (int k = 0; k < 3 * parts; ++k) appendEntity(text, k, k / 3, 1 + k % 3, surfaceGroups_);
     }
@@ -198,6 +228,7 @@ class GmshText {
 
   void appendNodes(std::string& text) const {
     std::vector<bool> isWritten(mesh_.nodes.size());
+    // Nodes keep the numbers of the mesh, from 1, in whichever block they stand.
     append(text, "$Nodes\n{0} {1} 1 {1}\n", pointGroups_.size() + parts_.size(),
            mesh_.nodes.size());
     const auto appendBlock = [&](int dimension, int entity, const std::vector<int>& nodes) {

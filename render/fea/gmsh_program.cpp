@@ -1,3 +1,7 @@
+// Gmsh runs as `gmsh -2 sheet.geo -format msh22 -o sheet.msh -nt 1 -v 2 -nopopup`: -2 meshes
+// surfaces, format 2.2 is the one that is simplest to read, -v 2 logs errors and warnings alone,
+// and one thread keeps the mesh the same from run to run. It is run as a program and not linked, so
+// that it has to be there for sheets with necks only.
 #include "render/fea/gmsh_program.h"
 
 #include <fmt/format.h>
@@ -22,6 +26,7 @@ std::string meshedByGmsh(const std::string& geometry) {
       "--joints");
   std::string mesh = writtenText(output);
   if (end == 0 && !mesh.empty()) return mesh;
+  // The last line of the log is what failed; line breaks behind it are cut off first.
   std::string words = writtenText(log);
   while (!words.empty() && words.back() == '\n') words.pop_back();
   throw RunError(

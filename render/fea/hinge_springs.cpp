@@ -3,6 +3,14 @@
 // the moment that it has in that state is a load besides:
 //
 //     moment = k (rest - angle) = k (rest - angle of the state) - k (turn since the state).
+//
+// k is the stiffness (N m/rad), "rest" the angle at which the spring pulls with nothing and "angle"
+// that of the hinge in the run (rad). The first term is a constant moment (*CLOAD), the second is
+// the spring element of the deck, which rests in the mesh's state. So both programs need no
+// pre-stressed spring.
+//
+// A hinge through the thickness has a patch on the bottom and one on the top at each of its tiles.
+// The stiffness is shared evenly among them.
 #include "render/fea/hinge_springs.h"
 
 #include <algorithm>
@@ -21,7 +29,8 @@ int patchOn(const ElementMesh& mesh, const NodeCluster& cluster, int tile) {
   return -1;
 }
 
-/// The places of a spring between two tiles, without its stiffness.
+/// The places of a spring between two tiles, without its stiffness. Looks through all clusters for
+/// each spring: their number times that of springs.
 std::vector<PatchSpring> placesBetween(const ElementMesh& mesh, int tileA, int tileB) {
   std::vector<PatchSpring> places;
   for (std::size_t c = 0; c < mesh.clusters.size(); ++c) {
@@ -35,6 +44,8 @@ std::vector<PatchSpring> placesBetween(const ElementMesh& mesh, int tileA, int t
 }  // namespace
 
 int addHingeSprings(ElementMesh& mesh, std::span<const HingeSpring> springs, const Poses& poses) {
+  // A sine: the deck's springs turn about z alone, and a hinge within a micrometre a metre of
+  // upright is meant to be.
   constexpr double kUpright = 1e-6;
   const std::vector<double> moments = hingeMoments(springs, poses);
   int left = 0;
@@ -46,10 +57,12 @@ int addHingeSprings(ElementMesh& mesh, std::span<const HingeSpring> springs, con
     if (std::hypot(axis.x(), axis.y()) <= kUpright) {
       places = placesBetween(mesh, spring.hinge.brickA, spring.hinge.brickB);
     }
+    // The caller warns of those that are left out.
     if (places.empty()) ++left;
     const double share = 1.0 / static_cast<double>(std::max<std::size_t>(places.size(), 1));
     for (PatchSpring& place : places) {
       place.stiffness = share * spring.stiffness;
+      // A hinge whose axis points down counts its angle the other way round.
       place.moment = share * std::copysign(1, axis.z()) * moments[k];
       mesh.springs.push_back(place);
     }

@@ -1,3 +1,31 @@
+// Writes jobs: a heading, the mesh by *INCLUDE, material and section, supports, one step. Every job
+// runs as it is.
+//
+//     *HEADING           one line
+//     **                 origin, what the job does, what to replace
+//     *INCLUDE           the mesh deck
+//     *MATERIAL          E (Pa or MPa), Poisson's ratio, density; *SOLID or *SHELL SECTION
+//     *BOUNDARY          node, first axis, last axis (1 to 3): displacements held at zero
+//     *STEP              *STATIC, *BUCKLE, loads, what is printed
+//     *END STEP
+//
+// Supports. A sheet of tiles on ideal hinges is a mechanism; a program that factorises its
+// stiffness finds it singular, or worse, nearly so, and ends without a warning with displacements
+// of 1e9 m. leastSupports (supports.h) holds six motions of the whole and one displacement for each
+// mechanism, which is the least that makes the problem have one solution, and what is held carries
+// no load but what equilibrium asks for.
+//
+// Driven jobs. Tile t has the pose (R(s), x(s)) at the time s (seconds) and (R(0), x(0)) in the
+// mesh. A node at p moves by
+//
+//     u(s) = R(s) R(0)^T (p - x(0)) + x(s) - p,
+//
+// and components of u at six displacements of a tile, by *AMPLITUDE, move it as the trajectory did
+// (NLGEOM). Amplitudes are linear between samples. Prescribed rotations (*RIGID BODY of whole
+// tiles) would be shorter to write but make tiles rigid, whose strain is what is asked for.
+//
+// Periodic jobs. Control nodes carry the displacement of one end against the other; see
+// periodic.cpp.
 #include "render/fea/job.h"
 
 #include <algorithm>
@@ -15,6 +43,8 @@
 namespace kirireel {
 namespace {
 
+/// Shells with an offset have a section for each set; all others one for EALL. Plane elements give
+/// their thickness in the section's line of data, solids give none.
 void appendSection(std::string& text, const ElementMesh& mesh, const DeckSettings& settings,
                    double thickness) {
   const UnitScale scale = unitScale(settings.unit);
@@ -34,6 +64,7 @@ void appendSection(std::string& text, const ElementMesh& mesh, const DeckSetting
   append(text, "{}\n", deckNumber(scale.length * thickness));
 }
 
+/// A row for each displacement: node, axis, axis.
 void appendSupports(std::string& text, const std::vector<NodeDisplacement>& supports) {
   text += "*BOUNDARY\n";
   for (const NodeDisplacement& held : supports) {
@@ -41,6 +72,7 @@ void appendSupports(std::string& text, const std::vector<NodeDisplacement>& supp
   }
 }
 
+/// Rising and each once, because supports are sorted by node.
 std::vector<int> nodesOf(const std::vector<NodeDisplacement>& supports) {
   std::vector<int> nodes;
   for (const NodeDisplacement& held : supports) {
@@ -59,6 +91,7 @@ std::vector<int> outermost(const ElementMesh& mesh, const std::vector<int>& held
     const bool isFree = !follows[k] && !std::ranges::binary_search(held, k);
     if (isFree) free.emplace_back(-sign * mesh.nodes[k][axis], k);
   }
+  // The farthest first. Only those with exactly the coordinate of the first are taken.
   std::ranges::sort(free);
   std::vector<int> nodes;
   for (const auto& [place, node] : free) {
@@ -77,6 +110,7 @@ std::vector<NamedNodes> gripSets(const ElementMesh& mesh, const std::vector<int>
     const std::size_t place = 2 * longestAxis(mesh) + end;
     NamedNodes& grip = grips.emplace_back();
     grip.name = "GRIP_" + ends[place].name;
+    // Both lists rise.
     std::ranges::set_difference(ends[place].nodes, held, std::back_inserter(grip.nodes));
     if (grip.nodes.empty()) {
       grip.nodes = outermost(mesh, held, longestAxis(mesh), end == 0 ? -1 : 1);
@@ -91,6 +125,7 @@ void appendGripForces(std::string& text, const std::vector<NamedNodes>& grips, i
                       double sign) {
   text += "*CLOAD\n";
   for (const NamedNodes& grip : grips) {
+    // The first grip is the MIN end, so sign 1 pulls it in the negative direction.
     sign = -sign;
     append(text, "{}, {}, {}\n", grip.name, axis + 1,
            deckNumber(sign / static_cast<double>(grip.nodes.size())));
@@ -98,7 +133,8 @@ void appendGripForces(std::string& text, const std::vector<NamedNodes>& grips, i
 }
 
 /// Displacements, reactions, stresses and strains in the program's own result file, and what is
-/// said of the held or driven nodes, with the sum of their reactions, in NAME.dat.
+/// said of the held or driven nodes, with the sum of their reactions, in NAME.dat. `set` names
+/// nodes in the mesh deck, `printed` is U, RF or both.
 void appendRequests(std::string& text, Solver solver, const char* set, const char* printed) {
   if (solver == Solver::Calculix) {
     text +=
@@ -128,6 +164,7 @@ void appendJointWarnings(std::string& text, const ElementMesh& mesh) {
 /// The mesh and the material.
 void appendModel(std::string& text, const ElementMesh& mesh, const DeckSettings& settings,
                  const DeckOrigin& origin, const std::string& meshFile) {
+  // The path is as given: both programs look for it in the folder that they were started in.
   append(text, "*INCLUDE, INPUT={}\n", meshFile);
   appendSection(text, mesh, settings, origin.thickness);
   if (!settings.contactFriction) return;
@@ -159,6 +196,7 @@ HeldSheet heldSheet(const ElementMesh& mesh) {
 }
 
 /// Displacements from the mesh's state on, at each time, of the point that a node is of its tile.
+/// In metres, along the driven axis, an entry a sample; the first is 0 up to rounding.
 std::vector<double> displacementsOf(const NodeDisplacement& driven, const ElementMesh& mesh,
                                     const TileHistory& history) {
   const Vector3& start = mesh.nodes[driven.node];
@@ -176,6 +214,7 @@ std::vector<double> displacementsOf(const NodeDisplacement& driven, const Elemen
 TileHistory thinned(const TileHistory& history, std::size_t driven) {
   constexpr std::size_t kMostPairs = 200'000;
   const std::size_t count = history.times.size();
+  // The last sample is added in any case, for the end state is what is looked at.
   const std::size_t step = driven * count / kMostPairs + 1;
   TileHistory kept;
   for (std::size_t k = 0; k + 1 < count; k += step) {
@@ -187,7 +226,8 @@ TileHistory thinned(const TileHistory& history, std::size_t driven) {
   return kept;
 }
 
-/// *AMPLITUDE, four pairs of time and value a line.
+/// *AMPLITUDE, four pairs of time and value a line. Values are multiplied by `scale`; times are
+/// seconds in all units.
 void appendAmplitude(std::string& text, const std::string& name, const std::vector<double>& times,
                      const std::vector<double>& values, double scale) {
   append(text, "*AMPLITUDE, NAME={}\n", name);
@@ -211,7 +251,11 @@ std::vector<std::vector<Quaternion>> turnsOf(const std::vector<int>& tiles,
 }
 
 /// What residual forces are compared with. Tiles on ideal hinges move without any force, so that
-/// programs, which compare with the mean force, would wait for rounding to vanish.
+/// programs, which compare with the mean force, would wait for rounding to vanish. The numbers are
+/// those of *CONTROLS in both programs: R_n = 0.005, the share of the mean force below which
+/// residuals have converged, C_n = 0.01 for corrections, q_0 and q_u, the mean force at the start
+/// and throughout, here E t^2 / 10^6 (N), R_P = 0.02, and the share below which forces count as
+/// zero.
 void appendForceMeasure(std::string& text, const DeckSettings& settings, double thickness) {
   const UnitScale scale = unitScale(settings.unit);
   const double force = 1e-6 * settings.material.youngs * thickness * thickness * scale.stress *
@@ -223,6 +267,7 @@ void appendForceMeasure(std::string& text, const DeckSettings& settings, double 
          deckNumber(force));
 }
 
+/// A<node>_<axis>, both from 1, which is unique in a deck.
 std::string amplitudeName(const NodeDisplacement& driven) {
   return fmt::format("A{}_{}", driven.node + 1, driven.axis + 1);
 }
@@ -234,6 +279,7 @@ std::vector<int> tilesAtEnds(const ElementMesh& mesh) {
   for (const int end : {0, 1}) {
     const std::size_t place = 2 * longestAxis(mesh) + end;
     for (const int node : sets[place].nodes) {
+      // Reference nodes of patches count on after the mesh's own and belong to no tile.
       if (static_cast<std::size_t>(node) < isAtEnd.size()) isAtEnd[node] = true;
     }
   }
@@ -270,6 +316,7 @@ DeckJob staticJob(const ElementMesh& mesh, const DeckSettings& settings, const D
   const HeldSheet held = heldSheet(mesh);
   std::string text = heading(origin, "pulled at both ends");
   appendOrigin(text, origin, settings.unit);
+  // Supports in the plane: two displacements and a turn.
   const std::size_t rigid = mesh.rule.family == ElementFamily::Plane ? 3 : 6;
   append(text,
          "** A job to start from: the sheet is pulled apart at both ends, 1 N each, through its "
@@ -302,6 +349,7 @@ DeckJob bucklingJob(const ElementMesh& mesh, const DeckSettings& settings, const
       "supports\n"
       "** hold mechanisms of ideal hinges too: replace them by those of your test.\n";
   appendHeldModel(text, mesh, settings, origin, meshFile, held);
+  // Five factors, the smallest first.
   text += "*STEP\n*BUCKLE\n5\n";
   appendGripForces(text, held.grips, longestAxis(mesh), -1);
   text +=
@@ -312,6 +360,7 @@ DeckJob bucklingJob(const ElementMesh& mesh, const DeckSettings& settings, const
 void requireDrivable(const DriveChoice& choice, std::size_t tiles, int countsFrom) {
   std::vector<int> named = choice.tiles;
   std::ranges::sort(named);
+  // Sorted numbers put what is named twice side by side.
   for (std::size_t k = 0; k < named.size(); ++k) {
     const int last = static_cast<int>(tiles) - 1 + countsFrom;
     if (named[k] < countsFrom || named[k] > last) {
@@ -343,12 +392,15 @@ std::vector<int> drivenTiles(const ElementMesh& mesh, const DriveChoice& choice)
 DeckJob driveJob(const ElementMesh& mesh, const DeckSettings& settings, const DeckOrigin& origin,
                  const std::string& meshFile, const TileHistory& allSamples) {
   const std::vector<int> tiles = drivenTiles(mesh, settings.drive);
+  // Six displacements a tile, nine at worst, each with an amplitude of its own.
   const TileHistory history = thinned(allSamples, 6 * tiles.size());
   std::vector<NodeDisplacement> driven;
   const std::vector<std::vector<Quaternion>> turns = turnsOf(tiles, history);
   for (const auto& own : tileDisplacements(mesh, tiles, turns)) {
     driven.insert(driven.end(), own.begin(), own.end());
   }
+  // What the driven tiles leave free moves as the trajectory had it, too: held at rest it would
+  // block the mechanism.
   const std::vector<NodeDisplacement> rest = leastSupports(mesh, tiles);
   driven.insert(driven.end(), rest.begin(), rest.end());
   std::ranges::sort(driven);
@@ -370,6 +422,8 @@ DeckJob driveJob(const ElementMesh& mesh, const DeckSettings& settings, const De
     appendAmplitude(text, amplitudeName(one), history.times, displacementsOf(one, mesh, history),
                     scale);
   }
+  // A twentieth of the time an increment at first and at most, a millionth at least: linear paths
+  // between samples are followed closely enough, and CalculiX cuts increments where it must.
   const double end = history.times.back();
   append(text, "*STEP, NLGEOM, INC=100000\n*STATIC\n{}, {}, {}, {}\n", deckNumber(end / 20),
          deckNumber(end), deckNumber(end / 1e6), deckNumber(end / 20));
@@ -402,6 +456,7 @@ DeckJob stateMapJob(const ElementMesh& mesh, const ElementMesh& later, const Dec
   text += "*STEP, NLGEOM, INC=1000\n*STATIC\n1., 1., 1e-6, 1.\n";
   appendForceMeasure(text, settings, origin.thickness);
   text += "*BOUNDARY\n";
+  // Followers cannot be prescribed; they go where their leaders do.
   const std::vector<bool> follows = followers(mesh);
   const double scale = unitScale(settings.unit).length;
   const auto appendMove = [&](int node, const Vector3& move) {
@@ -421,11 +476,14 @@ DeckJob stateMapJob(const ElementMesh& mesh, const ElementMesh& later, const Dec
 
 DeckJob periodicJob(const ElementMesh& mesh, const DeckSettings& settings, const DeckOrigin& origin,
                     const std::string& meshFile) {
+  // Small enough that a linear step is right, large against rounding of coordinates.
   constexpr double kStrain = 1e-3;
   const Periodicity periodic = periodicity(mesh);
+  // The supports must know of ties, or they would hold motions that these stop already.
   ElementMesh tied = mesh;
   tied.ties = periodic.ties;
   const std::vector<NodeDisplacement> supports = leastSupports(tied);
+  // As meshDeck numbers them: after the mesh's nodes and those of patches.
   const int control =
       static_cast<int>(mesh.nodes.size() + PatchDeck(mesh, settings.solver).nodes().size());
   const int axis = periodic.axes[0] ? 0 : 1;
@@ -447,6 +505,7 @@ DeckJob periodicJob(const ElementMesh& mesh, const DeckSettings& settings, const
   const int directions = mesh.rule.family == ElementFamily::Plane ? 2 : 3;
   const bool hasBoth = periodic.axes[0] && periodic.axes[1];
   for (int direction = 0; direction < directions; ++direction) {
+    // Shear of the sheet is held: the control nodes move along their own axes alone.
     if (direction != axis) append(text, "{0}, {1}, {1}\n", control + 1, direction + 1);
     if (hasBoth && direction != 1) append(text, "{0}, {1}, {1}\n", control + 2, direction + 1);
   }

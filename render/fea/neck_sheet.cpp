@@ -32,6 +32,7 @@ namespace {
 constexpr double kAcrossNeck = 6;  ///< elements, at the usual number per edge
 constexpr double kFinerAtCorners = 8;
 constexpr double kFinerAtEnds = 4;  ///< of shells
+/// Metres of element size a metre of distance.
 constexpr double kGrowth = 0.25;
 
 /// Quadrilaterals by region: tiles first, then necks.
@@ -41,10 +42,13 @@ struct RegionMesh {
   std::vector<std::size_t> firstCell;  ///< of each region, and the number of cells at the end
 };
 
-/// Lines between points, each once, and how often regions use them.
+/// Lines between points, each once, and how often regions use them. A line that a tile and a neck
+/// share has one number, with a sign for its direction, as Gmsh's curve loops want it. That makes
+/// the mesh one piece there.
 class OutlineLines {
  public:
-  /// The signed number of a line, from 1.
+  /// The signed number of a line, from 1. Negative where the line was first named, or is kept, the
+  /// other way round.
   int find(int from, int to) {
     const auto [place, isNew] =
         numbers_.try_emplace(std::minmax(from, to), static_cast<int>(numbers_.size()) + 1);
@@ -59,7 +63,8 @@ class OutlineLines {
   std::vector<std::pair<int, int>> ends_;
 };
 
-/// Points along the lines of necks, close enough for distances to the necks.
+/// Points along the lines of necks, close enough for distances to the necks. Distance fields are
+/// given points, so lines are sampled every quarter of the neck's width.
 std::vector<Vector2> pointsOnNecks(const NeckOutline& outline) {
   std::vector<Vector2> points;
   for (std::size_t k = 0; k < outline.points.size(); ++k) {
@@ -127,6 +132,7 @@ CellSizes cellSizes(const NeckOutline& outline, const ElementRule& rule, double 
   const double linear = rule.quadratic ? 1 : 0.5;
   const double atNecks = linear * outline.neckWidth / kAcrossNeck * kUsualPerEdge / perEdge;
   CellSizes sizes;
+  // Far from necks elements are never smaller than at necks.
   sizes.most = std::max(linear * tileSize / perEdge, atNecks);
   // Corners where a neck begins and ends of slits are singular: much finer there.
   FineZone corners{{}, atNecks / kFinerAtCorners, 0};
@@ -150,6 +156,8 @@ void appendSizes(std::string& text, const CellSizes& sizes, std::size_t firstPoi
   int field = 0;
   std::string thresholds;
   for (const FineZone& zone : sizes.zones) {
+    // Two fields a zone: a distance, and a threshold that maps it to a size, SizeMin up to DistMin,
+    // rising linearly to SizeMax at DistMax.
     append(text, "Field[{0}] = Distance;\nField[{0}].PointsList = {{", ++field);
     for (std::size_t k = 0; k < zone.points.size(); ++k) {
       append(text, "{}{}", k > 0 ? "," : "", firstPoint++);
@@ -172,7 +180,10 @@ void appendSizes(std::string& text, const CellSizes& sizes, std::size_t firstPoi
       "Mesh.SubdivisionAlgorithm = 1;\n";
 }
 
-/// Reads what Gmsh wrote: nodes, and quadrilaterals whose first tag is their region.
+/// Reads what Gmsh wrote: nodes, and quadrilaterals whose first tag is their region. MSH 2.2 in
+/// ASCII: after $Nodes a count and rows "number x y z"; after $Elements a count and rows "number
+/// kind tags tag... node...". The first tag is the physical group, which neckGeometry numbers as
+/// the region, from 1. Kind 3 is a quadrilateral of four nodes.
 RegionMesh readMesh(const std::string& text, std::size_t regions) {
   std::istringstream stream(text);
   RegionMesh mesh;
@@ -198,6 +209,7 @@ RegionMesh readMesh(const std::string& text, std::size_t regions) {
         int kind = 0, tags = 0;
         stream >> number >> kind >> tags >> region;
         for (int t = 1; t < tags; ++t) stream >> tag;
+        // Any other kind would be a triangle that Gmsh left over, or a region that it did not name.
         if (kind != 3 || region < 1 || region > regions) {
           throw RunError("error: gmsh made other cells of this sheet than quadrilaterals");
         }
@@ -217,7 +229,8 @@ RegionMesh readMesh(const std::string& text, std::size_t regions) {
   return mesh;
 }
 
-/// All cells anticlockwise, whatever Gmsh made of a region, and no points that no cell uses.
+/// All cells anticlockwise, whatever Gmsh made of a region, and no points that no cell uses. The
+/// cross product of the diagonals is twice the signed area.
 void tidy(RegionMesh& mesh) {
   std::vector<int> numbers(mesh.points.size(), -1);
   std::vector<Vector2> used;
@@ -228,6 +241,8 @@ void tidy(RegionMesh& mesh) {
     if (a.x() * b.y() - a.y() * b.x() < 0) std::swap(cell[1], cell[3]);
     for (const int point : cell) {
       if (numbers[point] >= 0) continue;
+      // Points are numbered in the order in which cells name them: samples of fields, which Gmsh
+      // keeps as nodes, belong to no cell and vanish.
       numbers[point] = static_cast<int>(used.size());
       used.push_back(mesh.points[point]);
     }
@@ -239,6 +254,8 @@ void tidy(RegionMesh& mesh) {
 }
 
 /// The sides of cells that no other cell has, by region; their cells count from the region's first.
+/// These are the outside of the sheet and both banks of each slit; tileEdge is -1, since outlines
+/// have fillets and no edges of tiles.
 std::vector<std::vector<FootprintSide>> freeSides(const RegionMesh& mesh) {
   std::map<std::pair<int, int>, int> uses;
   const auto sideOf = [](const std::array<int, 4>& cell, int k) {
@@ -259,7 +276,8 @@ std::vector<std::vector<FootprintSide>> freeSides(const RegionMesh& mesh) {
   return sides;
 }
 
-/// The points at each level, in the world; plane elements in the plane z = 0.
+/// The points at each level, in the world; plane elements in the plane z = 0. The outline was laid
+/// flat by `sheet.turn`; its conjugate takes points back to the model's axes.
 std::vector<std::vector<Vector3>> levelsOf(const RegionMesh& region, const FlatSheet& sheet,
                                            double thickness, const ElementRule& rule) {
   const int count = PrismLayers::levelCount(rule);
@@ -285,6 +303,7 @@ std::string neckGeometry(const NeckOutline& outline, const ElementRule& rule, do
   };
   for (std::size_t k = 0; k < outline.points.size(); ++k) appendPoint(k + 1, outline.points[k]);
   const CellSizes sizes = cellSizes(outline, rule, tileSize);
+  // Points of the outline are 1 to n; samples of the size fields follow.
   const std::size_t firstSample = outline.points.size() + 1;
   std::size_t sample = firstSample;
   for (const FineZone& zone : sizes.zones) {
@@ -293,6 +312,7 @@ std::string neckGeometry(const NeckOutline& outline, const ElementRule& rule, do
   OutlineLines lines;
   std::string surfaces;
   int region = 0;
+  // Regions count through tiles, then necks, and so do surfaces and physical groups.
   for (const auto* loops : {&outline.tiles, &outline.necks}) {
     for (const std::vector<int>& loop : *loops) {
       append(surfaces, "Curve Loop({}) = {{", ++region);
@@ -326,6 +346,7 @@ ElementMesh makeNeckMesh(const Model& model, double thickness, const ElementRule
   for (std::size_t k = 0; k < regions; ++k) {
     const std::size_t first = region.firstCell[k];
     TileElements part = layers.append(first, region.firstCell[k + 1] - first, sides[k]);
+    // The same order as in neckGeometry.
     (k < outline.tiles.size() ? mesh.tiles : mesh.necks).push_back(std::move(part));
   }
   return mesh;

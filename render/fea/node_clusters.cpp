@@ -1,3 +1,19 @@
+// Corners that joints hold together are found by joint, never by place: corners of tiles that
+// merely touch stay apart, and corners that the simulation left a gap between are joined all the
+// same.
+//
+// 1. Each joint names pairs of nodes (jointNodes): one on the bottom, one on the top, or all
+// through the thickness. 2. Pairs that share a node grow together to clusters (union-find with path
+// halving, R. E. Tarjan, J. van Leeuwen, Worst-case analysis of set union algorithms, J. ACM 31,
+// 1984). Three tiles round one corner make a cluster of three. 3. A cluster is merged (shared
+// nodes), left as it is (equations) or given patches.
+//
+// A merged corner lies at the mean of its corners, m = sum x_i / n, so none of its tiles is
+// preferred. The gap, the largest |x_i - x_j|, is reported.
+//
+// A patch holds the nodes on the corner's face of the tile within the radius r of the corner. Its
+// three or more nodes make it a rigid body that can turn. Forces through a single node would depend
+// on the size of elements without limit; forces through a patch of fixed radius converge.
 #include "render/fea/node_clusters.h"
 
 #include <algorithm>
@@ -18,6 +34,8 @@ class DisjointSets {
     std::iota(parent_.begin(), parent_.end(), 0);
   }
 
+  /// The lowest number stays the root, so that clusters and their order depend on the mesh alone
+  /// and not on the order of joints.
   int lowest(int node) {
     while (parent_[node] != node) {
       parent_[node] = parent_[parent_[node]];
@@ -35,6 +53,7 @@ class DisjointSets {
   std::vector<int> parent_;
 };
 
+/// Edges run from the bottom to the top; a shell has one node there.
 std::vector<int> nodesAt(const std::vector<int>& edge, JointFace face) {
   if (face == JointFace::Bottom) return {edge.front()};
   if (face == JointFace::Top) return {edge.back()};
@@ -59,6 +78,7 @@ std::vector<int> tilesOfNodes(const ElementMesh& mesh) {
   return owner;
 }
 
+/// Of all pairs: clusters have few nodes.
 double largestDistance(const std::vector<int>& nodes, const std::vector<Vector3>& positions) {
   double largest = 0;
   for (const int a : nodes) {
@@ -67,6 +87,7 @@ double largestDistance(const std::vector<int>& nodes, const std::vector<Vector3>
   return largest;
 }
 
+/// Merging two corners of one tile would fold it.
 void requireDifferentTiles(const NodeCluster& cluster, const std::vector<int>& owner,
                            int countsFrom) {
   std::vector<int> tiles;
@@ -84,6 +105,7 @@ void renumber(std::vector<int>& nodes, const std::vector<int>& numbers) {
   for (int& node : nodes) node = numbers[node];
 }
 
+/// Only what exists when clusters are merged: patches and springs come later.
 void renumberAll(ElementMesh& mesh, const std::vector<int>& numbers) {
   for (Element& element : mesh.elements) {
     const int count = nodeCount(mesh.rule);
@@ -112,6 +134,8 @@ Vector3 meanOf(const std::vector<int>& nodes, const std::vector<Vector3>& positi
 /// A node at the radius itself belongs to the patch, whatever the rounding.
 constexpr double kRoundedUp = 1 + 1e-9;
 
+/// A corner node on the bottom takes nodes of the bottom alone; a patch through the thickness would
+/// stiffen the tile.
 std::vector<int> patchAround(const ElementMesh& mesh, const TileElements& tile, int corner) {
   const bool isBottom = std::ranges::binary_search(tile.bottom, corner);
   std::vector<int> patch;
@@ -131,6 +155,7 @@ void requireEnough(const std::vector<int>& patch, int tile, const ElementMesh& m
                   mesh.rule.patchRadius, patch.size(), tile + mesh.rule.countsFrom, leastPerEdge));
 }
 
+/// A node can belong to one rigid body only. `isTaken` collects those of all tiles so far.
 void requireApart(const std::vector<int>& patch, int tile, const ElementMesh& mesh,
                   std::vector<bool>& isTaken) {
   for (const int node : patch) {
@@ -180,6 +205,8 @@ std::vector<NodeCluster> findClusters(const ElementMesh& mesh) {
   std::vector<NodeCluster> clusters;
   for (int node = 0; node < static_cast<int>(mesh.nodes.size()); ++node) {
     const int lowest = sets.lowest(node);
+    // The lowest itself enters with the first node that is joined to it; single nodes make no
+    // cluster.
     if (lowest == node) continue;
     if (place[lowest] < 0) {
       place[lowest] = static_cast<int>(clusters.size());
@@ -200,6 +227,7 @@ void mergeClusters(ElementMesh& mesh) {
   std::vector<int> lowest(mesh.nodes.size());
   std::iota(lowest.begin(), lowest.end(), 0);
   const std::vector<int> owner = tilesOfNodes(mesh);
+  // Clusters of shells in the middle come first and are merged; those of shells on a face stay.
   const auto kept = std::ranges::stable_partition(mesh.clusters, [&](const NodeCluster& cluster) {
     return mesh.tiles[owner[cluster.nodes[0]]].level == 0.5;
   });
@@ -208,6 +236,7 @@ void mergeClusters(ElementMesh& mesh) {
     mesh.nodes[cluster->nodes[0]] = meanOf(cluster->nodes, mesh.nodes);
   }
   mesh.clusters.erase(mesh.clusters.begin(), kept.begin());
+  // A follower's lowest node is before it, so its new number is known already.
   std::vector<int> numbers(mesh.nodes.size());
   std::vector<Vector3> positions;
   for (std::size_t node = 0; node < lowest.size(); ++node) {

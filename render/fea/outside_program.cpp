@@ -1,3 +1,7 @@
+// Starts programs by posix_spawnp (POSIX.1-2008) and not by a shell: arguments are passed as they
+// are, so that no name can be read as a command. Input is /dev/null, so that a program that asks a
+// question ends instead of waiting; output and errors go to one log, in the order in which they
+// came.
 #include "render/fea/outside_program.h"
 
 #include <cerrno>
@@ -19,6 +23,7 @@ extern char** environ;
 
 namespace kirireel {
 WorkFolder::WorkFolder() {
+  // mkdtemp replaces the six X and makes the folder for its user alone (mode 0700).
   std::string name = (std::filesystem::temp_directory_path() / "kirireel-XXXXXX").string();
   if (::mkdtemp(name.data()) == nullptr) {
     throw OutputError(fmt::format("{}: error: cannot be made ({})", name,
@@ -28,11 +33,13 @@ WorkFolder::WorkFolder() {
 }
 
 WorkFolder::~WorkFolder() {
+  // A destructor must not throw; what cannot be removed stays in the temporary folder.
   std::error_code ignored;
   std::filesystem::remove_all(path_, ignored);
 }
 
 std::string writtenText(const std::string& file) {
+  // Results of large meshes have gigabytes; more than four are not read into memory.
   constexpr std::uintmax_t kMostBytes = std::uintmax_t{4} << 30;
   if (!std::filesystem::is_regular_file(file)) return {};
   return readTextFile(file, "", kMostBytes);
@@ -41,6 +48,7 @@ std::string writtenText(const std::string& file) {
 int runProgram(std::vector<std::string> words, const std::string& log, const std::string& advice) {
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
+  // The list of arguments ends with a null pointer, as execvp has it.
   arguments.push_back(nullptr);
   posix_spawn_file_actions_t actions;
   ::posix_spawn_file_actions_init(&actions);
@@ -48,6 +56,7 @@ int runProgram(std::vector<std::string> words, const std::string& log, const std
   ::posix_spawn_file_actions_addopen(&actions, 1, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
   ::posix_spawn_file_actions_adddup2(&actions, 1, 2);
   const std::string folder = std::filesystem::path(log).parent_path().string();
+  // The "np" means that it is not in POSIX.1-2008; glibc has it from 2.29 on.
   ::posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
   pid_t process = 0;
   const int failure =
@@ -58,6 +67,7 @@ int runProgram(std::vector<std::string> words, const std::string& log, const std
                                  std::generic_category().message(failure), advice));
   }
   int end = 0;
+  // A signal that the caller handles ends the wait early; the program still runs.
   while (::waitpid(process, &end, 0) < 0 && errno == EINTR) {
   }
   return end;

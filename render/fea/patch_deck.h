@@ -17,7 +17,7 @@ namespace kirireel {
 /// held.
 class PatchDeck {
  public:
-  /// The mesh must outlive this.
+  /// The mesh must outlive this. Makes no node where the mesh has no patches.
   PatchDeck(const ElementMesh& mesh, Solver solver);
 
   /// The positions of the further nodes; none where the mesh has no patches.
@@ -26,10 +26,12 @@ class PatchDeck {
   /// How many of them have displacements; the rotations of others are displacements of theirs.
   std::size_t placedCount() const { return placed_; }
 
-  /// Appends the patches' sets, the rigid bodies and their pins.
+  /// Appends the patches' sets, the rigid bodies and their pins. Sets are PATCH_00000_0: cluster
+  /// and patch, from 0.
   void appendBodies(std::string& text) const;
 
-  /// Appends springs between patches, *ELEMENT and *SPRING, in this unit.
+  /// Appends springs between patches, *ELEMENT and *SPRING, in this unit. Stiffness becomes N
+  /// mm/rad in millimetres.
   void appendSprings(std::string& text, DeckUnit unit) const;
 
   /// Appends the moments by which springs that are not at rest pull in the mesh's state, as rows of

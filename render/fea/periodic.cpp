@@ -16,6 +16,7 @@
 namespace kirireel {
 namespace {
 
+/// Below it corners that a run leaves apart still count as partners.
 constexpr double kSamePlace = 1e-5;  ///< of the sheet's size, what a run leaves of symmetry
 
 Eigen::AlignedBox3d boxAround(const ElementMesh& mesh) {
@@ -24,7 +25,8 @@ Eigen::AlignedBox3d boxAround(const ElementMesh& mesh) {
   return box;
 }
 
-/// For each node at one end the partner at the other; nothing where some have none.
+/// For each node at one end the partner at the other; nothing where some have none. Compares each
+/// node at one end with those at the other: the product of their numbers, which are small.
 std::optional<std::vector<std::pair<int, int>>> partners(const ElementMesh& mesh, int axis,
                                                          const std::vector<int>& low,
                                                          const std::vector<int>& high) {
@@ -36,6 +38,7 @@ std::optional<std::vector<std::pair<int, int>>> partners(const ElementMesh& mesh
     std::size_t found = 0;
     for (; found < high.size(); ++found) {
       Vector3 offset = mesh.nodes[high[found]] - mesh.nodes[node];
+      // Only across the axis: along it the nodes lie a period apart.
       offset[axis] = 0;
       if (!isTaken[found] && offset.norm() <= tolerance) break;
     }
@@ -81,6 +84,8 @@ Periodicity periodicity(const ElementMesh& mesh) {
     }
   }
   for (auto& [node, tie] : ties) {
+    // A leader must not follow: chains are walked to their end and the control nodes added up. They
+    // end, since each tie leads to a smaller x or y.
     while (ties.contains(tie.leader)) {
       const PeriodicTie& next = ties.at(tie.leader);
       for (const int axis : {0, 1}) tie.times[axis] += next.times[axis];
@@ -101,6 +106,7 @@ void appendTies(std::string& text, const Periodicity& periodic, const ElementMes
   const int directions = mesh.rule.family == ElementFamily::Plane ? 2 : 3;
   for (const PeriodicTie& tie : periodic.ties) {
     for (int direction = 1; direction <= directions; ++direction) {
+      // u_node - u_leader - i u_cx - j u_cy = 0, the dependent node first.
       append(text, "*EQUATION\n{}\n{}, {}, 1., {}, {}, -1.", 2 + tie.times[0] + tie.times[1],
              tie.node + 1, direction, tie.leader + 1, direction);
       for (const int axis : {0, 1}) {
@@ -118,6 +124,8 @@ std::vector<Vector3> controlPositions(const Periodicity& periodic, const Element
   for (const int axis : {0, 1}) {
     if (!periodic.axes[axis]) continue;
     Vector3 position = box.center();
+    // A tenth of the period outside, so that viewers show it apart from the sheet. Its place enters
+    // no equation.
     position[axis] = box.max()[axis] + 0.1 * periodic.period[axis];
     if (mesh.rule.family == ElementFamily::Plane) position.z() = 0;
     positions.push_back(position);

@@ -1,3 +1,15 @@
+// Levels are numbered from the bottom. A linear mesh has one level a layer and one more: 0, 1, 2. A
+// quadratic mesh has two a layer: even levels hold corners and the middles of edges, odd levels,
+// halfway up, hold the middles of upright edges alone:
+//
+//     level 2   o---x---o     o corner, x middle of an edge
+//               |       |
+//     level 1   x       x     nothing in the middle of a face or of the element: 20 nodes
+//               |       |
+//     level 0   o---x---o
+//
+// Nodes are made once a point and level, so elements that meet share them without any search by
+// place.
 #include "render/fea/prism_layers.h"
 
 #include <algorithm>
@@ -31,6 +43,7 @@ PrismLayers::PrismLayers(ElementMesh& mesh, std::vector<std::array<int, 4>> cell
     std::vector<int>& atEdges = edgeNode_.emplace_back();
     for (const Vector3& point : levels[level]) atPoints.push_back(addNode(point));
     if (!mesh_.rule.quadratic || level % 2 == 1) continue;
+    // In the middle of a straight edge, also where a merged corner moves later.
     for (const auto& [a, b] : edges_) {
       atEdges.push_back(addNode(0.5 * (levels[level][a] + levels[level][b])));
     }
@@ -46,6 +59,7 @@ TileElements PrismLayers::append(std::size_t firstCell, std::size_t cellCount,
   tile.layerCount = static_cast<int>(cellCount);
   tile.elementCount = layers * tile.layerCount;
   const int last = static_cast<int>(pointNode_.size()) - 1;
+  // Elements of a layer follow each other, layer on layer: surfaces of top and bottom rely on it.
   for (int layer = 0; layer < layers; ++layer) {
     for (std::size_t k = firstCell; k < firstCell + cellCount; ++k) {
       mesh_.elements.push_back(elementOn(cells_[k], layer * step()));
@@ -83,11 +97,13 @@ std::vector<int> PrismLayers::nodesAt(int point) const {
   return nodes;
 }
 
+/// `edges_` is sorted; the edge must be among them.
 std::size_t PrismLayers::edgeNumber(int a, int b) const {
   const std::array<int, 2> edge = {std::min(a, b), std::max(a, b)};
   return std::ranges::lower_bound(edges_, edge) - edges_.begin();
 }
 
+/// The order of nodes is Abaqus's, see Element.
 Element PrismLayers::elementOn(const std::array<int, 4>& cell, int level) const {
   Element element;
   int count = 0;

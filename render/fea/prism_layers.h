@@ -14,15 +14,18 @@ namespace kirireel {
 class PrismLayers {
  public:
   /// How many levels of points the rule asks for; quadratic solids have one halfway up each layer.
+  /// 1 for shells and plane elements, `through` + 1 for linear solids, 2 `through` + 1 for
+  /// quadratic.
   static int levelCount(const ElementRule& rule);
 
   /// Adds the nodes. `levels` holds the points that cells refer to, bottom first, metres. The mesh
-  /// must outlive this.
+  /// must outlive this. Each level has the same number of points; `cells` index them.
   PrismLayers(ElementMesh& mesh, std::vector<std::array<int, 4>> cells,
               const std::vector<std::vector<Vector3>>& levels);
 
   /// Adds the elements on some cells, one layer after the other. `sides` are those of these cells,
-  /// numbered from `firstCell`. The returned tile's `edges` are empty.
+  /// numbered from `firstCell`. The returned tile's `edges` are empty. Costs a sort of the tile's
+  /// nodes.
   TileElements append(std::size_t firstCell, std::size_t cellCount,
                       const std::vector<FootprintSide>& sides);
 

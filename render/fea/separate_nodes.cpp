@@ -1,6 +1,15 @@
 // Nodes are sorted by their places along a direction that no grid has, so that only neighbours in
 // that order need to be compared. Where tiles overlap, both nodes may move alike: then one of them
 // moves on.
+//
+// Let s be the diagonal of the box round the nodes. Two nodes are in one place when they are less
+// than 4e-8 s apart. Such a node moves by 1e-7 s towards the mean of its elements' middles, within
+// the plane of its tile, so that it stays on the tile's face; one bank of a slit moves one way, the
+// other bank the other way.
+//
+// The projections along the direction (1, sqrt 2, sqrt 3) / sqrt 6 of nodes that are d apart differ
+// by d at most, so a node is compared with those whose projections are within 4e-8 s. In a grid,
+// nodes of one row or column have different projections, and such a list is short: n log n in all.
 #include "render/fea/separate_nodes.h"
 
 #include <algorithm>
@@ -53,6 +62,7 @@ Vector3 inwards(const ElementMesh& mesh, const Element& element, int node) {
   const Vector3 bottom = middleOf(mesh, element, 0);
   Vector3 way = bottom - mesh.nodes[node];
   if (mesh.rule.family == ElementFamily::Solid) {
+    // The part of the way along the thickness is taken out.
     const Vector3 up = (middleOf(mesh, element, 4) - bottom).normalized();
     way -= up.dot(way) * up;
   }
@@ -66,6 +76,8 @@ std::vector<Vector3> separatedNodes(const ElementMesh& mesh) {
   const double size = sizeOf(mesh.nodes);
   std::vector<Vector3> nodes = mesh.nodes;
   for (int pass = 0; pass < kPasses; ++pass) {
+    // From the second pass on only the later of two nodes moves, since both together would meet
+    // again.
     const std::vector<bool> moves = isAmongOthers(nodes, kOnePlace * size, pass > 0);
     if (std::ranges::find(moves, true) == moves.end()) break;
     std::vector<Vector3> ways(nodes.size(), Vector3::Zero());

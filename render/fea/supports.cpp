@@ -30,7 +30,8 @@
 namespace kirireel {
 namespace {
 
-/// How a tile's points follow its six displacements.
+/// How a tile's points follow its six displacements. Spins are multiplied by `size`, so that all
+/// six unknowns are lengths and rows compare.
 struct TileMotion {
   std::vector<NodeDisplacement> displacements;
   Vector3 centre;
@@ -45,7 +46,8 @@ struct TileMotion {
   }
 };
 
-/// The nodes of joints, and those that tiles share with necks or each other.
+/// The nodes of joints, and those that tiles share with necks or each other. A node that a second
+/// part uses is one of these.
 std::vector<bool> jointNodesOf(const ElementMesh& mesh) {
   std::vector<bool> isJoint(mesh.nodes.size());
   std::vector<bool> isUsed(mesh.nodes.size());
@@ -70,6 +72,7 @@ constexpr double kLeastGrip = 0.1;
 /// So many of a tile's turns are looked at.
 constexpr std::size_t kTurnsLookedAt = 24;
 
+/// Evenly spread, the first and the last among them.
 std::vector<Matrix3> someOf(const std::vector<Quaternion>& turns) {
   std::vector<Matrix3> some;
   const std::size_t step = turns.size() / kTurnsLookedAt + 1;
@@ -84,6 +87,8 @@ class MotionFinder {
   explicit MotionFinder(const ElementMesh& mesh)
       : mesh_(mesh), isJoint_(jointNodesOf(mesh)), follows_(followers(mesh)) {}
 
+  /// Tries, in this order, nodes of the bottom that no joint touches, all of the bottom that lead,
+  /// and all of the tile: displacements at joints would act on the neighbours at first hand.
   TileMotion of(int tile, const std::vector<Quaternion>& turns = {}) const {
     const TileElements& elements = mesh_.tiles[tile];
     std::vector<int> apart;
@@ -116,7 +121,9 @@ class MotionFinder {
   bool isPlane() const { return mesh_.rule.family == ElementFamily::Plane; }
 
   /// Whether displacements of these nodes fix the tile when it is turned so: those that a pivoted
-  /// QR factorisation of all their rows takes first.
+  /// QR factorisation of all their rows takes first. Column k of the 6 x 3n matrix is what one
+  /// displacement of one node sees of the tile's six motions. The first six pivots are the
+  /// best-conditioned that a greedy choice finds.
   bool choose(const std::vector<int>& nodes, const Matrix3& turn, TileMotion& motion) const {
     if (nodes.size() < 3) return false;
     Eigen::AlignedBox3d box;
@@ -127,9 +134,11 @@ class MotionFinder {
     for (std::size_t k = 0; k < nodes.size(); ++k) {
       auto own = rows.middleCols<3>(static_cast<Eigen::Index>(3 * k));
       own = motion.motionOf(turned(nodes[k], turn, motion)).transpose();
+      // Plane elements have no displacement along z.
       if (isPlane()) own.col(2).setZero();
     }
     Eigen::ColPivHouseholderQR<Eigen::Matrix<double, 6, Eigen::Dynamic>> factors(rows);
+    // Relative to the largest pivot: nodes in one line give rank 5.
     factors.setThreshold(1e-6);
     const int count = isPlane() ? 3 : 6;
     if (factors.rank() < count) return false;
@@ -158,7 +167,9 @@ class MotionFinder {
     return rows;
   }
 
-  /// How well displacements fix the tile in the worst of its turns.
+  /// How well displacements fix the tile in the worst of its turns. The least singular value of the
+  /// rows. 1 would be six displacements as good as velocity and spin themselves; 0 is a motion that
+  /// none of them sees.
   double gripOf(const TileMotion& motion, const std::vector<Matrix3>& turns) const {
     double least = std::numeric_limits<double>::infinity();
     for (const Matrix3& turn : turns) {
@@ -169,7 +180,8 @@ class MotionFinder {
   }
 
   /// Replaces displacements that a turn makes useless (all in one line with what they should stop)
-  /// by those that suit another turn and all others, or else by all of three nodes.
+  /// by those that suit another turn and all others, or else by all of three nodes. Tries the best
+  /// choice for each turn in turn and keeps the one that is best in its worst.
   void keepGrip(const std::vector<int>& nodes, const std::vector<Matrix3>& turns,
                 TileMotion& motion) const {
     double best = gripOf(motion, turns);
@@ -217,11 +229,13 @@ Vector3 normalOf(const ElementMesh& mesh, const TileElements& tile) {
 /// What a joint asks of two tiles.
 PairEquations equationsOf(const ElementMesh& mesh, const JointNodes& joint,
                           const std::vector<TileMotion>& motions) {
+  // The middle between both tiles' nodes: where a gap is left the joint is thought halfway.
   const auto at = [&](std::size_t k) {
     return Vector3(0.5 * (mesh.nodes[joint.a[k]] + mesh.nodes[joint.b[k]]));
   };
   const Vector3 bottom = at(0);
   const Vector3 top = at(joint.a.size() - 1);
+  // A shell's joint has one node; its line is the tile's normal.
   const Vector3 line = joint.a.size() > 1 ? Vector3((top - bottom).normalized())
                                           : normalOf(mesh, mesh.tiles[joint.tileA]);
   const double size = 0.5 * (motions[joint.tileA].size + motions[joint.tileB].size);
@@ -229,6 +243,7 @@ PairEquations equationsOf(const ElementMesh& mesh, const JointNodes& joint,
     PairEquations::Rows rows = PairEquations::Rows::Zero(joint.isHinge ? 6 : 3, 6);
     rows.topRows<3>() = motion.motionOf(0.5 * (bottom + top));
     if (joint.isHinge) {
+      // s (w x d): a turn about d itself drops out, so that these three rows have rank 2.
       rows.bottomRightCorner<3, 3>() = -size / motion.size * crossMatrix(line);
     }
     return PairEquations::Rows(sign * rows * motion.fromDisplacements);
@@ -237,7 +252,8 @@ PairEquations equationsOf(const ElementMesh& mesh, const JointNodes& joint,
           rowsOf(motions[joint.tileB], -1)};
 }
 
-/// What ties ask of tiles while control nodes rest; one body alone where `motions` has one.
+/// What ties ask of tiles while control nodes rest; one body alone where `motions` has one. u_node
+/// = u_leader, since the control nodes stand still.
 std::vector<PairEquations> tieEquations(const ElementMesh& mesh,
                                         const std::vector<TileMotion>& motions) {
   std::vector<int> owner(mesh.nodes.size());
@@ -264,7 +280,8 @@ bool hasSpringsEverywhere(const ElementMesh& mesh) {
   return !mesh.springs.empty() && std::ranges::find(hasSpring, false) == hasSpring.end();
 }
 
-/// How short the columns are that have nothing left.
+/// How short the columns are that have nothing left. As said at the head of the file: min(1e-3,
+/// sqrt(n) (1e-8 + g / s)).
 double nothingLeft(const ElementMesh& mesh, const std::vector<TileMotion>& motions) {
   constexpr double kRounding = 1e-8;
   constexpr double kMost = 1e-3;
@@ -291,13 +308,16 @@ std::vector<NodeDisplacement> leastSupports(const ElementMesh& mesh,
                                             const std::vector<int>& fixedTiles) {
   const MotionFinder finder(mesh);
   const bool isOneBody = mesh.rule.joints == JointStyle::Neck || hasSpringsEverywhere(mesh);
+  // One body that a fixed tile holds already needs no more.
   if (isOneBody && !fixedTiles.empty()) return {};
   std::vector<NodeDisplacement> held;
   if (isOneBody && mesh.ties.empty()) {
+    // Six displacements of any one tile hold a body.
     held = finder.of(0).displacements;
     std::ranges::sort(held);
     return held;
   }
+  // A plane sheet whose ends are tied cannot turn: two displacements are left.
   if (mesh.rule.family == ElementFamily::Plane) {
     const NodeDisplacement first = finder.of(0).displacements[0];
     return {{first.node, 0, 0}, {first.node, 1, 0}};

@@ -22,7 +22,7 @@ struct NodeDisplacement {
 /// joints on the other tiles; where a tile has no such nodes, on nodes of joints. Plane elements
 /// have three. `turns` are the rotations that the tiles will have from the mesh's state on, one
 /// list a tile, or none. Throws InputError when even these do not fix a tile: all of them follow
-/// others.
+/// others. `tiles` counts from 0; one list of displacements a tile, in their order.
 std::vector<std::vector<NodeDisplacement>> tileDisplacements(
     const ElementMesh& mesh, const std::vector<int>& tiles,
     const std::vector<std::vector<Quaternion>>& turns = {});
@@ -31,7 +31,8 @@ std::vector<std::vector<NodeDisplacement>> tileDisplacements(
 /// rigid: six for the motions of the whole and one for each mechanism of the first order. None of
 /// them takes load from another; the reactions follow from equilibrium alone. Where springs stand
 /// at all hinges no mechanism is left. `fixedTiles` are held by other means already. Sorted. Throws
-/// InputError as tileDisplacements does.
+/// InputError as tileDisplacements does. Costs a sparse QR factorisation of six unknowns a tile
+/// (free_columns.h).
 std::vector<NodeDisplacement> leastSupports(const ElementMesh& mesh,
                                             const std::vector<int>& fixedTiles = {});
 

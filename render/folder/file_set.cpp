@@ -1,3 +1,20 @@
+// How files come into a folder all at once, on a file system that can rename one file atomically
+// but not several (rename(2)):
+//
+// - 1. The folder is locked. `.unfinished` is made within it, marked by a text of ours, so that a
+//   folder of that name which somebody else has made is never emptied.
+// - 2. If a whole record lies there, a program was killed while it moved files: the moves are
+//   finished.
+// - 3. New files are written into `.unfinished`.
+// - 4. The record (summary.json or contents.json) is written there, sealed. This is the moment at
+//   which the new files count.
+// - 5. Each listed file is renamed into place, stale files are removed, the record is renamed last.
+//
+// A kill before 4 leaves the old run whole. A kill after it leaves a record in `.unfinished`, which
+// still names all files: those that have been moved are no longer there, and moveAll() skips them.
+//
+// Files of others are never touched: what stands in a place and is not, to the byte, what an
+// earlier record lists (left_files.h), is refused before anything moves.
 #include "render/folder/file_set.h"
 
 #include <algorithm>
@@ -37,6 +54,7 @@ constexpr std::size_t kMostNamed = 3;
       foreign.size() == 1 ? "it" : "them"));
 }
 
+/// Within one file system, since the stage lies within the folder.
 void moveFile(const fs::path& from, const fs::path& to) {
   if (to.has_parent_path()) makeFolder(to.parent_path());
   std::error_code error;
@@ -52,12 +70,14 @@ bool isMarked(const fs::path& stage) {
          readTextFile(stage / kMark, "") == kMarkText;
 }
 
+/// A real folder and no link to one; empty, or with our mark.
 bool isOurs(const fs::path& stage) {
   std::error_code ignored;
   return fs::is_directory(fs::symlink_status(stage, ignored)) &&
          (fs::is_empty(stage, ignored) || isMarked(stage));
 }
 
+/// Where the mark cannot be written (a full disk), no empty folder stays behind.
 void makeStage(const fs::path& folder, const fs::path& stage) {
   std::error_code ignored;
   if (fs::exists(fs::symlink_status(stage, ignored)) && !isOurs(stage)) {
@@ -80,7 +100,8 @@ void removeEmpty(const fs::path& folder, const fs::path& name) {
   }
 }
 
-/// Keeps the checkpoint, which knows itself whose it is.
+/// Keeps the checkpoint, which knows itself whose it is. Errors are ignored: it runs in a
+/// destructor, and the next set tries again.
 void clearStage(const fs::path& stage) {
   std::error_code ignored;
   if (!isOurs(stage)) return;
@@ -120,6 +141,7 @@ void moveAll(const fs::path& folder, const fs::path& stage, const char* record) 
   for (const auto& [name, digest] : files) {
     if (fs::exists(stage / name)) moveFile(stage / name, folder / name);
   }
+  // Only a run takes the place of all before it; exports add to what is there.
   if (record == std::string(output::kSummary)) removeStale(folder, left, files);
   moveFile(stage / record, folder / record);
 }
@@ -162,6 +184,7 @@ void FileSet::requireFree(const std::function<bool(const std::string&)>& isWante
   for (const fs::directory_entry& entry : fs::directory_iterator(folder_, ignored)) {
     const std::string name = entry.path().filename().string();
     const bool isFolder = !entry.is_symlink(ignored) && entry.is_directory(ignored);
+    // Links count as files: what they lead to is not ours.
     look(name, isFolder);
     if (!isFolder || name == output::kUnfinished) continue;
     for (const fs::directory_entry& inner : fs::directory_iterator(entry.path(), ignored)) {
@@ -180,6 +203,7 @@ void FileSet::commit(const std::string& recordText) {
 void FileSet::commit(const std::vector<std::string>& names) {
   FileList files;
   const LeftFiles left(folder_);
+  // What earlier exports have left and nobody has changed stays on the list.
   for (const auto& [name, digest] : listedFiles(folder_ / record_)) {
     if (left.stands(name)) files[name] = digest;
   }

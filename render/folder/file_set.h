@@ -16,6 +16,7 @@
 
 namespace kirireel {
 
+/// One set of new files. Whatever happens to it, the folder holds the old files or the new ones.
 class FileSet {
  public:
   /// Makes the folder, and those above it, and holds it for this set alone. `record` is the file
@@ -40,10 +41,12 @@ class FileSet {
   void dropCheckpoint() const;
 
   /// Puts all files in place that the text of the record lists. Throws InputError, and moves
-  /// nothing, when files of others have come into their places meanwhile; OutputError.
+  /// nothing, when files of others have come into their places meanwhile; OutputError. `recordText`
+  /// is sealed; the listed files lie in stage() or in place.
   void commit(const std::string& recordText);
 
-  /// The same for contents.json, which lists what stands there already and these files.
+  /// The same for contents.json, which lists what stands there already and these files. Reads each
+  /// new file once, for its hash.
   void commit(const std::vector<std::string>& names);
 
  private:

@@ -1,3 +1,10 @@
+// A record (summary.json, contents.json) lists files as
+//
+//     "contents": { "NAME": { "bytes": SIZE, "sha256": "64 digits" }, ... }
+//
+// with names relative to its folder. A file counts as ours when its size and hash are those of a
+// sealed record; the size is compared first, since it costs no reading. Names that lead out of the
+// folder are ignored, so that a forged record cannot make us remove files elsewhere.
 #include "render/folder/left_files.h"
 
 #include <algorithm>
@@ -28,6 +35,7 @@ std::string sealedText(const fs::path& record) {
   }
 }
 
+/// Also a link that leads nowhere, which exists() denies.
 bool isThere(const fs::path& path) {
   std::error_code ignored;
   return fs::exists(fs::symlink_status(path, ignored));
@@ -71,10 +79,12 @@ std::string contentsText(const FileList& files) {
 }
 
 LeftFiles::LeftFiles(fs::path folder) : folder_(std::move(folder)) {
+  // merge() keeps what is there already, so contents.json counts more.
   for (const char* record : {output::kContents, output::kSummary}) {
     const std::string text = sealedText(folder_ / record);
     if (text.empty()) continue;
     files_.merge(listedFiles(folder_ / record));
+    // The records themselves are ours, too.
     files_[record] = {record, text.size(), sha256(text)};
   }
 }

@@ -13,7 +13,8 @@ namespace kirireel {
 using FileList = std::map<std::string, FileDigest>;
 
 /// The files that a sealed record in a folder lists under "contents": summary.json or
-/// contents.json. Empty where there is none, or it is not as it was written.
+/// contents.json. Empty where there is none, or it is not as it was written. Entries whose names
+/// lead out of the folder are left out.
 FileList listedFiles(const std::filesystem::path& record);
 
 /// The text of contents.json: the files, sealed.
@@ -26,7 +27,8 @@ class LeftFiles {
   explicit LeftFiles(std::filesystem::path folder);
 
   /// Whether something stands under this name that is not as one of them left it: another file, a
-  /// folder, a link that leads nowhere. A link to the very bytes may be replaced.
+  /// folder, a link that leads nowhere. A link to the very bytes may be replaced. Reads the file
+  /// where its size agrees.
   bool isForeign(const std::string& name) const;
 
   /// Whether a file stands there as one of them left it, not reached through a link on the way.
@@ -43,7 +45,8 @@ class LeftFiles {
 /// Whether a name means a file in the folder or below it.
 bool staysInside(const std::filesystem::path& name);
 
-/// What is wrong with a file in a folder; empty when it is as noted.
+/// What is wrong with a file in a folder; empty when it is as noted. One line without the file's
+/// name.
 std::string difference(const std::filesystem::path& folder, const FileDigest& noted);
 
 }  // namespace kirireel

@@ -1,3 +1,6 @@
+// Names of files in one place, so that a run, the check of what stands in the way, and the programs
+// that read a run's folder agree. Numbers in names have leading zeros, so that a listing by name is
+// in order.
 #include "render/folder/output_folder.h"
 
 #include <algorithm>
@@ -28,6 +31,8 @@ std::string momentFile(const char* name, int number, const char* ending) {
 
 FolderLock::FolderLock(const fs::path& folder)
     : file_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+  // flock(2) on the folder itself: the kernel lets go when the process ends. Errors other than a
+  // held lock mean that the file system has none.
   if (file_ < 0 || ::flock(file_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
   ::close(file_);
   throw OutputError(
@@ -41,6 +46,8 @@ FolderLock::~FolderLock() {
 }
 
 bool isNumbered(const std::string& name, const std::function<std::string(int)>& nameOf) {
+  // The first run of digits is taken for the number; writing the name of that number again tells
+  // whether the rest fits, leading zeros too.
   const std::size_t digits = std::min(name.find_first_of("0123456789"), name.size());
   int number = 0;
   const auto [end, error] =

@@ -28,13 +28,14 @@ inline constexpr const char* kUnfinished = ".unfinished";
 inline constexpr const char* kCheckpoint = "checkpoint";  ///< a folder within that one
 }  // namespace output
 
-/// "frames/frame_00042.png".
+/// "frames/frame_00042.png". Numbers count from 0; more than 99,999 get more digits.
 std::filesystem::path frameFile(int number);
 
 /// "snapshot_01.svg": number counts from 1.
 std::filesystem::path snapshotDrawing(int number);
 
-/// "export_0001.obj": a file of the moments that a timeline asks for; `ending` with its dot.
+/// "export_0001.obj": a file of the moments that a timeline asks for; `ending` with its dot. `name`
+/// is kStateMoment or kSnapshotMoment.
 std::string momentFile(const char* name, int number, const char* ending);
 
 /// Holds a folder for one run at a time, across processes, until it goes away. Leaves no file.

@@ -5,7 +5,7 @@
 
 namespace kirireel {
 
-/// One OpenGL 3.3 core context.
+/// One OpenGL 3.3 core context. Made, used and destroyed on one thread.
 class Backend {
  public:
   using Function = void (*)();
@@ -18,12 +18,13 @@ class Backend {
   /// Directs the thread's OpenGL calls to this context. False when the library refuses.
   virtual bool makeCurrent() = 0;
 
-  /// The address of an OpenGL function.
+  /// The address of an OpenGL function. Null where the library does not have it. OpenGL functions
+  /// may be looked up once a context is current.
   virtual Function address(const char* name) const = 0;
 };
 
 /// The context of each library; null when the program was built without the library or the library
-/// cannot make one.
+/// cannot make one. The context is not current yet.
 std::unique_ptr<Backend> makeOsmesaBackend();
 std::unique_ptr<Backend> makeEglBackend();
 

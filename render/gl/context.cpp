@@ -1,3 +1,11 @@
+// Two libraries can make a context without a window system, and each is in one source file of its
+// own: OSMesa (osmesa_backend.cpp) and EGL (egl_backend.cpp). Both give OpenGL 3.3 core; on a
+// machine without a graphics card both draw by Mesa's llvmpipe on the processor, so that pictures
+// are the same.
+//
+// OpenGL functions have no fixed address: each library hands out its own. They are loaded once for
+// the process into the pointers of opengl.h. That is why one process uses one library: pointers of
+// one must not meet contexts of the other.
 #include "render/gl/context.h"
 
 #include <algorithm>
@@ -22,6 +30,7 @@ struct KnownLibrary {
 
 /// In order of preference; which of them there are is chosen when the program is configured.
 const std::vector<KnownLibrary>& libraries() {
+  // At least one of the two is built; CMake ends with an error otherwise.
   static const std::vector<KnownLibrary> known = {
 #ifdef KIRIREEL_HAS_OSMESA
       {GraphicsLibrary::Osmesa, "osmesa", "libosmesa6", makeOsmesaBackend},
@@ -35,13 +44,15 @@ const std::vector<KnownLibrary>& libraries() {
 
 GraphicsLibrary chosenLibrary = libraries().front().library;
 
+/// Null where the program was built without it.
 const KnownLibrary* find(GraphicsLibrary library) {
   const auto found = std::find_if(libraries().begin(), libraries().end(),
                                   [&](const KnownLibrary& k) { return k.library == library; });
   return found == libraries().end() ? nullptr : &*found;
 }
 
-/// Once for all contexts, which come from one library.
+/// Once for all contexts, which come from one library. A function that the library lacks stays
+/// null; OpenGL 3.3 has all that are named.
 void loadFunctions(const Backend& backend) {
   static std::once_flag loaded;
   std::call_once(loaded, [&backend] {
@@ -70,10 +81,12 @@ void setGraphicsLibrary(GraphicsLibrary library) {
 }
 
 void setRasterThreads(int count) {
+  // llvmpipe reads it when it makes its screen; 0 as the last argument keeps what the user has set.
   ::setenv("LP_NUM_THREADS", fmt::format("{}", count).c_str(), /*overwrite=*/0);
 }
 
 Context::Context() {
+  // Never null: only libraries that were built can be chosen.
   const KnownLibrary& library = *find(chosenLibrary);
   backend_ = library.makeBackend();
   if (backend_ == nullptr) {

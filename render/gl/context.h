@@ -30,7 +30,8 @@ void setRasterThreads(int count);
 
 class Backend;
 
-/// The graphics context of one thread. Every use must be on the thread that made it.
+/// The graphics context of one thread. Every use must be on the thread that made it. Making one
+/// costs time and memory, so that callers keep theirs.
 class Context {
  public:
   /// Makes the context and makes it current. Throws OutputError when the system offers none.
@@ -39,14 +40,16 @@ class Context {
   Context(const Context&) = delete;
   Context& operator=(const Context&) = delete;
 
-  /// Directs the thread's OpenGL calls to this context.
+  /// Directs the thread's OpenGL calls to this context. Throws OutputError when the library
+  /// refuses.
   void makeCurrent();
 
  private:
   std::unique_ptr<Backend> backend_;
 };
 
-/// OpenGL's version and its maker's, of the context that is current on this thread.
+/// OpenGL's version and its maker's, of the context that is current on this thread. For example
+/// "4.5 (Core Profile) Mesa 22.3.6".
 std::string graphicsVersion();
 
 }  // namespace kirireel

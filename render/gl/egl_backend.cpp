@@ -1,3 +1,6 @@
+// A context on Mesa's surfaceless platform (extensions EGL_MESA_platform_surfaceless,
+// EGL_KHR_no_config_context and EGL_KHR_surfaceless_context of the Khronos EGL registry): no
+// window, no pixel buffer, no configuration. What is painted goes to framebuffer objects.
 #include <array>
 
 #include <EGL/egl.h>
@@ -26,6 +29,7 @@ class EglBackend : public Backend {
   EglBackend(EGLDisplay display, EGLContext context) : display_(display), context_(context) {}
 
   ~EglBackend() override {
+    // A context that is current would only be marked for deletion.
     if (eglGetCurrentContext() == context_) {
       eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
     }

@@ -1,3 +1,6 @@
+// A framebuffer object with two renderbuffers: colours as RGBA, 8 bits each, and depth as 32-bit
+// floats. Renderbuffers, not textures, since nothing samples them. Depth has the finest format that
+// OpenGL 3.3 offers.
 #include "render/gl/framebuffer.h"
 
 #include <fmt/format.h>
@@ -8,7 +11,8 @@
 namespace kirireel {
 namespace {
 
-/// A new renderbuffer that is the framebuffer's colours or depth.
+/// A new renderbuffer that is the framebuffer's colours or depth. `format` is GL_RGBA8 or a depth
+/// format.
 GLuint attach(GLenum format, GLenum attachment, int width, int height) {
   GLuint renderbuffer = 0;
   glGenRenderbuffers(1, &renderbuffer);
@@ -26,6 +30,7 @@ Framebuffer::Framebuffer(int width, int height) : sides_(width, height) {
   colour_ = attach(GL_RGBA8, GL_COLOR_ATTACHMENT0, width, height);
   depth_ = attach(GL_DEPTH_COMPONENT32F, GL_DEPTH_ATTACHMENT, width, height);
   const GLenum status = glCheckFramebufferStatus(GL_FRAMEBUFFER);
+  // A driver that is short of memory says so by an error, or by a framebuffer that is not complete.
   if (glGetError() != GL_NO_ERROR || status != GL_FRAMEBUFFER_COMPLETE) {
     throw OutputError(
         fmt::format("error: the OpenGL driver cannot draw {} x {} samples (status {:#x}); choose a "
@@ -47,6 +52,8 @@ void Framebuffer::drawInto() const {
 
 void Framebuffer::read(const Eigen::AlignedBox2i& box, int rowPixels, std::uint8_t* pixels) const {
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
+  // Rows of the destination may be longer than the box is wide: tiles of one picture are read into
+  // their places.
   glPixelStorei(GL_PACK_ROW_LENGTH, rowPixels);
   glReadPixels(box.min().x(), box.min().y(), box.sizes().x(), box.sizes().y(), GL_RGBA,
                GL_UNSIGNED_BYTE, pixels);

@@ -1,5 +1,8 @@
 /// The OpenGL functions in use; included by sources only. They are looked up when a context is
 /// made, because the libraries that make contexts do not share them.
+///
+/// One list names every function with its type. The macro is given another macro, which declares a
+/// pointer here and loads it in context.cpp, so that a function is added in one place.
 #pragma once
 
 #include <GL/glcorearb.h>

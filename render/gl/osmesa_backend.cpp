@@ -1,3 +1,5 @@
+// A context of OSMesa (GL/osmesa.h), Mesa's own interface for drawing into memory. Attributes are
+// pairs of a name and a value, ended by 0, as OSMesaCreateContextAttribs wants them.
 #include <array>
 #include <cstdint>
 

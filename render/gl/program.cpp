@@ -14,6 +14,7 @@ namespace {
 constexpr GLsizei kLogLength = 1024;
 
 OutputError shaderError(std::string log) {
+  // The first line of the driver's log tells the first mistake.
   log.erase(std::find(log.begin(), log.end(), '\n'), log.end());
   return OutputError(
       fmt::format("error: the OpenGL driver refuses a shader ({}); install Debian's libosmesa6, "
@@ -48,6 +49,7 @@ class Shader {
   GLuint handle_;
 };
 
+/// Deletes a program that failed, for the constructor's caller gets no object to do so.
 void requireLinked(GLuint program) {
   GLint linked = GL_FALSE;
   glGetProgramiv(program, GL_LINK_STATUS, &linked);
@@ -62,6 +64,7 @@ void requireLinked(GLuint program) {
 }  // namespace
 
 Program::Program(const char* vertexSource, const char* fragmentSource) {
+  // Shaders may be deleted once the program is linked; OpenGL keeps what it needs.
   const Shader vertex(GL_VERTEX_SHADER, vertexSource);
   const Shader fragment(GL_FRAGMENT_SHADER, fragmentSource);
   vertex.requireCompiled();

@@ -12,10 +12,11 @@ class Program {
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
 
-  /// Makes the program the one that draws.
+  /// Makes the program the one that draws. Until another program is.
   void use() const;
 
-  /// Sets a uniform of the program in use.
+  /// Sets a uniform of the program in use. `name` as in the shader's source; a name that no shader
+  /// uses is ignored. Floats, as in GLSL's vec4.
   void set(const char* name, float x, float y, float z, float w) const;
 
  private:

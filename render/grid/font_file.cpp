@@ -1,3 +1,6 @@
+// Asks fontconfig (fontconfig.org, Developers Reference) for the best match of a family, and takes
+// it only when the match bears that name: fontconfig always finds something, and a figure in
+// another font than the one that was asked for would go unnoticed.
 #include "render/grid/font_file.h"
 
 #include <memory>
@@ -15,6 +18,7 @@ struct FreePattern {
 };
 using OwnedPattern = std::unique_ptr<FcPattern, FreePattern>;
 
+/// "" where there is none.
 std::string textOf(FcPattern* pattern, const char* property, int number = 0) {
   FcChar8* text = nullptr;
   if (FcPatternGetString(pattern, property, number, &text) != FcResultMatch) return "";

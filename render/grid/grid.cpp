@@ -1,3 +1,13 @@
+// The sheet from the top: gap, heads of columns, then for each row letters, pictures, captions and
+// a gap, at last one strip for each scale. Every height follows from the em of the text, which is a
+// share of a picture's height, or is given. So a grid is laid out without any picture (layOutGrid),
+// and the same layout serves pixels (composeGrid) and vector graphics.
+//
+// Where the em is given (for print), captions are broken into lines; where it is not, all text
+// shrinks until the widest caption fits.
+//
+// Trimming: the box of pixels that differ from the background is found over all pictures, so that
+// all are cut alike and keep one scale.
 #include "render/grid/grid.h"
 
 #include <algorithm>
@@ -48,6 +58,7 @@ constexpr double kLeastAspect = 0.45;
 /// Pixels from the top left corner; max is in the box.
 using PixelBox = Eigen::AlignedBox2i;
 
+/// Empty where all pixels are alike.
 PixelBox filledBox(const Frame& frame, Colour empty) {
   PixelBox box;
   for (int y = 0; y < frame.size.height; ++y) {
@@ -58,7 +69,8 @@ PixelBox filledBox(const Frame& frame, Colour empty) {
   return box;
 }
 
-/// The box with its margin and at least the width of a caption, within the picture.
+/// The box with its margin and at least the width of a caption, within the picture. Grown evenly on
+/// both sides, cut off at the picture's borders.
 PixelBox withMargin(const PixelBox& box, FrameSize size) {
   const int height = box.sizes().y() + 1;
   const int margin = static_cast<int>(std::lround(kTrimMargin * height));
@@ -69,6 +81,7 @@ PixelBox withMargin(const PixelBox& box, FrameSize size) {
   return PixelBox(box.min() - growth, box.max() + growth).intersection(picture);
 }
 
+/// The part lies within the picture.
 Frame cutOut(const Frame& frame, const PictureBox& part) {
   const std::ptrdiff_t first = std::ptrdiff_t{4} * part.left;
   const std::ptrdiff_t end = std::ptrdiff_t{4} * (part.left + part.size.width);
@@ -80,7 +93,8 @@ Frame cutOut(const Frame& frame, const PictureBox& part) {
   return cut;
 }
 
-/// The size at which the widest caption or head fits at its picture, at most the layout's.
+/// The size at which the widest caption or head fits at its picture, at most the layout's. Never
+/// below the least size that can be read.
 int captionSize(const std::vector<std::string>& captions, const GridLayout& layout,
                 const GridStyle& style) {
   const LabelWriter writer(layout.textSize);
@@ -121,7 +135,7 @@ void drawHeads(Surface& sheet, const GridLayout& layout, const GridStyle& style,
   }
 }
 
-/// Between pictures side by side, at half their height.
+/// Between pictures side by side, at half their height. None after the last picture of a row.
 void drawArrows(Surface& sheet, const GridLayout& layout, const GridStyle& style, int cells,
                 int columns) {
   const int em = std::max(
@@ -135,7 +149,8 @@ void drawArrows(Surface& sheet, const GridLayout& layout, const GridStyle& style
   }
 }
 
-/// Draws the scales that all pictures share, one below the other at the lower end of the sheet.
+/// Draws the scales that all pictures share, one below the other at the lower end of the sheet. Bar
+/// of length, bar of colours, legend, from above.
 void drawScales(Surface& sheet, const GridLayout& layout, const GridStyle& style) {
   if (layout.scales == 0) return;
   const ScaleDrawer drawer(layout.textSize, style.text);
@@ -175,6 +190,7 @@ void requireFitting(const std::vector<GridPicture>& pictures, GridShape shape) {
   }
 }
 
+/// Throws InputError.
 void requireShape(GridShape shape, const GridStyle& style) {
   if (shape.rows < 1 || shape.columns < 1) {
     throw InputError(

@@ -88,7 +88,7 @@ struct GridLayout {
   }
 };
 
-/// The gap between columns, in heights of a picture.
+/// The gap between columns, in heights of a picture. Wider where arrows stand in it.
 double columnGap(const GridStyle& style);
 
 /// The layout of a grid of pictures of one size, with so many lines of caption under each. Throws
@@ -101,7 +101,8 @@ GridLayout layOutGrid(FrameSize picture, GridShape shape, const GridStyle& style
 GridLayout layOutGrid(FrameSize picture, GridShape shape, const GridStyle& style,
                       const std::vector<std::string>& captions);
 
-/// Draws everything on the sheet but the pictures and the background.
+/// Draws everything on the sheet but the pictures and the background. `columns` of the grid;
+/// captions in the order of cells. Throws OutputError when the font is missing.
 void drawGridText(Surface& surface, const GridLayout& layout, const GridStyle& style,
                   const std::vector<std::string>& captions, int columns);
 

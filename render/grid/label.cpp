@@ -1,3 +1,10 @@
+// Text by FreeType (freetype.org): each letter is loaded, rendered as 256 levels of cover and
+// blended over the frame,
+//
+//     c = (under (255 - cover) + colour cover) / 255, rounded.
+//
+// Pens count in 64ths of a pixel; glyphs stand at whole pixels. There is no kerning and no shaping,
+// so that scripts which need them are not set right; captions are short and mostly figures.
 #include "render/grid/label.h"
 
 #include <array>
@@ -34,6 +41,7 @@ std::uint8_t mix(std::uint8_t under, std::uint8_t over, int cover) {
   return static_cast<std::uint8_t>((under * (255 - cover) + over * cover + 127) / 255);
 }
 
+/// Outside the frame nothing happens.
 void blend(Frame& frame, int x, int y, Colour colour, int cover) {
   if (x < 0 || y < 0 || x >= frame.size.width || y >= frame.size.height) return;
   const Colour under = frame.at(x, y);
@@ -42,6 +50,7 @@ void blend(Frame& frame, int x, int y, Colour colour, int cover) {
              mix(under.blue, colour.blue, cover), mix(under.alpha, 255, cover)});
 }
 
+/// `bitmap_top` counts up from the baseline, rows of the bitmap down.
 void drawGlyph(Frame& frame, const FT_GlyphSlot glyph, int penX, int baseline, Colour colour) {
   const FT_Bitmap& bitmap = glyph->bitmap;
   for (int row = 0; row < static_cast<int>(bitmap.rows); ++row) {

@@ -37,7 +37,7 @@ class LabelWriter {
   std::string family() const;
 
   /// Width of one line of text in UTF-8, pixels. Each character that the font lacks, and any text
-  /// that is not UTF-8, counts and is drawn as the font's box.
+  /// that is not UTF-8, counts and is drawn as the font's box. Rounded up.
   int width(const std::string& text) const;
 
   /// The first character that the font lacks; absent when it has them all.
@@ -53,7 +53,7 @@ class LabelWriter {
 };
 
 /// Throws InputError that names the option when a text is not UTF-8 or has a character that the
-/// font lacks, and OutputError when the font is missing.
+/// font lacks, and OutputError when the font is missing. Line feeds are allowed.
 void requireDrawable(const char* option, const std::string& text);
 
 }  // namespace kirireel

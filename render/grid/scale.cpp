@@ -1,3 +1,11 @@
+// A bar of colours from the left: title, gap, bar; under the bar ticks with round values. The bar
+// is at most 14 em long, shorter where the sheet is narrow; as many ticks are taken, six at most,
+// as their numbers have room for.
+//
+// A bar of length stands for 1, 2 or 5 times a power of ten metres: with L the longest that is
+// allowed, p = 10^floor(log10 L) and q = L / p, it is 5 p for q >= 5, 2 p for q >= 2, else p.
+//
+// A legend that needs more room than there is gets smaller letters and squares, all by one factor.
 #include "render/grid/scale.h"
 
 #include <algorithm>

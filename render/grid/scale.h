@@ -26,7 +26,8 @@ struct LegendEntry {
   std::string text;  ///< UTF-8, a few words
 };
 
-/// The share of the scale at which a value stands, 0 to 1 within it.
+/// The share of the scale at which a value stands, 0 to 1 within it. 0 where the scale has no
+/// range.
 double shareOf(const ColourScale& scale, double value);
 
 /// A length that a bar stands for: 1, 2 or 5 times a power of ten, at most `longest`, and how it is
@@ -36,7 +37,7 @@ struct ScaleLength {
   std::string text;
 };
 
-/// The longest such length. longest: metres, positive.
+/// The longest such length. longest: metres, positive. From 1 um on in um, mm, m, km.
 ScaleLength roundLength(double longest);
 
 /// Height of a bar of colours with its ticks and their values, ems of the text.

@@ -1,3 +1,6 @@
+// Boxes are drawn from the pixel nearest to their upper left corner to the one nearest to their
+// lower right corner, each rounded by itself, so that boxes side by side neither overlap nor leave
+// a gap. A font is loaded for each text; captions are few.
 #include "render/grid/surface.h"
 
 #include <algorithm>

@@ -7,7 +7,7 @@
 
 namespace kirireel {
 
-/// Lengths are pixels from the upper left corner.
+/// Lengths are pixels from the upper left corner. Text is set in the font of setFont().
 class Surface {
  public:
   virtual ~Surface() = default;

@@ -1,3 +1,5 @@
+// Greedy: words are added to a line as long as it fits. For captions of a few words that is as good
+// as any other way.
 #include "render/grid/text_lines.h"
 
 #include <algorithm>

@@ -1,4 +1,7 @@
 /// Text on several lines.
+///
+/// Widths are asked of the caller, so that the same code breaks lines of pixels and of a page of
+/// vector graphics, whatever the font.
 #pragma once
 
 #include <functional>
@@ -11,7 +14,8 @@ namespace kirireel {
 using LineWidth = std::function<double(const std::string&)>;
 
 /// Breaks a text into lines: at each line feed, and at spaces where a line would be wider than
-/// `most`. A word that is wider by itself stays whole.
+/// `most`. A word that is wider by itself stays whole. Runs of spaces become one. At least one
+/// line, which may be empty.
 std::vector<std::string> wrapText(const std::string& text, const LineWidth& width, double most);
 
 /// The width of the widest line; 0 for none.

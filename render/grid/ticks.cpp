@@ -1,3 +1,9 @@
+// Steps are 1, 2 or 5 times a power of ten, the least for which at most `mostTicks` fit into the
+// range. Ticks are multiples k s of the step s, computed from k each time, so that no error adds
+// up. Numbers have as many decimals as the step.
+//
+// A range below 1e-5 of its values would give ticks that read alike; it is drawn as a constant in
+// the middle of an axis as wide as the value.
 #include "render/grid/ticks.h"
 
 #include <algorithm>

@@ -14,7 +14,8 @@ struct Axis {
   std::vector<double> ticks;       ///< where numbers stand
   std::vector<std::string> texts;  ///< the numbers, one a tick
 
-  /// Where a value stands: 0 at low, 1 at high.
+  /// Where a value stands: 0 at low, 1 at high. Beyond 0 to 1 for values off the axis. On a
+  /// logarithmic axis the value must be above 0.
   double shareOf(double value) const;
 };
 
@@ -23,7 +24,8 @@ struct Axis {
 /// stands in its middle.
 Axis makeAxis(const std::vector<double>& values, int mostTicks);
 
-/// An axis of this range, high at low or above, with such ticks within it.
+/// An axis of this range, high at low or above, with such ticks within it. Without ticks where low
+/// and high are equal.
 Axis makeAxisWithin(double low, double high, int mostTicks);
 
 /// The same with ticks at powers of ten; values of 0 and below have no place on it. With none above

@@ -1,3 +1,11 @@
+// Tells what a model is without running it. For each state (start, target): the largest gap of
+// joints, how uneven tiles are, whether they are convex, which overlap, and how many ways the
+// linkage can move (sim/measure/mobility.h: the nullity of the joint equations, by singular
+// values). For a target: how much lengths within tiles change, the bound below which no rigid tiles
+// can come, and the least error with closed joints that a search of ten seconds finds.
+//
+// The same facts are printed as text for people and as JSON for programs. In the text tiles count
+// as in the model's file; in JSON from 0, and "file_counts_from" tells the difference.
 #include "render/inspect/inspection.h"
 
 #include <fmt/format.h>
@@ -19,6 +27,7 @@ constexpr double kFlat = 1e-9;
 // What looking for the state nearest to the target may cost, seconds of a reference core.
 constexpr double kSearchTime = 10;
 
+/// A pivot is told by the face that it lies on.
 std::string kindOf(const Joint& joint) {
   if (joint.kind == JointKind::Link) return "link";
   if (joint.kind == JointKind::Fixed) return "fixed";
@@ -26,14 +35,17 @@ std::string kindOf(const Joint& joint) {
   return joint.face == JointFace::Top ? "top" : "bottom";
 }
 
+/// `tiles` are the start or the target, in the model's order.
 StateInspection inspectState(const Scene& scene, const std::vector<Tile>& tiles) {
   const Model& model = scene.model;
   StateInspection state;
   state.jointGap = largestJointGap(model.joints, tiles);
   state.unevenness = largestUnevenness(tiles);
   state.leastCornerSine = leastCornerSine(tiles);
+  // Overlaps below a millionth of a tile are rounding of coordinates.
   state.overlaps = tileOverlaps(tiles, kOverlap * tileSize(model));
   state.seesAllPairs = static_cast<long>(state.overlaps.size()) < mostPairs(tiles.size());
+  // Freedoms in the plane mean something for flat states alone.
   if (liesFlat(tiles, kFlat * modelSize(model))) {
     state.inPlane = mobility(model, tiles, Freedom::Plane, scene.brick.thickness);
   }
@@ -41,6 +53,8 @@ StateInspection inspectState(const Scene& scene, const std::vector<Tile>& tiles)
   return state;
 }
 
+/// The two singular values beside the gap between them let a reader judge the count: it is sure
+/// where they differ by orders of magnitude.
 std::string mobilityText(const char* where, const Mobility& mobility) {
   if (!mobility.isCounted) {
     return fmt::format("  {}: degrees of freedom not counted, {} unknowns are too many\n", where,
@@ -53,11 +67,13 @@ std::string mobilityText(const char* where, const Mobility& mobility) {
       mobility.equations, mobility.leastKept, mobility.largestDropped);
 }
 
+/// One line for the state, then its overlaps and its freedoms, indented.
 std::string stateText(const char* name, const StateInspection& state, int countsFrom) {
   std::string text = fmt::format(
       "{}: joints open by {:.3g} m at most, tiles flat to {:.3g} m, {}, {}{} overlapping pairs\n",
       name, state.jointGap, state.unevenness, state.leastCornerSine > 0 ? "convex" : "not convex",
       state.seesAllPairs ? "" : "at least ", state.overlaps.size());
+  // The five deepest; there may be thousands.
   for (std::size_t k = 0; k < std::min<std::size_t>(state.overlaps.size(), 5); ++k) {
     const TileOverlap& overlap = state.overlaps[k];
     text += fmt::format("  tiles {} and {} overlap by {:.3g} m\n", countsFrom + overlap.tileA,
@@ -67,6 +83,7 @@ std::string stateText(const char* name, const StateInspection& state, int counts
   return text + mobilityText("in space", state.inSpace);
 }
 
+/// Null degrees of freedom where the unknowns are too many to count them.
 Json mobilityJson(const Mobility& mobility) {
   if (!mobility.isCounted) {
     return {{"degrees_of_freedom", nullptr},
@@ -82,6 +99,7 @@ Json mobilityJson(const Mobility& mobility) {
           {"largest_singular_value_dropped", mobility.largestDropped}};
 }
 
+/// "plane" is null for states that are not flat.
 Json stateJson(const StateInspection& state) {
   Json overlaps = Json::array();
   for (const TileOverlap& overlap : state.overlaps) {
@@ -106,6 +124,7 @@ std::string needText(const char* name, const Need& need) {
 
 /// "12 with 3 vertices, 4 with 4".
 template <typename Map>
+/// `pattern` has a place for the count and one for the key.
 std::string countsText(const Map& counts, const char* pattern) {
   std::string text;
   for (const auto& [key, count] : counts) {
@@ -144,6 +163,8 @@ Inspection inspect(const Scene& scene, const std::function<void(const char*)>& t
   inspection.shapeChange = largestShapeChange(model.tiles, *model.target);
   inspection.rigidBound = rigidBound(model.tiles, *model.target);
   lookAt("looking for the state nearest to the target");
+  // The search is bounded in work and not in time, so that the result does not depend on the
+  // machine.
   SearchBudget budget(kSearchTime);
   inspection.assembledError = assembleAtTarget(scene, budget).error;
   return inspection;

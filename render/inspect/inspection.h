@@ -24,7 +24,8 @@ struct StateInspection {
   Mobility inSpace;
 };
 
-/// Everything that is told of a model.
+/// Everything that is told of a model. Tiles in it count from 0; `countsFrom` is what the text
+/// adds.
 struct Inspection {
   std::string name;
   std::map<int, int> tilesByVertices;       ///< how many tiles have so many vertices
@@ -45,14 +46,16 @@ struct Inspection {
 };
 
 /// Looks at the scene's model, with its bricks' thickness. `tell`, which may be empty, is called
-/// with what is being looked at.
+/// with what is being looked at. `tell` gets a few words, such as "looking at the start". Mobility
+/// costs most; beyond a number of unknowns it is not counted.
 Inspection inspect(const Scene& scene, const std::function<void(const char*)>& tell = {});
 
-/// The inspection for a person, a line a subject.
+/// The inspection for a person, a line a subject. Several lines.
 std::string inspectionText(const Inspection& inspection);
 
 /// The inspection as JSON: {"name", "tiles", "joints", "size", "start": {...}, "target": {...},
-/// ...}.
+/// ...}. With an indent of two spaces, and a line feed at the end. Values that do not exist are
+/// null.
 std::string inspectionJson(const Inspection& inspection);
 
 }  // namespace kirireel

@@ -1,3 +1,13 @@
+// A ray from the point p towards the eye, in the direction e (a unit vector; the eye is infinitely
+// far), meets the plane of a tile with normal n and middle m at
+//
+//     p + t e,    t = n . (m - p) / (n . e).
+//
+// The tile hides p when t > 0 and that place lies within one of the tile's convex parts. Tiles
+// farther from the ray than their radius are left out first: |(m - p) x e| is the distance of m
+// from the ray.
+//
+// Each question looks at all tiles, so that a picture of n tiles costs n^2 of them.
 #include "render/inspect/line_of_sight.h"
 
 #include <algorithm>
@@ -51,8 +61,10 @@ bool LineOfSight::hides(const Screen& screen, const Vector3& point) const {
   const Vector3 offset = screen.middle - point;
   if (offset.cross(towardsEye_).squaredNorm() > screen.radius * screen.radius) return false;
   const double slope = screen.normal.dot(towardsEye_);
+  // Seen edge-on a tile hides nothing.
   if (slope == 0) return false;
   const double distance = screen.normal.dot(offset) / slope;
+  // Behind the point, or so near that it touches it, as joined tiles do.
   if (distance < kTouch * screen.radius) return false;
   const Vector3 meeting = point + distance * towardsEye_;
   return std::any_of(screen.parts.begin(), screen.parts.end(),

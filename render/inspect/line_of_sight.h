@@ -14,6 +14,7 @@ class LineOfSight {
   LineOfSight(const std::vector<Tile>& tiles, const Vector3& towardsEye);
 
   /// Whether no other tile stands between the eye and this point of a tile; metres, world axes.
+  /// `tile` is the number of the tile that the point belongs to, which never hides it.
   bool isClear(const Vector3& point, std::size_t tile) const;
 
  private:

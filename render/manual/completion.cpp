@@ -1,3 +1,15 @@
+// Three shells, three languages, one source: the descriptions of all commands (cli/command_tree.h).
+//
+// - bash (GNU Bash manual, "Programmable Completion"): three functions that map words to lists by
+//   `case`, and one that finds out which command stands on the line and what its last word may be.
+//   "kirireel generate" is the command "generate"; options are looked up by "COMMAND OPTION".
+// - zsh (zshcompsys(1)): a specification for _arguments for each command,
+//   "--name=[help]:UNIT:(words)" or ":_files".
+// - fish (fish documentation, "complete"): one `complete` line an option, with a condition that
+//   tells which commands were given.
+//
+// The scripts are complete tables and do not call the program, so that a key press costs no start
+// of it, and a broken build cannot break a shell.
 #include "render/manual/completion.h"
 
 #include <functional>
@@ -9,7 +21,8 @@
 namespace kirireel {
 namespace {
 
-/// Whether an option's value, or an argument, names a file or a folder.
+/// Whether an option's value, or an argument, names a file or a folder. Units are the words in
+/// capitals that the help shows.
 bool namesFile(const std::string& unit) {
   static const std::set<std::string> kUnits = {"FILE",  "FOLDER", "MODEL", "TRAJECTORY",
                                                "SWEEP", "IN",     "OUT"};
@@ -17,6 +30,7 @@ bool namesFile(const std::string& unit) {
 }
 
 /// Calls `visit` with each command and its words ("generate tessellation"; "" for the program).
+/// Depth first, the command itself before those below it.
 void visitAll(const CommandDescription& command, const std::string& words,
               const std::function<void(const CommandDescription&, const std::string&)>& visit) {
   visit(command, words);
@@ -35,13 +49,15 @@ std::vector<std::string> namesOf(const std::vector<CommandDescription>& commands
 std::string quoted(const std::string& text) {
   std::string result = "'";
   for (const char letter : text)
+    // The quotation ends, an escaped quote follows, and another one begins.
     result += letter == '\'' ? std::string("'\\''") : std::string(1, letter);
   return result + "'";
 }
 
 // ---- bash
 
-/// What follows an option: words, "FILES", or nothing for a value that only the user knows.
+/// What follows an option: words, "FILES", or nothing for a value that only the user knows. One row
+/// of a `case`: the option's names after its command.
 std::string valueLine(const std::string& words, const OptionDescription& option) {
   std::vector<std::string> patterns;
   for (const std::string& name : option.names) patterns.push_back(quoted(words + " " + name));
@@ -50,6 +66,7 @@ std::string valueLine(const std::string& words, const OptionDescription& option)
   return fmt::format("    {}) values={} ;;\n", fmt::join(patterns, "|"), quoted(values));
 }
 
+/// Switches have no row among the values, so that what follows them is completed as an argument.
 std::string bashTables(const CommandDescription& program) {
   std::string commands;
   std::string options;
@@ -123,6 +140,7 @@ std::string zshText(const std::string& text) {
   return result;
 }
 
+/// "*" lets an option repeat; "=" allows both --name=value and --name value.
 std::string zshOption(const OptionDescription& option, const std::string& name) {
   std::string spec =
       fmt::format("{}{}{}[{}]", option.repeats ? "*" : "", name,
@@ -136,6 +154,7 @@ std::string zshOption(const OptionDescription& option, const std::string& name) 
   return fmt::format("      {} \\\n", quoted(spec));
 }
 
+/// What is no option is a command below, or else a file.
 std::string zshCase(const CommandDescription& command, const std::string& words) {
   std::string text = fmt::format("    {})\n      _arguments -s \\\n", quoted(words));
   for (const OptionDescription& option : command.options) {
@@ -179,6 +198,7 @@ std::string fishCondition(const CommandDescription& command, const std::string& 
   return condition;
 }
 
+/// Only quotes and backslashes have a meaning within single quotes.
 std::string fishText(const std::string& text) {
   std::string result = "'";
   for (const char letter : text) {
@@ -188,6 +208,7 @@ std::string fishText(const std::string& text) {
   return result + "'";
 }
 
+/// -r: needs a value; -f: which is no file.
 std::string fishOption(const OptionDescription& option, const std::string& condition) {
   std::string line = fmt::format("complete -c kirireel -n {}", fishText(condition));
   for (const std::string& name : option.names) {

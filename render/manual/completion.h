@@ -8,7 +8,9 @@
 namespace kirireel {
 
 /// For bash (with or without the package bash-completion), zsh and fish. Commands, options, the
-/// values of options that have a list of them, and names of files elsewhere are completed.
+/// values of options that have a list of them, and names of files elsewhere are completed. Each is
+/// the text of a file, to be sourced (bash) or put into the shell's folder of completions (zsh,
+/// fish).
 std::string bashCompletion(const CommandDescription& program);
 std::string zshCompletion(const CommandDescription& program);
 std::string fishCompletion(const CommandDescription& program);

@@ -19,6 +19,7 @@ namespace {
 
 using namespace kirireel;
 
+/// FOLDER/man1/NAME.1 and FOLDER/completions/kirireel.SHELL, where CMake installs them from.
 void writePages(const std::filesystem::path& folder) {
   const CommandDescription program = describeProgram();
   makeFolder(folder / "man1");

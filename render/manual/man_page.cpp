@@ -1,5 +1,14 @@
 // Writes man(7): a line that begins with a point is a request to troff, a backslash begins an
 // escape, and a plain hyphen may become a dash on paper. Everything else is text.
+//
+// A page has the sections NAME, SYNOPSIS, ARGUMENTS, COMMANDS, OPTIONS (with a subsection for each
+// group of the help), NOTES or EXAMPLES from the footer, and SEE ALSO (man-pages(7)). Requests in
+// use:
+//
+//     .TH TITLE SECTION DATE SOURCE MANUAL    .SH heading    .SS heading within    .TP tagged entry
+//     .nf / .fi  lines as they are / filled   .sp  an empty line    \fB bold  \fI italic  \fR roman
+//
+// No date stands on a page, so that the same source gives the same bytes on any day.
 #include "render/manual/man_page.h"
 
 #include <algorithm>
@@ -12,6 +21,7 @@
 namespace kirireel {
 namespace {
 
+/// "\-" is a minus that can be copied from a terminal; "\e" prints a backslash.
 std::string escaped(const std::string& text) {
   std::string result;
   for (const char letter : text) {
@@ -28,6 +38,7 @@ std::string escaped(const std::string& text) {
   return isRequest ? "\\&" + result : result;
 }
 
+/// ASCII letters alone: names of commands have no others.
 std::string upperCase(std::string text) {
   std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::toupper(c); });
   return text;
@@ -38,12 +49,14 @@ std::string pageName(const CommandDescription& program, const CommandDescription
   return fmt::format("{}-{}", program.name, command.name);
 }
 
+/// The NAME line is what whatis(1) and apropos(1) index.
 std::string header(const std::string& page, const std::string& purpose,
                    const std::string& version) {
   return fmt::format(".TH {} 1 \"\" \"kirireel {}\" \"Kirireel\"\n.SH NAME\n{} \\- {}\n",
                      escaped(upperCase(page)), escaped(version), escaped(page), escaped(purpose));
 }
 
+/// .TP takes the next line as a tag and the one after it as the text.
 std::string optionText(const OptionDescription& option) {
   std::string names;
   for (const std::string& name : option.names) {
@@ -54,7 +67,8 @@ std::string optionText(const OptionDescription& option) {
   return fmt::format(".TP\n{}\n{}\n", names, escaped(option.help));
 }
 
-/// The options under the headings of their groups, in the order of the help.
+/// The options under the headings of their groups, in the order of the help. `headingMacro` is
+/// ".SH" or ".SS".
 std::string optionsText(const CommandDescription& command, const char* headingMacro) {
   std::vector<std::string> groups;
   for (const OptionDescription& option : command.options) {
@@ -70,6 +84,7 @@ std::string optionsText(const CommandDescription& command, const char* headingMa
   return text;
 }
 
+/// Arguments without a name of an option, such as MODEL.
 std::string placesText(const CommandDescription& command) {
   std::string text;
   for (const PlaceDescription& place : command.places) {
@@ -78,6 +93,7 @@ std::string placesText(const CommandDescription& command) {
   return text;
 }
 
+/// "kirireel record [OPTIONS] MODEL".
 std::string synopsis(const std::string& name, const CommandDescription& command) {
   std::string text = fmt::format("\\fB{}\\fR", escaped(name));
   if (!command.commands.empty()) text += " \\fICOMMAND\\fR";
@@ -88,6 +104,7 @@ std::string synopsis(const std::string& name, const CommandDescription& command)
   return text + "\n";
 }
 
+/// The commands below this one, with one phrase each.
 std::string commandsText(const std::vector<CommandDescription>& commands) {
   std::string text;
   for (const CommandDescription& command : commands) {
@@ -96,9 +113,11 @@ std::string commandsText(const std::vector<CommandDescription>& commands) {
   return text;
 }
 
-/// Paragraphs that begin "Examples:" become sections of that name, others notes; lines stay.
+/// Paragraphs that begin "Examples:" become sections of that name, others notes; lines stay. Lines
+/// are kept (.nf), since examples are commands to be copied.
 std::string footerText(const std::string& footer) {
   std::string text;
+  // What to write before the next line of text: nothing, an empty line, or a heading.
   std::string gap;
   std::string heading = "NOTES";
   std::string written;
@@ -119,6 +138,7 @@ std::string footerText(const std::string& footer) {
   return written.empty() ? text : text + ".fi\n";
 }
 
+/// Pages stand on lines of their own with commas between them.
 std::string seeAlso(const std::vector<std::string>& pages) {
   std::string text = ".SH SEE ALSO\n";
   for (const std::string& page : pages) {
@@ -133,6 +153,7 @@ std::string sectionText(const CommandDescription& command) {
                      placesText(command), optionsText(command, ".SS"));
 }
 
+/// Commands below it have no page of their own, since they are many and short.
 std::string commandPage(const CommandDescription& program, const CommandDescription& command,
                         const std::string& version) {
   const std::string fullName = fmt::format("{} {}", program.name, command.name);
@@ -145,6 +166,7 @@ std::string commandPage(const CommandDescription& program, const CommandDescript
   return text + footerText(command.footer) + seeAlso({program.name});
 }
 
+/// Commands are named with their purpose; each has a page of its own.
 std::string programPage(const CommandDescription& program, const std::string& version) {
   std::vector<std::string> others;
   for (const CommandDescription& command : program.commands) {

@@ -1,3 +1,10 @@
+// The Python module takes the program's options as keyword arguments, so their documentation is the
+// program's own: docstrings list options by group with unit and help, and the stub (PEP 484, PEP
+// 561) types them. A switch is bool, an option with a list of words is Literal[...], everything
+// else is what Python's text of the value is to the program (_Value).
+//
+// The classes' own properties are written out in kStubHead and kStubRun and have to follow
+// python/run.cpp and python/model.cpp; a test compares the two.
 #include "render/manual/python_text.h"
 
 #include <algorithm>
@@ -8,10 +15,12 @@
 namespace kirireel {
 namespace {
 
+/// Lists of names are short.
 bool has(const std::vector<std::string>& names, const std::string& name) {
   return std::ranges::find(names, name) != names.end();
 }
 
+/// By key, with underscores.
 std::vector<OptionDescription> optionsWithout(const CommandDescription& command,
                                               const std::vector<std::string>& leftOut) {
   std::vector<OptionDescription> options = command.options;
@@ -19,12 +28,14 @@ std::vector<OptionDescription> optionsWithout(const CommandDescription& command,
   return options;
 }
 
+/// " thickness (METRES): of the bricks (default ...)".
 std::string optionLine(const OptionDescription& option) {
   const std::string unit = option.isSwitch ? "True" : option.unit;
   return fmt::format("    {}{}: {}\n", option.key, unit.empty() ? "" : fmt::format(" ({})", unit),
                      option.help);
 }
 
+/// A heading where the group changes; options of a group follow each other.
 std::string optionsDoc(const std::vector<OptionDescription>& options) {
   std::string text;
   std::string group;
@@ -36,18 +47,21 @@ std::string optionsDoc(const std::vector<OptionDescription>& options) {
   return text;
 }
 
-/// An underscore for each hyphen, as names of Python have it.
+/// An underscore for each hyphen, as names of Python have it. "spring-stiffness" is
+/// spring_stiffness.
 std::string pythonName(std::string name) {
   std::replace(name.begin(), name.end(), '-', '_');
   return name;
 }
 
+/// The stub's own alias _Value stands for what options without a list of words accept.
 std::string typeOf(const OptionDescription& option) {
   if (option.isSwitch) return "bool";
   if (option.words.empty()) return "_Value";
   return fmt::format("Literal[\"{}\"]", fmt::join(option.words, "\", \""));
 }
 
+/// Every option may be left out, and None means the same.
 std::string parameters(const std::vector<OptionDescription>& options) {
   std::string text;
   for (const OptionDescription& option : options) {
@@ -56,6 +70,8 @@ std::string parameters(const std::vector<OptionDescription>& options) {
   return text;
 }
 
+/// One overload a family, because each has its own parameters. Names with hyphens are accepted with
+/// underscores, too.
 std::string familyStub(const CommandDescription& family) {
   return fmt::format(
       "@overload\ndef generate(\n    family: Literal[{}],\n    *,\n{}) -> Model: ...\n",

@@ -1,3 +1,23 @@
+// Writes a binary glTF 2.0 file (Khronos, glTF 2.0 Specification, section "GLB File Format"),
+// little-endian throughout:
+//
+//     magic "glTF" (0x46546C67), version 2, length of the file      3 x 4 bytes
+//     length, type "JSON", JSON text filled up with spaces          chunk 0
+//     length, type "BIN\0", binary buffer filled up with zeros      chunk 1
+//
+// The JSON describes the buffer. Buffer views are ranges of bytes; accessors are typed arrays
+// within them: count, component type, offset. There are six views:
+//
+//     positions  3 floats a vertex     normals  3 floats a vertex     indices  1 uint32 a corner
+//     times      1 float a key         moves    3 floats a brick and key
+//     turns      4 floats a brick and key: quaternion x, y, z, w
+//
+// Each brick is a mesh in its own axes and a node with translation and rotation; the animation has
+// two channels a node. So the geometry is stored once, whatever the number of keys. Between keys
+// viewers interpolate positions linearly and quaternions spherically.
+//
+// glTF is y up and ours z up: the root node turns by -90 degrees about x, the quaternion
+// (-sqrt(1/2), 0, 0, sqrt(1/2)).
 #include "render/mesh/animation.h"
 
 #include <array>
@@ -33,6 +53,7 @@ void appendBytes(std::string& bytes, const T& value) {
   bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
+/// Three floats, 12 bytes.
 void appendVector(std::string& bytes, const Vector3& v) {
   for (const double x : {v.x(), v.y(), v.z()}) appendBytes(bytes, static_cast<float>(x));
 }
@@ -57,7 +78,8 @@ struct Asset {
   }
 };
 
-/// Positions and their bounds, rounded to single precision as they are stored.
+/// Positions and their bounds, rounded to single precision as they are stored. glTF demands min and
+/// max of positions, of the stored floats and not of the doubles.
 class Bounds {
  public:
   void add(const Vector3& point) {
@@ -78,6 +100,7 @@ class Bounds {
 
 /// The outward normal of a face, whose corner 1 may turn inwards.
 Vector3 normalOf(const std::vector<Vector3>& face) {
+  // The fan's area vector points outwards whatever single corners do.
   const Vector3 normal = (face[2] - face[1]).cross(face[0] - face[1]).normalized();
   Vector3 area = Vector3::Zero();
   for (std::size_t k = 2; k < face.size(); ++k) {
@@ -95,12 +118,14 @@ Json meshJson(const Brick& brick, const std::string& name, Asset& asset) {
     vertices += face.size();
     triangles += face.size() - 2;
   }
+  // The accessor begins where the view ends so far, and the values are appended after.
   const auto declareNext = [&](View view, const char* type, int componentType, std::size_t count) {
     return asset.declare(view, type, componentType, count, asset.views[view].size());
   };
   const std::size_t positions = declareNext(kPositions, "VEC3", kFloat, vertices);
   const std::size_t normals = declareNext(kNormals, "VEC3", kFloat, vertices);
   const std::size_t indices = declareNext(kIndices, "SCALAR", kUnsigned, 3 * triangles);
+  // Indices count within the mesh, from 0.
   Bounds bounds;
   std::uint32_t first = 0;
   for (const std::vector<Vector3>& face : faces) {
@@ -147,6 +172,7 @@ Poses readKeys(std::size_t brickCount, std::size_t keyCount,
     for (std::size_t brick = 0; brick < brickCount; ++brick) {
       const Vector3& p = read.poses[brick].position;
       Quaternion& q = read.poses[brick].rotation;
+      // q and -q are the same rotation; the interpolation between them is not.
       if (k > 0 && q.dot(last[brick].rotation) < 0) q.coeffs() = -q.coeffs();
       place<3>(asset.views[kMoves], brick * keyCount + k, {p.x(), p.y(), p.z()});
       place<4>(asset.views[kTurns], brick * keyCount + k, {q.x(), q.y(), q.z(), q.w()});
@@ -157,7 +183,9 @@ Poses readKeys(std::size_t brickCount, std::size_t keyCount,
   return first;
 }
 
+/// The end time as it is stored, in single precision.
 Json animationJson(std::size_t brickCount, std::size_t keyCount, float endTime, Asset& asset) {
+  // All samplers share the times.
   const std::size_t times = asset.declare(kTimes, "SCALAR", kFloat, keyCount, 0);
   asset.accessors[times]["min"] = {0.0};
   asset.accessors[times]["max"] = {endTime};
@@ -178,6 +206,7 @@ Json animationJson(std::size_t brickCount, std::size_t keyCount, float endTime, 
   return {{"name", "deployment"}, {"samplers", samplers}, {"channels", channels}};
 }
 
+/// The brick's pose at the first key, for viewers that play no animation.
 Json nodeJson(const Pose& pose, const std::string& name, std::size_t mesh) {
   const auto f = [](double x) { return static_cast<float>(x); };
   const Vector3& p = pose.position;
@@ -194,6 +223,7 @@ Json materialJson() {
            {{"baseColorFactor", {0.35, 0.55, 0.75, 1.0}}, {"metallicFactor", 0.0}}}};
 }
 
+/// Node 0 is the root, node k + 1 the brick k.
 Json nodesJson(const Poses& start, std::size_t brickCount) {
   Json children = Json::array();
   for (std::size_t k = 0; k < brickCount; ++k) children.push_back(k + 1);
@@ -207,6 +237,8 @@ Json nodesJson(const Poses& start, std::size_t brickCount) {
   return nodes;
 }
 
+/// Views follow each other in the buffer in the order of the enum. All have entries of 4 bytes, so
+/// all offsets are multiples of 4, as glTF wants.
 Json viewsJson(const Asset& asset) {
   Json views = Json::array();
   std::size_t offset = 0;
@@ -240,6 +272,7 @@ void requireAddressable(std::size_t bytes) {
                   bytes, kMost));
 }
 
+/// The length in the header counts the header, too.
 std::string glbFile(const std::string& json, const std::string& binary) {
   std::string chunks;
   appendChunk(chunks, kJsonChunk, json, ' ');

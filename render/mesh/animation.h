@@ -10,7 +10,8 @@
 
 namespace kirireel {
 
-/// The poses of all bricks at one time.
+/// The poses of all bricks at one time. The poses are those of the bricks' centres of mass, in
+/// their order.
 struct AnimationKey {
   double time = 0;  ///< seconds, rising
   Poses poses;
@@ -23,7 +24,8 @@ struct AnimationKey {
 /// fit.
 ///
 /// Written without assimp, whose exporter copies all that it has for each channel: 33 s for 1,600
-/// tiles and 121 keys, where this takes a second.
+/// tiles and 121 keys, where this takes a second. Memory: 28 bytes a brick and key, and the file a
+/// second time while it is put together.
 std::string animationBytes(const std::vector<Brick>& bricks, std::size_t keyCount,
                            const std::function<AnimationKey(std::size_t)>& key);
 

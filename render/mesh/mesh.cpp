@@ -1,3 +1,14 @@
+// Three formats by way of assimp's exporters (assimp 5), with exact coordinates:
+//
+// - OBJ: text; "g TILE_00000", "v x y z", "vn x y z", "f 1//1 2//1 ...". Polygons stay whole.
+// - PLY: text; a header that ends in "end_header", then one row a vertex, then "3 a b c" a
+//   triangle. "property float" becomes "property double", since the digits are those of doubles.
+// - STL: binary; 80 bytes of header, a count (uint32), then 50 bytes a triangle: normal and three
+//   corners as floats, and two bytes that are 0.
+//
+// A brick of n sides has 2 n corners: the bottom's, then the top's. Faces are listed anticlockwise
+// as seen from outside, so that normals by the right-hand rule point outwards: the bottom runs
+// backwards, sides are (k, k+1, n+k+1, n+k).
 #include "render/mesh/mesh.h"
 
 #include <algorithm>
@@ -27,13 +38,14 @@ using Face = std::vector<unsigned>;
 /// Whole numbers that a float holds exactly.
 constexpr std::size_t kMostCorners = 1U << 24U;
 
-/// The corners of all bricks in world axes: of each brick its bottom, then its top.
+/// The corners of all bricks in world axes: of each brick its bottom, then its top. Metres.
 std::vector<Vector3> worldCorners(const std::vector<Brick>& bricks, const Poses& poses) {
   std::vector<Vector3> corners;
   for (std::size_t k = 0; k < bricks.size(); ++k) {
     for (const Vector3& point : bricks[k].bottom) corners.push_back(poses[k].apply(point));
     for (const Vector3& point : bricks[k].top) corners.push_back(poses[k].apply(point));
   }
+  // The readers of models allow far fewer tiles than would fill this.
   assert(corners.size() <= kMostCorners);
   return corners;
 }
@@ -71,10 +83,12 @@ std::vector<Face> brickTriangles(const Brick& brick, unsigned first) {
   return triangles;
 }
 
+/// The number is what the exporter will print where x stands.
 aiVector3D numbered(unsigned corner) {
   return {static_cast<float>(corner), 0, 0};
 }
 
+/// Unit and outward; single precision, for normals only shade.
 aiVector3D flatNormal(const Face& face, const std::vector<Vector3>& corners) {
   const Vector3& middle = corners[face[1]];
   Vector3 normal = (corners[face[2]] - middle).cross(corners[face[0]] - middle).normalized();
@@ -90,6 +104,7 @@ aiVector3D flatNormal(const Face& face, const std::vector<Vector3>& corners) {
 
 // Arrays are raw because aiMesh and aiScene delete them.
 template <typename T>
+/// The caller's object owns the array from then on.
 T* copied(const std::vector<T>& values) {
   T* array = new T[values.size()];
   std::ranges::copy(values, array);
@@ -142,6 +157,7 @@ std::unique_ptr<aiMesh> flatMesh(const std::vector<Face>& faces,
   return mesh;
 }
 
+/// assimp wants a material and a root node that names all meshes. The scene owns what it points to.
 std::unique_ptr<aiScene> sceneOf(std::vector<std::unique_ptr<aiMesh>> meshes) {
   auto scene = std::make_unique<aiScene>();
   scene->mNumMaterials = 1;
@@ -158,8 +174,10 @@ std::unique_ptr<aiScene> sceneOf(std::vector<std::unique_ptr<aiMesh>> meshes) {
   return scene;
 }
 
+/// The bytes of a file in the format that assimp knows by this id.
 std::string exported(const aiScene& scene, const char* format, const std::filesystem::path& path) {
   Assimp::Exporter exporter;
+  // The blob belongs to the exporter, so its bytes are copied.
   const aiExportDataBlob* blob = exporter.ExportToBlob(&scene, format);
   if (blob == nullptr) {
     throw OutputError(fmt::format("{}: error: assimp cannot make this mesh ({})", path.string(),
@@ -201,6 +219,7 @@ std::string objText(const std::vector<Brick>& bricks, const std::vector<Vector3>
   for (std::string_view rest = numbers; !rest.empty();) {
     checkInterruption();
     const std::string_view line = takeLine(rest);
+    // Rows "v" hold the number of a corner where x would be; "vn" and "f" stay as they are.
     if (line.starts_with("v ")) {
       const std::size_t digits = line.find_first_not_of(' ', 1);
       text += "v ";
@@ -244,9 +263,11 @@ std::string stlBytes(const std::vector<Brick>& bricks, const std::vector<Vector3
   constexpr std::size_t kHeader = 80;
   std::string header = "Kirireel: closed bricks, lengths in metres";
   header.resize(kHeader, ' ');
+  // The header must not begin with "solid", by which readers tell text from binary.
   return bytes.replace(0, kHeader, header);
 }
 
+/// The header's counts are assimp's own and stay.
 std::string plyText(const std::vector<Brick>& bricks, const std::vector<Vector3>& corners,
                     const std::filesystem::path& path) {
   auto mesh = sharedMesh(static_cast<unsigned>(corners.size()), allTriangles(bricks));
@@ -254,12 +275,14 @@ std::string plyText(const std::vector<Brick>& bricks, const std::vector<Vector3>
   constexpr std::string_view kFloat = "property float ";
   std::string text;
   std::string_view rest = numbers;
+  // The header, line by line, with doubles in place of floats.
   for (std::string_view line; line != "end_header" && !rest.empty();) {
     line = takeLine(rest);
     const bool isFloat = line.starts_with(kFloat);
     if (isFloat) text += "property double ";
     text.append(isFloat ? line.substr(kFloat.size()) : line).append("\n");
   }
+  // Rows of vertices come in the order of the corners; the faces after them need no change.
   for (std::size_t k = 0; k < corners.size(); ++k) appendCorner(text, takeLine(rest), corners);
   return text.append(rest);
 }

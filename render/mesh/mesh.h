@@ -19,7 +19,8 @@ namespace kirireel {
 /// Every brick is closed, outward, and apart from its neighbours even where they touch: a joint
 /// would else be an edge of four faces. Coordinates are in metres and, but for STL's single
 /// precision, read back to the last bit. Throws InputError for another ending, OutputError when the
-/// file cannot be written.
+/// file cannot be written. `poses` has one pose a brick. The text is built in memory. Throws
+/// Interrupted when the user ends the program.
 void writeMesh(const std::filesystem::path& path, const std::vector<Brick>& bricks,
                const Poses& poses);
 

@@ -1,3 +1,9 @@
+// A page's canvas may have any shape, but a camera that shows the whole run depends on it. So for
+// each view five cameras are computed here, by the fit of our own pictures, and the page takes the
+// widest whose aspect its canvas holds; a wider canvas shows more at the sides.
+//
+// A camera is eye, centre and up (metres, world axes) with either the vertical field of view
+// (radians) or the height of what is in sight (metres).
 #include "render/page/cameras.h"
 
 #include <array>
@@ -11,6 +17,7 @@ namespace {
 constexpr std::array<FrameSize, 5> kSizes = {
     {{450, 800}, {600, 800}, {800, 800}, {800, 600}, {1280, 720}}};
 
+/// Metres and radians.
 Json cameraJson(const Camera& camera, double aspect) {
   return {{"aspect", aspect},
           {"eye", vectorJson(camera.eye)},
@@ -21,6 +28,7 @@ Json cameraJson(const Camera& camera, double aspect) {
           {"view_height", camera.viewHeight}};
 }
 
+/// From the narrowest canvas to the widest.
 Json viewJson(const char* name, const Look& look, const Motif& motif) {
   Json fits = Json::array();
   for (const FrameSize size : kSizes) {

@@ -1,3 +1,19 @@
+// How poses become text. Positions are counted in steps of s = size / 32768 (metres) from an
+// origin, parts of quaternions in steps of r = s / (2 radius). A corner at the distance `radius`
+// from its brick's centre then moves by at most
+//
+//     sqrt(3) s / 2              by rounding the position,
+//     2 radius (2 r / 2) = s     by rounding the four parts of the quaternion, half a step each,
+//
+// together below 1.9 s.
+//
+// Rounded entries e(k) of one number over the samples k are stored as second differences d(k) =
+// e(k) - 2 e(k-1) + e(k-2), exactly invertible in whole numbers. Motion is smooth, so d is a few
+// steps, fits into 16 bits and compresses well. Zigzag coding maps 0, -1, 1, -2, ... to 0, 1, 2, 3,
+// ..., so that the upper bytes of small numbers are zero whatever their sign.
+//
+// The text is base 64 of zlib (RFC 1950) of planes of bytes. Browsers have a decompressor but no
+// HDF5, and JSON numbers would take several times as much.
 #include "render/page/packed_array.h"
 
 #include <algorithm>
@@ -13,10 +29,12 @@ namespace {
 constexpr double kPositionSteps = 32768;
 
 template <typename Number>
+/// Any number of entries, none too.
 Json packedAs(const char* type, std::span<const Number> entries) {
   const std::span<const std::byte> bytes = std::as_bytes(entries);
   std::vector<std::byte> planes;
   planes.reserve(bytes.size());
+  // Byte `plane` of every entry; little-endian, so the last plane is the highest.
   for (std::size_t plane = 0; plane < sizeof(Number); ++plane) {
     for (std::size_t k = plane; k < bytes.size(); k += sizeof(Number)) planes.push_back(bytes[k]);
   }
@@ -26,6 +44,7 @@ Json packedAs(const char* type, std::span<const Number> entries) {
 }
 
 /// Quaternions q and -q are one rotation: the one that is nearer to that of the sample before.
+/// Chosen by the sign of the dot product.
 Quaternion following(const Quaternion& rotation, const Quaternion& before) {
   return rotation.dot(before) < 0 ? Quaternion(-rotation.coeffs()) : rotation;
 }
@@ -33,6 +52,7 @@ Quaternion following(const Quaternion& rotation, const Quaternion& before) {
 /// Differences wrap around as 32-bit numbers do, here and in the page.
 std::int32_t zigzag(std::int64_t difference) {
   const auto wrapped = static_cast<std::int32_t>(static_cast<std::uint32_t>(difference));
+  // 2 d for d >= 0, -2 d - 1 below; the arithmetic shift gives all ones for negative numbers.
   return static_cast<std::int32_t>((static_cast<std::uint32_t>(wrapped) << 1) ^
                                    static_cast<std::uint32_t>(wrapped >> 31));
 }
@@ -66,6 +86,7 @@ PoseSteps finePoseSteps(const Vector3& origin, double size, double radius) {
 }
 
 void PosePacker::add(const Poses& poses) {
+  // The first sample follows itself.
   if (before_.empty()) before_ = poses;
   for (std::size_t i = 0; i < poses.size(); ++i) {
     before_[i] = {poses[i].position, following(poses[i].rotation, before_[i].rotation)};
@@ -97,6 +118,7 @@ void PosePacker::addRounded(const std::vector<double>& entries) {
   lastButOne_.resize(entries.size());
   for (std::size_t k = 0; k < entries.size(); ++k) {
     const std::int64_t entry = std::llround(std::clamp(entries[k], -kMost, kMost));
+    // last_ and lastButOne_ are zero before the first sample.
     differences_.push_back(zigzag(entry - 2 * last_[k] + lastButOne_[k]));
     lastButOne_[k] = last_[k];
     last_[k] = entry;
@@ -129,11 +151,13 @@ Json packedMagnitudes(std::span<const double> values) {
     if (value > 0) least = std::min(least, value);
   }
   if (most == 0) least = most = 1;
+  // Where all values are equal the range is 0; any small number does then.
   const double range = std::max(std::log(most / least), 1e-12);
   std::vector<std::uint8_t> codes;
   codes.reserve(values.size());
   for (const double value : values) {
     const double share = value > 0 ? std::log(value / least) / range : 0;
+    // 1 for the least, 255 for the largest.
     codes.push_back(value > 0 ? static_cast<std::uint8_t>(1 + std::lround(254 * share)) : 0);
   }
   return {{"least", least},

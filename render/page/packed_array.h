@@ -52,9 +52,11 @@ class PosePacker {
   /// Rounded to these steps; exact doubles without them.
   explicit PosePacker(std::optional<PoseSteps> steps) : steps_(std::move(steps)) {}
 
+  /// As many bricks each time.
   void add(const Poses& poses);
 
-  /// {"exact": bool, "origin": [x, y, z], "position_step", "rotation_step", "entries": array}
+  /// {"exact": bool, "origin": [x, y, z], "position_step", "rotation_step", "entries": array} May
+  /// be called once all samples are added.
   Json packed() const;
 
  private:
@@ -70,7 +72,7 @@ class PosePacker {
 
 /// Values from 0 on, in 255 steps of equal ratios between the least above 0 and the largest: what
 /// matters of gaps and errors is how large they are. Code 0 is 0.
-/// {"least", "most", "codes": array}
+/// {"least", "most", "codes": array} Values must not be negative; NaN counts as 0.
 Json packedMagnitudes(std::span<const double> values);
 
 }  // namespace kirireel

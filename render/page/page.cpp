@@ -1,3 +1,16 @@
+// A page is a template (render/page/web/page.html) with its places filled in:
+//
+//     <!--title-->, <!--program-->, <!--count-->   words
+//     <!--style-->, <!--scripts-->                 page.css; three.js and our scripts
+//     <!--stages-->                                a canvas and a still picture for each run
+//     <!--words-->                                 facts, warnings and embedded files of each run
+//     <!--data-->                                  JSON: styles for both themes, colour map, runs
+//
+// Everything is within the file, since it is to be sent by mail and opened from a disk, where
+// browsers refuse to load neighbours of a file. The still picture shows where WebGL is missing.
+//
+// Text from a model (names, warnings) is escaped; the JSON stands in a script element, which ends
+// at "</", so every "<" is written as \u003c.
 #include "render/page/page.h"
 
 #include <memory>
@@ -27,7 +40,8 @@ constexpr std::uintmax_t kMostEmbedded = 1u << 30;
 
 using Words = std::vector<std::pair<std::string, std::string>>;
 
-/// A template with each "<!--name-->" replaced.
+/// A template with each "<!--name-->" replaced. Names without a word vanish. What is filled in is
+/// not looked through again.
 std::string filled(std::string_view form, const Words& words) {
   std::string text;
   while (true) {
@@ -56,7 +70,8 @@ std::string scripts() {
   return text;
 }
 
-/// JSON that no HTML parser takes for the end of its element.
+/// JSON that no HTML parser takes for the end of its element. Bytes that are no UTF-8 become
+/// U+FFFD, for names of models may hold any.
 std::string safeJson(const Json& json) {
   std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
   for (std::size_t at = 0; (at = text.find('<', at)) != std::string::npos;) {
@@ -65,6 +80,7 @@ std::string safeJson(const Json& json) {
   return text;
 }
 
+/// Pairs of a definition list.
 std::string factsHtml(const Facts& facts) {
   std::string html;
   for (const auto& [what, value] : facts) {
@@ -81,6 +97,7 @@ std::string warningsHtml(const std::vector<std::string>& warnings) {
   return html;
 }
 
+/// Paints three small pictures.
 std::string stageHtml(const TrajectoryReader& run, const Look& look) {
   const std::string still = stillPicture(run, look);
   const std::string picture = base64(std::as_bytes(std::span(still)));
@@ -88,7 +105,7 @@ std::string stageHtml(const TrajectoryReader& run, const Look& look) {
                 {{"name", htmlText(run.subject().model.name)}, {"picture", picture}});
 }
 
-/// The type of a file by its ending, as browsers know it.
+/// The type of a file by its ending, as browsers know it. Other endings are saved and not shown.
 std::string mediaType(const std::filesystem::path& file) {
   const std::pair<const char*, const char*> types[] = {
       {".mp4", "video/mp4"},   {".webm", "video/webm"}, {".png", "image/png"},
@@ -99,7 +116,8 @@ std::string mediaType(const std::filesystem::path& file) {
   return "application/octet-stream";
 }
 
-/// A file within the page: a video, a picture, or a link that saves it.
+/// A file within the page: a video, a picture, or a link that saves it. Bytes become a data: URL
+/// (RFC 2397), a third longer than the file.
 std::string embeddedHtml(const std::filesystem::path& file) {
   const std::string bytes = readTextFile(file, "name files of the run with --embed", kMostEmbedded);
   const std::string type = mediaType(file), name = htmlText(file.filename().string());
@@ -115,6 +133,7 @@ std::string embeddedHtml(const std::filesystem::path& file) {
   return fmt::format("<a download=\"{0}\" href=\"{1}\">{0}</a>\n", name, source);
 }
 
+/// Embedded files are looked for in the run's folder.
 std::string wordsHtml(const TrajectoryReader& run, const std::filesystem::path& folder,
                       const std::vector<std::string>& names) {
   std::string files;
@@ -125,12 +144,14 @@ std::string wordsHtml(const TrajectoryReader& run, const std::filesystem::path& 
                                              {"files", files}});
 }
 
-/// `dataBytes`: what of the page grows with its states, of which it has so many.
+/// `dataBytes`: what of the page grows with its states, of which it has so many. The message offers
+/// as many states as would fit.
 void requireSize(const std::string& page, std::size_t dataBytes, std::size_t states,
                  const WebPageSettings& settings) {
   const double most = 1e6 * settings.mostMegabytes, size = static_cast<double>(page.size());
   if (size <= most) return;
   // Fewer states are farther apart, so that each takes a little more.
+  // What is too much has to come off the data; `share` is what of them may stay.
   const double share = 0.8 * ((most - size) / static_cast<double>(dataBytes) + 1);
   const auto fewer = static_cast<int>(share * static_cast<double>(states));
   const std::string thinner =

@@ -20,7 +20,7 @@ inline constexpr const char* kPageFile = "page.html";
 /// At most so many runs stand side by side on a page.
 inline constexpr std::size_t kMostPageRuns = 2;
 
-/// Which page is wanted.
+/// Which page is wanted. One look for all runs, so that two of them can be compared.
 struct WebPageSettings {
   std::filesystem::path folder;  ///< made if need be
   PageStates states;
@@ -31,13 +31,15 @@ struct WebPageSettings {
   Look look;                  ///< of all runs
 };
 
-/// Whether this program can make pages: three.js was there when it was built.
+/// Whether this program can make pages: three.js was there when it was built. three.js is taken in
+/// at build time.
 bool canMakePages();
 /// Throws OutputError where it cannot, with what to do about it.
 void requirePages();
 
 /// The text of a page of one run or two. Throws InputError where a run lacks what the look asks for
-/// and where the page would be too large, OutputError where the program cannot make pages.
+/// and where the page would be too large, OutputError where the program cannot make pages. A run is
+/// read from its trajectory; with 201 states of a thousand bricks the text has some megabytes.
 std::string pageText(const std::vector<std::filesystem::path>& trajectories,
                      const WebPageSettings& settings);
 

@@ -1,3 +1,16 @@
+// Makes the JSON of a run that stage.js and the other scripts read. Everything that decides how it
+// looks (colours, lights, widths, cameras) comes from render/picture and render/studio, so that a
+// page and our pictures agree.
+//
+//     name; bricks: counts, corners, rises, triangles of concave ones; states: times, progress,
+//     gap, error, poses, gaps, errors; joints: bricks, points; target; obstacles; plate; views;
+//     curves
+//
+// Lengths are metres, times seconds. Bricks stand in their own axes as floats: a float has 24 bits,
+// 500 times finer than a step of positions.
+//
+// The states of a page are at equal shares of motion and not of time, so that they are dense where
+// something moves.
 #include "render/page/page_data.h"
 
 #include <algorithm>
@@ -20,6 +33,7 @@ namespace {
 
 /// Of each of the three pictures, pixels.
 constexpr FrameSize kStillSize{480, 360};
+// Of a colour map: an odd number, so that the middle is among them.
 constexpr int kShades = 129;
 constexpr std::array<double, 3> kStillShares = {0, 0.5, 1};
 
@@ -31,6 +45,7 @@ Json coloursJson(const BrickColours& colours) {
   return {colourJson(colours.bottom), colourJson(colours.top), colourJson(colours.side)};
 }
 
+/// Directions are unit vectors in the camera's axes, strengths 0 to 1.
 Json lightsJson(const Style& style) {
   const auto light = [](const Light& from) -> Json {
     return {{"direction", vectorJson(from.direction)}, {"strength", from.strength}};
@@ -54,6 +69,7 @@ void appendPoint(std::vector<float>& numbers, const Vector3& point) {
   for (int axis = 0; axis < 3; ++axis) numbers.push_back(static_cast<float>(point[axis]));
 }
 
+/// The corners of all polygons one after the other, and how many each has.
 Json polygonsJson(const std::vector<Tile>& tiles) {
   std::vector<float> corners;
   std::vector<std::int32_t> counts;
@@ -65,7 +81,8 @@ Json polygonsJson(const std::vector<Tile>& tiles) {
           {"corners", packedArray(std::span<const float>(corners))}};
 }
 
-/// The bricks' bottoms in their own axes, and what leads from there to their tops.
+/// The bricks' bottoms in their own axes, and what leads from there to their tops. A brick is a
+/// prism: its top is its bottom moved by one vector, so that one vector a brick is enough.
 Json bricksJson(const std::vector<Brick>& bricks) {
   std::vector<Tile> bottoms;
   std::vector<float> rises;
@@ -74,6 +91,7 @@ Json bricksJson(const std::vector<Brick>& bricks) {
     const Brick& brick = bricks[i];
     bottoms.push_back({brick.bottom});
     appendPoint(rises, brick.top[0] - brick.bottom[0]);
+    // The page fans convex polygons by itself.
     if (isConvexPolygon(brick.bottom, brick.normal)) continue;
     triangles[std::to_string(i)] = trianglesOf(brick.bottom, brick.normal);
   }
@@ -83,7 +101,8 @@ Json bricksJson(const std::vector<Brick>& bricks) {
   return json;
 }
 
-/// Where dots on joints stand: a brick, and a point in its axes.
+/// Where dots on joints stand: a brick, and a point in its axes. The points of the first brick of
+/// each pivot.
 Json joinsJson(const std::vector<Pivot>& pivots) {
   std::vector<std::int32_t> bricks;
   std::vector<float> points;
@@ -95,6 +114,7 @@ Json joinsJson(const std::vector<Pivot>& pivots) {
           {"points", packedArray(std::span<const float>(points))}};
 }
 
+/// Metres from the brick's centre of mass, the origin of its axes.
 double largestRadius(const std::vector<Brick>& bricks) {
   double radius = 0;
   for (const Brick& brick : bricks) {
@@ -105,7 +125,7 @@ double largestRadius(const std::vector<Brick>& bricks) {
   return radius;
 }
 
-/// The states of a page and what is measured of them, taken one by one.
+/// The states of a page and what is measured of them, taken one by one. The motif must outlive it.
 class StateCollector {
  public:
   StateCollector(const Motif& motif, const PageStates& states)
@@ -117,6 +137,7 @@ class StateCollector {
     gap_.push_back(sample.jointGap);
     error_.push_back(sample.targetError);
     poses_.add(sample.poses);
+    // One value a brick and state; the page colours bricks by them.
     append(gaps_, brickJointGaps(motif_.pivots, sample.poses));
     if (motif_.target) {
       append(errors_, brickTargetErrors(*motif_.target, motif_.bricks, sample.poses));
@@ -152,6 +173,7 @@ class StateCollector {
   std::vector<double> gaps_, errors_;                   ///< state by state, one a brick
 };
 
+/// States between two samples are interpolated with their joints closed, see Replay.
 Json statesJson(const TrajectoryReader& run, const Motif& motif, const PageStates& states) {
   const MotionCurve motion = motionOf(run);
   StateCollector collector(motif, states);
@@ -164,13 +186,15 @@ Json statesJson(const TrajectoryReader& run, const Motif& motif, const PageState
   Replay replay(run);
   for (int k = 0; k < states.samples; ++k) {
     const double share = static_cast<double>(k) / (states.samples - 1);
+    // A run in which nothing moves has its states at equal times.
     const double time = motion.length() > 0 ? motion.timeAt(share) : share * motion.endTime();
     collector.add(replay.at(time), share);
   }
   return collector.json();
 }
 
-/// The values with as many digits as a diagram can show, and a reader wants to know.
+/// The values with as many digits as a diagram can show, and a reader wants to know. Groups without
+/// any value are left out; a value that does not exist is null.
 Json curvesJson(const RunCurves& curves) {
   Json groups = Json::array();
   for (const CurveGroup& group : curves.groups) {
@@ -180,6 +204,7 @@ Json curvesJson(const RunCurves& curves) {
       if (!curve.hasValues()) continue;
       Json values = Json::array();
       for (const double value : curve.values)
+        // Six digits: a text of fewer digits is shorter as JSON too.
         values.push_back(std::stod(fmt::format("{:.6g}", value)));
       lines.push_back({{"label", curve.name}, {"values", std::move(values)}});
     }
@@ -191,6 +216,7 @@ Json curvesJson(const RunCurves& curves) {
   return groups;
 }
 
+/// Metres; null where nothing lies under the bricks.
 Json plateJson(const std::optional<GroundPlate>& plate) {
   if (!plate) return nullptr;
   return {{"height", plate->height},

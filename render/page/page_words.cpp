@@ -1,3 +1,6 @@
+// Says in words what the run was, from trajectory.h5 alone: a page can be made where summary.json
+// is missing. "Findings" is the JSON text that record() stores in the trajectory (path, warnings);
+// files of older versions have none.
 #include "render/page/page_words.h"
 
 #include <algorithm>
@@ -17,6 +20,7 @@ Json findingsOf(const TrajectoryReader& run) {
   return findings.is_object() ? findings : Json::object();
 }
 
+/// "1 tile", "12 tiles".
 std::string counted(std::size_t count, const char* one) {
   return fmt::format("{} {}{}", count, one, count == 1 ? "" : "s");
 }
@@ -26,6 +30,7 @@ std::string lengthText(double metres, double tile) {
   return fmt::format("{:.3g} m ({:.2g} tiles)", metres, metres / tile);
 }
 
+/// The sides of the box along x, y and z.
 std::string sizeText(const std::vector<Tile>& tiles) {
   Eigen::AlignedBox3d box;
   for (const Tile& tile : tiles) {
@@ -35,6 +40,7 @@ std::string sizeText(const std::vector<Tile>& tiles) {
   return fmt::format("{:.4g} × {:.4g} × {:.4g} m", sides.x(), sides.y(), sides.z());
 }
 
+/// Nothing for models without a target.
 void addErrors(const TrajectoryReader& run, double tile, Facts& facts) {
   if (!run.subject().model.target) return;
   const Sample first = run.sample(0);
@@ -43,6 +49,7 @@ void addErrors(const TrajectoryReader& run, double tile, Facts& facts) {
   facts.emplace_back("Distance from the target, end", lengthText(last.targetError, tile));
 }
 
+/// Joint gaps are known of every step, overlaps of the samples alone.
 void addAccuracy(const TrajectoryReader& run, double tile, Facts& facts) {
   double gap = 0, overlap = 0;
   for (const StepRecord& step : run.steps()) gap = std::max(gap, step.jointGap);
@@ -76,6 +83,7 @@ Facts factsOf(const TrajectoryReader& run) {
   addErrors(run, tile, facts);
   addAccuracy(run, tile, facts);
   if (!run.hasMechanics()) facts.emplace_back("Energies and forces", kNoMechanics);
+  // A fact without a value is not told.
   std::erase_if(facts, [](const auto& fact) { return fact.second.empty(); });
   return facts;
 }

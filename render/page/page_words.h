@@ -12,7 +12,8 @@ namespace kirireel {
 /// Facts in the order of reading: what, and how much.
 using Facts = std::vector<std::pair<std::string, std::string>>;
 
-/// What a run was, how it ended and how accurate it is, from its trajectory alone.
+/// What a run was, how it ended and how accurate it is, from its trajectory alone. Texts are plain,
+/// not yet escaped. Reads every sample once.
 Facts factsOf(const TrajectoryReader& run);
 
 /// What a run warns of, one line each.

@@ -1,3 +1,14 @@
+// A pixel is the mean of its samples, 2 across and 2 or 3 down. Samples hold premultiplied colours:
+// c a / 255 for a channel c and alpha a, both 0 to 255. So their sum is weighted by alpha by
+// itself, and a pixel with straight alpha has
+//
+//     alpha = mean of a,    c = 255 sum(c a / 255) / sum(a).
+//
+// Opaque pictures, which most are, need no division by alpha: all four channels are means. Means
+// are of sRGB bytes and not of light.
+//
+// A sixth in whole numbers: round(s / 6) = ((s + 3) 43691) >> 18 for s up to 6 * 255, because 43691
+// = ceil(2^18 / 6).
 #include "render/picture/average.h"
 
 #include <array>
@@ -18,7 +29,7 @@ constexpr std::uint8_t meanOf(unsigned sum) {
   return static_cast<std::uint8_t>(((sum + 3) * 43691) >> 18);
 }
 
-/// The sums of one pixel's samples, channel by channel.
+/// The sums of one pixel's samples, channel by channel. Red, green, blue, alpha.
 std::array<unsigned, kChannels> sums(const SampleRows& rows, int pixel) {
   std::array<unsigned, kChannels> sum = {};
   for (int row = 0; row < rows.samplesDown; ++row) {

@@ -1,3 +1,25 @@
+// A view is two angles, azimuth a and elevation e, from which the picture's axes follow (unit
+// vectors in world axes):
+//
+//     right = (-sin a, cos a, 0)
+//     up    = (-sin e cos a, -sin e sin a, cos e)
+//     back  = ( cos e cos a,  cos e sin a, sin e)     from the centre towards the eye
+//
+// Fit in parallel projection: the points are projected on these axes; the picture's height is the
+// larger of their height and their width / aspect, over 1 - 2 margin and the zoom.
+//
+// Fit in perspective: a point at (x, z), z along `back`, is within the picture's side when |x - X|
+// <= s (Z - z), with the eye at (X, Z) and s = tan(field of view / 2) (1 - 2 margin). With r =
+// max(x + s z) and l = min(x - s z) the least Z is (r - l) / 2 s, at X = (r + l) / 2. Both
+// directions of the picture are fitted so, and the larger Z is taken. The zoom then narrows the
+// field of view and leaves the eye where it is, so that perspective does not change.
+//
+// For cameras that turn, a ball round all points is fitted instead: its size is the same from every
+// side. The cone with half the angle t of the shorter side touches a ball of radius R at the
+// distance R / sin t.
+//
+// Clip coordinates follow OpenGL's conventions: x to the right, y up, z from -1 near to 1 far after
+// division by w.
 #include "render/picture/camera.h"
 
 #include <algorithm>
@@ -9,9 +31,11 @@
 namespace kirireel {
 namespace {
 
-/// Flat models: how thick the layer of all points may be, against its larger side.
+/// Flat models: how thick the layer of all points may be, against its larger side. A sheet that has
+/// begun to fold is seen from a corner.
 constexpr double kFlatness = 0.15;
 
+/// Empty until something is added: low is above high.
 struct AxisRange {
   double low = std::numeric_limits<double>::infinity();
   double high = -std::numeric_limits<double>::infinity();
@@ -31,6 +55,7 @@ struct PictureAxes {
   Vector3 back;  ///< towards the eye
 };
 
+/// Right is never zero, also for a view from straight above, where `up` alone would not tell.
 PictureAxes pictureAxes(ViewAngles view) {
   const double ca = std::cos(view.azimuth), sa = std::sin(view.azimuth);
   const double ce = std::cos(view.elevation), se = std::sin(view.elevation);
@@ -89,6 +114,7 @@ Vector3 toWorld(const PictureAxes& axes, double x, double y, double z) {
   return x * axes.right + y * axes.up + z * axes.back;
 }
 
+/// Points that all lie in one line along the view have no height: then the diagonal is taken.
 Camera fitOrthographic(const Extents& extents, const PictureAxes& axes, const CameraFit& fit) {
   const double size = diagonal(extents);
   Camera camera;
@@ -104,6 +130,7 @@ Camera fitOrthographic(const Extents& extents, const PictureAxes& axes, const Ca
   return camera;
 }
 
+/// The eye stays at least a twentieth of the diagonal in front of the nearest point.
 Camera fitPerspective(const Extents& extents, const PictureAxes& axes, const CameraFit& fit) {
   const double size = diagonal(extents);
   const double slopeY = std::tan(0.5 * fit.fieldOfView) * (1 - 2 * fit.margin);

@@ -46,10 +46,12 @@ inline constexpr ViewAngles kIsometricView{-0.7853981633974483, 0.61547970867038
 /// Nearly from above, tilted so that the thickness of flat sheets shows.
 inline constexpr ViewAngles kObliqueView{-1.5707963267948966, 1.0821041362364843};
 
-/// Whether one looks along an axis, so that lengths across it can be compared.
+/// Whether one looks along an axis, so that lengths across it can be compared. Exactly: only the
+/// views that are named above.
 bool isAlongAxis(ViewAngles view);
 
-/// kTopView for points that lie nearly in one horizontal layer, else kIsometricView.
+/// kTopView for points that lie nearly in one horizontal layer, else kIsometricView. Flat is a
+/// height below 15% of the larger side.
 ViewAngles defaultView(std::span<const Vector3> points);
 
 /// How to frame points.
@@ -64,20 +66,22 @@ struct CameraFit {
 };
 
 /// The camera with the given view that shows all points as large as possible and in the middle.
-/// At least one point: throws InputError otherwise.
+/// At least one point: throws InputError otherwise. Near and far leave room for bricks that move
+/// out of the points on the way. One pass over the points.
 Camera fitCamera(std::span<const Vector3> points, const CameraFit& fit);
 
 /// The camera with the given view that shows all of a ball, hence the same size from every side:
-/// for cameras that turn. radius: metres, positive.
+/// for cameras that turn. radius: metres, positive. All of the ball is between near and far.
 Camera fitCameraToBall(const Vector3& centre, double radius, const CameraFit& fit);
 
 /// The same camera nearer or farther along its view, at this distance from its centre, metres.
+/// `distance` is positive. In perspective the picture's middle grows or shrinks by it.
 Camera atDistance(const Camera& camera, double distance);
 
 /// Height of the picture at the camera's centre, metres.
 double heightAtCentre(const Camera& camera);
 
-/// The brick that the point (world axes) lies within, if any.
+/// The brick that the point (world axes) lies within, if any. Looks at all bricks.
 std::optional<int> brickAround(const std::vector<Brick>& bricks, const Poses& poses,
                                const Vector3& point);
 
@@ -85,7 +89,8 @@ std::optional<int> brickAround(const std::vector<Brick>& bricks, const Poses& po
 /// the corners at the start and at the target together).
 std::vector<Vector3> brickCorners(const std::vector<Brick>& bricks, const Poses& poses);
 
-/// The 4 x 4 matrix from world axes to clip coordinates, for pictures of the given aspect.
+/// The 4 x 4 matrix from world axes to clip coordinates, for pictures of the given aspect. For
+/// column vectors: clip = matrix * (x, y, z, 1). The aspect is width by height.
 Eigen::Matrix4d clipFromWorld(const Camera& camera, double aspect);
 
 }  // namespace kirireel

@@ -1,3 +1,11 @@
+// Between two keys at t0 and t1 each number v (azimuth, elevation, log of the zoom) is the cubic
+// Hermite polynomial in s = (t - t0) / (t1 - t0), L = t1 - t0:
+//
+//     v(s) = (1 - q) v0 + q v1 + s (1-s)^2 L m0 - s^2 (1-s) L m1,    q = s^2 (3 - 2 s)
+//
+// with slopes m from the neighbours of a key (Catmull and Rom's choice), 0 at the first and the
+// last. The path has no kinks and passes through every key. The zoom goes by its logarithm, so that
+// it grows by equal factors in equal times.
 #include "render/picture/camera_path.h"
 
 #include <algorithm>
@@ -22,7 +30,7 @@ void requireRisingTimes(const std::vector<CameraKey>& keys) {
   }
 }
 
-/// Numbers of a key that change between keys.
+/// Numbers of a key that change between keys. Azimuth and elevation in radians, log of the zoom.
 Eigen::Vector3d values(const CameraKey& key) {
   return {key.view.azimuth, key.view.elevation, std::log(key.zoom)};
 }

@@ -18,7 +18,7 @@ struct CameraKey {
   bool operator==(const CameraKey&) const = default;
 };
 
-/// What is asked of the camera.
+/// What is asked of the camera. Angles are radians, lengths metres, times simulated seconds.
 struct CameraChoice {
   std::optional<ViewAngles> view;    ///< absent: from above for flat models, else from a corner
   std::optional<bool> orthographic;  ///< absent: only along an axis
@@ -30,7 +30,7 @@ struct CameraChoice {
 };
 
 /// The angles of PyBullet's camera, as PyKirigami has them: yaw turns the eye about +z, 0 from the
-/// front; pitch is negative for an eye above. Radians.
+/// front; pitch is negative for an eye above. Radians. azimuth = yaw - pi / 2, elevation = -pitch.
 ViewAngles viewFromYawPitch(double yaw, double pitch);
 
 /// The camera of every picture of one run.
@@ -41,7 +41,8 @@ class CameraPath {
   CameraPath(const CameraChoice& choice, std::span<const Vector3> points, double aspect);
 
   /// The camera at a time, simulated seconds, with a share of its orbit behind it, 0 to 1. Before
-  /// the first key and after the last it stands still but for the orbit.
+  /// the first key and after the last it stands still but for the orbit. Costs nothing beside a
+  /// picture.
   Camera at(double time, double turn) const;
 
   /// Whether the camera stands still, so that all pictures share one scale and one view.

@@ -1,3 +1,5 @@
+// Frames are plain arrays of bytes. Nothing here knows of graphics libraries, so encoders, grids
+// and readers of PNG share one type. A frame of 1280 x 720 takes 3.7 MB.
 #include "render/picture/frame.h"
 
 #include <algorithm>

@@ -38,7 +38,9 @@ struct Frame {
   FrameSize size;
   std::vector<std::uint8_t> pixels;  ///< size.width * size.height * 4 bytes
 
+  /// x from 0 at the left, y from 0 at the top; both must be within the picture.
   Colour at(int x, int y) const;
+  /// The same holds for x and y.
   void set(int x, int y, Colour colour);
 
   /// Index in pixels of the first byte of a row.
@@ -46,13 +48,13 @@ struct Frame {
 };
 
 /// A picture of one colour. storage: a frame that is needed no more, whose memory it gets. Throws
-/// InputError for a size out of range.
+/// InputError for a size out of range. Memory is 4 bytes a pixel.
 Frame makeFrame(FrameSize size, Colour colour, Frame storage = {});
 
 /// Copies source onto target with its top left corner at (x, y); it must fit inside.
 void pasteFrame(Frame& target, const Frame& source, int x, int y);
 
-/// True when every pixel has alpha 255.
+/// True when every pixel has alpha 255. Looks at all pixels.
 bool isOpaque(const Frame& frame);
 
 }  // namespace kirireel

@@ -35,6 +35,7 @@ Vector3 meanOf(std::span<const Vector3> points) {
   return sum / static_cast<double>(points.size());
 }
 
+/// Its length is the area, its direction the normal of an anticlockwise polygon.
 Vector3 vectorArea(std::span<const Vector3> corners) {
   Vector3 sum = Vector3::Zero();
   for (std::size_t k = 2; k < corners.size(); ++k) {
@@ -51,7 +52,8 @@ double longestSide(std::span<const Vector3> corners) {
   return longest;
 }
 
-/// The part of a polygon above a point's horizon, its corners relative to the point.
+/// The part of a polygon above a point's horizon, its corners relative to the point. Sutherland and
+/// Hodgman's clipping at one plane. `above` is emptied first and keeps its memory.
 void cutToHorizon(std::span<const Vector3> corners, const Vector3& point, const Vector3& normal,
                   std::vector<Vector3>& above) {
   above.clear();
@@ -64,7 +66,8 @@ void cutToHorizon(std::span<const Vector3> corners, const Vector3& point, const 
   }
 }
 
-/// Lambert's formula for corners relative to the point.
+/// Lambert's formula for corners relative to the point. 0 for fewer than three corners. The angle
+/// between two directions is atan2(|r x r'|, r . r'), which is exact for small angles, too.
 double skyPart(const std::vector<Vector3>& corners, const Vector3& normal) {
   double sum = 0;
   for (std::size_t k = 0; k < corners.size(); ++k) {
@@ -77,7 +80,8 @@ double skyPart(const std::vector<Vector3>& corners, const Vector3& normal) {
   return std::abs(sum) / (2 * std::numbers::pi);
 }
 
-/// From 1 at distance 0 to 0 at the reach and beyond, smoothly.
+/// From 1 at distance 0 to 0 at the reach and beyond, smoothly. 1 - 3 s^2 + 2 s^3, whose slope is
+/// zero at both ends.
 double weightAt(double distance, double reach) {
   const double share = std::clamp(distance / reach, 0.0, 1.0);
   return 1 - share * share * (3 - 2 * share);

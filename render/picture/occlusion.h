@@ -12,12 +12,14 @@ namespace kirireel {
 /// Bricks as things that keep light away, one state of a run at a time.
 class Occluders {
  public:
-  /// faces: of each brick, as brickFaces() has them, at their poses in world axes.
+  /// faces: of each brick, as brickFaces() has them, at their poses in world axes. Sorts the bricks
+  /// once. Bricks without faces are not allowed.
   explicit Occluders(const std::vector<std::vector<std::vector<Vector3>>>& faces);
 
   /// The part of the light from all sides, as a face receives it, that other bricks keep away: 0 to
   /// 1, the mean of some points of the face. brick: that the face is of; corners: of the face,
-  /// world axes; normal: unit, outward.
+  /// world axes; normal: unit, outward. Looks at the bricks whose centres are within the reach
+  /// along x; of these few are near.
   double occlusion(int brick, std::span<const Vector3> corners, const Vector3& normal) const;
 
  private:

@@ -1,3 +1,20 @@
+// A picture in five steps:
+//
+// - 1. Sketcher makes flat polygons of what the camera sees (sketch.h), in four layers: ground,
+//   shadow, solid, overlay.
+// - 2. Tessellator turns them into triangles in clip coordinates. A face with an outline is the
+//   polygon within it and a band of two triangles along each side.
+// - 3. The picture is cut into parts of at most 2048 x 1024 pixels that some triangle touches. For
+//   each part the triangles that may touch it are drawn into a framebuffer of 2 x 3 samples a
+//   pixel, ground and overlay in painting order, solid ones by depth.
+// - 4. Samples are read back in strips of 8 rows and averaged to pixels (average.h).
+// - 5. What no triangle touches keeps the background.
+//
+// Supersampling and not multisampling: llvmpipe draws flat triangles quickly, and six samples with
+// their own depth smooth the crossings of faces, too. Coordinates are doubles up to clip
+// coordinates, then floats.
+//
+// Nothing depends on time, threads or earlier pictures, so the same shot gives the same bytes.
 #include "render/picture/painter.h"
 
 #include <algorithm>
@@ -51,6 +68,7 @@ void main() { colour = face; }
 )";
 
 /// What the face shaders read of one corner of a triangle. A triangle has the colour of its last.
+/// GL_UNSIGNED_BYTE, normalised: 255 is 1. 20 bytes in all.
 struct Vertex {
   std::array<float, 4> clip;  ///< clip coordinates of the whole picture
   std::array<std::uint8_t, 4> colour;
@@ -84,7 +102,7 @@ struct ClipBox : Eigen::AlignedBox2f {
   }
 };
 
-/// The triangles of one facet.
+/// The triangles of one facet. `first` and `end` count indices, not triangles.
 struct FacetTriangles {
   ClipBox place;
   int first = 0;  ///< of its corners in the indices
@@ -108,7 +126,7 @@ struct TriangleMesh {
 };
 
 /// Turns facets into triangles: the face within its outline, and the outline as a band along each
-/// side.
+/// side. Facets are convex, so each is a fan from its first corner.
 class Tessellator {
  public:
   Tessellator(const Sketch& sketch, const Eigen::Matrix4d& clipFromWorldAxes, TriangleMesh& mesh)
@@ -160,7 +178,8 @@ class Tessellator {
   TriangleMesh& mesh_;
 };
 
-/// The triangles of one frame, as the graphics context holds them.
+/// The triangles of one frame, as the graphics context holds them. Vertex array, vertices and
+/// indices are bound when it is made and stay so: the context has no others.
 class MeshBuffer {
  public:
   MeshBuffer() {
@@ -224,7 +243,8 @@ bool hasNoPixel(const PixelBox& box) {
   return (box.max().array() <= box.min().array()).any();
 }
 
-/// What is drawn at once of the touched pixels of a picture; nothing where there are none.
+/// What is drawn at once of the touched pixels of a picture; nothing where there are none. Row by
+/// row from the top.
 std::vector<PixelBox> pictureParts(const PixelBox& touched, FrameSize size) {
   std::vector<PixelBox> parts;
   if (hasNoPixel(touched)) return parts;
@@ -241,7 +261,8 @@ std::vector<PixelBox> pictureParts(const PixelBox& touched, FrameSize size) {
   return parts;
 }
 
-/// The pixels that triangles can touch: elsewhere there is background, not worth any work.
+/// The pixels that triangles can touch: elsewhere there is background, not worth any work. One box
+/// for the picture and one for each strip of rows. A pixel more on each side covers rounding.
 class TouchedPixels {
  public:
   TouchedPixels(const std::vector<FacetTriangles>& facets, FrameSize size)
@@ -338,6 +359,7 @@ Painter::Parts::Parts(FrameSize frameSize, const std::vector<Brick>& bricks, con
   glDepthFunc(GL_LESS);
 }
 
+/// Fills the mesh and loads its vertices; indices are loaded part by part.
 void Painter::Parts::collectTriangles(const Shot& shot, const Camera& camera) {
   subject.sketcher.draw(shot, camera, sketch);
   mesh.clear();
@@ -351,6 +373,7 @@ void Painter::Parts::collectTriangles(const Shot& shot, const Camera& camera) {
   MeshBuffer::loadVertices(mesh.vertices);
 }
 
+/// Most pictures of a run have parts of the same size, so the framebuffer is made seldom.
 void Painter::Parts::fitSamples(const PixelBox& part) {
   const Eigen::Vector2i wanted(part.sizes().x() * kSamplesAcross, part.sizes().y() * samplesDown);
   if (samples && samples->sides() == wanted) return;
@@ -377,6 +400,7 @@ void Painter::Parts::chooseTriangles(const PixelBox& part) {
   MeshBuffer::loadIndices(indices);
 }
 
+/// Ground and shadow lie below everything, lines above everything; only bricks hide each other.
 void Painter::Parts::drawLayers() const {
   const auto [groundEnd, solidEnd, end] = layerEnds;
   glDisable(GL_DEPTH_TEST);
@@ -387,6 +411,8 @@ void Painter::Parts::drawLayers() const {
   MeshBuffer::draw(solidEnd, end);
 }
 
+/// The part's uniform maps the picture's clip coordinates to the part's: x' = sx x + tx w, with sx
+/// = width of the picture / width of the part, and likewise in y, which points up.
 void Painter::Parts::drawSamples(const PixelBox& part, const PixelBox& touched) const {
   const Eigen::Vector2i sides = part.sizes();
   samples->drawInto();
@@ -412,6 +438,7 @@ void Painter::Parts::drawSamples(const PixelBox& part, const PixelBox& touched) 
   drawLayers();
 }
 
+/// Only rows that something touches are read back.
 void Painter::Parts::readMeans(const PixelBox& part, const TouchedPixels& touched, Frame& frame) {
   const PixelBox inside = part.intersection(touched.all());
   for (int upper = inside.min().y() / kStripRows * kStripRows; upper < inside.max().y();

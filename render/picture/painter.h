@@ -27,6 +27,8 @@ enum class Smoothness {
 class Painter {
  public:
   /// Throws InputError for a size out of range, OutputError when no graphics context can be made.
+  /// Samples of the part that is drawn take up to 100 MB (12.6 million of 8 bytes), whatever the
+  /// size of the picture.
   Painter(FrameSize size, const std::vector<Brick>& bricks, const Style& style,
           Smoothness smoothness = Smoothness::Still);
   ~Painter();
@@ -34,16 +36,18 @@ class Painter {
   Painter& operator=(const Painter&) = delete;
 
   /// Draws these bricks in this style from now on, in pictures of the same size. A graphics context
-  /// takes longer to make than many small pictures to paint.
+  /// takes longer to make than many small pictures to paint. What was painted before is not kept.
   void show(const std::vector<Brick>& bricks, const Style& style);
 
   /// What the shot shows. storage: a frame that is needed no more, whose memory the picture gets.
-  /// Throws OutputError.
+  /// Throws OutputError. One entry of `poses` for each brick. Throws Interrupted when the user ends
+  /// the program.
   Frame paint(const Shot& shot, const Camera& camera, Frame storage = {});
 
   /// The picture of the bricks alone at these poses, in the colours of the style.
   Frame paint(const Poses& poses, const Camera& camera);
 
+  /// Of its pictures, pixels.
   FrameSize size() const;
 
  private:

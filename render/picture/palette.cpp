@@ -1,3 +1,6 @@
+// Scales are tables of 17 colours at equal steps; between two the colour is interpolated linearly
+// in each sRGB channel. The full tables have 256 entries; 17 with straight lines between differ
+// from them by two levels at most and can be read by people.
 #include "render/picture/palette.h"
 
 #include <algorithm>

@@ -1,3 +1,18 @@
+// Turns a shot into flat polygons of one colour, which the painter draws as triangles and vector/
+// as shapes, so that both show the same.
+//
+// Outlines lie within the faces: the corners of the inner polygon are corners + w d, with the width
+// w and a vector d for each corner that moves both its sides inwards by 1:
+//
+//     d = (n1 + n2) / (1 + n1 . n2),    n1, n2: unit inward normals of the two sides.
+//
+// A side of length l then shrinks by w (d_k - d_k+1) . u with its direction u; w is limited so that
+// no side loses more than kMaxOutlineShare of its length.
+//
+// A shadow is the projection of the lit faces along the key light onto the plate. Facets of the
+// shadow overlap and have one colour, so together they are one flat shape.
+//
+// Faces that look away from the camera are left out: bricks are closed.
 #include "render/picture/sketch.h"
 
 #include <algorithm>
@@ -13,7 +28,7 @@
 namespace kirireel {
 namespace {
 
-/// Sides of the polygon that stands for a dot.
+/// Sides of the polygon that stands for a dot. From a true circle its radius differs by 2% at most.
 constexpr int kDotSides = 16;
 
 /// A line on a brick is drawn this many of its widths nearer to the eye.
@@ -42,6 +57,7 @@ Facet appendFacet(Sketch& sketch, std::span<const Vector3> corners, Colour colou
   return {first, static_cast<int>(corners.size()), false, false, colour};
 }
 
+/// Four corners, anticlockwise from above.
 void drawPlate(const GroundPlate& plate, Colour colour, Sketch& sketch) {
   std::array<Vector3, 4> corners;
   for (int k = 0; k < 4; ++k) {
@@ -123,6 +139,7 @@ void drawOverlay(const std::vector<Tile>& polygons, double width, Colour colour,
 
 }  // namespace
 
+/// Done once for each face of a run; per picture faces are only turned and moved.
 Sketcher::Face Sketcher::makeFace(const std::vector<Vector3>& corners) {
   Face face{corners, {}, {}, std::numeric_limits<double>::infinity(), polygonNormal(corners)};
   if (!isConvexPolygon(corners, face.normal)) face.triangles = trianglesOf(corners, face.normal);
@@ -153,6 +170,7 @@ Sketcher::Sketcher(const std::vector<Brick>& bricks, const Style& style) : style
   }
 }
 
+/// Faces are bottom, top, then sides.
 void Sketcher::drawBrick(int brick, const Pose& pose, const BrickColours& colours,
                          const Camera& camera, double outline,
                          const std::optional<Occluders>& occluders, Sketch& sketch) const {
@@ -242,6 +260,7 @@ void Sketcher::drawShadow(const Poses& poses, Sketch& sketch) const {
   }
 }
 
+/// Order: ground, shadow, bricks, obstacles, dots, lines.
 void Sketcher::draw(const Shot& shot, const Camera& camera, Sketch& sketch) const {
   assert(shot.poses.size() == faces_.size());
   assert(shot.colours.empty() || shot.colours.size() == faces_.size());

@@ -22,7 +22,8 @@ inline constexpr double kMaxOutlineShare = 0.35;
 /// cut into it.
 inline constexpr double kDotLift = 3;
 
-/// What the camera is pointed at for one picture. Everything but the poses may be empty.
+/// What the camera is pointed at for one picture. Everything but the poses may be empty. Entries of
+/// lists are in the order of bricks.
 struct Shot {
   Poses poses;                        ///< one a brick
   std::vector<BrickColours> colours;  ///< one a brick; empty: all have the style's
@@ -34,7 +35,8 @@ struct Shot {
 };
 
 /// A convex polygon of one colour that looks at the camera, with an outline within it if it has
-/// any. Its points stand in a sketch.
+/// any. Its points stand in a sketch. With an outline it has 2 count points: the corners, then the
+/// corners within the outline in the same order.
 struct Facet {
   int first = 0;          ///< of its corners in the sketch's points, anticlockwise in the picture
   int count = 0;          ///< of its corners
@@ -67,10 +69,12 @@ struct Sketch {
 /// Makes the sketches of one run.
 class Sketcher {
  public:
+  /// Copies what it needs of the bricks.
   Sketcher(const std::vector<Brick>& bricks, const Style& style);
 
   /// Fills in the sketch of what this camera sees; what it held before is gone. Faces
-  /// that look away are left out.
+  /// that look away are left out. Cost is one pass over all faces; with occlusion each face looks
+  /// at its neighbours. Throws std::out_of_range for a pinned brick that does not exist.
   void draw(const Shot& shot, const Camera& camera, Sketch& sketch) const;
 
  private:

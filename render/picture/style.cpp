@@ -1,3 +1,11 @@
+// One rule of shading for all pictures: a face has one colour,
+//
+//     c = round(min(255, base (a + k max(0, n . l_k) + f max(0, n . l_f)) (1 - o s))),
+//
+// with the ambient brightness a, strengths k and f of the key and the fill light, their directions
+// l (unit vectors), the face's normal n, the style's occlusion o and the share s of light that
+// other bricks keep away. Channels are sRGB bytes as they are, not light: sums of light would need
+// a conversion for each face and look no better on flat faces.
 #include "render/picture/style.h"
 
 #include <algorithm>
@@ -6,10 +14,12 @@
 namespace kirireel {
 namespace {
 
+/// Lambert's cosine law; faces that look away get nothing.
 double brightness(const Vector3& normal, const Light& light) {
   return light.strength * std::max(0.0, normal.dot(light.direction));
 }
 
+/// `share` 0 gives the first colour, 1 the second; alpha is the first's.
 Colour mixed(Colour colour, Colour with, double share) {
   const auto channel = [share](std::uint8_t from, std::uint8_t to) {
     return static_cast<std::uint8_t>(std::lround(from + share * (to - from)));

@@ -67,7 +67,8 @@ struct Style {
   std::optional<GroundPlate> plate;  ///< drawn when present
 };
 
-/// The look for slides and dark pages: nearly black ground, the same bricks, pale lettering.
+/// The look for slides and dark pages: nearly black ground, the same bricks, pale lettering. Lights
+/// and widths are those of the light one.
 Style darkStyle();
 
 /// The colour of a lit face, the one rule of shading: in each channel
@@ -78,14 +79,16 @@ Style darkStyle();
 /// Occluders, 0 to 1.
 Colour faceColour(const Vector3& normal, Colour base, const Style& style, double occluded = 0);
 
-/// Whether dark outlines hardly show on a brick of these colours.
+/// Whether dark outlines hardly show on a brick of these colours. Below a luma of 85 of 255 on the
+/// top face.
 bool isDark(const BrickColours& colours);
 
 /// Where the key light casts the shadow of a point: on the style's plate, which must be there.
 Vector3 shadowOf(const Vector3& point, const Style& style);
 
 /// A ground plate around points at the given height, so wide that its borders are out of sight
-/// except from near the ground.
+/// except from near the ground. At least one point. Half a side is four diagonals of the points'
+/// box.
 GroundPlate groundUnder(std::span<const Vector3> points, double height);
 
 }  // namespace kirireel

@@ -1,3 +1,14 @@
+// A PNG (W3C Recommendation, "Portable Network Graphics (PNG) Specification") by libpng. Chunks
+// that are written:
+//
+//     IHDR   width, height, 8 bits a channel, RGB or RGBA
+//     sRGB   the colours' space, so that viewers need not guess
+//     pHYs   pixels by metre (dots per inch / 0.0254), when a resolution was asked for
+//     iTXt   Description: who made it from what, UTF-8
+//     IDAT   rows from the top, compressed by zlib
+//     IEND
+//
+// No time is written, so that the same picture gives the same bytes.
 #include "render/png/png.h"
 
 #include <cerrno>
@@ -34,6 +45,7 @@ struct Failure {
   std::string message;
 };
 
+/// Must not return: libpng goes on as if nothing had happened otherwise.
 void keepMessageAndJump(png_structp png, png_const_charp message) {
   // A failed write says only "Write Error"; the system knows more.
   const bool system = errno != 0;
@@ -63,6 +75,8 @@ class Encoder {
   png_infop info_;
 };
 
+/// Everything before the rows. With an opaque picture the alpha bytes stay in the frame, and libpng
+/// leaves them out.
 void writeHeader(png_structp png, png_infop info, const Frame& frame, bool opaque,
                  const PngSettings& settings) {
   png_set_IHDR(png, info, frame.size.width, frame.size.height, 8,
@@ -70,6 +84,7 @@ void writeHeader(png_structp png, png_infop info, const Frame& frame, bool opaqu
                PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
   if (settings.dotsPerInch.has_value()) {
+    // Whole numbers only: 300 dots per inch are 11811 by metre.
     const auto dotsPerMetre =
         static_cast<png_uint_32>(std::lround(*settings.dotsPerInch / kMetresPerInch));
     png_set_pHYs(png, info, dotsPerMetre, dotsPerMetre, PNG_RESOLUTION_METER);
@@ -91,10 +106,12 @@ void writeHeader(png_structp png, png_infop info, const Frame& frame, bool opaqu
 /// False when libpng failed; the message is then in the encoder's failure.
 bool encode(png_structp png, png_infop info, std::FILE* file, const Frame& frame, bool opaque,
             const PngSettings& settings) {
+  // libpng comes back here when anything below fails.
   if (setjmp(png_jmpbuf(png)) != 0) return false;
   png_init_io(png, file);
   writeHeader(png, info, frame, opaque, settings);
   for (int y = 0; y < frame.size.height; ++y) {
+    // It may throw; the libpng structures belong to the Encoder and are freed all the same.
     checkInterruption();
     png_write_row(png, frame.pixels.data() + frame.rowStart(y));
   }
@@ -134,6 +151,7 @@ void writePng(const Frame& frame, const std::filesystem::path& path, const PngSe
 std::string pngBytes(const Frame& frame, const PngSettings& settings) {
   char* bytes = nullptr;
   std::size_t size = 0;
+  // A stream that grows in memory (POSIX.1-2008), so that both functions share one encoder.
   std::unique_ptr<std::FILE, FileCloser> file(open_memstream(&bytes, &size));
   if (file == nullptr) throw writeError("a picture in memory", std::strerror(errno));
   // The buffer is final once the stream is closed, and then the caller's.
@@ -154,6 +172,7 @@ Frame readPng(const std::filesystem::path& path) {
   png_image image = {};
   image.version = PNG_IMAGE_VERSION;
   Frame frame;
+  // The simplified interface of libpng, which converts any PNG to the format that is asked for.
   bool read = png_image_begin_read_from_file(&image, path.c_str()) != 0;
   if (read) {
     image.format = PNG_FORMAT_RGBA;

@@ -1,3 +1,10 @@
+// Python's handler of SIGINT only sets a flag, which the interpreter looks at between its own
+// instructions; a run of minutes in C++ would not see it. While a watch lives, our handler stands
+// before Python's: it counts, then calls Python's, which sets its flag as ever. check() compares
+// the count with that at the watch's beginning, from whichever thread works.
+//
+// Several watches may live at the same time, on several threads; the first puts the handler in and
+// the last takes it out.
 #include "render/python/interruption.h"
 
 #include <atomic>
@@ -19,6 +26,7 @@ extern "C" void noteAndPassOn(int signal) {
   pythonAction.sa_handler(signal);
 }
 
+/// Neither ignored nor left to the system, and of the kind that takes a signal's number alone.
 bool isHandled(const struct sigaction& action) {
   return action.sa_handler != SIG_DFL && action.sa_handler != SIG_IGN &&
          (action.sa_flags & SA_SIGINFO) == 0;
@@ -31,6 +39,7 @@ InterruptionWatch::InterruptionWatch() : before_(interruptions) {
   if (watches++ > 0) return;
   ::sigaction(SIGINT, nullptr, &pythonAction);
   if (!isHandled(pythonAction)) return;
+  // Flags and mask stay Python's.
   struct sigaction ours = pythonAction;
   ours.sa_handler = noteAndPassOn;
   ::sigaction(SIGINT, &ours, nullptr);

@@ -36,7 +36,8 @@ class CtrlC : public std::exception {
   const char* what() const noexcept override { return "Ctrl-C"; }
 };
 
-/// Calls `work` while other threads have the interpreter; Ctrl-C ends it from within.
+/// Calls `work` while other threads have the interpreter; Ctrl-C ends it from within. Throws what
+/// `work` throws, and KeyboardInterrupt. `work` must not touch Python's objects.
 template <typename Work>
 std::invoke_result_t<Work> withoutInterpreter(const Work& work) {
   const InterruptionWatch watch;

@@ -1,3 +1,6 @@
+// Model in Python is a LoadedModel, with the options that it was read with, so that deploy() knows
+// what `kirireel record` would. Tiles, targets and joints are copied into arrays when they are
+// asked for; a model does not change.
 #include "render/python/model.h"
 
 #include <algorithm>
@@ -20,6 +23,7 @@ using namespace py::literals;
 namespace kirireel::python {
 namespace {
 
+/// points x 3, C order.
 py::array_t<double> pointArray(const std::vector<Vector3>& points) {
   py::array_t<double> array({points.size(), std::size_t{3}});
   auto entries = array.mutable_unchecked<2>();
@@ -29,6 +33,7 @@ py::array_t<double> pointArray(const std::vector<Vector3>& points) {
   return array;
 }
 
+/// One array a tile, since tiles have different numbers of corners.
 py::list tileList(const std::vector<Tile>& tiles) {
   py::list list;
   for (const Tile& tile : tiles) list.append(pointArray(tile.vertices));
@@ -49,6 +54,8 @@ py::array_t<int> jointArray(const Model& model) {
   return array;
 }
 
+/// Options are `record`'s own, joints_file and strict. Warnings are told once the interpreter is
+/// held again.
 LoadedModel read(const std::filesystem::path& path, const py::kwargs& options) {
   const std::vector<std::string> words = optionWords(options, {});
   LoadedModel loaded = withoutInterpreter([&] { return loadModel(path, words); });
@@ -56,6 +63,8 @@ LoadedModel read(const std::filesystem::path& path, const py::kwargs& options) {
   return loaded;
 }
 
+/// The words of `kirireel generate FAMILY FOLDER`; the folder is not used, but the command line
+/// asks for one.
 LoadedModel generate(std::string family, const py::kwargs& parameters) {
   std::replace(family.begin(), family.end(), '_', '-');
   std::vector<std::string> words = {"generate", family, "nowhere"};
@@ -66,6 +75,7 @@ LoadedModel generate(std::string family, const py::kwargs& parameters) {
   return loaded;
 }
 
+/// What the interpreter shows of a model.
 std::string describe(const LoadedModel& loaded) {
   return fmt::format("<kirireel.Model {}: {} tiles, {} joints{}>", loaded.model.name,
                      loaded.model.tiles.size(), loaded.model.joints.size(),

@@ -5,7 +5,8 @@
 
 namespace kirireel::python {
 
-/// Adds Model, read() and generate().
+/// Adds Model, read() and generate(). Their errors are kirireel.InputError and
+/// kirireel.OutputError.
 void addModels(pybind11::module_& module);
 
 }  // namespace kirireel::python

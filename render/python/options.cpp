@@ -1,3 +1,7 @@
+// Keyword arguments become the words of a command line and are parsed by the program's own parser.
+// So every option of the program works in Python with the same checks and messages, and none has to
+// be written twice; the price is that numbers pass through text, which is exact, for str() of a
+// float reads back to the same double.
 #include "render/python/options.h"
 
 #include <algorithm>
@@ -11,6 +15,7 @@ namespace py = pybind11;
 namespace kirireel::python {
 namespace {
 
+/// NumPy arrays are no lists here; their text would be refused by the option.
 bool isList(const py::handle& value) {
   return py::isinstance<py::list>(value) || py::isinstance<py::tuple>(value);
 }
@@ -27,7 +32,7 @@ bool holdsNumbers(const py::handle& list) {
   });
 }
 
-/// "3,0,7".
+/// "3,0,7". No spaces, as the command line wants it.
 std::string joinedText(const py::handle& list) {
   std::string text;
   for (const auto& entry : py::reinterpret_borrow<py::sequence>(list)) {
@@ -37,9 +42,11 @@ std::string joinedText(const py::handle& list) {
   return text;
 }
 
+/// Name and value are one word, joined by "=", so that a value may begin with a hyphen.
 void appendWords(const std::string& name, const py::handle& value,
                  std::vector<std::string>& words) {
   if (value.is_none()) return;
+  // True and False before numbers: in Python bool is a kind of int.
   if (py::isinstance<py::bool_>(value)) {
     if (value.cast<bool>()) words.push_back(name);
   } else if (!isList(value)) {

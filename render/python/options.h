@@ -15,7 +15,8 @@ namespace kirireel::python {
 std::vector<std::string> optionWords(const pybind11::kwargs& options,
                                      const std::vector<std::string>& notHere);
 
-/// Tells each as a UserWarning of Python.
+/// Tells each as a UserWarning of Python. Throws what Python throws where warnings are errors.
+/// Needs the interpreter.
 void warn(const std::vector<std::string>& warnings);
 
 }  // namespace kirireel::python

@@ -33,7 +33,8 @@ namespace {
 
 using Column = const std::vector<double>& (SampleTable::*)() const;
 
-/// A run in memory, deployed here or read from a file.
+/// A run in memory, deployed here or read from a file. `reader` reads the samples in memory as it
+/// would those of a file, so that painting and saving need no other code.
 struct MemoryRun {
   MemoryRun(const Subject& subject, const TrajectoryEnd& end,
             std::shared_ptr<const SampleTable> table)
@@ -45,7 +46,7 @@ struct MemoryRun {
   std::vector<double> velocities;  ///< see SampleTable; empty until they are asked for
 };
 
-/// A run that was deployed here.
+/// A run that was deployed here. It keeps the order too, which save() needs.
 struct DeployedRun : MemoryRun {
   DeployedRun(RecordResult prepared, DeploymentResult ended,
               std::shared_ptr<const SampleTable> table)
@@ -63,6 +64,7 @@ struct DeployedRun : MemoryRun {
 
 /// Numbers as they stand in memory that `owner` keeps.
 template <typename T>
+/// NumPy's `base` is the owner: as long as an array lives, the run lives.
 py::array view(const T* data, const std::vector<py::ssize_t>& shape,
                const std::vector<py::ssize_t>& strides, const py::object& owner) {
   py::array array(py::dtype::of<T>(), shape, strides, data, owner);
@@ -70,7 +72,8 @@ py::array view(const T* data, const std::vector<py::ssize_t>& shape,
   return array;
 }
 
-/// samples x bricks x `shown` of the `stored` numbers of each brick, from `first` on.
+/// samples x bricks x `shown` of the `stored` numbers of each brick, from `first` on. Strides are
+/// in bytes.
 py::array brickView(const std::vector<double>& data, const SampleTable& samples, int stored,
                     int shown, int first, const py::object& owner) {
   const auto count = static_cast<py::ssize_t>(samples.size());
@@ -80,21 +83,25 @@ py::array brickView(const std::vector<double>& data, const SampleTable& samples,
               {bricks * stored * kBytes, stored * kBytes, kBytes}, owner);
 }
 
+/// One number a sample.
 py::array column(const py::object& self, Column entries) {
   const std::vector<double>& data = (*self.cast<const MemoryRun&>().samples.*entries)();
   return view(data.data(), {static_cast<py::ssize_t>(data.size())}, {sizeof(double)}, self);
 }
 
+/// A view of the run's memory; nothing is copied.
 py::array position(const py::object& self) {
   const SampleTable& samples = *self.cast<const MemoryRun&>().samples;
   return brickView(samples.positions(), samples, 3, 3, 0, self);
 }
 
+/// w, x, y, z, as SampleTable stores them.
 py::array rotation(const py::object& self) {
   const SampleTable& samples = *self.cast<const MemoryRun&>().samples;
   return brickView(samples.rotations(), samples, 4, 4, 0, self);
 }
 
+/// `first` is 0 for velocities (m/s), 3 for angular velocities (rad/s), of six numbers a brick.
 py::array velocity(const py::object& self, int first) {
   auto& run = self.cast<MemoryRun&>();
   if (run.velocities.empty()) run.velocities = run.samples->velocities();
@@ -110,6 +117,7 @@ py::array_t<double> poseArray(const Sample& sample, std::size_t width, Write wri
   return array;
 }
 
+/// A copy, because the sample given to on_sample lives for the call alone.
 py::array_t<double> samplePositions(const Sample& sample) {
   return poseArray(sample, 3, [](const Pose& pose, double* at) {
     return std::copy_n(pose.position.data(), 3, at);
@@ -125,7 +133,8 @@ py::array_t<double> sampleRotations(const Sample& sample) {
 
 // ---- deploying
 
-/// Tells Python each sample, and remembers what it threw.
+/// Tells Python each sample, and remembers what it threw. The first exception of on_sample ends the
+/// run and is thrown again when the run has ended.
 class SampleTeller {
  public:
   explicit SampleTeller(py::object tell) : tell_(std::move(tell)) {}
@@ -133,9 +142,12 @@ class SampleTeller {
   /// False ends the run. To be called without the interpreter.
   bool operator()(const Sample& sample) {
     if (tell_.is_none()) return true;
+    // The run goes on without the interpreter, so that other threads of Python work meanwhile; it
+    // is held for the call alone.
     const py::gil_scoped_acquire acquire;
     if (thrown_) return false;
     try {
+      // None, which a function without return gives, goes on.
       return !tell_(sample).is(py::bool_(false));
     } catch (...) {
       thrown_ = std::current_exception();
@@ -152,6 +164,7 @@ class SampleTeller {
   std::exception_ptr thrown_;
 };
 
+/// The whole run; nothing is written to disk.
 std::shared_ptr<DeployedRun> deployModel(const LoadedModel& loaded, const py::object& onSample,
                                          const py::kwargs& options) {
   const RecordOrder order = parseRunOptions(loaded, optionWords(options, optionsNotForRuns()));
@@ -165,6 +178,7 @@ std::shared_ptr<DeployedRun> deployModel(const LoadedModel& loaded, const py::ob
       samples->append(sample);
       return tell(sample);
     };
+    // Warnings are collected, since they may come from threads that do not hold the interpreter.
     const TrialObserver search = [&](const SearchNews& news) {
       if (!news.warning.empty()) {
         warnings.push_back(fmt::format("{}: warning: {}", loaded.model.name, news.warning));
@@ -182,7 +196,8 @@ std::shared_ptr<DeployedRun> deployModel(const LoadedModel& loaded, const py::ob
 
 // ---- what a run does
 
-/// The index of the sample nearest to a time, the last where none is given.
+/// The index of the sample nearest to a time, the last where none is given. Of two that are equally
+/// near, the earlier.
 std::size_t nearestSample(const std::vector<double>& times, std::optional<double> time) {
   if (!time) return times.size() - 1;
   const auto nearest = std::ranges::min_element(
@@ -215,6 +230,7 @@ py::array render(const MemoryRun& run, std::optional<double> time, const py::kwa
   const py::ssize_t width = frame->size.width;
   const py::ssize_t height = frame->size.height;
   const std::uint8_t* pixels = frame->pixels.data();
+  // The array takes the frame's pixels over; the capsule deletes the frame with the array.
   const py::capsule owner(frame.release(), [](void* kept) { delete static_cast<Frame*>(kept); });
   return py::array(py::dtype::of<std::uint8_t>(), {height, width, py::ssize_t{4}},
                    {4 * width, py::ssize_t{4}, py::ssize_t{1}}, pixels, owner);
@@ -226,6 +242,8 @@ std::vector<std::string> save(const DeployedRun& run, const std::filesystem::pat
   return withoutInterpreter([&] {
     RecordSettings settings = run.order.settings;
     settings.folder = folder;
+    // Stands in for the deployment: it plays the samples to record()'s observer and gives the
+    // result that is known.
     const Deployer again = [&run](const Scene&, double, const SampleObserver& observer,
                                   const TrialObserver&, Checkpoints*) {
       for (std::size_t i = 0; i < run.samples->size(); ++i) observer(run.samples->sample(i));
@@ -236,12 +254,14 @@ std::vector<std::string> save(const DeployedRun& run, const std::filesystem::pat
   });
 }
 
+/// A dict as json.loads gives it.
 py::object summary(const DeployedRun& run) {
   const RecordResult& order = run.order;
   return py::module_::import("json").attr("loads")(
       summaryJson(order.scene, order.settings, order.summary));
 }
 
+/// Reads all samples into memory, so the file may vanish afterwards.
 std::shared_ptr<MemoryRun> openTrajectory(const std::filesystem::path& path) {
   return withoutInterpreter([&] {
     const bool isFolder = std::filesystem::is_directory(path);
@@ -265,6 +285,7 @@ std::string describe(const MemoryRun& run) {
 
 // ---- the module
 
+/// Measures are attributes, poses are arrays made when asked for.
 void addSample(py::module_& module) {
   py::class_<Sample>(module, "Sample", "The state at one time, with its measures.")
       .def_readonly("time", &Sample::time, "simulated seconds")
@@ -290,6 +311,7 @@ void addCurves(py::class_<MemoryRun, std::shared_ptr<MemoryRun>>& trajectory) {
   add("penetration", &SampleTable::penetrations, "samples; deepest overlap of two bricks, metres");
 }
 
+/// Docstrings say shapes and units.
 void addTrajectory(py::module_& module) {
   py::class_<MemoryRun, std::shared_ptr<MemoryRun>> trajectory(
       module, "Trajectory",
@@ -318,6 +340,7 @@ void addTrajectory(py::module_& module) {
       .def("__repr__", &describe);
 }
 
+/// What only a deployment knows: how it ended, and how to save it.
 void addRun(py::module_& module) {
   py::class_<DeployedRun, MemoryRun, std::shared_ptr<DeployedRun>>(
       module, "Run", "A deployment that deploy() made.")

@@ -5,7 +5,8 @@
 
 namespace kirireel::python {
 
-/// Adds Sample, Trajectory, Run, deploy() and open().
+/// Adds Sample, Trajectory, Run, deploy() and open(). Angles are radians, lengths metres, times
+/// seconds; poses are those of bricks' centres of mass.
 void addRuns(pybind11::module_& module);
 
 }  // namespace kirireel::python

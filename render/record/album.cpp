@@ -1,3 +1,17 @@
+// A video is painted and encoded at the same time, by threads with short queues between them:
+//
+//     feed (1 thread)      gives states in order; for each a promise of its frame
+//       orders  ->  painters (several), each with a studio of its own: keep the promises
+//       frames  ->  encoder (1 thread): takes the frames in the order of the states
+//
+// The order of frames is that of the futures in the queue, whichever painter is done first. So the
+// bytes do not depend on how many paint. Both queues are bounded: memory holds some tens of frames,
+// however long the run is. The first error of any thread stops both queues, and finish() throws it
+// (crew.h).
+//
+// What cameras hold in sight is decided before: the start and the target where nothing else is
+// asked for, or about a hundred samples of the run; where the program chose the camera itself and a
+// sample would be cut off, the whole run.
 #include "render/record/album.h"
 
 #include <algorithm>
@@ -33,6 +47,7 @@ constexpr std::size_t kWaitingFrames = 4;
 /// Half the picture's width and height, with room for rounding.
 constexpr double kBorder = 1 + 1e-9;
 
+/// The last sample is always among them.
 void keepRunInSight(Motif& motif, const TrajectoryReader& run) {
   const std::size_t count = run.times().size();
   const std::size_t stride = 1 + count / kSamplesFramed;
@@ -40,6 +55,7 @@ void keepRunInSight(Motif& motif, const TrajectoryReader& run) {
   keepInSight(motif, run.sample(count - 1).poses);
 }
 
+/// For the scale of colours: its bright end is the largest value among these.
 void keepStates(Motif& motif, const TrajectoryReader& run) {
   const std::size_t count = run.times().size();
   const std::size_t stride = 1 + count / kSamplesFramed;
@@ -47,6 +63,7 @@ void keepStates(Motif& motif, const TrajectoryReader& run) {
   motif.states.push_back(run.sample(count - 1).poses);
 }
 
+/// Without a target there is one end alone, so all of the run counts.
 bool fitsEnds(const Model& model, const PictureSettings& settings) {
   if (settings.look.fit == FitScope::Auto) return model.target.has_value();
   return settings.look.fit == FitScope::Ends;
@@ -59,6 +76,7 @@ bool choosesCamera(const PictureSettings& settings) {
          !camera.distance;
 }
 
+/// Clip coordinates beyond -w to w are outside the picture.
 bool seesAll(const Stage& stage, const Moment& moment, double aspect) {
   const Eigen::Matrix4d clip = clipFromWorld(stage.camera(moment), aspect);
   const std::vector<Vector3> corners = shownCorners(stage.motif(), moment.poses);
@@ -68,7 +86,7 @@ bool seesAll(const Stage& stage, const Moment& moment, double aspect) {
   });
 }
 
-/// Whether no sample of the run leaves pictures of this motif.
+/// Whether no sample of the run leaves pictures of this motif. Looks at every sample.
 bool seesRun(const TrajectoryReader& run, const Stage& stage) {
   for (std::size_t i = 0; i < run.times().size(); ++i) {
     const Sample sample = run.sample(i);
@@ -146,6 +164,7 @@ Album::Album(const TrajectoryReader& run, const PictureSettings& settings, Pictu
   report_.graphics = graphicsVersion();
 }
 
+/// This thread paints too, since its studio is there already.
 void Album::makeFrames(const TrajectoryReader& run, const MotionCurve& motion,
                        const ProgressObserver& observer) {
   const std::vector<FrameMoment> moments = videoMoments(motion, settings_);
@@ -183,12 +202,14 @@ void Album::makeFrames(const TrajectoryReader& run, const MotionCurve& motion,
       processCpuSeconds() - begin - feeding - (report_.recordCost.cpuSecondsEncode - encoded);
 }
 
+/// Ends when the queue is closed or stopped; CPU seconds are added under the lock.
 void Album::paint(Studio& studio, OrderQueue& orders, FramePool& pool) {
   while (std::optional<FrameOrder> order = orders.pop()) {
     order->frame.set_value(takeFrame(studio, *order->state, pool.take()));
   }
 }
 
+/// On a thread of its own, with the only sink.
 void Album::encode(FrameQueue& frames, FramePool& pool) {
   FrameSink sink(settings_, report_);
   const Style& style = frames_.stage().style();
@@ -215,6 +236,7 @@ Frame Album::takeStill(const FrameState& state) {
   return takeFrame(*stills_, state);
 }
 
+/// States are interpolated at the moments of the grid, not taken from the nearest sample.
 void Album::writeGrid(const TrajectoryReader& run, const MotionCurve& motion) {
   PanelRow row{settings_.look, frames_.stage().motif(), {}, {}};
   Replay replayed(run);

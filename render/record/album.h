@@ -22,16 +22,18 @@ Motif motifOf(const Subject& subject);
 Motif motifOf(const TrajectoryReader& run, const PictureSettings& settings);
 
 /// Throws InputError when the look or the grid asks for what the motif cannot give, before anything
-/// is deployed.
+/// is deployed. Needs no graphics context.
 void requirePaintable(const Motif& motif, const PictureSettings& settings);
 
-/// Writes what pictures say of the states that they show.
+/// Writes what pictures say of the states that they show. Holds a copy of the start, from which
+/// turns are measured.
 class CaptionWriter {
  public:
   CaptionWriter(const CaptionParts& parts, const Motif& motif)
       : parts_(parts), start_(motif.start), hasTarget_(motif.target.has_value()) {}
 
-  /// In the grid to a tenth of a per cent; whole per cents where frames follow each other.
+  /// In the grid to a tenth of a per cent; whole per cents where frames follow each other. One
+  /// line, by the parts that were asked for.
   std::string of(const FrameState& state) const;
   std::string inVideo(const FrameState& state) const;
   /// At least as wide as any of a run that ends then, seconds.
@@ -53,7 +55,8 @@ StripParts stripParts(const PictureSettings& settings, const CaptionWriter& capt
 class Album {
  public:
   /// Everything passed must outlive the album. Throws InputError when the look asks for what the
-  /// motif lacks, OutputError when no graphics context can be made.
+  /// motif lacks, OutputError when no graphics context can be made. Makes a graphics context and
+  /// reads what motifOf() reads.
   Album(const TrajectoryReader& run, const PictureSettings& settings, PictureReport& report);
 
   /// Paints the run's video frames and encodes them at the same time: settings.painters() paint,

@@ -1,4 +1,7 @@
 /// A queue between two threads, short so that the faster one waits for the slower one.
+///
+/// Any number of threads may push and pop. One mutex and one condition: a video has some hundred
+/// frames a second at most, so that the lock costs nothing that shows.
 #pragma once
 
 #include <condition_variable>
@@ -15,6 +18,7 @@ namespace kirireel {
 template <typename T>
 class BoundedQueue {
  public:
+  /// The capacity is at least 1.
   explicit BoundedQueue(std::size_t capacity) : capacity_(capacity) {}
 
   /// Waits for room and adds a value. False, and nothing added, once the queue was stopped.

@@ -1,3 +1,6 @@
+// Exceptions do not leave a thread by themselves: run() keeps the first and stops the others,
+// finish() joins all and throws it on the thread of the caller. Checks for interruption belong to a
+// thread, so a new one takes over those of the thread that starts it.
 #include "render/record/crew.h"
 
 #include "sim/base/interruption.h"

@@ -23,10 +23,11 @@ class Crew {
   /// Runs a stage on a thread of its own; what may end this thread from within may end that one.
   void start(std::function<void()> stage);
 
-  /// Runs a stage on this thread.
+  /// Runs a stage on this thread. Throws nothing: an error is kept for finish().
   void run(const std::function<void()>& stage);
 
-  /// Waits until every stage has ended; throws the first error.
+  /// Waits until every stage has ended; throws the first error. Afterwards the crew has no threads.
+  /// Errors after the first are dropped: most are consequences of it.
   void finish();
 
  private:

@@ -1,3 +1,7 @@
+// Several runs in one figure have to be comparable: all rows get one view, a parallel projection,
+// one scale of length and one of colours. Each row's camera is fitted to its own model first; with
+// h its picture's height in metres and H the largest of them, the zooms are multiplied by h / H.
+// The scale of colours ends at the largest value of all rows.
 #include "render/record/figure.h"
 
 #include <algorithm>
@@ -19,6 +23,7 @@ ViewAngles sharedView(std::span<const TrajectoryReader* const> runs) {
   return isFlat ? kTopView : kIsometricView;
 }
 
+/// Throws InputError where a perspective or a moving camera was asked for.
 Look sharedLook(std::span<const TrajectoryReader* const> runs, const PictureSettings& settings) {
   Look look = settings.look;
   CameraChoice& camera = look.camera;
@@ -42,6 +47,7 @@ std::vector<std::string> captionsOf(const std::vector<FrameState>& states,
   return captions;
 }
 
+/// Reads the run for its motion, and for the states of its pictures.
 PanelRow makeRow(const TrajectoryReader& run, const PictureSettings& settings) {
   PanelRow row{settings.look, motifOf(run, settings), {}, {}};
   const MotionCurve motion = motionOf(run);

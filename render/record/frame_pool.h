@@ -22,6 +22,7 @@ class FramePool {
     return frame;
   }
 
+  /// Its memory stays in the pool until a painter takes it.
   void giveBack(Frame frame) {
     const std::lock_guard lock(mutex_);
     spare_.push_back(std::move(frame));

@@ -1,3 +1,6 @@
+// A video shows a title card for two seconds, its first frame 1 + h times, each other frame once,
+// and its last frame h times more, with h = hold x frames a second. To repeat a frame costs its
+// encoding, so it is done here and not by painting it again.
 #include "render/record/frame_sink.h"
 
 #include <cmath>

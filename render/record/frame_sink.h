@@ -1,4 +1,7 @@
 /// Where painted frames go: into the video, into single files, or both.
+///
+/// Frames come in the order of the video. The sink keeps the last one, since nobody knows that it
+/// is the last before finish() is called, and it may have to be shown longer.
 #pragma once
 
 #include <optional>
@@ -15,7 +18,8 @@ VideoSettings videoSettings(const PictureSettings& settings);
 /// How its single pictures are written.
 PngSettings pngSettings(const PictureSettings& settings);
 
-/// How many more frames the first and the last one are shown for.
+/// How many more frames the first and the last one are shown for. Rounded: settings.heldSeconds()
+/// times the frames a second.
 int heldFrames(const PictureSettings& settings);
 
 /// Encodes and writes frames in order; holds the first and the last as long as the settings say.
@@ -28,7 +32,8 @@ class FrameSink {
   /// Shows a card before the first frame. Throws OutputError.
   void putTitle(const Frame& card);
 
-  /// Returns a frame that is needed no more, empty at first. Throws OutputError.
+  /// Returns a frame that is needed no more, empty at first. Throws OutputError. With `frames` it
+  /// also writes frames/frame_00000.png and so on.
   Frame put(Frame frame);
 
   /// Puts the video in place and reports; without it, no video is left. Throws OutputError.

@@ -20,7 +20,8 @@ constexpr double kRampSeconds = 0.6;
 /// Times closer than this part of a step are the same.
 constexpr double kSameTime = 1e-6;
 
-/// How far the bricks that both pictures show are from one state to the next, metres.
+/// How far the bricks that both pictures show are from one state to the next, metres. Bricks that
+/// have flown off would take most of the path's length.
 double shownDistance(const Subject& subject, const Motif& motif, const Poses& from,
                      const Poses& to) {
   if (showsAllBricks(motif, from) && showsAllBricks(motif, to)) {
@@ -37,7 +38,8 @@ double shownDistance(const Subject& subject, const Motif& motif, const Poses& fr
   return bricks.empty() ? 0 : pathDistance(bricks, before, after);
 }
 
-/// The value of a line through points of rising x at a place within them.
+/// The value of a line through points of rising x at a place within them. Straight between the
+/// points, constant beyond.
 double along(const std::vector<double>& x, const std::vector<double>& y, double place) {
   const auto above = std::lower_bound(x.begin(), x.end(), place);
   if (above == x.begin()) return y.front();
@@ -47,6 +49,7 @@ double along(const std::vector<double>& x, const std::vector<double>& y, double 
   return y[k - 1] + share * (y[k] - y[k - 1]);
 }
 
+/// The ramp is a share of the time in which something moves, at most a half.
 std::vector<FrameMoment> evenMoments(const MotionCurve& motion, const PictureSettings& settings) {
   if (motion.length() == 0) return {momentAt(motion, Pace::Even, 0)};
   const double seconds = settings.length - 2 * settings.heldSeconds();
@@ -62,6 +65,7 @@ std::vector<FrameMoment> evenMoments(const MotionCurve& motion, const PictureSet
   return moments;
 }
 
+/// One frame where the run has no time.
 std::vector<FrameMoment> realMoments(const MotionCurve& motion, const PictureSettings& settings) {
   const double step = settings.speed / settings.framesPerSecond;
   // The last frame shows the end, a shorter step after the one before.
@@ -105,6 +109,8 @@ FrameMoment momentAt(const MotionCurve& motion, Pace pace, double time) {
   return {time, progress, motion.endTime() > 0 ? time / motion.endTime() : 0};
 }
 
+/// With r = ramp, v = 1 / (1 - r) is the even speed; p = v x^2 / 2 r within the ramp, v (x - r / 2)
+/// after it, and the second half mirrors the first.
 double easedProgress(double share, double ramp) {
   if (share > 0.5) return 1 - easedProgress(1 - share, ramp);
   const double speed = 1 / (1 - ramp);

@@ -9,7 +9,9 @@
 namespace kirireel {
 
 /// How far a run has moved by each of its times: the length of its path, the sum of pathDistance()
-/// from sample to sample, straight in between. Bricks too far away to be shown do not count.
+/// from sample to sample, straight in between. Bricks too far away to be shown do not count. It is
+/// piecewise linear in time. A share is found by bisection, so a question costs the logarithm of
+/// the number of samples.
 class MotionCurve {
  public:
   /// times: rising, seconds, at least one; lengths: as many, never falling, metres, the first 0.
@@ -28,7 +30,7 @@ class MotionCurve {
   std::vector<double> lengths_;
 };
 
-/// The motion of a recorded run, all of whose samples are read.
+/// The motion of a recorded run, all of whose samples are read. Costs a pass over the samples.
 MotionCurve motionOf(const TrajectoryReader& run);
 
 /// What one picture of a run shows.
@@ -38,7 +40,8 @@ struct FrameMoment {
   double turn = 0;      ///< share of the camera's orbit that is behind, 0 to 1
 };
 
-/// The moment of a simulated time, seconds.
+/// The moment of a simulated time, seconds. At an even pace the camera's orbit follows the motion,
+/// at real pace the time.
 FrameMoment momentAt(const MotionCurve& motion, Pace pace, double time);
 
 /// The share of the motion that is behind at a share of the video's time, both 0 to 1: at rest at

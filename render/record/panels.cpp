@@ -1,3 +1,11 @@
+// A sheet is made in this order: all pictures are painted at the size that was asked for; margins
+// that all of them leave empty are found (filledPart). Where the sheet has a width in print, the
+// enlargement that gives it is computed and all pictures are painted again, larger: enlarging
+// pixels would blur them. Then they are cut alike, laid out, and written as PNG; SVG and PDF draw
+// the same layout from the sketches, without pixels.
+//
+// With W millimetres and d dots an inch the sheet is W d / 25.4 pixels wide; text of p points is p
+// / 72 inches high, whatever the width came to be.
 #include "render/record/panels.h"
 
 #include <algorithm>
@@ -21,6 +29,7 @@ namespace {
 constexpr double kMillimetresPerInch = 25.4;
 constexpr double kPointsPerInch = 72;
 
+/// Scales are those of the first row, which all rows share.
 GridStyle gridStyle(const Stage& stage, const PictureSettings& settings) {
   GridStyle style;
   style.background = stage.style().background;
@@ -34,6 +43,7 @@ GridStyle gridStyle(const Stage& stage, const PictureSettings& settings) {
   return style;
 }
 
+/// Outlines are as wide as in the pictures, in pixels of their height.
 PageSettings pageSettings(const Stage& stage, FrameSize size, const std::string& description) {
   const Style& style = stage.style();
   return {.size = size,
@@ -103,6 +113,7 @@ int PanelSheet::textSize(const PictureBox& part, const GridStyle& style) const {
   return std::max(1, static_cast<int>(std::lround(*settings_.fontPoints / kPointsPerInch * dots)));
 }
 
+/// Each picture is cut off at its part, as cutAlike() does with pixels.
 void PanelSheet::writePage(PageFormat format, const PictureBox& part, const GridLayout& layout,
                            const GridStyle& style) {
   PageSettings page = pageSettings(studios_.front()->stage(), layout.sheet, settings_.madeBy);

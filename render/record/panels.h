@@ -12,7 +12,8 @@
 
 namespace kirireel {
 
-/// States of one run that stand in a row on a sheet, cell after cell.
+/// States of one run that stand in a row on a sheet, cell after cell. Rows of a figure may have
+/// different models; those of one run have one row, which fills all cells.
 struct PanelRow {
   Look look;
   Motif motif;
@@ -20,7 +21,7 @@ struct PanelRow {
   std::vector<std::string> captions;  ///< one a state
 };
 
-/// The name of the sheet's file in this format.
+/// The name of the sheet's file in this format. PNG has a name of its own, see output::kSnapshots.
 const char* pageFile(PageFormat format);
 
 /// What a picture of a state shows.
@@ -36,6 +37,7 @@ class PanelSheet {
       : rows_(rows), shape_(shape), settings_(settings), report_(report) {}
 
   /// Writes snapshots.png and whatever else of the sheet the settings ask for. Throws OutputError.
+  /// Paints every picture once, twice where the sheet has a width in print.
   void write();
 
  private:

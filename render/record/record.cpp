@@ -1,3 +1,19 @@
+// record() in its order:
+//
+// - 1. Everything that can be refused is refused: settings, looks, exports, files of others in the
+//   folder, the font, the encoder, the graphics library.
+// - 2. The scene is deployed. Samples go to trajectory.h5 on a thread of its own (scribe.h); a
+//   checkpoint lets a killed run go on.
+// - 3. End state, meshes, load curve, pictures, video and exports are made from trajectory.h5, so
+//   that render() and export can make them again.
+// - 4. Files are hashed, summary.json is written, and all of them are put in place together
+//   (FileSet).
+//
+// An interruption ends the stage at work; what exists so far is written out, and the summary says
+// who ended it. Only errors (a full disk) leave the folder as it was, and then the checkpoint
+// stays.
+//
+// Memory does not grow with the run: samples are streamed to the file and read back one by one.
 #include "render/record/record.h"
 
 #include <algorithm>
@@ -40,6 +56,7 @@ constexpr std::chrono::milliseconds kPatience{100};
 /// Of a video at an even pace between what is held, seconds.
 constexpr double kLeastMotion = 0.1;
 
+/// `meaning` says what the number is, as in "a factor".
 void requireWithin(double value, double least, double most, const char* option,
                    const char* meaning) {
   if (value >= least && value <= most) return;
@@ -56,6 +73,7 @@ void requireGrid(const PictureSettings& settings) {
   if (settings.arrows) requireDrawable("--arrows", kArrow);
 }
 
+/// Also chooses the font of all text from now on.
 void requireValidSettings(const PictureSettings& settings) {
   setFont(settings.font);
   requireValidSize(settings.size);
@@ -95,6 +113,7 @@ constexpr int kMostPainters = 16;
 /// Mesa has no more.
 constexpr int kMostRasterThreads = 16;
 
+/// Pictures, meshes and exports are made from it.
 bool leavesTrajectory(const RecordSettings& settings) {
   return settings.trajectory || settings.meshes || settings.paints() ||
          !settings.exports.formats.empty();
@@ -116,6 +135,7 @@ void nameInterruption(const std::string& by, DeploymentResult& result) {
       fmt::format("{}: {}", toString(result.outcome), result.reason);
 }
 
+/// Field by field, since a summary also has what recording adds.
 void noteResult(const DeploymentResult& result, double endTime, RunSummary& summary) {
   summary.outcome = result.outcome;
   summary.reason = result.reason;
@@ -139,7 +159,7 @@ void summarize(const RunEnd& end, RunSummary& summary) {
   summary.leftOutFrom = end.leftOutFrom;
 }
 
-/// One run into trajectory.h5.
+/// One run into trajectory.h5. What is passed must outlive it.
 class LiveRun {
   using Clock = std::chrono::steady_clock;
 
@@ -161,6 +181,7 @@ class LiveRun {
     }
   }
 
+  /// Observers are called on this thread, the scribe writes on another.
   void deploy() {
     std::optional<Scribe> scribe;
     if (leavesTrajectory(settings_)) {
@@ -252,7 +273,8 @@ void writeEndState(const Scene& scene, const RunEnd& end, const RecordSettings& 
   write(output::kFinalMesh, *end.last);
 }
 
-/// Meshes of the moments that the timeline asked for.
+/// Meshes of the moments that the timeline asked for. Two files for each "export" of the timeline,
+/// numbered from 1.
 void writeStates(const Scene& scene, const RecordSettings& settings, RunSummary& summary) {
   const TrajectoryReader run(settings.folder / output::kTrajectory);
   const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
@@ -273,13 +295,15 @@ void writeLoadCurve(const RecordSettings& settings, RunSummary& summary) {
   summary.files.emplace_back(output::kLoadCurve);
 }
 
-/// Who makes a run's pictures from what: noted in each of them.
+/// Who makes a run's pictures from what: noted in each of them. It goes into the metadata of PNG,
+/// SVG, PDF and video files.
 std::string madeBy(const std::string& model, const std::string& order) {
   const std::string text = fmt::format("Kirireel {}, model {}", programVersion(), model);
   return order.empty() ? text : fmt::format("{}, order {}", text, order);
 }
 
 /// Sets up the graphics library; says what is missing of it before a simulation, not after it.
+/// Making a context takes a moment; a run of hours that ends without pictures would cost more.
 void prepareGraphics(const PictureSettings& settings) {
   if (settings.graphics) setGraphicsLibrary(*settings.graphics);
   // Mesa draws all contexts' triangles with one set of threads; with none it draws them on the
@@ -292,7 +316,7 @@ void prepareGraphics(const PictureSettings& settings) {
   if (settings.paints()) const Context probe;
 }
 
-/// All pictures of a finished run.
+/// All pictures of a finished run. Nothing where the settings want none.
 void makePictures(const TrajectoryReader& run, const PictureSettings& settings,
                   const ProgressObserver& observer, PictureReport& report) {
   if (!settings.paints()) return;
@@ -302,7 +326,8 @@ void makePictures(const TrajectoryReader& run, const PictureSettings& settings,
   album.writeSnapshots(run, motion);
 }
 
-/// Files in place change no more: each is read once.
+/// Files in place change no more: each is read once. Files whose digest is known already are not
+/// read again.
 void noteDigests(const std::filesystem::path& folder, RunSummary& summary) {
   std::set<std::string> known = {output::kSummary};
   for (const FileDigest& digest : summary.digests) known.insert(digest.name);
@@ -323,7 +348,8 @@ void writeExports(const RecordSettings& settings, RunSummary& summary) {
   }
 }
 
-/// Whether pictures of some run may have this name.
+/// Whether pictures of some run may have this name. Names with numbers count whatever the number:
+/// how many there will be is not known.
 bool isPicture(const std::string& name, const PictureSettings& settings) {
   const bool hasFrames = settings.frames || !settings.chosenFrames.empty();
   return (settings.video && name == settings.videoFile) ||

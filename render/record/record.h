@@ -42,7 +42,8 @@ struct FrameChoice {
   bool operator==(const FrameChoice&) const = default;
 };
 
-/// Which pictures of a run are wanted, how they look, and where they go.
+/// Which pictures of a run are wanted, how they look, and where they go. Defaults are those of the
+/// command line. Ranges are checked by record() and render().
 struct PictureSettings {
   std::optional<GraphicsLibrary> graphics;  ///< that draws; absent: the program's first
   std::filesystem::path folder;  ///< made if need be; a former run's files in it are replaced
@@ -91,19 +92,22 @@ struct PictureSettings {
 
   bool paintsFrames() const { return video || frames; }
   bool paints() const { return paintsFrames() || snapshots || !chosenFrames.empty(); }
+  /// At most 16, unless a number was given.
   int painters() const;
   /// Simulated seconds from one sample of the run to the next.
   double sampleInterval() const { return (pace == Pace::Real ? speed : 1) / framesPerSecond; }
   double heldSeconds() const { return hold.value_or(pace == Pace::Even ? 0.5 : 0); }
   /// Of the grid in print, where it has a width.
   double gridDotsPerInch() const { return dotsPerInch.value_or(300); }
+  /// What stands under the grid's pictures.
   CaptionParts captionParts() const {
     if (captions || !columnHeads.empty()) return captions.value_or(CaptionParts{});
     return pace == Pace::Even ? CaptionParts{.progress = true} : CaptionParts{.time = true};
   }
 };
 
-/// What a run leaves: its samples, its pictures, and more.
+/// What a run leaves: its samples, its pictures, and more. The folder is made if need be; files of
+/// others in it are never overwritten, see FileSet.
 struct RecordSettings : PictureSettings {
   std::string order;      ///< fingerprint of all that decides the run, for summary.json and for
                           ///< checkpoints, which runs without one do not make
@@ -115,7 +119,8 @@ struct RecordSettings : PictureSettings {
   ExportSettings exports;  ///< further files; none without formats
 };
 
-/// What recording cost, beside the deployment's own cost.
+/// What recording cost, beside the deployment's own cost. Seconds of several painters are added up,
+/// so that they may exceed the wall time.
 struct RecordCost {
   double cpuSecondsRender = 0;       ///< of painters and of the threads of the graphics library
   double cpuSecondsEncode = 0;       ///< of the encoder's thread
@@ -123,7 +128,8 @@ struct RecordCost {
   std::int64_t peakMemoryBytes = 0;  ///< largest resident size of the process
 };
 
-/// What was painted, and what it cost.
+/// What was painted, and what it cost. Filled in while pictures are made; what was not made stays 0
+/// or empty.
 struct PictureReport {
   int videoFrames = 0;              ///< frames in the video
   std::optional<double> stoppedAt;  ///< where the video ends when the observer ended it, seconds
@@ -157,7 +163,7 @@ struct RunSummary : PictureReport {
   std::vector<FileDigest> digests;       ///< of all files but summary.json
 };
 
-/// How far a run is, for a progress line.
+/// How far a run is, for a progress line. `stage` lives as long as the program.
 struct Progress {
   const char* stage = "";   ///< "looking for a path", "deploying", "painting" or "exporting"
   double share = 0;         ///< of this stage, 0 to 1
@@ -176,7 +182,8 @@ using Deployer = std::function<DeploymentResult(
     const Scene& scene, double sampleInterval, const SampleObserver& observer,
     const TrialObserver& searching, Checkpoints* checkpoints)>;
 
-/// What a deployment says of itself in a summary; nothing is painted or written yet.
+/// What a deployment says of itself in a summary; nothing is painted or written yet. `endTime` in
+/// simulated seconds.
 RunSummary summaryOf(const DeploymentResult& result, double endTime);
 
 /// Deploys the scene into trajectory.h5, then makes everything else from that file as the settings
@@ -190,7 +197,8 @@ RunSummary record(const Scene& scene, const RecordSettings& settings,
                   const ProgressObserver& observer, const Deployer& deployer = deployUnkept);
 
 /// Makes the pictures of a recorded run again, from its trajectory.h5, without simulating. Throws
-/// InputError when the file is no whole trajectory, and as record().
+/// InputError when the file is no whole trajectory, and as record(). The folder gets contents.json,
+/// or a new one; trajectory.h5 stays as it is.
 PictureReport render(const std::filesystem::path& trajectory, const PictureSettings& settings,
                      const ProgressObserver& observer);
 

@@ -1,3 +1,6 @@
+// A state between two samples is interpolated by StateInterpolator (sim/deploy/interpolation.h),
+// which closes the joints again. The two samples around the time are kept, so that frames that
+// follow each other read each sample once.
 #include "render/record/replay.h"
 
 #include <algorithm>
@@ -24,6 +27,8 @@ void Replay::loadPair(std::size_t index) {
   index_ = index;
 }
 
+/// Times within a millionth of a sample are that sample, so that its own measures are told and not
+/// interpolated ones.
 Sample Replay::at(double time) {
   const std::vector<double>& times = run_.times();
   const auto above = std::lower_bound(times.begin(), times.end(), time);

@@ -48,7 +48,8 @@ using StateTaker = std::function<bool(const SharedState&)>;
 using StateFeed = std::function<void(const StateTaker&)>;
 
 /// Gives the states of the moments in turn. The observer may end it early, which the report then
-/// notes. What is passed must outlive the feed.
+/// notes. What is passed must outlive the feed. The feed calls the observer after each state, with
+/// the stage "painting".
 StateFeed replay(const TrajectoryReader& run, const std::vector<FrameMoment>& moments,
                  const ProgressObserver& observer, PictureReport& report);
 

@@ -1,4 +1,7 @@
 /// Samples that are handed from thread to thread.
+///
+/// A sample is shared and never changed, so that no thread needs a copy or a lock to read it; it
+/// goes when the last thread has done with it.
 #pragma once
 
 #include <cstddef>

@@ -1,3 +1,5 @@
+// Writing and compressing samples takes time: on a thread of its own it costs the deployment
+// nothing as long as there is a core for it. Sixteen samples may wait; then the deployment waits.
 #include "render/record/scribe.h"
 
 #include "sim/measure/run_curves.h"

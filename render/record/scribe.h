@@ -18,7 +18,8 @@ class Scribe {
   /// OutputError when the file cannot be made.
   Scribe(const std::filesystem::path& path, const Subject& subject);
 
-  /// Hands over a sample. False once writing has failed; finish() says why.
+  /// Hands over a sample. False once writing has failed; finish() says why. May wait for room in
+  /// the queue.
   bool take(const SharedSample& sample);
 
   /// Waits for the last sample and puts the file in place. Throws OutputError.

@@ -13,7 +13,8 @@ namespace {
 /// A wanted time may lie this much after the end, seconds: people round.
 constexpr double kAfterEnd = 0.01;
 
-/// The entry of rising numbers that is nearest to a wanted one.
+/// The entry of rising numbers that is nearest to a wanted one. Of two that are equally near, the
+/// lower.
 int nearestIndex(const std::vector<double>& numbers, double wanted) {
   const auto above = std::lower_bound(numbers.begin(), numbers.end(), wanted);
   if (above == numbers.begin()) return 0;
@@ -22,6 +23,7 @@ int nearestIndex(const std::vector<double>& numbers, double wanted) {
   return static_cast<int>((takeBelow ? below : above) - numbers.begin());
 }
 
+/// Throws InputError for times after the end.
 int nearestToTime(const std::vector<double>& times, double time) {
   if (time > times.back() + kAfterEnd) {
     throw InputError(fmt::format(

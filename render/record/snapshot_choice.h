@@ -10,7 +10,7 @@
 namespace kirireel {
 
 /// The samples at which the timeline did this ("snapshot", "export"): the first not before each
-/// event.
+/// event. In the order of the events, one each.
 std::vector<std::size_t> samplesOf(const std::string& event, const TrajectoryReader& run);
 
 /// The indices of the samples nearest to what was asked for, rising, each once. Throws InputError

@@ -1,4 +1,7 @@
 /// What parts of a run cost.
+///
+/// CPU seconds are those of one thread, so that stages which run at the same time can be told
+/// apart; wall seconds are those of a clock that is never set back.
 #pragma once
 
 #include <chrono>
@@ -8,7 +11,7 @@
 
 namespace kirireel {
 
-/// Largest resident memory of this process so far, bytes.
+/// Largest resident memory of this process so far, bytes. Never falls.
 std::int64_t peakMemoryBytes();
 
 /// Adds the CPU seconds that its thread uses during its lifetime to a sum.

@@ -1,3 +1,23 @@
+// summary.json is one object with these keys, in this order:
+//
+//     outcome, reason, end_time (s), video_frames
+//     model       name, tiles, joints, has_target, size (m), tile_size (m)
+//     accuracy    gaps, errors, bounds, penetrations (m) and what the steps report
+//     elasticity  springs, energy_start, energy_end (J), moment_end (N m); null without springs
+//     at_target, bricks_left_out_from (s), warnings, alignment, path, blocking, needs
+//     events      [{time (s), what}]
+//     settings    by table and key, as scene.toml has them; pictures; scene: a whole scene file
+//     order, left_out, inputs [{name, sha256}], files
+//     contents    {name: {bytes, sha256}}, see folder/left_files.cpp
+//     cost        counts of steps, seconds, peak_memory_bytes
+//     versions    name: version
+//     sha256      the seal (digest.h)
+//
+// Lengths are in the run's unit, metres unless --unit says otherwise. What does not exist is null
+// and never left out, so that readers find every key. Numbers have the shortest digits that read
+// back to the same double.
+//
+// The same texts of settings and findings stand in trajectory.h5, where `verify` compares them.
 #include "render/record/summary.h"
 
 #include <cmath>
@@ -12,11 +32,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Names of files may hold anything; bytes that are not UTF-8 become U+FFFD.
+/// Names of files may hold anything; bytes that are not UTF-8 become U+FFFD. Indented by two
+/// spaces, with a line feed at the end.
 std::string text(const Json& json) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
+/// Null where the figure does not exist.
 Json onlyIf(bool exists, double figure) {
   return exists ? Json(figure) : Json(nullptr);
 }
@@ -29,6 +51,7 @@ Json needJson(const Need& need) {
   return {{"on", need.on}, {"reason", need.reason}};
 }
 
+/// Size is the diagonal of the start, tile_size the mean edge.
 Json modelJson(const Model& model) {
   return {{"name", model.name},
           {"tiles", model.tiles.size()},
@@ -48,6 +71,7 @@ void addStepFigures(Json& json, const std::string& part, const StepReport& took)
   }
 }
 
+/// Lengths; null where there is no target or nothing was searched.
 Json accuracyJson(const RunSummary& summary, bool hasTarget) {
   const Accuracy& accuracy = summary.accuracy;
   Json json = {{"joint_gap_max", accuracy.jointGapMax},
@@ -76,6 +100,7 @@ Json elasticityJson(const std::optional<Elasticity>& elasticity) {
           {"moment_end", elasticity->momentEnd}};
 }
 
+/// Times in simulated seconds; what a kind of path does not have is null.
 Json pathJson(const RunSummary& summary) {
   const PathSettings& path = summary.path;
   const bool isLed = path.kind == PathKind::Led;
@@ -92,6 +117,7 @@ Json pathJson(const RunSummary& summary) {
           {"joint_stiffness", onlyIf(path.jointsGive(), path.jointStiffness)}};
 }
 
+/// Pairs of bricks that would overlap at the target, and what would free them.
 Json blockingJson(const std::vector<BlockingPair>& blocking) {
   Json pairs = Json::array();
   for (const BlockingPair& pair : blocking) {
@@ -113,6 +139,7 @@ Json alignmentJson(const StartAlignment& alignment, bool hasTarget) {
           {"by", alignment.byHeld ? "pinned tiles" : "all tiles"}};
 }
 
+/// CPU seconds by stage, wall seconds for all, bytes.
 Json costJson(const RunSummary& summary) {
   Json json = Json::object();
   addStepFigures(json, "cost", summary.deployCost.took);
@@ -211,6 +238,7 @@ Json lookJson(const Look& look) {
           {"camera_keys", look.camera.keys.size()}};
 }
 
+/// Sizes in pixels.
 Json pictureJson(const RecordSettings& settings) {
   return {{"width", settings.size.width},
           {"height", settings.size.height},
@@ -231,7 +259,8 @@ Json settingJson(const Setting& setting, const Scene& scene) {
   return json.is_discarded() ? Json(text) : json;
 }
 
-/// The settings by table and key, and beside them what follows from the model or is fixed.
+/// The settings by table and key, and beside them what follows from the model or is fixed. Values
+/// of settings are JSON already; a text that is none becomes a string.
 Json settingsJson(const Scene& scene, const RecordSettings& settings) {
   Json json = Json::object();
   for (const SettingGroup& group : sceneSettings()) {
@@ -254,6 +283,7 @@ Json settingsJson(const Scene& scene, const RecordSettings& settings) {
   return json;
 }
 
+/// Names without their folders: where a model stood says nothing about a run.
 Json inputsJson(const std::vector<InputFile>& inputs) {
   Json json = Json::array();
   for (const InputFile& input : inputs) {

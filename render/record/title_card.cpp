@@ -1,3 +1,6 @@
+// The title is 7% of the picture's height in its em, the subtitle 4.5%, lines are 1.35 em apart.
+// Lines are broken at 90% of the width; if all together are still too wide or too high, all shrink
+// by one factor.
 #include "render/record/title_card.h"
 
 #include <algorithm>

@@ -21,7 +21,7 @@ void requireTitle(const Title& title);
 
 /// The title in the middle of a picture, its subtitle below in smaller letters. Lines that would be
 /// too wide are wrapped; what is too wide or too high even so is drawn smaller. Throws OutputError
-/// when the font is missing.
+/// when the font is missing. At least one of the texts is not empty.
 Frame titleCard(const Title& title, FrameSize size, Colour background, Colour ink);
 
 }  // namespace kirireel

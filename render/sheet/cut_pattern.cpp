@@ -1,3 +1,17 @@
+// From a planar start to lines for a cutter:
+//
+// - 1. At each joint a hinge of material stays. The narrower gap between the two tiles has the
+//   angle g; the cut along its edges ends at t = w / cos(g / 2) before the joint, so that the neck
+//   across the gap's bisector is w long (w: hinge width, metres). An open gap gets a cut across its
+//   end.
+// - 2. Each edge is shortened by the largest t of the joints at its ends.
+// - 3. Edges of two tiles that coincide are one slit, drawn once; they are found by their middles
+//   in a grid of cells as wide as the tolerance (1e-4 of the tile size), of which 3 x 3 are looked
+//   at.
+//
+// SVG is in millimetres with y down; DXF is ASCII R12 (AC1009; Autodesk, DXF Reference): pairs of
+// lines, a group code and a value: 0 begins an entity, 8 names its layer, 10/20 and 11/21 are its
+// ends, 62 a colour, $INSUNITS 6 metres. R12 needs no tables of handles.
 #include "render/sheet/cut_pattern.h"
 
 #include <algorithm>
@@ -19,11 +33,13 @@ constexpr double kSameVertex = 1e-4;  ///< of the tile size, within which edges 
 /// How much shorter edges are at their ends than in the model, metres.
 using Trims = std::map<EdgeEnd, double>;
 
+/// 0 at ends without a joint.
 double trimAt(const Trims& trims, const EdgeEnd& end) {
   const auto found = trims.find(end);
   return found == trims.end() ? 0 : found->second;
 }
 
+/// Works in the sheet's plane; all lengths in metres.
 class PatternMaker {
  public:
   PatternMaker(const Model& model, double hingeWidth)

@@ -1,3 +1,9 @@
+// A planar start is turned so that its tiles face +z, q n = z with n the normal of tile 0, and z is
+// dropped. All heights may differ by 1e-6 of the model's size at most.
+//
+// A gap at a corner is the turn from the edge of one tile that arrives there, looked back along, to
+// the edge of the other that leaves, anticlockwise, 0 to 2 pi. The other gap of the joint is found
+// with the tiles exchanged.
 #include "render/sheet/flat_sheet.h"
 
 #include <algorithm>
@@ -13,6 +19,7 @@ namespace {
 
 constexpr double kFlatness = 1e-6;  ///< of the model size, that vertices may be off the plane
 
+/// Looks at every vertex.
 void requireFlat(const Model& model, const Vector3& normal) {
   const Vector3& origin = model.tiles[0].vertices[0];
   const double allowed = kFlatness * modelSize(model);
@@ -34,6 +41,8 @@ void requireFlat(const Model& model, const Vector3& normal) {
   }
 }
 
+/// A gap that is closed but for rounding may come out as slightly less than 0; it counts as 0 and
+/// not as a full turn.
 CornerGap gapBetween(const std::vector<FlatTile>& tiles, const Corner& a, const Corner& b) {
   const int sides = static_cast<int>(tiles[a.tile].size());
   CornerGap gap;

@@ -25,7 +25,8 @@ struct FlatSheet {
   double height = 0;                         ///< of the plane above the turned origin, metres
 };
 
-/// Throws InputError for a start that is not flat or has tiles on both faces.
+/// Throws InputError for a start that is not flat or has tiles on both faces. Vertices keep their
+/// order and number.
 FlatSheet flatSheet(const Model& model);
 
 /// Throws InputError for a joint, of this number, that does not hold two corners together.
@@ -48,10 +49,10 @@ struct CornerGap {
   double angle = 0;  ///< radians, 0 when closed
 };
 
-/// The narrower of the two gaps between the tiles of a pivot.
+/// The narrower of the two gaps between the tiles of a pivot. The first where both are equal.
 CornerGap narrowGap(const std::vector<FlatTile>& tiles, const Joint& joint);
 
-/// The direction from the given end into its edge.
+/// The direction from the given end into its edge. A unit vector.
 Vector2 directionFrom(const std::vector<FlatTile>& tiles, const EdgeEnd& end);
 
 }  // namespace kirireel

@@ -1,3 +1,20 @@
+// Each joint is seen in its own axes: the joint at the origin, the bisector of the narrower gap up
+// (y), one tile right (x > 0) and the other left, mirrored. With half the gap's angle h, the lower
+// edge of the tile at the angle b from the bisector and half the kerf i, the tile's edges are lines
+//
+//     upper: x cos h - y sin h = i,    lower: y sin b - x cos b = i  (angles from the bisector).
+//
+// A neck of length l and width w is the strip |x| <= l / 2, y0 <= y <= y0 + w; y0 is -w / 2, lower
+// where the tiles end too soon above, and never below the height at which both have begun. Where a
+// tile reaches into |x| < l / 2 above or below the strip, a slot is cut out of it, as deep as the
+// largest of width, radius and kerf. Fillets are quarter circles of six lines each.
+//
+// A corner of a tile becomes a chain of points, which takes its place in the tile's outline; chains
+// of neighbouring corners are joined by what is left of the edge between them. A point that tile
+// and neck share is one point, so that Gmsh makes one mesh.
+//
+// A shape that does not fit throws Misfit, which says what is too large. The message then offers a
+// value that does: it is found by bisection in twelve steps, each of which makes the whole outline.
 #include "render/sheet/neck_outline.h"
 
 #include <algorithm>
@@ -19,12 +36,13 @@ constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kTiny = 1e-9;  ///< of the tile size: shorter lines are left out
 constexpr int kArcLines = 6;    ///< of a quarter circle
 
-/// What a shape cannot have, and where.
+/// What a shape cannot have, and where. Caught within this file alone.
 struct Misfit {
   enum Kind { TooWide, TooShort, TooRound } kind = TooWide;
   std::string where;
 };
 
+/// The z of the cross product.
 double cross(const Vector2& a, const Vector2& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
@@ -63,6 +81,7 @@ struct NeckEnd {
 };
 
 /// What stands for a corner of a tile: points from the edge that arrives to the edge that leaves.
+/// Without a joint it stays empty, and the corner itself is taken.
 struct CornerPoints {
   std::vector<int> arriving;
   int middle = -1;  ///< of necks without length: the joint
@@ -70,6 +89,7 @@ struct CornerPoints {
   bool isCut = false;  ///< `arriving` is all of it
 };
 
+/// Made for one outline.
 class OutlineMaker {
  public:
   OutlineMaker(const Model& model, const FlatSheet& sheet, const NeckShape& shape)
@@ -110,7 +130,8 @@ class OutlineMaker {
                   tiles()[gap.second.tile][vertexOf(gap.second)]);
   }
 
-  /// A neck without length: a line across a shut slit, a triangle across an open gap.
+  /// A neck without length: a line across a shut slit, a triangle across an open gap. The cut ends
+  /// w / cos(g / 2) from the joint, as in cut_pattern.cpp.
   void addWeb(const CornerGap& gap) {
     CornerPoints& first = cornerAt(gap.first);
     CornerPoints& second = cornerAt(gap.second);
@@ -143,6 +164,7 @@ class OutlineMaker {
     return first.middle;
   }
 
+  /// The tile's own angle at the corner is taken from its two edges, 0 to 2 pi.
   Wedge wedgeOf(const EdgeEnd& end, double half) const {
     const FlatTile& tile = tiles()[end.tile];
     const int sides = static_cast<int>(tile.size());
@@ -154,7 +176,8 @@ class OutlineMaker {
     return {half, half + angle, shape_.kerf / 2};
   }
 
-  /// A neck with length: a strip between two ports that are cut into the tiles.
+  /// A neck with length: a strip between two ports that are cut into the tiles. The second tile is
+  /// seen in a mirror, x and -x, so that both use the same code.
   void addBeam(const CornerGap& gap, std::size_t joint) {
     CornerPoints& first = cornerAt(gap.first);
     CornerPoints& second = cornerAt(gap.second);
@@ -270,6 +293,7 @@ class OutlineMaker {
     return addPoint(points[vertex] + shape_.kerf / 2 * (a + b) / (1 + a.dot(b)), false);
   }
 
+  /// Chains in the order of corners make the tile's loop.
   void addTile(int tile) {
     const int sides = static_cast<int>(tiles()[tile].size());
     std::vector<std::vector<int>> chains;
@@ -339,6 +363,7 @@ void requirePossible(const NeckShape& shape) {
       shape.radius, length, length / 2, 2 * shape.radius));
 }
 
+/// Costs a whole outline.
 bool fits(const Model& model, const FlatSheet& sheet, const NeckShape& shape) {
   try {
     OutlineMaker(model, sheet, shape).make();

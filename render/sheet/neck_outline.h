@@ -40,6 +40,7 @@ struct NeckOutline {
 /// Throws InputError for starts that are not flat, joints that are not pivots, lengths that are not
 /// positive or contradict each other, necks that are too wide, too short or too long for their
 /// tiles (each with the length that would do), and necks with a length at corners of two joints.
+/// Points of tiles come in the order of tiles; necks in that of joints.
 NeckOutline neckOutline(const Model& model, const NeckShape& shape);
 
 }  // namespace kirireel

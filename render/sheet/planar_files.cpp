@@ -1,3 +1,17 @@
+// OBJ as PyKirigami writes it: "v x y z" for every corner of every tile, an empty line, "f 1 2 3 4"
+// for every tile, numbers from 1.
+//
+// FOLD (E. D. Demaine, J. S. Ku, R. J. Lang, "A New File Standard to Represent Folded Structures",
+// 2016; github.com/edemaine/fold) is JSON:
+//
+//     file_spec, file_creator, file_classes, file_title
+//     vertices_coords   [[x, y, z], ...]     faces_vertices   [[v, v, ...], ...]
+//     edges_vertices    [[v, v], ...]        edges_assignment ["B" or "F", ...]
+//     file_frames       [{frame_parent: 0, frame_inherit: true, vertices_coords}, ...]
+//
+// FOLD has vertices that faces share, and our tiles share corners only where joints say so;
+// union-find over the joints gives the shared vertices. Joints of the top face are left out, since
+// the sheet of the bottoms is what is written.
 #include "render/sheet/planar_files.h"
 
 #include <algorithm>
@@ -24,6 +38,7 @@ struct SharedVertices {
   int count = 0;
 };
 
+/// Numbers are in order of first appearance.
 SharedVertices shareVertices(const Model& model) {
   std::vector<int> firstOf;
   int corners = 0;
@@ -56,6 +71,7 @@ SharedVertices shareVertices(const Model& model) {
   return shared;
 }
 
+/// Corners that a joint leaves apart are written at their mean.
 Json coordinates(const SharedVertices& shared, const std::vector<Tile>& tiles) {
   std::vector<Vector3> sums(shared.count, Vector3::Zero());
   std::vector<int> uses(shared.count);
@@ -73,6 +89,7 @@ Json coordinates(const SharedVertices& shared, const std::vector<Tile>& tiles) {
   return rows;
 }
 
+/// Sorted by their vertices.
 void addEdges(const SharedVertices& shared, Json& fold) {
   std::map<std::pair<int, int>, int> facesAt;
   for (const std::vector<int>& face : shared.faces) {

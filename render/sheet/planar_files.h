@@ -10,7 +10,7 @@ namespace kirireel {
 
 /// The bottoms of all bricks as an OBJ of polygons, as PyKirigami exports it: "# n vertices m
 /// faces", one face a tile in the model's order, no vertex shared, no groups. Coordinates read back
-/// to the same doubles.
+/// to the same doubles. Lengths in metres.
 std::string planarObjText(const std::vector<Tile>& tiles);
 
 /// A sheet at one time.
@@ -23,7 +23,7 @@ struct SheetState {
 /// which inherit all but the coordinates. Vertices that joints of the bottom (or of both faces)
 /// hold together are one vertex, at the mean of its corners; edges of one tile are boundaries
 /// ("B"), of two flat folds ("F"). `kirireel:joints` holds the model's joints as rows of tile,
-/// vertex, tile, vertex, face.
+/// vertex, tile, vertex, face. At least one state; all have the model's tiles in its order.
 std::string foldText(const Model& model, const std::vector<SheetState>& states);
 
 }  // namespace kirireel

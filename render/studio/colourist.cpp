@@ -1,3 +1,11 @@
+// Three ways to colour bricks:
+//
+// - kinds: a number for each shape of tile. Two tiles are congruent when their sorted sides and
+//   sorted shortest diagonals agree to 1e-4. Mirror images have the same lengths. (Different
+//   polygons of many corners may agree by chance; for colours that does not matter.)
+// - states: at its start, on its way, at its target, within 1% of a tile's mean edge.
+// - measures: a value for each brick and a scale from 0 to the largest of the run, the same for all
+//   pictures. Before a run, as for the first frame of a live one, the largest is guessed.
 #include "render/studio/colourist.h"
 
 #include <algorithm>
@@ -28,7 +36,8 @@ constexpr Colour kAtStart = {168, 178, 192};
 constexpr Colour kMoving = {246, 184, 96};
 constexpr Colour kAtTarget = {110, 186, 150};
 
-/// Sides and shortest diagonals in order of length: equal for congruent polygons.
+/// Sides and shortest diagonals in order of length: equal for congruent polygons. Twice as many
+/// numbers as corners, metres.
 std::vector<double> signature(const std::vector<Vector3>& corners) {
   const std::size_t count = corners.size();
   std::vector<double> sides, diagonals;
@@ -50,6 +59,7 @@ bool alike(const std::vector<double>& a, const std::vector<double>& b) {
 
 /// The number of each entry in the list of entries that differ, in order of appearance.
 template <typename T, typename Same>
+/// Compares each entry with all kinds so far; there are few.
 std::vector<int> numbered(const std::vector<T>& entries, const Same& same) {
   std::vector<T> known;
   std::vector<int> numbers;
@@ -62,6 +72,7 @@ std::vector<int> numbered(const std::vector<T>& entries, const Same& same) {
   return numbers;
 }
 
+/// Metres; 1 where there are no bricks.
 double meanEdge(const std::vector<Brick>& bricks) {
   double sum = 0;
   int count = 0;
@@ -74,6 +85,7 @@ double meanEdge(const std::vector<Brick>& bricks) {
   return count > 0 ? sum / count : 1;
 }
 
+/// For the legend: "concave hexagon", "12-gon".
 std::string shapeName(const Brick& brick) {
   const std::size_t corners = brick.bottom.size();
   const std::string concave = brick.parts.empty() ? "" : "concave ";
@@ -100,6 +112,7 @@ const char* titleOf(Colouring colouring) {
   }
 }
 
+/// 0 for none.
 double largest(const std::vector<double>& values) {
   return values.empty() ? 0 : *std::max_element(values.begin(), values.end());
 }
@@ -198,6 +211,8 @@ void Colourist::colourTiles(const Look& look) {
   if (kinds_.empty()) kinds_.assign(own_.size(), plainColours(look));
 }
 
+/// Fills colours and legend; kinds are in order of appearance, so a new one is always the next
+/// number.
 void Colourist::colourShapes() {
   const std::vector<int> kinds = shapeKinds(motif_.bricks);
   std::vector<int> counts;
@@ -244,6 +259,7 @@ double Colourist::largestExpected() const {
   }
 }
 
+/// One a brick, in the unit of titleOf().
 std::vector<double> Colourist::values(const Poses& poses) const {
   switch (colouring_) {
     case Colouring::TargetError:
@@ -264,6 +280,8 @@ std::vector<double> Colourist::values(const Poses& poses) const {
   }
 }
 
+/// At the target counts before at the start, so that a sheet whose target is its start shows as
+/// arrived.
 std::vector<BrickColours> Colourist::stateColours(const Poses& poses) const {
   const double near = kArrival * meanEdge(motif_.bricks);
   const std::vector<double> moved = brickDisplacements(motif_.start, poses);

@@ -14,7 +14,8 @@
 
 namespace kirireel {
 
-/// A run as a studio sees it.
+/// A run as a studio sees it. Made once for all pictures of a run. Lengths in metres; a motif of a
+/// trajectory in another unit has all of them in that unit.
 struct Motif {
   std::vector<Brick> bricks;
   Poses start;                              ///< one a brick
@@ -40,7 +41,8 @@ BrickColours evenShades(Colour colour);
 BrickColours plainColours(const Look& look);
 
 /// Numbers the shapes of tiles: congruent tiles (mirror images too) have one number, from 0 in
-/// order of appearance. More than seven shapes are numbered by their count of corners instead.
+/// order of appearance. More than seven shapes are numbered by their count of corners instead. One
+/// a brick.
 std::vector<int> shapeKinds(const std::vector<Brick>& bricks);
 
 /// Decides the colours of all bricks in every picture of one run.
@@ -52,13 +54,15 @@ class Colourist {
   /// The motif must outlive the colourist.
   Colourist(const Look& look, const Motif& motif);
 
-  /// One entry a brick; none when all bricks have the style's colours.
+  /// One entry a brick; none when all bricks have the style's colours. `poses` has one pose a
+  /// brick. Cheap beside painting.
   std::vector<BrickColours> colours(const Poses& poses) const;
 
   /// What the colours mean, when they are those of a measure. The same for the whole run.
   const std::optional<ColourScale>& scale() const { return scale_; }
   /// What they mean, when they are those of kinds of bricks: shapes or states.
   const std::vector<LegendEntry>& legend() const { return legend_; }
+  /// As the look asks for.
   Colouring colouring() const { return colouring_; }
 
  private:

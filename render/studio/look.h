@@ -1,4 +1,6 @@
 /// What is asked of the pictures of a run.
+///
+/// Plain values; what each needs of a run is checked by Stage.
 #pragma once
 
 #include <optional>
@@ -47,7 +49,8 @@ struct TileColour {
   Colour colour;
 };
 
-/// The look of all pictures of a run.
+/// The look of all pictures of a run. Defaults give the pictures that a run leaves without any
+/// option.
 struct Look {
   Theme theme = Theme::Light;
   bool transparent = false;  ///< no background

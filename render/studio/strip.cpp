@@ -1,3 +1,8 @@
+// The strip stands below the picture and takes its height off it: the frame keeps its size. From
+// the top: a line with the caption (1.5 em), a line with scales (1.8 em, more with ticks), the bar
+// of progress (1.2 em). The em is 3.4% of the frame's height, at least 9 pixels, smaller where the
+// longest caption would not fit; it is found once, so that text does not change its size in a
+// video.
 #include "render/studio/strip.h"
 
 #include <algorithm>
@@ -22,6 +27,7 @@ constexpr double kLongestLength = 0.25;
 /// How much of the text's colour shows in what is left of a bar of progress.
 constexpr double kFaint = 0.2;
 
+/// Half away from zero.
 int rounded(double pixels) {
   return static_cast<int>(std::lround(pixels));
 }

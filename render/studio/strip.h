@@ -13,7 +13,8 @@
 
 namespace kirireel {
 
-/// What stands on the strip of all frames of a video.
+/// What stands on the strip of all frames of a video. Fixed for a whole video, since it decides the
+/// height of the picture above.
 struct StripParts {
   std::string longestCaption;  ///< a caption as wide as any will be; empty: there are none
   bool progressBar = false;    ///< a bar that fills from left to right
@@ -40,7 +41,7 @@ class Strip {
 
   /// Puts the strip under a picture. colours: none where the bricks' colours stand for no values;
   /// legend: empty where they stand for no kinds; metresPerPixel: absent where no scale bar is
-  /// asked for.
+  /// asked for. The picture has the size of picture(); it gets that of the whole frame.
   void append(Frame& picture, const StripText& text, const std::optional<ColourScale>& colours,
               const std::vector<LegendEntry>& legend,
               const std::optional<double>& metresPerPixel) const;

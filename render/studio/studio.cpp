@@ -1,3 +1,13 @@
+// A Stage decides what a picture shows (style, colours, camera, shot) and needs no graphics; a
+// Studio adds a painter and the strip. Several studios share one stage, each with a painter on its
+// own thread.
+//
+// Where colours stand for values, lights are weakened: ambient 0.84 and 38% of the directed lights,
+// so that a colour can be found on the scale from every face and faces still stand apart.
+//
+// Bricks that fly off (a joint that gives, a bad step) would shrink all others to a dot if the
+// camera held them in sight: those farther from their start than 20 model sizes are left out of the
+// fit.
 #include "render/studio/studio.h"
 
 #include <algorithm>
@@ -28,6 +38,7 @@ double groundHeight(const Motif& motif) {
   return lowest;
 }
 
+/// None where nothing is to be seen, either.
 std::optional<GroundPlate> plateFor(const Look& look, const Motif& motif) {
   const bool wanted = look.ground == GroundLook::Auto ? motif.groundHeight.has_value()
                                                       : look.ground != GroundLook::None;
@@ -48,6 +59,7 @@ Style pageStyle(const Look& look) {
   return style;
 }
 
+/// The size decides how thin lines may become.
 Style styleFor(const Look& look, const Motif& motif, FrameSize size) {
   Style style = pageStyle(look);
   style.brick = plainColours(look);
@@ -70,6 +82,7 @@ Style styleFor(const Look& look, const Motif& motif, FrameSize size) {
 }
 
 /// What cameras must hold in sight: the motif's points and, where they cast one, their shadow.
+/// Twice as many with a shadow.
 std::vector<Vector3> pointsInSight(const Motif& motif, const Style& style) {
   std::vector<Vector3> points = motif.points;
   if (!style.plate || !style.plate->shadow) return points;
@@ -85,6 +98,7 @@ FrameSize validated(FrameSize size) {
 
 }  // namespace
 
+/// Cameras hold the start and, where there is one, the target in sight.
 Motif makeMotif(const Model& model, const BrickRule& rule, const std::optional<Ground>& ground) {
   Motif motif;
   motif.size = modelSize(model);
@@ -152,6 +166,7 @@ Shot Stage::shot(const Moment& moment) const {
   return shot;
 }
 
+/// From within a brick a picture shows nothing but its inside.
 Camera Stage::camera(const Moment& moment) const {
   const Camera camera = cameras_.at(moment.time, moment.turn);
   if (camera.orthographic) return camera;
@@ -176,6 +191,7 @@ std::optional<double> Stage::sharedHeight() const {
   return camera.viewHeight;
 }
 
+/// For scale bars.
 double Stage::metresPerPixel() const {
   const std::optional<double> height = sharedHeight();
   if (height) return *height / size_.height;
@@ -200,6 +216,7 @@ Studio::Studio(const Studio& other, Smoothness smoothness)
   makePainter();
 }
 
+/// A legend and a colour bar exclude each other: colours stand for kinds or for values.
 void Studio::makeStrip(const Style& style, Colouring colouring) {
   StripParts parts = parts_;
   parts.colours = parts.colours && isMeasure(colouring);
@@ -207,6 +224,7 @@ void Studio::makeStrip(const Style& style, Colouring colouring) {
   strip_.emplace(validated(size_), parts, style);
 }
 
+/// Keeps the graphics context where the picture's size stays.
 void Studio::makePainter() {
   if (painter_ && painter_->size() == strip_->picture()) {
     painter_->show(stage_->motif().bricks, stage_->style());

@@ -30,6 +30,7 @@ struct Moment {
 
 /// The motif of a model whose bricks are made by the rule, on the scene's ground if it has one.
 /// Cameras hold the start and the target in sight; add to its points what else they should.
+/// `ground`: of the scene; absent: none.
 Motif makeMotif(const Model& model, const BrickRule& rule, const std::optional<Ground>& ground);
 
 /// A brick farther from its start than this many model sizes is not held in sight: the others would
@@ -39,7 +40,7 @@ inline constexpr double kFarthestShown = 20;
 /// Whether a brick at a pose is near enough to be held in sight.
 bool isShown(const Motif& motif, std::size_t brick, const Pose& pose);
 
-/// Whether all bricks are near enough to be held in sight.
+/// Whether all bricks are near enough to be held in sight. `poses` has one pose a brick.
 bool showsAllBricks(const Motif& motif, const Poses& poses);
 
 /// The corners of the motif's bricks at these poses, metres, but for those too far away.
@@ -57,7 +58,7 @@ class Stage {
   Stage(const Stage&) = delete;
   Stage& operator=(const Stage&) = delete;
 
-  /// What the picture of a moment shows.
+  /// What the picture of a moment shows. The poses are copied.
   Shot shot(const Moment& moment) const;
 
   /// The camera of a moment. Throws InputError when it stands within a brick.
@@ -77,7 +78,7 @@ class Stage {
   Colouring colouring() const { return colourist_.colouring(); }
 
   /// Height of every picture, metres, when one scale holds all over all of them: the camera stands
-  /// still and projects in parallel.
+  /// still and projects in parallel. Absent in perspective and for cameras that move.
   std::optional<double> sharedHeight() const;
 
   /// The same for one pixel. Throws InputError when no one scale holds.
@@ -114,7 +115,8 @@ class Studio {
   void show(const Look& look, Motif motif);
 
   /// The picture of a moment with its strip. storage: a frame that is needed no more, whose memory
-  /// the picture gets. Throws InputError when the camera stands within a brick.
+  /// the picture gets. Throws InputError when the camera stands within a brick. Throws as
+  /// Painter::paint(), too.
   Frame take(const Moment& moment, const StripText& text = {}, Frame storage = {});
 
   const Stage& stage() const { return *stage_; }

@@ -1,3 +1,6 @@
+// Finds the fewest digits, from three on, with which values that differ still look different, one
+// parameter at a time. Values of a range have nine digits (12.6991457), and captions with all of
+// them would not fit under small pictures.
 #include "render/sweep/captions.h"
 
 #include <algorithm>
@@ -10,7 +13,8 @@ namespace kirireel {
 namespace {
 
 constexpr int kFewestDigits = 3;
-/// As many as the numbers of a range have.
+/// As many as the numbers of a range have. SweepRange::at() writes nine; with as many, texts are
+/// taken as they are.
 constexpr int kMostDigits = 9;
 
 /// Whole numbers and texts stay as they are.
@@ -18,6 +22,8 @@ std::string rounded(const std::string& text, int digits) {
   double number = 0;
   const char* const end = text.data() + text.size();
   const auto [next, error] = std::from_chars(text.data(), end, number);
+  // A number with neither point nor exponent is whole. "0,0,-9.81" is read up to its first comma,
+  // so it counts as a text.
   if (error != std::errc() || next != end || text.find_first_of(".e") == std::string::npos) {
     return text;
   }
@@ -30,6 +36,7 @@ std::vector<std::string> shortened(const std::vector<std::string>& values) {
   for (int digits = kFewestDigits; digits < kMostDigits; ++digits) {
     std::set<std::string> texts;
     for (const std::string& value : distinct) texts.insert(rounded(value, digits));
+    // Two values have become one text: a digit more is needed.
     if (texts.size() < distinct.size()) continue;
     std::vector<std::string> chosen;
     chosen.reserve(values.size());

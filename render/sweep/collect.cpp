@@ -1,3 +1,20 @@
+// Gathers the summaries of all finished runs in the order of the plan, so that the same runs give
+// the same table whatever order they were made in. Two tables come of it:
+//
+//     results   run, parameters..., status, reason, measures...
+//     costs     run, seconds and bytes of each stage
+//
+// Costs are apart because they differ from time to time; the results of two machines can be
+// compared byte by byte.
+//
+// The measures are read from summary.json by JSON pointers (RFC 6901): all that stands under
+// /accuracy, whatever a version puts there, and some more. Their names are those of the first run
+// that is done; runs that failed have empty cells there.
+//
+// Only the cells are kept, not the summaries, so that memory grows with the table alone.
+//
+// HDF5: each column is a data set in the root group. A column of numbers is an array of doubles
+// with NaN where a cell is empty; one with any other text is an array of texts.
 #include "render/sweep/collect.h"
 
 #include <cmath>
@@ -22,6 +39,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
+/// A table's pictures need it, in metres.
 const Json::json_pointer kThickness("/settings/model/thickness");
 
 /// A column of the results and where summary.json has it.
@@ -30,6 +48,7 @@ struct Figure {
   Json::json_pointer place;
 };
 
+/// Columns that are called as their key below `parent`.
 std::vector<Figure> figuresOf(const std::string& parent, const std::vector<std::string>& names) {
   std::vector<Figure> figures;
   for (const std::string& name : names) {
@@ -61,6 +80,7 @@ const std::vector<Figure>& costFigures() {
   return figures;
 }
 
+/// Parsing throws nothing: what is no object is refused below.
 Json readSummary(const fs::path& folder) {
   const fs::path file = folder / output::kSummary;
   std::ifstream stream = openInputFile(file);
@@ -71,6 +91,7 @@ Json readSummary(const fs::path& folder) {
   return summary;
 }
 
+/// Numbers in the digits that the summary has them in, so that no precision is lost on the way.
 std::string cellOf(const Json& summary, const Figure& figure) {
   if (!summary.contains(figure.place)) return "";
   const Json& value = summary.at(figure.place);
@@ -78,7 +99,8 @@ std::string cellOf(const Json& summary, const Figure& figure) {
   return value.is_string() ? value.get<std::string>() : value.dump();
 }
 
-/// A table that grows by rows, each a cell for each name.
+/// A table that grows by rows, each a cell for each name. All columns have as many cells as there
+/// are rows, at any time.
 class TableBuilder {
  public:
   void addColumns(const std::vector<std::string>& names) {
@@ -149,6 +171,8 @@ class Gatherer {
   TableBuilder costs_;
 };
 
+/// RFC 4180, section 2: cells with commas, quotation marks or line breaks stand in quotation marks,
+/// and marks within are doubled. Names of files may hold any of these.
 std::string quoted(const std::string& cell) {
   if (cell.find_first_of(",\"\n") == std::string::npos) return cell;
   std::string text = "\"";
@@ -167,10 +191,12 @@ void writeColumn(const TableColumn& column, ArrayWriter& writer) {
   bool isText = true;
   for (const std::string& cell : column.cells) {
     const std::optional<double> number = numberInCell(cell);
+    // One text makes the whole column texts.
     if (!number) {
       writer.write(column.name, column.cells);
       return;
     }
+    // It stays true where all cells are empty.
     isText = isText && std::isnan(*number);
     numbers.push_back(*number);
   }
@@ -190,6 +216,7 @@ Gathered gather(const SweepListing& listing) {
   for (std::uint64_t index = 0; index < listing.count; ++index) {
     SweepRow run{listing.name(index), listing.values(index)};
     const std::optional<RunRecord> record = readRunRecord(listing.runs / run.name);
+    // No record: never made, in work, or its worker was killed.
     if (!record) {
       ++gathered.missing;
       continue;

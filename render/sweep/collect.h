@@ -15,6 +15,7 @@ struct TableColumn {
   std::vector<std::string> cells;
 };
 
+/// All columns have equally many cells.
 using SweepTable = std::vector<TableColumn>;
 
 /// The runs of a sweep, in the order of the table.
@@ -34,7 +35,7 @@ struct SweepRow {
   double thickness = 0;             ///< of its bricks, metres; 0 when it failed
 };
 
-/// What there is of a sweep.
+/// What there is of a sweep. What is missing is not in the tables.
 struct Gathered {
   /// A row for each finished run: its name, its parameters, its outcome and its measures. Nothing
   /// in it depends on when, where or in which order the runs were made.
@@ -45,14 +46,17 @@ struct Gathered {
   std::uint64_t missing = 0;      ///< not made yet, or in work
 };
 
-/// Reads all finished runs, one after the other. Throws InputError for damaged records.
+/// Reads all finished runs, one after the other. Throws InputError for damaged records. Reads one
+/// small file a run, and another one for each run that is done.
 Gathered gather(const SweepListing& listing);
 
-/// A table as text with commas (RFC 4180), its first line the names.
+/// A table as text with commas (RFC 4180), its first line the names. Lines end in "\n"; texts are
+/// in UTF-8.
 std::string csvText(const SweepTable& table);
 
 /// Writes a table as HDF5, each column an array of doubles or, where a cell is no number, of texts;
-/// a missing number is NaN. The attribute "columns" has their order. Throws OutputError.
+/// a missing number is NaN. The attribute "columns" has their order. Throws OutputError. The file
+/// appears when it is whole.
 void writeTableArrays(const SweepTable& table, const std::filesystem::path& file);
 
 }  // namespace kirireel

@@ -1,3 +1,16 @@
+// The page is chosen in two steps: which runs, then how many columns.
+//
+// A series is a run of neighbours in the table that differ in the last parameter alone; of a grid
+// of a x b values there are a series of b. When all n runs fit (n <= 100), all are shown. Otherwise
+// every so many series, and of each every so many runs, first and last among them, so that the ends
+// of both parameters are on the page.
+//
+// With series of s pictures, a row of c columns keeps what is alike in one column when c divides s
+// or s divides c. Among these c the page whose sides differ least is taken, if they differ by less
+// than a factor of 4; otherwise c = ceil(sqrt n).
+//
+// Each picture has its own scale, because models of a sweep may differ in size by orders of
+// magnitude.
 #include "render/sweep/contact_sheet.h"
 
 #include <algorithm>
@@ -12,9 +25,10 @@
 namespace kirireel {
 namespace {
 
+/// Pixels. A hundred of them make a page of 3200 x 2400 and a little more for captions.
 constexpr FrameSize kPictureSize = {320, 240};
 
-/// Of a series of more, when not all pictures find room.
+/// Of a series of more, when not all pictures find room. Ten by ten pictures is kMostContacts.
 constexpr std::size_t kMostOfSeries = 10;
 
 /// Rows may end where series do when the page is at most this many times longer than it is wide, or
@@ -26,12 +40,14 @@ class EndStatePainter {
  public:
   /// Bricks made of the tiles where they ended look as the deployed bricks do.
   Frame paint(const ContactPicture& picture) {
+    // An empty picture in the colour of the page keeps the place of a run that failed.
     if (picture.vertices.empty()) return makeFrame(kPictureSize, Style().background);
     Model model;
     model.tiles = readTileFile(picture.vertices);
     BrickRule rule;
     rule.thickness = picture.thickness;
     const Motif motif = makeMotif(model, rule, std::nullopt);
+    // A graphics context takes longer to make than a small picture to paint.
     if (studio_) {
       studio_->show({}, motif);
     } else {
@@ -49,6 +65,7 @@ std::vector<std::size_t> chooseEvenly(std::size_t count, std::size_t most) {
   const std::size_t chosen = std::min(count, most);
   std::vector<std::size_t> numbers;
   for (std::size_t i = 0; i < chosen; ++i) {
+    // Rounded down, which keeps both ends: i = chosen - 1 gives count - 1.
     numbers.push_back(chosen == 1 ? 0 : i * (count - 1) / (chosen - 1));
   }
   return numbers;
@@ -84,6 +101,7 @@ std::size_t seriesLength(const std::vector<ContactPicture>& pictures) {
     if (i == 0 || !isAlike(pictures[i - 1], pictures[i])) lengths.push_back(0);
     ++lengths.back();
   }
+  // A list or a Latin hypercube has no such order.
   const bool isEven = std::all_of(lengths.begin(), lengths.end(),
                                   [&](std::size_t length) { return length == lengths.front(); });
   return isEven ? lengths.front() : 1;

@@ -35,7 +35,8 @@ ContactLayout layOutContacts(std::size_t count, std::size_t series);
 
 /// Pictures of end states with their parameters, each in its own scale; nothing but the parameters
 /// for runs that failed. keys: names of the parameters. Throws InputError when there is no picture
-/// or a file cannot be read, OutputError when nothing can be painted.
+/// or a file cannot be read, OutputError when nothing can be painted. `pictures` in the order of
+/// the table; each has as many values as there are keys. Paints up to 100 small pictures.
 Frame composeContactSheet(const std::vector<std::string>& keys,
                           const std::vector<ContactPicture>& pictures);
 

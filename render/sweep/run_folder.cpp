@@ -1,3 +1,14 @@
+// A run is made in OUT/runs/HASH.part and renamed to OUT/runs/HASH when it is whole. rename(2) is
+// atomic within a file system, so a finished folder is either there with all its files or not at
+// all.
+//
+// Who makes a run holds an advisory lock (flock(2)) on HASH.part/lock. The kernel drops it when the
+// process ends in whatever way, so no stale lock has to be guessed by its age. On NFS Linux turns
+// flock into locks of the server, which holds across machines.
+//
+// The order in take() matters. Between the first look and the lock another process may finish the
+// run: it renames the folder, with the lock in it. So after locking, isOf() checks that the locked
+// file still is the one that the name leads to, and the finished folder is looked for again.
 #include "render/sweep/run_folder.h"
 
 #include <cerrno>
@@ -23,6 +34,7 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kRecord = "run.json";
 constexpr const char* kLock = "lock";
 
+/// The folder that it replaces must not exist, or be empty (rename(2)).
 void putInPlace(const fs::path& from, const fs::path& to) {
   std::error_code error;
   fs::rename(from, to, error);
@@ -38,11 +50,13 @@ void removeLeftovers(const fs::path& folder) {
   }
 }
 
+/// Whether a run is still to be made.
 bool isOpen(const fs::path& finished, bool retryFailed) {
   const std::optional<RunRecord> record = readRunRecord(finished);
   return !record || (retryFailed && record->failed);
 }
 
+/// An object with the keys status ("done" or "failed"), reason and inputs.
 std::string recordText(const RunRecord& record) {
   Json inputs = Json::object();
   for (const auto& [key, value] : record.inputs) inputs[key] = value;
@@ -63,6 +77,7 @@ std::optional<FileLock> FileLock::take(const fs::path& file, IfHeld ifHeld) {
         fmt::format("{}: error: cannot be made ({}); choose another folder with --out",
                     file.string(), std::strerror(errno)));
   }
+  // From here on the descriptor is closed whatever happens.
   FileLock lock(descriptor);
   const int patience = ifHeld == IfHeld::GiveUp ? LOCK_NB : 0;
   int result = 0;
@@ -77,9 +92,11 @@ std::optional<FileLock> FileLock::take(const fs::path& file, IfHeld ifHeld) {
                   file.string(), std::strerror(errno)));
 }
 
+/// A file that was renamed keeps its inode, and the name then leads elsewhere or nowhere.
 bool FileLock::isOf(const fs::path& file) const {
   struct stat held = {};
   struct stat named = {};
+  // The same device and inode: the same file.
   return ::fstat(descriptor_, &held) == 0 && ::stat(file.c_str(), &named) == 0 &&
          held.st_dev == named.st_dev && held.st_ino == named.st_ino;
 }
@@ -129,6 +146,8 @@ void RunClaim::clear() const {
 
 void RunClaim::finish(const RunRecord& record) {
   writeTextFile(folder_ / kRecord, recordText(record));
+  // A failed run that is made again has a folder already. It is moved aside first and removed last,
+  // so that one of the two is always there.
   const fs::path former = finished_.string() + ".old.part";
   std::error_code ignored;
   fs::remove_all(former, ignored);

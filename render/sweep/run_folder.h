@@ -16,7 +16,8 @@ class FileLock {
   enum class IfHeld { Wait, GiveUp };
 
   /// The lock, or nothing when another process holds it. The file is made if need be. Throws
-  /// OutputError when it cannot be.
+  /// OutputError when it cannot be. With Wait it blocks until the lock is free; it is nothing all
+  /// the same when the file was moved away meanwhile.
   static std::optional<FileLock> take(const std::filesystem::path& file, IfHeld ifHeld);
 
   FileLock(FileLock&& other) noexcept;

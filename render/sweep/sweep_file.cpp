@@ -1,3 +1,9 @@
+// Reads sweep.toml key by key. TOML (toml.io, version 1.0) gives values with their place in the
+// file; every refusal names file, line and column. What keys mean is not known here:
+// cli/sweep_runs.cpp checks each of them against the options of a run.
+//
+// A value is kept as the text that would be typed on a command line ("25", "0,0,-9.81", "true"),
+// because that is what the options read. Numbers of a range are made by SweepRange::at().
 #include "render/sweep/sweep_file.h"
 
 #include <algorithm>
@@ -50,7 +56,7 @@ SweepValue readValue(const std::string& key, const TomlValue& value) {
   return {text, value.truth() != nullptr, value.where};
 }
 
-/// The texts of a word's choice: {"log": true, "linear": false}.
+/// The texts of a word's choice: {"log": true, "linear": false}. True for "log".
 bool readScale(const TomlValue& value) {
   const std::string* word = value.text();
   if (!word || (*word != "log" && *word != "linear")) refuseValue(value, "\"linear\" or \"log\"");
@@ -76,12 +82,14 @@ void readRangeKey(const TomlEntry& entry, RangeTable& table) {
     if (!entry.value.truth()) refuseValue(entry.value, "true or false");
     table.range.whole = *entry.value.truth();
   } else if (entry.key == "count") {
+    // Two at least: both ends.
     table.count = readCount(entry.value, 2, kMostValues);
   } else {
     refuseKey(entry, "key of a range", {"from", "to", "count", "scale", "whole"});
   }
 }
 
+/// `from` may be larger than `to`.
 RangeTable readRange(const TomlValue& value) {
   const TomlTable* table = value.table();
   if (!table || !find(*table, "from") || !find(*table, "to")) refuseValue(value, kRangeWanted);
@@ -102,7 +110,7 @@ void requireFewValues(std::size_t count, const FileLocation& where) {
                                         kMostValues));
 }
 
-/// The values of a key in [grid] or [list].
+/// The values of a key in [grid] or [list]. A list of values, or a range with a count.
 SweepAxis readAxis(const TomlEntry& entry) {
   SweepAxis axis{entry.key, entry.where, {}};
   if (const std::vector<TomlValue>* array = entry.value.array()) {
@@ -119,6 +127,7 @@ SweepAxis readAxis(const TomlEntry& entry) {
   const RangeTable table = readRange(entry.value);
   if (!table.count) refuseValue(entry.value, kRangeWanted);
   for (std::size_t i = 0; i < *table.count; ++i) {
+    // Both ends belong to the range.
     const double share = static_cast<double>(i) / static_cast<double>(*table.count - 1);
     axis.values.push_back({table.range.at(share), false, entry.value.where});
   }
@@ -160,6 +169,7 @@ void readLatinHypercube(const TomlEntry& entry, Sweep& sweep) {
     if (key.key == "runs") {
       runs = readCount(key.value, 1, kMostValues);
     } else if (key.key == "random_seed") {
+      // Whole numbers of TOML are doubles here; below 1e15 they are exact.
       seed = readCount(key.value, 0, 1e15);
     } else {
       const RangeTable table = readRange(key.value);
@@ -167,6 +177,8 @@ void readLatinHypercube(const TomlEntry& entry, Sweep& sweep) {
       const auto end = [&](double share) {
         return SweepValue{table.range.at(share), false, key.value.where};
       };
+      // Both ends are tried by requireValid() before anything runs; what lies between is taken to
+      // be as good.
       sweep.axes.push_back({key.key, key.where, {end(0), end(1)}});
     }
   }
@@ -180,7 +192,9 @@ void readLatinHypercube(const TomlEntry& entry, Sweep& sweep) {
   sweep.plan = SweepPlan::latinHypercube(axes, runs, seed);
 }
 
+/// [grid], [list] or [latin_hypercube], whichever the entry is.
 void readPlan(const TomlEntry& entry, Sweep& sweep) {
+  // Axes are there already: a second plan.
   if (!sweep.axes.empty()) {
     throw inputErrorAt(entry.where,
                        "one of [grid], [list] and [latin_hypercube] will do; remove the others");
@@ -194,6 +208,7 @@ void readPlan(const TomlEntry& entry, Sweep& sweep) {
   sweep.plan = entry.key == "list" ? SweepPlan::list(sweep.axes) : SweepPlan::grid(sweep.axes);
 }
 
+/// Keys may stand in any order.
 void readEntry(const TomlEntry& entry, Sweep& sweep) {
   static const std::vector<std::string> kKeys = {"model", "generate", "scene", "keep",
                                                  "base",  "grid",     "list",  "latin_hypercube"};
@@ -245,6 +260,7 @@ Sweep readSweepFile(const std::filesystem::path& path) {
     throw inputErrorAt({path}, "there is nothing to vary; add [grid], [list] or [latin_hypercube]");
   }
   requireKeysOnce(sweep);
+  // The order in the file does not matter, and so does not show in names and tables.
   std::sort(sweep.settings.begin(), sweep.settings.end(),
             [](const SweepSetting& a, const SweepSetting& b) { return a.key < b.key; });
   return sweep;

@@ -18,7 +18,7 @@ enum class SweepKeep {
   All,         ///< all that `kirireel record` leaves
 };
 
-/// A key with one value.
+/// A key with one value. As written in the file, not yet known to exist.
 struct SweepSetting {
   std::string key;
   SweepValue value;

@@ -1,3 +1,17 @@
+// Grid: run i of axes with n_0, n_1, ... values has on each axis the digit of i in the mixed base
+// (n_0, n_1, ...), the last axis being the lowest digit. So no list of runs is kept.
+//
+// Latin hypercube (M. D. McKay, R. J. Beckman, W. J. Conover, Technometrics 21, 1979): with n runs
+// each range is cut into n equal parts, in share of the way; for each axis a random permutation p
+// of 0 to n - 1 is drawn, and run i has the share
+//
+//     (p(i) + r) / n,    r uniform in 0 to 1.
+//
+// Each part of each range has one run, so that n runs tell about every parameter as n values, where
+// a grid of n runs in d parameters has the d-th root of n.
+//
+// Random numbers come from std::mt19937_64, whose sequence the C++ standard fixes; distributions
+// and shuffles of the library are not fixed, so they are written out here.
 #include "render/sweep/sweep_plan.h"
 
 #include <algorithm>
@@ -30,6 +44,7 @@ void sortAndDropRepeats(std::vector<Row>& rows) {
 
 /// From 0 to below 1. Not std::uniform_real_distribution, which may differ between libraries.
 double randomShare(std::mt19937_64& generator) {
+  // The upper 53 bits of 64, as many as a double holds.
   return static_cast<double>(generator() >> 11) * 0x1p-53;
 }
 
@@ -38,6 +53,7 @@ std::vector<std::size_t> shuffledNumbers(std::size_t count, std::mt19937_64& gen
   std::vector<std::size_t> numbers(count);
   std::iota(numbers.begin(), numbers.end(), std::size_t{0});
   for (std::size_t left = count; left > 1; --left) {
+    // The bias of the remainder is below left / 2^64, which nobody can see.
     std::swap(numbers[left - 1], numbers[generator() % left]);
   }
   return numbers;
@@ -56,6 +72,7 @@ bool comesBefore(const SweepValue& a, const SweepValue& b) {
   const auto first = numberIn(a.text);
   const auto second = numberIn(b.text);
   if (first && second) return *first < *second;
+  // A number comes before a text.
   if (first || second) return first.has_value();
   return a.text < b.text;
 }
@@ -63,6 +80,7 @@ bool comesBefore(const SweepValue& a, const SweepValue& b) {
 std::string SweepRange::at(double share) const {
   const double number =
       logarithmic ? from * std::pow(to / from, share) : from + (to - from) * share;
+  // Nine digits are fewer than a double has: 0.1 + 0.2 shows as 0.3.
   return fmt::format("{:.9g}", whole ? std::round(number) : number);
 }
 
@@ -105,6 +123,7 @@ SweepPlan SweepPlan::latinHypercube(const std::vector<SweepRangeAxis>& axes, std
 std::uint64_t SweepPlan::size() const {
   if (axes_.empty()) return rows_.size();
   constexpr std::uint64_t kMost = std::numeric_limits<std::uint64_t>::max();
+  // The product is capped where it would overflow.
   std::uint64_t size = 1;
   for (const auto& values : axes_) {
     if (values.empty()) return 0;
@@ -116,6 +135,7 @@ std::uint64_t SweepPlan::size() const {
 std::vector<SweepValue> SweepPlan::run(std::uint64_t index) const {
   if (axes_.empty()) return rows_.at(index);
   std::vector<SweepValue> values(axes_.size());
+  // The last axis changes fastest.
   for (std::size_t k = axes_.size(); k-- > 0;) {
     values[k] = axes_[k][index % axes_[k].size()];
     index /= axes_[k].size();

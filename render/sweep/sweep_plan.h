@@ -19,7 +19,7 @@ struct SweepValue {
   bool operator==(const SweepValue& other) const { return text == other.text; }
 };
 
-/// The number that a text is as a whole, if it is one.
+/// The number that a text is as a whole, if it is one. Locales do not matter.
 std::optional<double> numberIn(const std::string& text);
 
 /// Values that come before others in tables: numbers by size, before texts by letters.
@@ -39,7 +39,8 @@ struct SweepRange {
   bool logarithmic = false;  ///< equal ratios instead of equal differences; ends are positive
   bool whole = false;        ///< rounded to whole numbers
 
-  /// The number at a share of the way, 0 to 1, as text of at most 9 digits.
+  /// The number at a share of the way, 0 to 1, as text of at most 9 digits. Share 0 is `from`, 1 is
+  /// `to`. Logarithmic: from (to / from)^share.
   std::string at(double share) const;
 };
 
@@ -68,9 +69,10 @@ class SweepPlan {
   static SweepPlan latinHypercube(const std::vector<SweepRangeAxis>& axes, std::size_t count,
                                   std::uint64_t seed);
 
-  /// How many runs there are; the largest number when there are more.
+  /// How many runs there are; the largest number when there are more. An overflow gives 2^64 - 1.
   std::uint64_t size() const;
 
+  /// In the order of the axes, which is that of the table's columns.
   const std::vector<std::string>& keys() const { return keys_; }
 
   /// The values of a run, one for each key; index below size().

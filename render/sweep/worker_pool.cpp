@@ -1,3 +1,23 @@
+// One parent, `count` children. Each child is forked once and does jobs until none is left:
+//
+//     parent                         child
+//     next() gives a number
+//     send number (8 bytes)   ->     recv
+//                                    work(number)
+//     poll, recv verdict      <-     send verdict (1 byte)
+//     watch(verdict)
+//
+// The channel is a pair of SOCK_SEQPACKET sockets (unix(7)): messages keep their bounds, and the
+// end of the process closes it, which the parent sees as an empty message. A worker that dies is
+// replaced by a new one; its job is lost, or tried once more where SIGKILL ended it, because the
+// kernel's choice under memory pressure may have hit a run that was not to blame.
+//
+// Processes and not threads: a crash of one run, memory that it ate, or a loop that never ends
+// cannot be mended within a process. fork without exec keeps libraries loaded and tables warm.
+//
+// Memory is bounded by RLIMIT_DATA (setrlimit(2)), beyond which allocations fail with
+// std::bad_alloc, so that most runs that need too much end with a reason. Time is wall time from
+// the moment when the job was given.
 #include "render/sweep/worker_pool.h"
 
 #include <array>
@@ -25,7 +45,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// How often `watch` is called at least.
+/// How often `watch` is called at least. It bounds how late Ctrl-C and the time limit are noticed.
 constexpr int kWatchMilliseconds = 200;
 
 // What a sanitizer keeps of each byte would count too, and be far beyond any limit.
@@ -56,6 +76,7 @@ void limitMemory(std::int64_t bytes) {
       std::fflush(nullptr);
       ::_exit(1);
     }
+    // MSG_NOSIGNAL: a parent that is gone gives an error and not SIGPIPE.
     if (::send(channel, &verdict, sizeof verdict, MSG_NOSIGNAL) != sizeof verdict) break;
   }
   std::fflush(nullptr);
@@ -75,11 +96,14 @@ class Worker {
     process_ = ::fork();
     if (process_ < 0) fail();
     if (process_ == 0) {
+      // The kernel ends the child with its parent (prctl(2)).
       ::prctl(PR_SET_PDEATHSIG, SIGKILL);
       // The parent may have died before that.
       if (::getppid() != parent) ::_exit(1);
+      // Ctrl-C reaches the whole process group; the parent decides what ends.
       std::signal(SIGINT, SIG_IGN);
       std::signal(SIGTERM, SIG_IGN);
+      // An end that a sibling keeps open would hide that the parent has closed it.
       for (const int sibling : siblings) ::close(sibling);
       ::close(ends[0]);
       limitMemory(limits.memoryBytes);
@@ -89,6 +113,7 @@ class Worker {
     ::close(ends[1]);
   }
 
+  /// Kills the process if it still runs, and waits, so that no zombie stays.
   ~Worker() {
     ::kill(process_, SIGKILL);
     waitForEnd();
@@ -107,11 +132,13 @@ class Worker {
   /// The verdict on its job; nothing when the process has ended.
   std::optional<Verdict> take() {
     Verdict verdict = Verdict::Failed;
+    // An ended process gives 0 bytes.
     return ::recv(channel_, &verdict, sizeof verdict, 0) == sizeof verdict ? std::optional(verdict)
                                                                            : std::nullopt;
   }
 
-  /// Waits for the process, and says how it ended.
+  /// Waits for the process, and says how it ended. The status of waitpid(2); further calls return
+  /// the same.
   int waitForEnd() {
     while (!ended_ && ::waitpid(process_, &status_, 0) < 0 && errno == EINTR) {
     }
@@ -157,6 +184,7 @@ class Pool {
   Pool(const WorkerJobs& jobs, const WorkerLimits& limits) : jobs_(jobs), limits_(limits) {}
 
   bool run() {
+    // No more workers than there are jobs.
     for (int i = 0; i < limits_.count; ++i) {
       const std::optional<std::uint64_t> job = next();
       if (!job) break;
@@ -193,12 +221,15 @@ class Pool {
   std::vector<bool> listen() const {
     std::vector<pollfd> channels;
     for (const auto& worker : workers_) channels.push_back({worker->channel(), POLLIN, 0});
+    // Interrupted by a signal: nobody is heard in this round, and watch() asks for the signal in
+    // the next.
     if (::poll(channels.data(), channels.size(), kWatchMilliseconds) < 0) channels.clear();
     std::vector<bool> spoke;
     for (const pollfd& channel : channels) spoke.push_back(channel.revents != 0);
     return spoke;
   }
 
+  /// Takes the verdict of worker i and gives it the next job; false when `watch` ends all.
   bool hear(std::size_t i) {
     const std::optional<Verdict> verdict = workers_[i]->take();
     if (!verdict) return replace(i);
@@ -215,6 +246,7 @@ class Pool {
   bool replace(std::size_t i) {
     const std::uint64_t job = workers_[i]->job();
     const int status = workers_[i]->waitForEnd();
+    // insert() tells whether the job is tried again for the first time.
     if (wasKilled(status) && triedAgain_.insert(job).second) {
       again_.push_back(job);
       return dismiss(i);

@@ -40,7 +40,8 @@ struct WorkerJobs {
 /// They end with the caller, however that ends, and leave SIGINT and SIGTERM to it. A job whose
 /// process was killed from outside (SIGKILL, as when memory runs out) is tried once more. Returns
 /// false when `watch` ended it. Throws RunError when processes cannot be made, and what `lost`
-/// throws.
+/// throws. `next`, `lost` and `watch` are called in the caller, one at a time. Linux only: it
+/// relies on prctl(2).
 bool runInWorkers(const WorkerJobs& jobs, const WorkerLimits& limits);
 
 }  // namespace kirireel

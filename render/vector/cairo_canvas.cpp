@@ -1,3 +1,13 @@
+// Cairo (cairographics.org) draws a page once, on a PDF or on an image surface; both share all of
+// the drawing. Units are the pixels of the settings, scaled to points (1/72 inch) in a PDF. Strokes
+// have round joins and end where their lines do.
+//
+// Antialiasing leaves hairlines between polygons side by side, because each covers a part of the
+// pixel and the background shines through; polygons are therefore also stroked in their own colour,
+// by 0.3 pixels or more.
+//
+// A PDF holds a date; a fixed one is set, so that the same page gives the same bytes. Cairo's own
+// version stands in the file all the same.
 #include "render/vector/cairo_canvas.h"
 
 #include <cstdint>
@@ -17,11 +27,14 @@ namespace {
 
 constexpr double kPointsPerInch = 72;
 
+/// Called by Cairo with each piece of the file.
 cairo_status_t appendBytes(void* file, const unsigned char* bytes, unsigned count) {
   static_cast<std::string*>(file)->append(reinterpret_cast<const char*>(bytes), count);
   return CAIRO_STATUS_SUCCESS;
 }
 
+/// Cairo keeps the first error of a surface and draws nothing afterwards, so it is enough to ask at
+/// the end.
 void requireDrawn(cairo_surface_t* surface, const char* what) {
   const cairo_status_t status = cairo_surface_status(surface);
   if (status == CAIRO_STATUS_SUCCESS) return;
@@ -64,6 +77,7 @@ class CairoCanvas : public Canvas {
   std::unique_ptr<Internals> internals_;  ///< made by the constructors below
 };
 
+/// Destroyed before the bytes that the surface writes into.
 struct CairoCanvas::Internals {
   cairo_surface_t* surface = nullptr;
   cairo_t* pen = nullptr;
@@ -123,12 +137,15 @@ CairoCanvas::CairoCanvas() = default;
 
 CairoCanvas::~CairoCanvas() = default;
 
+/// A part with opacity is drawn aside as a group and painted at once, so that what overlaps in it
+/// is not darker.
 void CairoCanvas::begin(const std::string&, double opacity) {
   cairo_save(internals_->pen);
   if (opacity < 1) cairo_push_group(internals_->pen);
   internals_->opacities.push_back(opacity);
 }
 
+/// The clip ends with the part, by cairo_restore.
 void CairoCanvas::beginWithin(const std::string& name, double left, double upper, double width,
                               double height) {
   begin(name);
@@ -146,6 +163,7 @@ void CairoCanvas::end() {
   cairo_restore(internals_->pen);
 }
 
+/// Filled and stroked in one colour: the stroke covers the hairline to its neighbours.
 void CairoCanvas::polygon(const Points& corners, Colour colour) {
   cairo_t* pen = internals_->pen;
   internals_->choose(colour);
@@ -177,6 +195,7 @@ void CairoCanvas::box(double left, double upper, double width, double height, Co
   cairo_fill(internals_->pen);
 }
 
+/// Cairo's simple interface for text: no shaping beyond single glyphs.
 void CairoCanvas::text(const std::string& line, double left, double baseline, int em,
                        Colour colour) {
   internals_->choose(colour);
@@ -185,6 +204,7 @@ void CairoCanvas::text(const std::string& line, double left, double baseline, in
   cairo_show_text(internals_->pen, line.c_str());
 }
 
+/// One page of width x height pixels at the settings' resolution.
 class PdfCanvas : public CairoCanvas {
  public:
   explicit PdfCanvas(const PageSettings& settings);
@@ -217,6 +237,7 @@ std::string PdfCanvas::finish() {
   return std::move(*file_);
 }
 
+/// Cairo's pixels are 32-bit words with premultiplied alpha.
 class PngCanvas : public CairoCanvas {
  public:
   explicit PngCanvas(const PageSettings& settings);

@@ -1,3 +1,18 @@
+// Binary space partition (H. Fuchs, Z. M. Kedem, B. F. Naylor, "On Visible Surface Generation by A
+// Priori Tree Structures", SIGGRAPH 1980). One piece is chosen as splitter; its plane n . p = o
+// divides the others:
+//
+//     back (n . p < o)    on (within the tolerance)    front (n . p > o)
+//
+// A piece on both sides is cut in two. Back and front are sorted in the same way, and the order
+// back, on, front is right for the painter's algorithm, because every splitter looks at the camera:
+// nothing behind its plane can hide what is on it or in front of it.
+//
+// The splitter is the best of twelve candidates, by the cost 8 cuts + |front - back|: few cuts keep
+// the file small, balance keeps the recursion shallow. With n pieces that takes about 12 n log n
+// tests when planes divide well.
+//
+// A sort by distance would be simpler and wrong for faces that cross or hide each other in turn.
 #include "render/vector/depth_order.h"
 
 #include <algorithm>
@@ -32,7 +47,8 @@ struct Plane {
   double distance(const Vector3& point) const { return normal.dot(point) - offset; }
 };
 
-/// The part of a polygon in front of the plane. A side along the plane is marked as cut.
+/// The part of a polygon in front of the plane. A side along the plane is marked as cut. Sutherland
+/// and Hodgman's clipping. Empty where less than a triangle is left.
 CutPolygon frontPart(const CutPolygon& polygon, const Plane& plane) {
   CutPolygon part;
   const std::size_t count = polygon.corners.size();
@@ -66,6 +82,7 @@ struct Sides {
   bool back = false;
 };
 
+/// By the corners of the outer polygon; the inner one lies within.
 Sides sidesOf(const Piece& piece, const Plane& plane) {
   Sides sides;
   for (const Vector3& corner : piece.outer.corners) {
@@ -127,6 +144,7 @@ class Sorter {
     return best;
   }
 
+  /// Looks at all pieces.
   static int costOf(const Plane& plane, const std::vector<Piece>& pieces) {
     int front = 0, back = 0, cut = 0;
     for (const Piece& piece : pieces) {
@@ -154,6 +172,7 @@ CutPolygon uncut(std::span<const Vector3> corners) {
   return {{corners.begin(), corners.end()}, std::vector<char>(corners.size(), 0)};
 }
 
+/// The normal is that of the outer corners.
 Piece makePiece(const Sketch& sketch, const Facet& facet) {
   Piece piece{uncut(sketch.corners(facet)), uncut(sketch.inner(facet)), facet.outlined, facet.pale,
               facet.colour};

@@ -7,13 +7,15 @@
 
 namespace kirireel {
 
-/// A convex polygon that remembers which of its sides came from cutting.
+/// A convex polygon that remembers which of its sides came from cutting. `isCut` has an entry for
+/// each corner. Sides from cutting get no outline.
 struct CutPolygon {
   std::vector<Vector3> corners;  ///< anticlockwise in the picture
   std::vector<char> isCut;       ///< for the side from corner k to corner k + 1
 };
 
-/// A facet or a part of one.
+/// A facet or a part of one. Pieces of one facet share its plane, so that cutting never moves a
+/// face.
 struct Piece {
   CutPolygon outer;       ///< with its outline
   CutPolygon inner;       ///< within its outline; empty where the part has none of it
@@ -25,7 +27,7 @@ struct Piece {
 };
 
 /// The pieces of a layer of facets, in the order in which they stand. Parts nearer to the camera
-/// than its near plane are cut away.
+/// than its near plane are cut away. In order of the facets, not sorted.
 std::vector<Piece> makePieces(const Sketch& sketch, const std::vector<Facet>& facets,
                               const Camera& camera);
 
@@ -46,7 +48,8 @@ std::vector<SeenOutline> seenOutlines(const std::vector<Piece>& pieces, const Ca
 /// Puts facets that all look at the camera into an order in which each hides those before it, by
 /// cutting those that lie on both sides of another's plane (binary space partition; Fuchs, Kedem
 /// and Naylor 1980). Right for facets that cross, too. A facet's plane has the camera on its front,
-/// so that what lies behind the plane comes first.
+/// so that what lies behind the plane comes first. Cutting may give more pieces than there were.
+/// Throws Interrupted when the user ends the program.
 std::vector<Piece> farthestFirst(std::vector<Piece> pieces);
 
 }  // namespace kirireel

@@ -55,6 +55,7 @@ std::vector<Canvas::Points> cutSides(const CutPolygon& polygon, const Canvas::Po
   return lines;
 }
 
+/// In their order, each over those before.
 void drawPieces(const std::vector<Piece>& pieces, const Projector& project, Canvas& canvas) {
   for (const Piece& piece : pieces) {
     checkInterruption();

@@ -1,3 +1,11 @@
+// SVG 1.1 (W3C Recommendation) as text. In this order: the root with its size, <desc>, one <style>
+// with classes for faces, seams, outlines and text, then groups. A group at the top is a layer to
+// Inkscape (inkscape:groupmode="layer"), which other programs ignore. Coordinates have two decimals
+// of a pixel, which at 300 dots an inch is a micrometre of print.
+//
+// Shapes are paths "M x y L x y ... Z" with the fill of their face. The look of lines stands in the
+// style sheet alone, so that an editor changes all outlines at once. Text stays text in the font of
+// that name; a reader without it takes Arial or Helvetica.
 #include "render/vector/svg.h"
 
 #include <iterator>
@@ -8,6 +16,7 @@
 namespace kirireel {
 namespace {
 
+/// Alpha is written apart, as an opacity.
 std::string hex(Colour colour) {
   return fmt::format("#{:02x}{:02x}{:02x}", colour.red, colour.green, colour.blue);
 }
@@ -18,6 +27,7 @@ std::string lengthOf(int pixels, const PageSettings& settings) {
   return fmt::format("{:.6g}mm", pixels * 25.4 / settings.pixelsPerInch);
 }
 
+/// Nothing for opaque colours, which most are.
 std::string opacityText(Colour colour) {
   return colour.alpha == 255 ? std::string()
                              : fmt::format(" fill-opacity=\"{:.4g}\"", colour.alpha / 255.0);
@@ -39,6 +49,7 @@ std::string escaped(const std::string& text) {
   return safe;
 }
 
+/// "M" for the first point, "L" for the others; not closed.
 std::string pathOf(const Canvas::Points& points) {
   std::string path;
   for (const Eigen::Vector2d& point : points) {

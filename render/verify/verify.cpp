@@ -1,3 +1,20 @@
+// Checks a finished run in two steps.
+//
+// Files: every name in "contents" of summary.json and of contents.json must have the noted size and
+// SHA-256, and the records must be sealed (digest.h).
+//
+// Figures: trajectory.h5 holds the poses of all samples, one record for each step, and the states
+// in which the extreme figures of the run were found ("figure states"). From these the figures are
+// computed again by the functions of sim/measure and compared with what the summary says:
+//
+//     per sample   joint_gap, penetration, target_error
+//     all steps    joint_gap_mean = sum of means / steps, joint_gap_max, target_error_min, counts
+//     one state    penetration_max and others, each at its own state; rigid_bound; elasticity
+//
+// Two figures a and b agree when |a - b| <= 1e-12 max(|a|, |b|).
+//
+// So a summary that was edited, or a figure that the program computed wrongly in passing, shows; a
+// wrong simulation does not.
 #include "render/verify/verify.h"
 
 #include <algorithm>
@@ -29,6 +46,7 @@ constexpr const char* kTrajectory = "trajectory.h5";
 // last bit. This part of a figure is left to compilers that add in another order.
 constexpr double kRounding = 1e-12;
 
+/// Throws InputError where there is none.
 std::string readSummary(const fs::path& folder) {
   if (fs::exists(folder / kSummary)) {
     return readTextFile(folder / kSummary, "give the folder that a run left");
@@ -39,7 +57,8 @@ std::string readSummary(const fs::path& folder) {
       folder.string(), kSummary));
 }
 
-/// A text as summary.json has it: bytes that are not UTF-8 are U+FFFD there.
+/// A text as summary.json has it: bytes that are not UTF-8 are U+FFFD there. Names of models may
+/// hold any bytes.
 std::string asInJson(const std::string& text) {
   return Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace));
 }
@@ -54,6 +73,7 @@ struct StateFigure {
   std::function<double(const Poses&)> compute;
 };
 
+/// Goes on after a complaint, as far as what follows can still be read.
 class Verifier {
  public:
   explicit Verifier(fs::path folder) : folder_(std::move(folder)) {}
@@ -68,6 +88,7 @@ class Verifier {
     }
     try {
       compareFiles(summary.at("contents"));
+      // A damaged trajectory would only repeat the complaint in many words.
       if (report_.complaints.empty()) compareFigures(summary);
     } catch (const Json::exception&) {
       complain(kSummary, "its entries are not those of a run");
@@ -95,6 +116,7 @@ class Verifier {
     }
   }
 
+  /// `place` is the file that states the figure.
   void compare(const std::string& place, const std::string& figure, double stated,
                double computed) {
     const double larger = std::max(std::abs(stated), std::abs(computed));
@@ -108,6 +130,7 @@ class Verifier {
     if (stated != copy) complain(kSummary, fmt::format("{} differs from trajectory.h5", entry));
   }
 
+  /// One sample.
   void recompute(const TrajectoryReader& run, const std::vector<Pivot>& pivots, std::size_t index) {
     const Subject& subject = run.subject();
     const Sample stored = run.sample(index);
@@ -122,6 +145,7 @@ class Verifier {
     ++report_.samples;
   }
 
+  /// Files agree already, so what differs here was wrong when it was written.
   void compareFigures(const Json& summary) {
     const TrajectoryReader run(folder_ / kTrajectory);
     const std::vector<Pivot> pivots = makePivots(run.subject().model.joints, run.subject().bricks);
@@ -144,6 +168,7 @@ class Verifier {
     compareVideo(summary);
   }
 
+  /// As summary.json has them.
   static Json eventsOf(const TrajectoryReader& run) {
     Json events = Json::array();
     for (const Event& event : run.end().events) {
@@ -152,6 +177,7 @@ class Verifier {
     return events;
   }
 
+  /// The last event of a run repeats its outcome and reason.
   void compareEnd(const Json& summary, const TrajectoryReader& run) {
     compare(kSummary, "end_time", summary.at("end_time"), run.times().back());
     const std::string outcome = summary.at("outcome");
@@ -163,6 +189,7 @@ class Verifier {
     }
   }
 
+  /// Counts and sizes follow from the model that trajectory.h5 holds.
   void compareModel(const Json& stated, const Model& model) {
     compareCopy("model.name", stated.at("name"), asInJson(model.name));
     compareCopy("model.has_target", stated.at("has_target"), model.target.has_value());
@@ -191,6 +218,7 @@ class Verifier {
     compare(kSummary, "joint_gap_max", accuracy.at("joint_gap_max"), largestGap);
     if (run.subject().model.target)
       compare(kSummary, "target_error_min", accuracy.at("target_error_min"), leastError);
+    // Counts of steps: figures without a part are not in the summary.
     for (const StepFigure& figure : kStepFigures) {
       if (!figure.part) continue;
       compare(kSummary, figure.partName, summary.at(figure.part).value(figure.partName, 0.0),
@@ -247,6 +275,8 @@ class Verifier {
   static std::vector<StateFigure> stateFigures(const Json& summary, const Subject& subject,
                                                const std::vector<Pivot>& pivots,
                                                const Poses& asRead) {
+    // As the run had it: overlaps in the corners that joined bricks share do not count as
+    // "outside".
     const double zone = summary.at("settings").at("environment").at("pivot_zone");
     const double least = kRoundingOverlap * tileSize(subject.model);
     const auto overlaps =
@@ -270,6 +300,7 @@ class Verifier {
     return figures;
   }
 
+  /// Counts the packets of the first video in the list.
   void compareVideo(const Json& summary) {
     for (const std::string name : summary.at("files")) {
       // A GIF leaves out what its players could not show.

@@ -8,7 +8,8 @@
 
 namespace kirireel {
 
-/// What was found in a run's folder.
+/// What was found in a run's folder. Complaints begin with the path of the file that they are
+/// about.
 struct VerifyReport {
   int files = 0;                        ///< compared with their size and hash
   int samples = 0;                      ///< whose figures were computed again
@@ -24,13 +25,14 @@ struct FinishedRun {
 
 /// The run in a folder, when it was not interrupted, came from this order (see RecordSettings), and
 /// left files that still are what they were. Anything else there, and nothing at all, gives none.
+/// `order` is RecordSettings::order. Reads every file of the run, for its hash.
 std::optional<FinishedRun> findFinishedRun(const std::filesystem::path& folder,
                                            const std::string& order);
 
 /// Compares every file that the summary.json in the folder names with the size and the hash noted
 /// there, and the summary with its own; computes the figures of trajectory.h5 again from its poses,
 /// and compares them with those in it and in the summary. Throws InputError when there is no
-/// summary.json.
+/// summary.json. Costs what measuring all samples costs, overlaps above all.
 VerifyReport verifyRun(const std::filesystem::path& folder);
 
 }  // namespace kirireel

@@ -1,3 +1,23 @@
+// How a frame becomes part of a file, with FFmpeg's libraries (libavfilter, libavcodec,
+// libavformat; ffmpeg.org, "Doxygen Documentation"):
+//
+//     Frame (sRGB, RGBA)
+//       -> toVideoColours (MP4, WebM), or a filter graph "buffer -> conversion -> buffersink"
+//       -> encoder: avcodec_send_frame, avcodec_receive_packet until it asks for more
+//       -> container: av_interleaved_write_frame
+//
+// The time base is 1 / frames a second, and frame k has the time k.
+//
+// MP4. While frames come, the file is fragmented (ISO/IEC 14496-12, movie fragments): an index
+// without samples, then a fragment for each packet, so that what a killed process leaves plays up
+// to there. In finish() the packets are copied, not encoded again, into a file whose index stands
+// before the samples ("faststart"), for players that begin before they have all of it.
+//
+// Same frames, same bytes: one thread an encoder, the flags "bitexact", no times of creation, and
+// x264's macroblock tree off where it reads unset memory (kTreeWidth).
+//
+// libav reports errors by negative numbers. check() turns them into OutputError; that a buffer has
+// nothing yet (EAGAIN) or nothing more (EOF) is no error.
 #include "render/video/video.h"
 
 #include <array>
@@ -73,6 +93,7 @@ const AVCodec* findEncoder(const std::filesystem::path& file, const std::string&
                   file.string(), name));
 }
 
+/// `image` is RGBA and of the frame's size.
 void copyPixels(const Frame& frame, bool keepAlpha, AVFrame& image) {
   for (int y = 0; y < frame.size.height; ++y) {
     const std::uint8_t* from = frame.pixels.data() + frame.rowStart(y);
@@ -85,6 +106,7 @@ void copyPixels(const Frame& frame, bool keepAlpha, AVFrame& image) {
   }
 }
 
+/// The three planes of a picture in YUV 4:2:0.
 VideoPlanes planesOf(const AVFrame& image) {
   const auto plane = [&image](int k) { return VideoPlane{image.data[k], image.linesize[k]}; };
   return {plane(0), plane(1), plane(2)};
@@ -109,6 +131,7 @@ class Options {
 
 }  // namespace
 
+/// Members are made in the order of the list: the filters know the format that the encoder gets.
 struct VideoWriter::Internals {
   Internals(std::filesystem::path path, const VideoSettings& videoSettings);
 
@@ -181,6 +204,7 @@ void VideoWriter::Internals::requireAccepted(int code) const {
                   settings.size.height, reasonOf(code)));
 }
 
+/// "in" and "out" are the open ends of the conversion's text.
 void VideoWriter::Internals::openFilters() {
   filters.reset(avfilter_graph_alloc());
   filters->nb_threads = 1;
@@ -231,6 +255,8 @@ void VideoWriter::Internals::setQuality() const {
   }
 }
 
+/// Colours are tagged as BT.709, limited range, where toVideoColours() makes them; the filters tag
+/// theirs.
 void VideoWriter::Internals::openEncoder() {
   const AVCodec* codec = findEncoder(file.finalPath(), settings.encoder);
   encoder.reset(avcodec_alloc_context3(codec));
@@ -259,6 +285,7 @@ void VideoWriter::Internals::openEncoder() {
   requireAccepted(code);
 }
 
+/// Called with the first packet: a video that fails before leaves no file.
 void VideoWriter::Internals::openContainer() {
   AVFormatContext* made = nullptr;
   check(avformat_alloc_output_context2(&made, nullptr, format.muxer, urlOf(file.path()).c_str()));
@@ -292,6 +319,7 @@ void VideoWriter::Internals::requireOpen() const {
       fmt::format("{}: error: the video is finished already", file.finalPath().string()));
 }
 
+/// The picture's own buffer is used for all frames.
 void VideoWriter::Internals::put(const Frame& frame) {
   // The filters or the encoder may still hold the buffer of the frame before.
   check(av_frame_make_writable(image.get()));
@@ -318,6 +346,7 @@ void VideoWriter::Internals::pullFiltered() {
   }
 }
 
+/// A null frame flushes the encoder: it gives what it still holds.
 void VideoWriter::Internals::encode(const AVFrame* input) {
   check(avcodec_send_frame(encoder.get(), input));
   while (true) {
@@ -337,6 +366,8 @@ void VideoWriter::Internals::encode(const AVFrame* input) {
   }
 }
 
+/// First the filters, then the encoder, then the container, since each may hold frames of the one
+/// before.
 void VideoWriter::Internals::close() {
   if (source != nullptr) {
     check(av_buffersrc_add_frame(source, nullptr));

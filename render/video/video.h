@@ -23,7 +23,7 @@ struct VideoSettings {
   std::string description;  ///< who made it from what, UTF-8: the file's comment
 };
 
-/// A kind of video file.
+/// A kind of video file. A row of the table in video_format.cpp.
 struct VideoFormat {
   const char* ending;   ///< of its files, with the dot
   const char* name;     ///< that people know it by
@@ -43,20 +43,22 @@ const std::vector<VideoFormat>& videoFormats();
 /// The format of a file by its ending. Throws InputError for an ending that stands for none.
 const VideoFormat& videoFormatOf(const std::filesystem::path& file);
 
-/// Throws InputError that names the setting, what was given and what is allowed.
+/// Throws InputError that names the setting, what was given and what is allowed. MP4 and WebM need
+/// even sides; crf is 0 to 51 (H.264) or 63 (VP9), and other formats have none.
 void requireValidSettings(const std::filesystem::path& file, const VideoSettings& settings);
 
 /// Throws OutputError when this machine's libavcodec lacks the encoder of such a file.
 void requireEncoder(const std::filesystem::path& file, const VideoSettings& settings);
 
 /// The place of an x264 preset in its list, 0 ("ultrafast") to 9 ("placebo"); that of "auto" is
-/// "veryfast"'s.
+/// "veryfast"'s. 10 for a word that is no preset.
 int presetStep(const std::string& preset);
 
-/// Whether a file's ending is one of a video.
+/// Whether a file's ending is one of a video. Case counts.
 bool isVideo(const std::filesystem::path& file);
 
-/// The number of frames that a video file holds. Throws InputError when it is none.
+/// The number of frames that a video file holds. Throws InputError when it is none. Counts packets,
+/// one a frame; decodes nothing.
 int countVideoFrames(const std::filesystem::path& file);
 
 /// Encodes frames as they come. The file appears under its final name in finish(); a writer that
@@ -67,7 +69,8 @@ int countVideoFrames(const std::filesystem::path& file);
 ///
 /// Colours of MP4 and WebM are converted to BT.709, limited range, 4:2:0, and the stream says so:
 /// untagged, players guess by the picture's size. GIF gets the best 256 colours of each frame; APNG
-/// and FFV1 keep every byte.
+/// and FFV1 keep every byte. Belongs to one thread at a time. Encoding takes a thread's time for
+/// each frame; nothing is done in the background.
 class VideoWriter {
  public:
   /// Throws InputError for settings out of range, OutputError when the encoder is missing or the

@@ -39,7 +39,8 @@ constexpr Weights kBlueness = {-kBlueRange * kLuma.red, -kBlueRange* kLuma.green
 constexpr Weights kRedness = {kRedRange * (1 - kLuma.red), -kRedRange* kLuma.green,
                               -kRedRange* kLuma.blue};
 
-/// The nearest byte to an offset and the weighed channels.
+/// The nearest byte to an offset and the weighed channels. Adds a half and cuts off, which is to
+/// round, for all sums are positive.
 std::uint8_t weighed(float offset, const Weights& weights, std::uint32_t red, std::uint32_t green,
                      std::uint32_t blue) {
   // Signed numbers become floats in one instruction.
@@ -58,12 +59,14 @@ std::uint32_t pixelAt(const std::uint8_t* row, int x) {
   return pixel;
 }
 
+/// By the bits that all pixels have in common: no branch within the loop.
 bool isOpaqueRow(const std::uint8_t* row, int width) {
   std::uint32_t common = ~0U;
   for (int x = 0; x < width; ++x) common &= pixelAt(row, x);
   return common >> 24 == 255;
 }
 
+/// One byte a pixel.
 void convertBrightness(const std::uint8_t* row, int width, std::uint8_t* brightness) {
   for (int x = 0; x < width; ++x) {
     const std::uint32_t pixel = pixelAt(row, x);
@@ -90,6 +93,8 @@ struct ColumnSums {
   }
 };
 
+/// The weights of columns are 1, 2, 1 round an even one; the last column has its right neighbour
+/// within the row, since the width is even.
 void convertColours(const ColumnSums& sums, int width, std::uint8_t* blueness,
                     std::uint8_t* redness) {
   const auto filtered = [](const std::uint32_t* left) { return left[0] + 2 * left[1] + left[2]; };

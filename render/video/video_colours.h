@@ -21,12 +21,14 @@ struct VideoPlanes {
   VideoPlane redness;     ///< Cr, likewise
 };
 
-/// Copies a row of RGBA pixels as it looks on white.
+/// Copies a row of RGBA pixels as it looks on white. c' = c a / 255 + 255 (1 - a / 255), rounded;
+/// alpha becomes 255. `copy` has room for 4 width bytes.
 void copyOverWhite(const std::uint8_t* row, int width, std::uint8_t* copy);
 
 /// Converts a frame of even width and height from sRGB to BT.709, limited range, 4:2:0, the
 /// coloured samples in line with the left pixels. What is transparent shows white. Each byte is the
-/// nearest to the exact value, but for the rounding of floats.
+/// nearest to the exact value, but for the rounding of floats. The planes must be large enough. One
+/// pass over the frame.
 void toVideoColours(const Frame& frame, const VideoPlanes& planes);
 
 }  // namespace kirireel

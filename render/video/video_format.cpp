@@ -1,3 +1,11 @@
+// The table of formats. To add one, give its ending, its muxer and encoder as `ffmpeg -muxers` and
+// `ffmpeg -encoders` name them, and the filters that lead from RGBA to a pixel format of the
+// encoder.
+//
+// GIF: 256 colours a frame at most; palettegen finds them for each frame by itself
+// (stats_mode=single), and paletteuse without dither keeps flat faces flat. Its times are
+// hundredths of a second, and many players show frames that are shorter than two of them more
+// slowly, so at most 50 frames a second are written.
 #include <algorithm>
 #include <array>
 
@@ -25,6 +33,7 @@ std::string nameAll(const std::vector<VideoFormat>& formats) {
   return fmt::format("{}", fmt::join(endings, ", "));
 }
 
+/// Colour planes of half the size need even sides; padding by a row would show as a line.
 void requireFittingSize(const VideoFormat& format, FrameSize size) {
   requireValidSize(size);
   const auto [width, height] = size;

@@ -1,3 +1,23 @@
+// VTK's XML formats ("VTK File Formats", vtk.org), version 1.0 with 64-bit headers:
+//
+//     <VTKFile type="UnstructuredGrid" ... compressor="vtkZLibDataCompressor">
+//       <UnstructuredGrid>
+//         <FieldData>   numbers of the state, as text
+//         <Piece NumberOfPoints NumberOfCells>
+//           <Points>    bottom, then top corners of each brick
+//           <Cells>     connectivity, offsets, types; faces and faceoffsets of polyhedra
+//           <PointData> <CellData>
+//
+// An array is base 64 of a header of four uint64 (number of blocks, size of a block, size of the
+// last block where it is not full, compressed size of the block), then base 64 of the block. We
+// write one block an array.
+//
+// Cells: a hexahedron has its bottom's corners, then its top's. A wedge's first triangle has its
+// normal pointing out of the cell. A polyhedron has its points in the connectivity and its faces in
+// a list of their own: number of faces, then size and points of each. "faceoffsets" says where each
+// cell's faces end, -1 for cells that have none.
+//
+// Binary and compressed, because text would be several times as long.
 #include "render/vtk/vtk.h"
 
 #include <array>
@@ -51,6 +71,7 @@ void appendArray(std::string& text, const char* name, const std::vector<T>& valu
          kTypeName<T>, name, kComponents<T>);
   const std::span<const std::byte> bytes = std::as_bytes(std::span(values));
   const std::string block = compressed(bytes);
+  // An empty array has a header of three zeros.
   std::array<std::uint64_t, 4> header = {1, bytes.size(), 0, block.size()};
   if (bytes.empty()) header = {};
   const std::size_t sizes = bytes.empty() ? 3 : 4;
@@ -59,6 +80,7 @@ void appendArray(std::string& text, const char* name, const std::vector<T>& valu
   text += "\n</DataArray>\n";
 }
 
+/// A single number, as text that reads back to the same double.
 void appendNumber(std::string& text, const char* name, double value) {
   append(text,
          "<DataArray type=\"Float64\" Name=\"{}\" NumberOfTuples=\"1\" format=\"ascii\">{}"
@@ -121,6 +143,7 @@ void appendWedge(Cells& cells, const std::array<int, 3>& triangle, int n, int fi
 }
 
 /// One cell a brick; of concave ones, since VTK's cells are convex, one a triangle of the bottom.
+/// Points are numbered as forEachCorner goes through them.
 Cells cellsOf(const std::vector<Brick>& bricks) {
   Cells cells;
   int first = 0;
@@ -141,6 +164,7 @@ Cells cellsOf(const std::vector<Brick>& bricks) {
   return cells;
 }
 
+/// Lists of faces are left out where no cell is a polyhedron.
 void appendCells(std::string& text, const Cells& cells) {
   text += "<Cells>\n";
   appendArray(text, "connectivity", cells.connectivity);
@@ -153,6 +177,7 @@ void appendCells(std::string& text, const Cells& cells) {
   text += "</Cells>\n";
 }
 
+/// World axes, metres.
 void appendPoints(std::string& text, const Subject& subject, const Poses& poses) {
   std::vector<Vector3> points;
   forEachCorner(subject.bricks, [&](std::size_t tile, std::size_t, const Vector3& corner) {
@@ -170,6 +195,7 @@ std::vector<double> byCells(const std::vector<double>& byBricks, const Cells& ce
   return values;
 }
 
+/// `joint_gap` in metres, `turn` in radians.
 void appendCellFields(std::string& text, const Subject& subject, const Cells& cells,
                       const Poses& start, const Poses& poses) {
   const std::vector<Pivot> pivots = makePivots(subject.model.joints, subject.bricks);
@@ -180,6 +206,7 @@ void appendCellFields(std::string& text, const Subject& subject, const Cells& ce
   text += "</CellData>\n";
 }
 
+/// Top and bottom of a corner share the distance of the bottom's, which is the tile's vertex.
 void appendPointFields(std::string& text, const Subject& subject, const Poses& start,
                        const Poses& poses) {
   const std::optional<std::vector<Tile>>& target = subject.model.target;
@@ -197,6 +224,7 @@ void appendPointFields(std::string& text, const Subject& subject, const Poses& s
   text += "</PointData>\n";
 }
 
+/// TimeValue is the name by which ParaView knows the time of a file.
 void appendMeasures(std::string& text, const Subject& subject, const Sample& sample) {
   text += "<FieldData>\n";
   appendNumber(text, "TimeValue", sample.time);

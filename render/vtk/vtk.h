@@ -1,4 +1,6 @@
 /// States as VTK files, for ParaView.
+///
+/// Both formats are XML of VTK; ParaView opens the collection and plays the states by their times.
 #pragma once
 
 #include <filesystem>
@@ -23,7 +25,8 @@ namespace kirireel {
 /// `start` holds the poses that displacements count from.
 std::string vtuText(const Subject& subject, const Poses& start, const Sample& sample);
 
-/// The text of a collection (.pvd) that plays files at times.
+/// The text of a collection (.pvd) that plays files at times. Names are relative to the collection;
+/// times in seconds, rising.
 std::string pvdText(const std::vector<std::pair<double, std::string>>& files);
 
 }  // namespace kirireel
