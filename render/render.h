@@ -3,7 +3,7 @@
 #pragma once
 
 #include "render/picture/frame.h"
-#include "render/png/png.h"
+#include "render/picture/png.h"
+#include "render/picture/studio.h"
 #include "render/record/record.h"
-#include "render/studio/studio.h"
 #include "sim/sim.h"

@@ -10,6 +10,5 @@
 #include "sim/model/model.h"
 #include "sim/model/read_model.h"
 #include "sim/scene/scene.h"
-#include "sim/trajectory/sample_table.h"
 #include "sim/trajectory/trajectory.h"
 #include "sim/trajectory/trajectory_file.h"

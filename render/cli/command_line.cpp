@@ -1,6 +1,6 @@
 // How a command line becomes an order:
 //
-// - 1. PyKirigami's spellings are replaced by ours (peer_spellings.h), and where some were found,
+// - 1. PyKirigami's spellings are replaced by ours (command_line.h), and where some were found,
 //   its defaults are appended for what was not given.
 // - 2. CLI11 parses the words. Each option calls a reader that writes into the order which its
 //   command was added with; a wrong value throws InputError there, so that all are refused in the
@@ -17,19 +17,21 @@
 
 #include <algorithm>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <regex>
+#include <set>
+#include <stdexcept>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 
-#include "render/cli/command_tree.h"
-#include "render/cli/exit_codes.h"
-#include "render/cli/model_place.h"
 #include "render/cli/option_group.h"
-#include "render/cli/peer_spellings.h"
-#include "render/record/versions.h"
-#include "sim/base/spelling.h"
+#include "render/cli/report.h"
+#include "render/cli/scene_options.h"
+#include "render/record/summary.h"
+#include "sim/base/error.h"
 
 namespace kirireel {
 namespace {
@@ -222,6 +224,176 @@ CommandDescription describeProgram() {
   CLI::App program(kPurpose, kName);
   const std::vector<Command> commands = addCommands(program);
   return describeCommand(program);
+}
+
+// ------------------------------------------------------------------------------------------------
+// Reads descriptions off CLI11's objects, after all commands have been added and before anything is
+// parsed. Manual pages, shell completions, the Python stubs and the tests of documentation are made
+// from these values, so that none of them can say something else than --help does.
+
+namespace {
+
+/// Short names first, as the help has them.
+std::vector<std::string> hyphenedNames(const CLI::Option& option) {
+  std::vector<std::string> names;
+  for (const std::string& name : option.get_snames()) names.push_back("-" + name);
+  for (const std::string& name : option.get_lnames()) names.push_back("--" + name);
+  return names;
+}
+
+/// `key` and `table` are those of a scene file; "" where none can set it.
+OptionDescription describeOption(CLI::Option& option) {
+  // CLI11 tells an option without a value by the number of words that it may take.
+  const bool isSwitch = option.get_items_expected_max() == 0;
+  OptionDescription described;
+  described.names = hyphenedNames(option);
+  described.key = settingKey(option);
+  described.table = settingTable(option);
+  described.group = option.get_group();
+  described.unit = isSwitch ? "" : option.get_type_name();
+  described.help = option.get_description();
+  described.words = allowedWords(option);
+  described.isSwitch = isSwitch;
+  // Options that may be given several times take all of their values; others the last one.
+  described.repeats = option.get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll;
+  return described;
+}
+
+}  // namespace
+
+CommandDescription describeCommand(CLI::App& command) {
+  CommandDescription described;
+  described.name = command.get_name();
+  described.help = command.get_description();
+  described.footer = command.get_footer();
+  // Positional arguments are options without hyphens in CLI11.
+  for (CLI::Option* option : command.get_options()) {
+    if (option->get_positional()) {
+      described.places.push_back({option->get_name(true), option->get_description()});
+    } else {
+      described.options.push_back(describeOption(*option));
+    }
+  }
+  for (CLI::App* below : command.get_subcommands({})) {
+    described.commands.push_back(describeCommand(*below));
+  }
+  return described;
+}
+
+const CommandDescription& commandNamed(const CommandDescription& program, const std::string& name) {
+  const auto found = std::ranges::find(program.commands, name, &CommandDescription::name);
+  if (found == program.commands.end()) throw std::out_of_range("no command " + name);
+  return *found;
+}
+
+// ------------------------------------------------------------------------------------------------
+// PyKirigami's command line has options in snake case, short names of two letters after one hyphen
+// (-bt), which CLI11 would read as two options, and a model by --model. The words are rewritten one
+// by one before parsing:
+//
+//     --brick_thickness 0.02  ->  --thickness 0.02
+//     -bt 0.02                ->  --thickness 0.02
+//     --no_collision          ->  --contacts=unjoined
+//     --model cylinder        ->  cylinder
+//     --camera_distance 3     ->  (nothing: it moves a window's camera)
+//     --headless              ->  (nothing: no window is ever opened)
+//
+// A table of words, and no aliases among our options: the help stays short, and a value that looks
+// like an option is left alone.
+
+namespace {
+
+/// With hyphens for underscores. An entry may bring a value along, after an equals sign.
+const std::map<std::string, std::string>& peerOptions() {
+  static const std::map<std::string, std::string> options = {
+      {"--brick-thickness", "--thickness"},
+      {"-bt", "--thickness"},
+      {"-ss", "--spring-stiffness"},
+      {"-fd", "--force-damping"},
+      {"--no-adaptive-stiffness", "--no-adaptive"},
+      {"--ground-plane", "--ground"},
+      {"-gp", "--ground"},
+      {"-gf", "--ground-friction"},
+      {"--filter-collision", "--contacts=unjoined"},
+      {"--no-collision", "--contacts=unjoined"},
+      {"--num-substeps", "--substeps"},
+      {"--cm-expansion", "--actuation=expansion"},
+      {"--target-vertices-file", "--target"},
+  };
+  return options;
+}
+
+/// Options with a value that PyKirigami reads and does nothing with, or that only move its window's
+/// camera.
+bool isWithoutEffect(const std::string& name) {
+  static const std::set<std::string> names = {"--camera-distance", "-cd", "--max-steps",
+                                              "--auto-export-interval", "--export-prefix"};
+  return names.contains(name);
+}
+
+const std::string kLike = "--like";
+const std::string kPeer = "pykirigami";
+
+/// Whether the argument at i, perhaps with the next one, is "--like pykirigami".
+bool asksForPeer(const std::vector<std::string>& arguments, std::size_t i) {
+  if (arguments[i] == kLike) return i + 1 < arguments.size() && arguments[i + 1] == kPeer;
+  return arguments[i] == kLike + "=" + kPeer;
+}
+
+/// Names without a counterpart come back as they are, with hyphens.
+std::string translateName(std::string name) {
+  if (name.starts_with("--")) std::replace(name.begin(), name.end(), '_', '-');
+  const auto found = peerOptions().find(name);
+  return found == peerOptions().end() ? name : found->second;
+}
+
+}  // namespace
+
+std::vector<std::string> translatePeerSpellings(const std::vector<std::string>& arguments) {
+  std::vector<std::string> translated;
+  bool skip = false;
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    const std::string& argument = arguments[i];
+    // The value of an option that was left out.
+    if (std::exchange(skip, false)) continue;
+    if (asksForPeer(arguments, i)) {
+      skip = argument == kLike;
+      continue;
+    }
+    // Values and places. Negative numbers begin with a hyphen too; no name in the table is a
+    // number.
+    if (!argument.starts_with('-')) {
+      translated.push_back(argument);
+      continue;
+    }
+    const std::size_t nameEnd = std::min(argument.find('='), argument.size());
+    const std::string name = translateName(argument.substr(0, nameEnd));
+    const std::string value = argument.substr(nameEnd);
+    if (name == "--headless") continue;
+    if (isWithoutEffect(name)) {
+      skip = value.empty();  // the value is the next argument
+      continue;
+    }
+    // --model NAME: the name follows as an argument of its own and becomes the place; --model=NAME
+    // has it here.
+    if (name != "--model") {
+      translated.push_back(name + value);
+    } else if (!value.empty()) {
+      translated.push_back(value.substr(1));
+    }
+  }
+  return translated;
+}
+
+bool usesPeerSpellings(const std::vector<std::string>& arguments) {
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    if (asksForPeer(arguments, i)) return true;
+  }
+  return std::ranges::any_of(arguments, [](const std::string& argument) {
+    if (!argument.starts_with('-')) return false;
+    const std::string name = argument.substr(0, argument.find('='));
+    return name == "--model" || isWithoutEffect(translateName(name)) || translateName(name) != name;
+  });
 }
 
 }  // namespace kirireel

@@ -5,17 +5,14 @@
 #include <variant>
 #include <vector>
 
-#include "render/cli/convert_command.h"
-#include "render/cli/curves_command.h"
-#include "render/cli/export_command.h"
-#include "render/cli/generate_command.h"
-#include "render/cli/inspect_command.h"
-#include "render/cli/page_command.h"
+#include "render/cli/model_commands.h"
 #include "render/cli/record_command.h"
-#include "render/cli/render_command.h"
-#include "render/cli/study_command.h"
+#include "render/cli/run_commands.h"
 #include "render/cli/sweep_command.h"
-#include "render/cli/verify_command.h"
+
+namespace CLI {
+class App;
+}
 
 namespace kirireel {
 
@@ -54,5 +51,67 @@ RecordOrder parseRunOptions(const LoadedModel& loaded, const std::vector<std::st
 /// (suggesting the nearest), a value out of range, a missing or surplus argument. Scene files that
 /// the arguments name are read; models are not.
 Order parseCommandLine(const std::vector<std::string>& arguments);
+
+// ------------------------------------------------------------------------------------------------
+// What the commands and options of the program are, as plain values: for pages, completions and
+// stubs, which all say what the command line itself says.
+
+/// An option of a command. All texts are those that --help shows; a text that does not apply is
+/// empty.
+struct OptionDescription {
+  std::vector<std::string> names;  ///< with hyphens, e.g. "-h", "--help"; the last one is long
+  std::string key;                 ///< its name in a scene file or a program, e.g. "thickness"
+  std::string table;               ///< of a scene file; "" where no scene file can set it
+  std::string group;               ///< heading in the help, e.g. "Bricks"
+  std::string unit;                ///< of the value, e.g. "METRES"; may be empty
+  std::string help;                ///< one phrase, with the default
+  std::vector<std::string> words;  ///< the values that are allowed; empty where they are no list
+  bool isSwitch = false;           ///< has no value
+  bool repeats = false;            ///< may be given several times, each counts
+};
+
+/// An argument that stands without an option's name.
+struct PlaceDescription {
+  std::string name;  ///< e.g. "MODEL"
+  std::string help;
+};
+
+/// A command, or the program itself.
+struct CommandDescription {
+  std::string name;
+  std::string help;    ///< one phrase
+  std::string footer;  ///< paragraphs after the options, an empty line between two
+  std::vector<PlaceDescription> places;
+  std::vector<OptionDescription> options;
+  std::vector<CommandDescription> commands;  ///< below it
+};
+
+/// Reads a command's description off the command itself, and leaves that as it was. The order of
+/// options and commands is that of the help. The command must not have been parsed.
+CommandDescription describeCommand(CLI::App& command);
+
+/// The whole program. Its name is "kirireel"; `commands` are those of the program, with theirs
+/// below them.
+CommandDescription describeProgram();
+
+/// The command below it that has this name. Throws std::out_of_range where there is none.
+const CommandDescription& commandNamed(const CommandDescription& program, const std::string& name);
+
+// ------------------------------------------------------------------------------------------------
+// Other programs' command lines, so that their users need not learn a new one.
+//
+// Our own spellings pass through unchanged, so that a line may mix both.
+
+/// The arguments with PyKirigami's spellings replaced by Kirireel's: underscores in the names of
+/// long options become hyphens, --brick_thickness or -bt becomes --thickness, --no_collision
+/// becomes --contacts=unjoined (which is what it does there), --model NAME becomes the model's own
+/// place, and --headless vanishes, for no window is ever opened, as does --like pykirigami. Values
+/// are left alone. Nothing is thrown: what is unknown stays for the parser to refuse.
+std::vector<std::string> translatePeerSpellings(const std::vector<std::string>& arguments);
+
+/// Whether any of the arguments is spelled as PyKirigami spells it, or is --like pykirigami,
+/// so that what is not given is to be as there. An underscore in the name of any long option
+/// counts, because only PyKirigami has them.
+bool usesPeerSpellings(const std::vector<std::string>& arguments);
 
 }  // namespace kirireel

@@ -8,9 +8,8 @@
 #include <fmt/format.h>
 
 #include "render/cli/command_line.h"
-#include "render/cli/exit_codes.h"
+#include "render/cli/report.h"
 #include "sim/base/error.h"
-#include "sim/base/spelling.h"
 
 namespace {
 

@@ -9,10 +9,22 @@
 // A second list of options beside CLI11's would have to be kept in step with it.
 #include "render/cli/option_group.h"
 
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <optional>
 #include <sstream>
+#include <string_view>
+#include <vector>
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 #include <fmt/ranges.h>
+
+#include "sim/base/error.h"
+#include "sim/base/geometry.h"
+#include "sim/scene/settings.h"
 
 namespace kirireel {
 namespace {
@@ -169,6 +181,343 @@ const CLI::App& chosenCommand(const CLI::App& program) {
 std::string fullName(const CLI::App& command) {
   const CLI::App* parent = command.get_parent();
   return parent == nullptr ? command.get_name() : fullName(*parent) + " " + command.get_name();
+}
+
+// ------------------------------------------------------------------------------------------------
+// Readers and writers in pairs: for every value x that a reader gives, reading what the writer
+// makes of x gives x again, to the last bit. orderText() relies on it, for what it writes is a
+// scene file. Degrees are the hard case, since x pi / 180 rounds: numberReadAs() looks for the
+// shortest number of degrees that reads back to the same radians.
+
+namespace {
+
+/// Along each side; more pictures than 10,000 no page can show.
+constexpr int kMostGridCells = 100;
+
+/// "3x4"; nothing where there is no single x or a part is no whole number.
+std::optional<std::pair<long, long>> readPair(std::string_view text) {
+  const std::vector<std::string_view> parts = split(text, 'x');
+  if (parts.size() != 2) return std::nullopt;
+  const std::optional<long> first = readWhole(parts[0]);
+  const std::optional<long> second = readWhole(parts[1]);
+  if (!first || !second) return std::nullopt;
+  return std::pair(*first, *second);
+}
+
+/// The parts of a caption, in the order in which they are written. Words and the members that they
+/// switch on; reader and writer share the list.
+const Choices<bool CaptionParts::*>& captionChoices() {
+  static const Choices<bool CaptionParts::*> choices = {{"progress", &CaptionParts::progress},
+                                                        {"time", &CaptionParts::time},
+                                                        {"angle", &CaptionParts::angle},
+                                                        {"error", &CaptionParts::error},
+                                                        {"gap", &CaptionParts::gap}};
+  return choices;
+}
+
+/// Both ends belong to the range.
+bool isBetween(long number, long least, long most) {
+  return number >= least && number <= most;
+}
+
+}  // namespace
+
+/// Names of colours as CSS has them.
+const Choices<Colour>& namedColours() {
+  static const Choices<Colour> names = {
+      {"black", {0, 0, 0}},          {"white", {255, 255, 255}},  {"grey", {128, 128, 128}},
+      {"gray", {128, 128, 128}},     {"silver", {192, 192, 192}}, {"lightgrey", {211, 211, 211}},
+      {"darkgrey", {169, 169, 169}}, {"red", {255, 0, 0}},        {"darkred", {139, 0, 0}},
+      {"crimson", {220, 20, 60}},    {"salmon", {250, 128, 114}}, {"coral", {255, 127, 80}},
+      {"orange", {255, 165, 0}},     {"gold", {255, 215, 0}},     {"yellow", {255, 255, 0}},
+      {"khaki", {240, 230, 140}},    {"beige", {245, 245, 220}},  {"tan", {210, 180, 140}},
+      {"brown", {165, 42, 42}},      {"olive", {128, 128, 0}},    {"green", {0, 128, 0}},
+      {"lime", {0, 255, 0}},         {"seagreen", {46, 139, 87}}, {"teal", {0, 128, 128}},
+      {"turquoise", {64, 224, 208}}, {"cyan", {0, 255, 255}},     {"skyblue", {135, 206, 235}},
+      {"steelblue", {70, 130, 180}}, {"blue", {0, 0, 255}},       {"navy", {0, 0, 128}},
+      {"indigo", {75, 0, 130}},      {"purple", {128, 0, 128}},   {"violet", {238, 130, 238}},
+      {"magenta", {255, 0, 255}},    {"pink", {255, 192, 203}}};
+  return names;
+}
+
+Colour parseColour(const TypedValue& value) {
+  for (const auto& [name, colour] : namedColours()) {
+    if (value.text == name) return colour;
+  }
+  // from_chars would also read fewer than six digits and stop at other letters, so length and end
+  // are checked.
+  std::string_view digits = value.text;
+  if (digits.starts_with('#')) digits.remove_prefix(1);
+  unsigned bits = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), bits, 16);
+  if (digits.size() != 6 || error != std::errc() || end != digits.data() + digits.size()) {
+    throw valueError(value,
+                     "red, green and blue in hexadecimal, for example 80AEDC, or a name of CSS "
+                     "such as teal, navy or grey");
+  }
+  // Red is in the highest of the three bytes.
+  const auto channel = [bits](int shift) { return static_cast<std::uint8_t>(bits >> shift); };
+  return {channel(16), channel(8), channel(0)};
+}
+
+std::vector<CameraKey> parseCameraKeys(const TypedValue& value) {
+  std::vector<CameraKey> keys;
+  for (const std::string_view text : split(value.text, ',')) {
+    const std::vector<std::string_view> parts = split(text, ':');
+    // All four are needed: a key that left zoom out would be read as another order of parts.
+    if (parts.size() != 4) {
+      throw valueError({value.name, std::string(text)},
+                       "TIME:YAW:PITCH:ZOOM, for example 2.5:90:-20:1.5");
+    }
+    // Each part is read as an option's value of its own, so that its error names what was typed.
+    const auto part = [&](int k, Range range) {
+      return parseNumber({value.name, std::string(parts[k])}, range);
+    };
+    const ViewAngles view =
+        viewFromYawPitch(part(1, {-36000, 36000}) * kDegree, part(2, {-90, 90}) * kDegree);
+    keys.push_back({part(0, {0, 1e6}), view, part(3, {1e-3, 1e3})});
+  }
+  return keys;
+}
+
+CaptionParts parseCaption(const TypedValue& value) {
+  CaptionParts parts;
+  // All parts are off from the start.
+  if (value.text == "none") return parts;
+  Choices<bool CaptionParts::*> choices = captionChoices();
+  // "none" is among the words so that the message for a wrong word lists it; beside others it is
+  // refused.
+  choices.emplace_back("none", nullptr);
+  for (const std::string_view word : split(value.text, ',')) {
+    const auto part = parseChoice<bool CaptionParts::*>({value.name, std::string(word)}, choices);
+    if (part == nullptr) throw valueError(value, "none alone, or parts such as time,error");
+    parts.*part = true;
+  }
+  return parts;
+}
+
+std::vector<FrameChoice> parseFrameChoices(const TypedValue& value) {
+  std::vector<FrameChoice> choices;
+  for (const std::string_view text : split(value.text, ',')) {
+    // A share is kept as 0 to 1.
+    const bool isShare = text.ends_with('%');
+    const TypedValue number{value.name, std::string(text.substr(0, text.size() - isShare))};
+    if (isShare) {
+      // Times are simulated seconds.
+      choices.push_back({parseNumber(number, {0, 100}) / 100, FrameChoice::Unit::Share});
+    } else {
+      choices.push_back({parseNumber(number, {0, 1e6}), FrameChoice::Unit::Seconds});
+    }
+  }
+  return choices;
+}
+
+FrameSize parseSize(const TypedValue& value) {
+  const auto pair = readPair(value.text);
+  const bool fits =
+      pair && isBetween(pair->first, 1, kMaxFrameSide) && isBetween(pair->second, 1, kMaxFrameSide);
+  if (!fits) {
+    throw valueError(value, fmt::format("WIDTHxHEIGHT in pixels, each from 1 to {}, as in 1280x720",
+                                        kMaxFrameSide));
+  }
+  return {static_cast<int>(pair->first), static_cast<int>(pair->second)};
+}
+
+GridShape parseGrid(const TypedValue& value) {
+  const auto pair = readPair(value.text);
+  const bool fits = pair && isBetween(pair->first, 1, kMostGridCells) &&
+                    isBetween(pair->second, 1, kMostGridCells);
+  if (!fits) {
+    throw valueError(value,
+                     fmt::format("ROWSxCOLUMNS, each from 1 to {}, as in 3x3", kMostGridCells));
+  }
+  return {static_cast<int>(pair->first), static_cast<int>(pair->second)};
+}
+
+std::vector<int> parseTiles(const TypedValue& value) {
+  std::vector<int> tiles;
+  if (value.text == "all") return tiles;
+  for (const std::string_view part : split(value.text, ',')) {
+    const std::optional<long> number = readWhole(part);
+    if (!number || !isBetween(*number, 0, std::numeric_limits<int>::max()))
+      throw valueError(value, "all, or numbers of tiles, as in 3,7,8");
+    tiles.push_back(static_cast<int>(*number));
+  }
+  return tiles;
+}
+
+TileColour parseTileColour(const TypedValue& value) {
+  constexpr const char* kAllowed = "numbers of tiles and a colour, as in 3,7,10-15=teal";
+  constexpr long kMostTile = 1'000'000;
+  const std::size_t equals = value.text.find('=');
+  if (equals == std::string::npos) throw valueError(value, kAllowed);
+  TileColour made{{}, parseColour({value.name, value.text.substr(equals + 1)})};
+  for (const std::string_view part : split(std::string_view(value.text).substr(0, equals), ',')) {
+    const std::size_t dash = part.find('-');
+    const std::optional<long> first = readWhole(part.substr(0, dash));
+    const std::optional<long> last =
+        dash == std::string_view::npos ? first : readWhole(part.substr(dash + 1));
+    if (!first || !last || *first < 0 || *last < *first || *last > kMostTile) {
+      throw valueError(value, kAllowed);
+    }
+    for (long tile = *first; tile <= *last; ++tile) made.tiles.push_back(static_cast<int>(tile));
+  }
+  return made;
+}
+
+std::string sizeText(FrameSize size) {
+  return fmt::format("\"{}x{}\"", size.width, size.height);
+}
+
+std::string gridText(GridShape grid) {
+  return fmt::format("\"{}x{}\"", grid.rows, grid.columns);
+}
+
+std::string frameChoicesText(const std::vector<FrameChoice>& choices) {
+  std::vector<std::string> texts;
+  for (const auto& [value, unit] : choices) {
+    const bool isShare = unit == FrameChoice::Unit::Share;
+    texts.push_back(isShare ? numberText(numberReadAs(value, 100 * value,
+                                                      [](double share) { return share / 100; })) +
+                                  '%'
+                            : numberText(value));
+  }
+  return quotedText(fmt::format("{}", fmt::join(texts, ",")));
+}
+
+std::string colourText(Colour colour) {
+  return fmt::format("\"{:02X}{:02X}{:02X}\"", colour.red, colour.green, colour.blue);
+}
+
+TypedView typedView(const ViewAngles& view) {
+  // Yaw differs from azimuth by a constant, pitch from elevation by its sign; degrees are found by
+  // guess and check.
+  const ViewAngles level = viewFromYawPitch(0, 0);
+  const auto azimuth = [](double yaw) { return viewFromYawPitch(yaw * kDegree, 0).azimuth; };
+  const auto elevation = [](double pitch) {
+    return viewFromYawPitch(0, pitch * kDegree).elevation;
+  };
+  return {numberReadAs(view.azimuth, (view.azimuth - level.azimuth) / kDegree, azimuth),
+          numberReadAs(view.elevation, -view.elevation / kDegree, elevation)};
+}
+
+std::string tileColoursText(const std::vector<TileColour>& colours) {
+  std::vector<std::string> texts;
+  for (const auto& [tiles, colour] : colours) {
+    const std::string hex = colourText(colour);  // with its quotes
+    texts.push_back(
+        quotedText(fmt::format("{}={}", fmt::join(tiles, ","), hex.substr(1, hex.size() - 2))));
+  }
+  return quotedList(texts);
+}
+
+std::string cameraKeysText(const std::vector<CameraKey>& keys) {
+  std::vector<std::string> texts;
+  for (const CameraKey& key : keys) {
+    const TypedView view = typedView(key.view);
+    texts.push_back(fmt::format("{}:{}:{}:{}", key.time, view.yaw, view.pitch, key.zoom));
+  }
+  return quotedText(fmt::format("{}", fmt::join(texts, ",")));
+}
+
+std::string captionText(const CaptionParts& parts) {
+  std::vector<std::string> words;
+  for (const auto& [word, part] : captionChoices()) {
+    if (parts.*part) words.push_back(word);
+  }
+  return words.empty() ? "\"none\"" : fmt::format("\"{}\"", fmt::join(words, ","));
+}
+
+std::string tilesText(const std::vector<int>& tiles) {
+  return tiles.empty() ? "\"all\"" : fmt::format("\"{}\"", fmt::join(tiles, ","));
+}
+
+// ------------------------------------------------------------------------------------------------
+// Each setting carries its conditions (sim/scene/settings.h), such as "--solver direct". A setting
+// that was given although one of them does not hold would be read and do nothing, which is worse
+// than an error: a user would draw conclusions from a number that nothing has used. So it is
+// refused, with what it needs.
+//
+// Conditions of single settings stand with the settings. What is left here concerns two settings at
+// once, or options of pictures, which are no settings of a scene.
+
+namespace {
+
+/// The project's own solver: other engines have no pins, links or guided paths.
+bool isDirect(const Scene& scene) {
+  return scene.solver.kind == SolverKind::Direct;
+}
+
+/// What must hold for an option of this command to mean anything.
+std::vector<Condition> conditionsOf(const std::string& option) {
+  // Of a model's parts, which are no settings.
+  if (option == "--pin" || option == "--link") return {{isDirect, "--solver direct"}};
+  for (const SettingGroup& group : sceneSettings()) {
+    const auto found = std::ranges::find(group.settings, option, &Setting::option);
+    if (found != group.settings.end()) return found->conditions;
+  }
+  return {};
+}
+
+/// On the command line or by a scene file, which adds its values to the same option.
+bool isGiven(const CLI::App& command, const char* option) {
+  const CLI::Option* found = command.get_option_no_throw(option);
+  return found && found->count() > 0;
+}
+
+[[noreturn]] void refuse(const std::string& option, const char* needed) {
+  throw InputError(fmt::format("error: {} works with {} alone; give that too, or leave {} away",
+                               option, needed, option));
+}
+
+/// Whether an option was given with this word; the last one counts.
+bool isChosen(const CLI::App& command, const char* option, const char* word) {
+  return isGiven(command, option) && command.get_option(option)->results().back() == word;
+}
+
+}  // namespace
+
+bool hasEffect(const std::string& option, const Scene& scene) {
+  return std::ranges::all_of(conditionsOf(option),
+                             [&](const Condition& condition) { return condition.holds(scene); });
+}
+
+void requireConsistentPace(const CLI::App& command) {
+  if (isGiven(command, "--speed") && isChosen(command, "--pace", "even")) {
+    refuse("--speed", "--pace real");
+  }
+  if (isGiven(command, "--length") && isChosen(command, "--pace", "real")) {
+    refuse("--length", "--pace even");
+  }
+  if (isGiven(command, "--length") && isGiven(command, "--speed")) {
+    throw InputError(
+        "error: --length is for an even pace and --speed for real time; leave one of them away");
+  }
+}
+
+void requireConsistent(const CLI::App& command, const Scene& scene) {
+  requireConsistentPace(command);
+  for (const CLI::Option* option : command.get_options()) {
+    if (option->count() == 0) continue;
+    for (const Condition& condition : conditionsOf(option->get_name())) {
+      if (!condition.holds(scene)) refuse(option->get_name(), condition.needed);
+    }
+  }
+  // A guided path moves tiles towards the target in steps of its own, by the direct solver alone.
+  const bool isLed = scene.path.kind == PathKind::Led;
+  const Drive drive = scene.actuation.drive;
+  const bool pullsToTarget = drive == Drive::Target || drive == Drive::Auto;
+  if (isLed && !isDirect(scene)) refuse("--path led", "--solver direct");
+  if (isLed && !pullsToTarget) refuse("--path led", "--actuation target");
+  if (isLed && scene.solver.isToleranceGiven()) {
+    throw InputError(
+        "error: --path led moves tiles in fixed steps, which keep no --tolerance; leave one of "
+        "them away");
+  }
+  if (isGiven(command, "--faces") && isGiven(command, "--auto-detect-connections")) {
+    throw InputError(
+        "error: --auto-detect-connections is --faces pykirigami; leave one of them away");
+  }
 }
 
 }  // namespace kirireel

@@ -2,7 +2,7 @@
 // Its way:
 //
 // - completeOrder: the scene file is read into the options, contradictions are refused, all
-//   settings are written down in one spelling (order_fingerprint.h).
+//   settings are written down in one spelling (record_command.h).
 // - readScene: the model is read, parts are added (targets, pins, links), lengths get their unit,
 //   faces and splits are applied, the ground is put below the lowest point.
 // - record(): the run itself (render/record).
@@ -16,27 +16,26 @@
 // lengths a second squared, rho U^3 kilograms a cubed length.
 #include "render/cli/record_command.h"
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 
-#include "render/cli/contradictions.h"
-#include "render/cli/exit_codes.h"
-#include "render/cli/export_command.h"
-#include "render/cli/interrupt.h"
-#include "render/cli/model_place.h"
 #include "render/cli/option_group.h"
 #include "render/cli/picture_options.h"
 #include "render/cli/report.h"
+#include "render/cli/run_commands.h"
 #include "render/cli/scene_options.h"
-#include "render/cli/video_options.h"
-#include "render/folder/file_set.h"
+#include "render/folder/output_folder.h"
 #include "render/page/page.h"
 #include "render/record/summary.h"
-#include "render/verify/verify.h"
+#include "render/record/verify.h"
 #include "sim/base/error.h"
+#include "sim/base/files.h"
+#include "sim/model/convex_parts.h"
 #include "sim/model/read_model.h"
-#include "sim/model/split_tiles.h"
 
 namespace kirireel {
 namespace {
@@ -338,6 +337,91 @@ int carryOut(const RecordOrder& order) {
   fmt::print("{}", order.printJson ? summaryJson(scene, settings, summary)
                                    : describeRun(scene, settings, summary));
   return exitCode(toString(summary.outcome), summary.atTarget);
+}
+
+// ------------------------------------------------------------------------------------------------
+// Two orders are the same when they make the same bytes. The fingerprint is the SHA-256 (FIPS
+// 180-4) of a text:
+//
+//     versions of the program and its libraries
+//     command
+//     key = value          every option that has an effect, by table, as it is now
+//     [[timeline]] ...     the scene file's lists, in one spelling
+//     model NAME
+//     SHA-256 ROLE         each input file, in the order in which it was read
+//
+// Values are taken after parsing, defaults too, so that it does not matter how a setting was given,
+// and a default that changes with a version changes the fingerprint. Options without effect in this
+// scene are left out, and so are those that decide no byte (--out, --painters). Names of files are
+// replaced by their hashes: a copy of a model elsewhere is the same model. Within a folder the
+// names count, because the reader looks for vertices.txt by name.
+//
+// Hashing the typed words would be simpler and wrong: the same order can be typed in many ways.
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Whether an option's values are names of files.
+bool namesFiles(const std::string& key) {
+  return key == "target" || key == "joints_file" || key == "hinge_file";
+}
+
+/// Names of files as so many empty ones: what the files hold is told apart by their hashes.
+std::string withoutNames(const CLI::Option& option) {
+  return fmt::format("{} files", option.count());
+}
+
+/// The tables of a scene file; options that no scene file can set stand under "". A scene file in
+/// its form; the order of tables is that of their names.
+std::string tablesText(CLI::App& command, const Scene& scene, bool withFileNames) {
+  // Sorted by name; within a table options keep the order in which they were added.
+  std::map<std::string, std::string> tables;
+  for (CLI::Option* option : command.get_options()) {
+    const std::string key = settingKey(*option);
+    // An empty text says that the option decides nothing.
+    std::string value = key.empty() ? "" : saidBy(*option);
+    if (value.empty() || !hasEffect(option->get_name(), scene)) continue;
+    if (namesFiles(key) && !withFileNames) value = withoutNames(*option);
+    tables[settingTable(*option)] += fmt::format("{} = {}\n", key, value);
+  }
+  std::string text;
+  for (const auto& [table, lines] : tables) {
+    if (!text.empty()) text += '\n';
+    if (!table.empty()) text += fmt::format("[{}]\n", table);
+    text += lines;
+  }
+  return text;
+}
+
+/// Files of a folder have fixed names, by which they are told apart; of others the ending counts.
+/// For a file in a folder its name, for another its ending.
+std::string roleOf(const fs::path& file, const std::vector<fs::path>& folders) {
+  const bool isInFolder = std::ranges::any_of(folders, [&](const fs::path& folder) {
+    return !folder.empty() && folder / file.filename() == file;
+  });
+  return (isInFolder ? file.filename() : file.extension()).string();
+}
+
+}  // namespace
+
+OrderText orderText(CLI::App& command, const Scene& scene, const SceneFile& sceneFile) {
+  return {tablesText(command, scene, true) + entriesText(sceneFile, true),
+          fmt::format("{}\n{}{}", command.get_name(), tablesText(command, scene, false),
+                      entriesText(sceneFile, false))};
+}
+
+std::string parametersText(CLI::App& command) {
+  return fmt::format("{}\n{}", command.get_name(), tablesText(command, {}, true));
+}
+
+std::string orderFingerprint(const std::string& terms, const OrderInputs& inputs,
+                             const std::vector<fs::path>& folders) {
+  std::string text = fmt::format("{}\n{}\nmodel {}\n", versionText(), terms, inputs.modelName);
+  for (const InputFile& file : inputs.files) {
+    text += fmt::format("{} {}\n", file.sha256, roleOf(file.path, folders));
+  }
+  return sha256(text);
 }
 
 }  // namespace kirireel

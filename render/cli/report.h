@@ -1,11 +1,15 @@
-/// What a person reads while and after a run.
+/// What a person is told of a run: words, exit codes, and how signals end it.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "render/record/record.h"
 
 namespace kirireel {
+
+// ------------------------------------------------------------------------------------------------
+// What a person reads while and after a run.
 
 /// Keeps one line on standard error up to date, when that is a terminal; silent otherwise.
 class ProgressLine {
@@ -33,5 +37,36 @@ std::string describeRun(const Scene& scene, const RecordSettings& settings,
 
 /// The same of pictures that were made of a recorded run. Frames, seconds, files.
 std::string describePictures(const PictureSettings& settings, const PictureReport& report);
+
+// ------------------------------------------------------------------------------------------------
+// What the program's exit code says.
+//
+// Scripts tell a wrong order (2) from a run that ended elsewhere than it was to (3) and from a
+// failure of the machine (1); numbers stay as they are, since scripts rely on them.
+
+inline constexpr int kExitDone = 0;         ///< also of a run: at its target, or without one
+inline constexpr int kExitFailed = 1;       ///< diverged, could not write, does not verify
+inline constexpr int kExitInputWrong = 2;   ///< the input or the command line is wrong
+inline constexpr int kExitShort = 3;        ///< the run locked or ran out of time off its target
+inline constexpr int kExitInterrupted = 4;  ///< by a signal
+
+/// The same for people, at the end of a command's help.
+inline constexpr const char* kExitCodesHelp =
+    "Exit codes: 0 done, a run at its target or without one; 1 failed; 2 input or command line\n"
+    "wrong; 3 the run ended short of its target; 4 interrupted.";
+
+// ------------------------------------------------------------------------------------------------
+// Ctrl-C and polite requests to end.
+
+/// From now on SIGINT, SIGTERM and SIGHUP are noted instead of ending the program, and a full disk
+/// quota is an error of the write instead of a signal. A SIGHUP that is ignored, as under nohup,
+/// stays so. To be called once, before a run starts; commands that take seconds leave signals as
+/// they are.
+void noteSignals();
+
+/// The name of the signal that came since the last call, such as "SIGTERM"; absent when none did.
+/// Each signal ends one stage of a run. May be called from any thread; of two signals between two
+/// calls the later one is told.
+std::optional<std::string> takeInterrupt();
 
 }  // namespace kirireel

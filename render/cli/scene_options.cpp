@@ -5,12 +5,16 @@
 
 #include <algorithm>
 #include <charconv>
+#include <optional>
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "render/cli/option_group.h"
-#include "render/cli/scene_settings.h"
+#include "sim/base/error.h"
+#include "sim/measure/sheet.h"
+#include "sim/model/read_model.h"
 
 namespace kirireel {
 namespace {
@@ -124,6 +128,165 @@ SceneFile readSceneFileOf(CLI::App& command, const std::filesystem::path& modelF
   scene.velocities = read.velocities;
   scene.grips = read.grips;
   return read;
+}
+
+// ------------------------------------------------------------------------------------------------
+// A key of scene.toml is the long name of an option with underscores, in the table that the
+// option's group names. So every option of a run can stand in the file, and the file needs no list
+// of its own. Values go through the option's own reader, as text, and are refused in its words,
+// with the place in the file in front.
+//
+// An option that the command line gave keeps its value: what is typed counts more than what is
+// stored.
+
+namespace {
+
+/// Of one table, for suggestions.
+std::vector<std::string> keysOf(CLI::App& command, const std::string& table) {
+  std::vector<std::string> keys;
+  for (CLI::Option* option : command.get_options()) {
+    if (settingTable(*option) == table) keys.push_back(settingKey(*option));
+  }
+  return keys;
+}
+
+/// The first option with this key and table; a key of another table gets a message of its own,
+/// since it is the most frequent mistake.
+CLI::Option& findOption(CLI::App& command, const SceneSetting& setting) {
+  for (CLI::Option* option : command.get_options()) {
+    if (settingKey(*option) != setting.key) continue;
+    const std::string table = settingTable(*option);
+    if (table == setting.table) return *option;
+    // No scene file can set it, so it counts as unknown.
+    if (table.empty()) break;
+    throw inputErrorAt(setting.where, fmt::format("{} belongs in [{}], not in [{}]", setting.key,
+                                                  table, setting.table));
+  }
+  throw inputErrorAt(
+      setting.where,
+      fmt::format("[{}] has no key {}{}; see {} --help", setting.table, shown(setting.key),
+                  suggestion(setting.key, keysOf(command, setting.table)), command.get_name()));
+}
+
+/// An option without a value is switched on by true and left alone by false.
+void requireKindOfValue(const SceneSetting& setting, bool isSwitch) {
+  if (isSwitch == setting.isSwitch) return;
+  throw inputErrorAt(setting.where, isSwitch ? fmt::format("{} is true or false", setting.key)
+                                             : fmt::format("{} needs a value", setting.key));
+}
+
+/// The message of an option without the "error: " that its place in the file brings along.
+std::string withoutMark(const std::string& message) {
+  constexpr std::string_view kMark = "error: ";
+  return message.starts_with(kMark) ? message.substr(kMark.size()) : message;
+}
+
+}  // namespace
+
+std::string settingKey(const CLI::Option& option) {
+  if (option.get_lnames().empty()) return "";
+  std::string key = option.get_lnames().front();
+  std::replace(key.begin(), key.end(), '-', '_');
+  return key;
+}
+
+void applySetting(CLI::Option& option, const SceneSetting& setting) {
+  const bool isSwitch = option.get_items_expected_max() == 0;
+  requireKindOfValue(setting, isSwitch);
+  const bool isGiven = option.count() > 0;
+  if (isGiven || (isSwitch && setting.values.front() == "false")) return;
+  // Arrays give one value an element, as if the option were given as often.
+  for (const std::string& value : setting.values) option.add_result(value);
+  try {
+    option.run_callback();
+  } catch (const InputError& error) {
+    throw inputErrorAt(setting.where, withoutMark(error.what()));
+  }
+}
+
+SceneFile applySceneFile(CLI::App& command, const std::filesystem::path& file) {
+  SceneFile scene = readSceneFile(file);
+  for (const SceneSetting& setting : scene.settings)
+    applySetting(findOption(command, setting), setting);
+  return scene;
+}
+
+// ------------------------------------------------------------------------------------------------
+// Models as they are named on the command line.
+
+namespace {
+
+/// Tiles that lie in each other are a mistake, or meant, as where a sheet is folded flat. The depth
+/// is how far two tiles would have to move apart, in metres. One line tells the deepest pair and
+/// how many there are.
+void warnOfOverlaps(const Model& model, std::vector<std::string>& warnings) {
+  constexpr double kShareOfTile = 1e-3;  // less cannot be seen
+  const std::vector<TileOverlap> overlaps =
+      tileOverlaps(model.tiles, kShareOfTile * tileSize(model));
+  if (overlaps.empty()) return;
+  const TileOverlap& deepest = overlaps.front();
+  warnings.push_back(fmt::format(
+      "{}: warning: tiles {} and {} overlap by {:.3g} m at the start{}; move them "
+      "apart, or let them pass through each other (--contacts none)",
+      model.name, model.fileOrder.countsFrom + deepest.tileA,
+      model.fileOrder.countsFrom + deepest.tileB, deepest.depth,
+      overlaps.size() == 1 ? "" : fmt::format(", the deepest of {} pairs", overlaps.size())));
+}
+
+}  // namespace
+
+std::filesystem::path findModel(const std::filesystem::path& named) {
+  if (std::filesystem::exists(named) || named.is_absolute()) return named;
+  // The current folder's data/ first, then what was installed with the program.
+  for (const std::filesystem::path folder : {"data", KIRIREEL_MODELS}) {
+    if (std::filesystem::exists(folder / named)) return folder / named;
+  }
+  return named;
+}
+
+void addTargetOption(OptionGroup& group, std::filesystem::path& target) {
+  group.value("--target", "MODEL", "the model's own", "another model whose start is the target",
+              [&target](const TypedValue& typed) { target = typed.text; });
+}
+
+void addReadOptions(OptionGroup& group, ReadSettings& settings) {
+  group
+      .value("--joints-file", "FILE", "the model's own",
+             "list of joints to take in place of constraints.txt: a path, or a name beside it",
+             [&settings](const TypedValue& typed) { settings.jointsFile = typed.text; })
+      .saidAs([&settings] {
+        const std::string name = settings.jointsFile.string();
+        return name.empty() ? "" : quotedText(name);
+      });
+  group
+      .flag("--strict", settings.strict,
+            "refuse files with slips (joints listed twice, clockwise tiles, rounded corners) "
+            "instead of mending them")
+      .decidesNothing();
+}
+
+Model readModelAt(const std::filesystem::path& place, const std::filesystem::path& target,
+                  const ReadSettings& settings, std::vector<std::string>& warnings) {
+  std::optional<std::filesystem::path> named;
+  // A target of another model is looked for in the same places.
+  if (!target.empty()) named = findModel(target);
+  Model model = readModel(findModel(place), named, warnings, settings);
+  warnOfOverlaps(model, warnings);
+  return model;
+}
+
+Model readModelAt(const std::filesystem::path& place, const std::filesystem::path& target,
+                  const ReadSettings& settings) {
+  std::vector<std::string> warnings;
+  Model model = readModelAt(place, target, settings, warnings);
+  printWarnings(warnings);
+  return model;
+}
+
+void printWarnings(const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings) {
+    fmt::print(stderr, "kirireel: {}\n", oneLine(warning));
+  }
 }
 
 }  // namespace kirireel

@@ -3,12 +3,16 @@
 
 #include <filesystem>
 
+#include "render/cli/option_group.h"
+#include "sim/model/model.h"
+#include "sim/model/model_checks.h"
 #include "sim/scene/scene_file.h"
 #include "sim/scene/scene_parts.h"
 
 namespace CLI {
 class App;
-}
+class Option;
+}  // namespace CLI
 
 namespace kirireel {
 
@@ -36,5 +40,56 @@ std::filesystem::path sceneFileOf(const std::filesystem::path& modelFolder,
 /// Returns it, or an empty one. To be called after parsing. Throws InputError.
 SceneFile readSceneFileOf(CLI::App& command, const std::filesystem::path& modelFolder,
                           const SceneRequest& request, Scene& scene);
+
+// ------------------------------------------------------------------------------------------------
+// scene.toml as a command's options: every long option is a key of the table that its group names.
+
+/// Reads a scene file into what a command's options point at: `brick_friction = 0.3` in
+/// [environment] is `--brick-friction 0.3`. Options that the command line gave stay as they are.
+/// Returns the whole file. To be called after parsing.
+/// Throws InputError with file:line:column for unknown keys (suggesting the nearest), keys in the
+/// wrong table, and values that the option refuses.
+SceneFile applySceneFile(CLI::App& command, const std::filesystem::path& file);
+
+/// The key of an option in a file, "brick_friction" for --brick-friction; empty for a place.
+std::string settingKey(const CLI::Option& option);
+
+/// Gives an option the values of a setting, unless the option was given before. To be called after
+/// parsing. Throws InputError with file:line:column for values that the option refuses. A switch
+/// that is false in the file is left as it is.
+void applySetting(CLI::Option& option, const SceneSetting& setting);
+
+// ------------------------------------------------------------------------------------------------
+// Models as they are named on the command line.
+
+/// What stands for MODEL in a command's help.
+inline constexpr const char* kModelHelp =
+    "folder with vertices.txt and constraints.txt, any file of a planar model (NAME_vertices.txt "
+    "with NAME_constraints.txt beside it), a .fold file, a contracted .obj file, a .ply mesh, or a "
+    "cut pattern (.svg, .dxf)";
+
+/// Adds --target. Empty when it was not given. The target must outlive the parsing.
+void addTargetOption(OptionGroup& group, std::filesystem::path& target);
+
+/// Adds --joints-file and --strict. Both decide how files are read, and no more. The settings must
+/// outlive the parsing.
+void addReadOptions(OptionGroup& group, ReadSettings& settings);
+
+/// Where a model stands: as named, or in data/ when it stands only there, or among the models that
+/// were installed with the program. As named where it stands nowhere, so that the error names what
+/// the user typed.
+std::filesystem::path findModel(const std::filesystem::path& named);
+
+/// Reads the model, in data/ too when it stands only there, as PyKirigami's users name theirs.
+/// Warnings are appended, also of tiles that overlap at the start. Throws InputError.
+Model readModelAt(const std::filesystem::path& place, const std::filesystem::path& target,
+                  const ReadSettings& settings, std::vector<std::string>& warnings);
+
+/// The same; warnings go to standard error.
+Model readModelAt(const std::filesystem::path& place, const std::filesystem::path& target,
+                  const ReadSettings& settings);
+
+/// Prints warnings on standard error, each on one line.
+void printWarnings(const std::vector<std::string>& warnings);
 
 }  // namespace kirireel

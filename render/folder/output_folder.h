@@ -1,11 +1,43 @@
-/// The names of what a run leaves in its folder, and the right to write there.
+/// The folder that a run leaves: the names of its files and their fingerprints, the right to
+/// write there, and files that appear together.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <string>
+#include <vector>
+
+#include "sim/base/files.h"
 
 namespace kirireel {
+
+// ------------------------------------------------------------------------------------------------
+// Fingerprints (SHA-256), by which a file is known to be the one that was written.
+
+/// What a file holds, in short.
+struct FileDigest {
+  std::string name;          ///< relative to the run's folder
+  std::uintmax_t bytes = 0;  ///< its size
+  std::string sha256;        ///< 64 hexadecimal digits, of its bytes
+
+  bool operator==(const FileDigest&) const = default;
+};
+
+/// The digest of a file in a folder. Throws InputError when it cannot be read. Reads the whole file
+/// once.
+FileDigest digestOf(const std::filesystem::path& folder, const std::string& name);
+
+/// A JSON object's text (one key a line, ending in "\n}\n") with a last key "sha256" added, which
+/// is the fingerprint of the text before. The text must end so, and must not be sealed yet.
+std::string sealed(const std::string& json);
+
+/// Whether a text is as sealed() left it, to the last byte.
+bool isSealed(const std::string& text);
+
+// ------------------------------------------------------------------------------------------------
+// The names of what a run leaves in its folder, and the right to write there.
 
 /// Names of the files that a run leaves.
 namespace output {
@@ -54,5 +86,97 @@ class FolderLock {
 
 /// Whether `nameOf` gives this name to some number from 0 on.
 bool isNumbered(const std::string& name, const std::function<std::string(int)>& nameOf);
+
+// ------------------------------------------------------------------------------------------------
+// What Kirireel has left in a folder, so that nothing else in it is ever overwritten or removed.
+
+/// Files by their names, relative to their folder.
+using FileList = std::map<std::string, FileDigest>;
+
+/// The files that a sealed record in a folder lists under "contents": summary.json or
+/// contents.json. Empty where there is none, or it is not as it was written. Entries whose names
+/// lead out of the folder are left out.
+FileList listedFiles(const std::filesystem::path& record);
+
+/// The text of contents.json: the files, sealed.
+std::string contentsText(const FileList& files);
+
+/// The files that earlier runs, exports and renderings say they left in a folder. A record that was
+/// changed since says nothing.
+class LeftFiles {
+ public:
+  explicit LeftFiles(std::filesystem::path folder);
+
+  /// Whether something stands under this name that is not as one of them left it: another file, a
+  /// folder, a link that leads nowhere. A link to the very bytes may be replaced. Reads the file
+  /// where its size agrees.
+  bool isForeign(const std::string& name) const;
+
+  /// Whether a file stands there as one of them left it, not reached through a link on the way.
+  bool stands(const std::string& name) const;
+
+  /// All that the records list; what contents.json says of a file counts more than summary.json.
+  const FileList& files() const { return files_; }
+
+ private:
+  std::filesystem::path folder_;
+  FileList files_;
+};
+
+/// Whether a name means a file in the folder or below it.
+bool staysInside(const std::filesystem::path& name);
+
+/// What is wrong with a file in a folder; empty when it is as noted. One line without the file's
+/// name.
+std::string difference(const std::filesystem::path& folder, const FileDigest& noted);
+
+// ------------------------------------------------------------------------------------------------
+// Files that appear in a folder together, and in nobody else's place.
+//
+// They are written into a hidden folder within, `.unfinished`. When all of them are whole, the
+// sealed record that lists them is written there too; then each is moved into place, what earlier
+// runs left and this one did not write is removed, and the record is moved last. Whoever is killed
+// on the way leaves the record beside what is not moved yet, and the next set in the folder goes
+// on from there. Until the record is whole, nothing outside `.unfinished` is touched.
+
+/// One set of new files. Whatever happens to it, the folder holds the old files or the new ones.
+class FileSet {
+ public:
+  /// Makes the folder, and those above it, and holds it for this set alone. `record` is the file
+  /// that will list the others: summary.json takes the place of all that earlier runs left,
+  /// contents.json adds to it. Finishes what a killed program has left to move; removes what one
+  /// has left unfinished, but for its checkpoint. Throws OutputError; InputError where files of
+  /// others are in the way of that.
+  FileSet(std::filesystem::path folder, const char* record);
+  /// Removes what is not in place, but for a checkpoint.
+  ~FileSet();
+  FileSet(const FileSet&) = delete;
+  FileSet& operator=(const FileSet&) = delete;
+
+  /// Where to write files until they are committed.
+  const std::filesystem::path& stage() const { return stage_; }
+
+  /// Throws InputError that names the files in the folder, or one level below, of which `isWanted`
+  /// is true and which no earlier run left as they are. A wanted folder ends in '/'.
+  void requireFree(const std::function<bool(const std::string& name)>& isWanted) const;
+
+  /// Removes the checkpoint of an earlier run.
+  void dropCheckpoint() const;
+
+  /// Puts all files in place that the text of the record lists. Throws InputError, and moves
+  /// nothing, when files of others have come into their places meanwhile; OutputError. `recordText`
+  /// is sealed; the listed files lie in stage() or in place.
+  void commit(const std::string& recordText);
+
+  /// The same for contents.json, which lists what stands there already and these files. Reads each
+  /// new file once, for its hash.
+  void commit(const std::vector<std::string>& names);
+
+ private:
+  std::filesystem::path folder_;
+  std::filesystem::path stage_;
+  const char* record_;
+  FolderLock lock_;
+};
 
 }  // namespace kirireel

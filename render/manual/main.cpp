@@ -9,11 +9,9 @@
 
 #include <fmt/format.h>
 
-#include "render/manual/completion.h"
-#include "render/manual/man_page.h"
-#include "render/manual/python_text.h"
-#include "render/record/versions.h"
-#include "sim/base/pending_file.h"
+#include "render/manual/manual.h"
+#include "render/record/summary.h"
+#include "sim/base/files.h"
 
 namespace {
 

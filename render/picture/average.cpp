@@ -9,10 +9,10 @@
 //
 // A sixth in whole numbers: round(s / 6) = ((s + 3) 43691) >> 18 for s up to 6 * 255, because 43691
 // = ceil(2^18 / 6).
-#include "render/picture/average.h"
-
 #include <array>
 #include <cstddef>
+
+#include "render/picture/painter.h"
 
 namespace kirireel {
 namespace {

@@ -7,7 +7,7 @@
 // - 3. The picture is cut into parts of at most 2048 x 1024 pixels that some triangle touches. For
 //   each part the triangles that may touch it are drawn into a framebuffer of 2 x 3 samples a
 //   pixel, ground and overlay in painting order, solid ones by depth.
-// - 4. Samples are read back in strips of 8 rows and averaged to pixels (average.h).
+// - 4. Samples are read back in strips of 8 rows and averaged to pixels (painter.h).
 // - 5. What no triangle touches keeps the background.
 //
 // Supersampling and not multisampling: llvmpipe draws flat triangles quickly, and six samples with
@@ -24,11 +24,8 @@
 #include <span>
 #include <utility>
 
-#include "render/gl/context.h"
-#include "render/gl/framebuffer.h"
-#include "render/gl/opengl.h"
-#include "render/gl/program.h"
-#include "render/picture/average.h"
+#include "render/picture/gl_context.h"
+#include "render/picture/opengl.h"
 #include "sim/base/interruption.h"
 
 namespace kirireel {

@@ -9,6 +9,7 @@
 #include "render/picture/style.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace kirireel {
@@ -79,6 +80,115 @@ GroundPlate groundUnder(std::span<const Vector3> points, double height) {
   plate.centre = box.center().head<2>();
   plate.halfSize = 4 * box.diagonal().norm();
   return plate;
+}
+
+// ------------------------------------------------------------------------------------------------
+// Scales are tables of 17 colours at equal steps; between two the colour is interpolated linearly
+// in each sRGB channel. The full tables have 256 entries; 17 with straight lines between differ
+// from them by two levels at most and can be read by people.
+
+namespace {
+
+using Scale = std::array<std::array<std::uint8_t, 3>, 17>;
+
+/// Every sixteenth colour of the viridis scale by N. Smith, S. van der Walt and E. Firing, in the
+/// public domain (CC0); straight lines between them are within 2 levels of the whole table.
+constexpr Scale kViridis = {{{68, 1, 84},
+                             {72, 24, 106},
+                             {71, 45, 123},
+                             {66, 64, 134},
+                             {59, 82, 139},
+                             {51, 99, 141},
+                             {44, 114, 142},
+                             {38, 130, 142},
+                             {33, 145, 140},
+                             {31, 159, 136},
+                             {39, 173, 129},
+                             {61, 188, 116},
+                             {92, 200, 99},
+                             {129, 211, 77},
+                             {170, 220, 50},
+                             {213, 226, 26},
+                             {253, 231, 37}}};
+
+/// The same of the cividis scale by J. Nunez, C. Anderton and R. Renslow (PLoS ONE 13(7), 2018) in
+/// the table that Matplotlib dedicates to the public domain (CC0).
+constexpr Scale kCividis = {{{0, 34, 78},
+                             {0, 46, 106},
+                             {26, 56, 111},
+                             {50, 67, 109},
+                             {67, 78, 108},
+                             {83, 90, 109},
+                             {97, 101, 111},
+                             {111, 112, 115},
+                             {125, 124, 120},
+                             {139, 135, 120},
+                             {154, 147, 118},
+                             {170, 160, 115},
+                             {187, 173, 109},
+                             {204, 186, 100},
+                             {221, 200, 88},
+                             {239, 215, 72},
+                             {254, 232, 56}}};
+
+/// Every second colour of the smooth cool-warm scale by K. Moreland, "Diverging Color Maps for
+/// Scientific Visualization" (ISVC 2009), table of 33 colours in the public domain.
+constexpr Scale kCoolWarm = {{{59, 76, 192},
+                              {77, 104, 215},
+                              {98, 130, 234},
+                              {119, 154, 247},
+                              {141, 176, 254},
+                              {163, 194, 255},
+                              {184, 208, 249},
+                              {204, 217, 238},
+                              {221, 221, 221},
+                              {236, 211, 197},
+                              {245, 196, 173},
+                              {247, 177, 148},
+                              {244, 154, 123},
+                              {236, 127, 99},
+                              {222, 96, 77},
+                              {203, 62, 56},
+                              {180, 4, 38}}};
+
+const Scale& scaleOf(ColourMap map) {
+  switch (map) {
+    case ColourMap::Cividis:
+      return kCividis;
+    case ColourMap::CoolWarm:
+      return kCoolWarm;
+    default:
+      return kViridis;
+  }
+}
+
+constexpr Colour kNoValue = {160, 160, 160};
+
+}  // namespace
+
+Colour mapColour(ColourMap map, double share) {
+  if (std::isnan(share)) return kNoValue;
+  const Scale& scale = scaleOf(map);
+  const double place = std::clamp(share, 0.0, 1.0) * (scale.size() - 1);
+  const std::size_t below = std::min(static_cast<std::size_t>(place), scale.size() - 2);
+  const double rest = place - static_cast<double>(below);
+  const auto channel = [&](int k) {
+    return static_cast<std::uint8_t>(
+        std::lround(scale[below][k] + rest * (scale[below + 1][k] - scale[below][k])));
+  };
+  return {channel(0), channel(1), channel(2)};
+}
+
+Colour kindColour(int kind) {
+  // After M. Okabe and K. Ito, "Color Universal Design" (2008), lightened for large areas.
+  constexpr std::array<Colour, 7> kHues = {{{128, 174, 220},
+                                            {244, 190, 116},
+                                            {124, 196, 166},
+                                            {222, 150, 186},
+                                            {240, 228, 120},
+                                            {226, 140, 100},
+                                            {170, 170, 176}}};
+  return kHues[static_cast<std::size_t>(kind) % kHues.size()];
 }
 
 }  // namespace kirireel

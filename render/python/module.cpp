@@ -1,9 +1,8 @@
 /// The Python module kirireel._kirireel.
 #include <pybind11/numpy.h>
 
-#include "render/python/model.h"
-#include "render/python/run.h"
-#include "render/record/versions.h"
+#include "render/python/bindings.h"
+#include "render/record/summary.h"
 #include "sim/base/error.h"
 
 namespace py = pybind11;

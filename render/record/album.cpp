@@ -7,7 +7,7 @@
 // The order of frames is that of the futures in the queue, whichever painter is done first. So the
 // bytes do not depend on how many paint. Both queues are bounded: memory holds some tens of frames,
 // however long the run is. The first error of any thread stops both queues, and finish() throws it
-// (crew.h).
+// (pipeline.h).
 //
 // What cameras hold in sight is decided before: the start and the target where nothing else is
 // asked for, or about a hundred samples of the run; where the program chose the camera itself and a
@@ -18,24 +18,23 @@
 #include <cmath>
 #include <memory>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "render/folder/output_folder.h"
-#include "render/gl/context.h"
-#include "render/grid/grid.h"
-#include "render/png/png.h"
-#include "render/record/crew.h"
-#include "render/record/frame_sink.h"
-#include "render/record/panels.h"
-#include "render/record/samples.h"
-#include "render/record/snapshot_choice.h"
-#include "render/record/stopwatch.h"
-#include "render/record/title_card.h"
-#include "sim/base/cpu_time.h"
+#include "render/picture/canvas.h"
+#include "render/picture/gl_context.h"
+#include "render/picture/grid.h"
+#include "render/picture/label.h"
+#include "render/picture/png.h"
+#include "render/record/pace.h"
+#include "render/record/pipeline.h"
 #include "sim/base/error.h"
-#include "sim/base/pending_file.h"
-#include "sim/measure/brick_measures.h"
+#include "sim/base/files.h"
+#include "sim/base/interruption.h"
+#include "sim/measure/run_curves.h"
 
 namespace kirireel {
 namespace {
@@ -273,6 +272,376 @@ void Album::writeSnapshots(const TrajectoryReader& run, const MotionCurve& motio
   writeMoments(run, motion);
   if (settings_.snapshots) writeGrid(run, motion);
   if (!settings_.chosenFrames.empty()) writeChosenFrames(run, motion);
+}
+
+// ------------------------------------------------------------------------------------------------
+// A video shows a title card for two seconds, its first frame 1 + h times, each other frame once,
+// and its last frame h times more, with h = hold x frames a second. To repeat a frame costs its
+// encoding, so it is done here and not by painting it again.
+
+namespace {
+
+constexpr double kTitleSeconds = 2;
+
+}  // namespace
+
+VideoSettings videoSettings(const PictureSettings& settings) {
+  return {.size = settings.size,
+          .framesPerSecond = settings.framesPerSecond,
+          .crf = settings.crf,
+          .preset = settings.preset,
+          .encoder = settings.encoder,
+          .description = settings.madeBy};
+}
+
+PngSettings pngSettings(const PictureSettings& settings) {
+  return {.dotsPerInch = settings.dotsPerInch, .description = settings.madeBy};
+}
+
+int heldFrames(const PictureSettings& settings) {
+  return static_cast<int>(std::lround(settings.heldSeconds() * settings.framesPerSecond));
+}
+
+FrameSink::FrameSink(const PictureSettings& settings, PictureReport& report)
+    : settings_(settings), report_(report), heldFrames_(heldFrames(settings)) {
+  if (settings.frames) makeFolder(settings.folder / output::kFrames);
+  if (settings.video) video_.emplace(settings.folder / settings.videoFile, videoSettings(settings));
+}
+
+void FrameSink::encode(const Frame& frame, int times) {
+  for (int k = 0; k < times; ++k) {
+    checkInterruption();
+    video_->write(frame);
+  }
+  videoFrames_ += times;
+}
+
+void FrameSink::putTitle(const Frame& card) {
+  const CpuTimer timer(report_.recordCost.cpuSecondsEncode);
+  if (video_) encode(card, static_cast<int>(kTitleSeconds * settings_.framesPerSecond));
+}
+
+Frame FrameSink::put(Frame frame) {
+  const CpuTimer timer(report_.recordCost.cpuSecondsEncode);
+  if (video_) encode(frame, number_ == 0 ? 1 + heldFrames_ : 1);
+  if (settings_.frames) {
+    writePng(frame, settings_.folder / frameFile(number_), pngSettings(settings_));
+    files_.push_back(frameFile(number_).string());
+  }
+  ++number_;
+  std::swap(last_, frame);
+  return frame;
+}
+
+void FrameSink::finish() {
+  const CpuTimer timer(report_.recordCost.cpuSecondsEncode);
+  if (video_) {
+    encode(last_, heldFrames_);
+    video_->finish();
+    files_.push_back(settings_.videoFile);
+  }
+  report_.videoFrames = videoFrames_;
+  report_.files.insert(report_.files.end(), files_.begin(), files_.end());
+}
+
+// ------------------------------------------------------------------------------------------------
+// The title is 7% of the picture's height in its em, the subtitle 4.5%, lines are 1.35 em apart.
+// Lines are broken at 90% of the width; if all together are still too wide or too high, all shrink
+// by one factor.
+
+namespace {
+
+constexpr double kTitleSize = 0.07;      // em, in heights of the picture
+constexpr double kSubtitleSize = 0.045;  // likewise
+constexpr double kLineEms = 1.35;        // from line to line
+constexpr double kMostWidth = 0.9;       // of the picture that text may take
+constexpr double kMostHeight = 0.9;
+
+/// A line of a card.
+struct CardLine {
+  std::string text;
+  double em = 0;  ///< pixels
+};
+
+void append(std::vector<CardLine>& lines, const std::string& text, double em, double most) {
+  if (text.empty()) return;
+  const LabelWriter writer(std::max(1, static_cast<int>(em)));
+  const auto width = [&writer](const std::string& line) -> double { return writer.width(line); };
+  for (std::string& line : wrapText(text, width, most)) lines.push_back({std::move(line), em});
+}
+
+double widthOf(const CardLine& line) {
+  return LabelWriter(std::max(1, static_cast<int>(line.em))).width(line.text);
+}
+
+/// Makes all lines smaller by what the widest, or all together, take too much.
+void shrinkToFit(std::vector<CardLine>& lines, FrameSize size) {
+  double widest = 1, height = 1;
+  for (const CardLine& line : lines) {
+    widest = std::max(widest, widthOf(line));
+    height += kLineEms * line.em;
+  }
+  const double share =
+      std::min({1.0, kMostWidth * size.width / widest, kMostHeight * size.height / height});
+  for (CardLine& line : lines) line.em *= share;
+}
+
+}  // namespace
+
+void requireTitle(const Title& title) {
+  requireDrawable("--title", title.title);
+  requireDrawable("--subtitle", title.subtitle);
+}
+
+Frame titleCard(const Title& title, FrameSize size, Colour background, Colour ink) {
+  std::vector<CardLine> lines;
+  append(lines, title.title, kTitleSize * size.height, kMostWidth * size.width);
+  append(lines, title.subtitle, kSubtitleSize * size.height, kMostWidth * size.width);
+  shrinkToFit(lines, size);
+  double height = 0;
+  for (const CardLine& line : lines) height += kLineEms * line.em;
+  Frame card = makeFrame(size, background);
+  double upper = 0.5 * (size.height - height);
+  for (const CardLine& line : lines) {
+    const LabelWriter writer(std::max(1, static_cast<int>(line.em)));
+    writer.draw(card, line.text, (size.width - writer.width(line.text)) / 2,
+                static_cast<int>(std::lround(upper + line.em)), ink);
+    upper += kLineEms * line.em;
+  }
+  return card;
+}
+
+// ------------------------------------------------------------------------------------------------
+// A sheet is made in this order: all pictures are painted at the size that was asked for; margins
+// that all of them leave empty are found (filledPart). Where the sheet has a width in print, the
+// enlargement that gives it is computed and all pictures are painted again, larger: enlarging
+// pixels would blur them. Then they are cut alike, laid out, and written as PNG; SVG and PDF draw
+// the same layout from the sketches, without pixels.
+//
+// With W millimetres and d dots an inch the sheet is W d / 25.4 pixels wide; text of p points is p
+// / 72 inches high, whatever the width came to be.
+
+namespace {
+
+constexpr double kMillimetresPerInch = 25.4;
+constexpr double kPointsPerInch = 72;
+
+/// Scales are those of the first row, which all rows share.
+GridStyle gridStyle(const Stage& stage, const PictureSettings& settings) {
+  GridStyle style;
+  style.background = stage.style().background;
+  style.text = stage.style().text;
+  style.colourScale = stage.colourScale();
+  style.legend = stage.legend();
+  if (settings.scaleBar) style.metresPerPixel = stage.metresPerPixel();
+  style.letters = settings.letters;
+  style.arrows = settings.arrows;
+  style.heads = settings.columnHeads;
+  return style;
+}
+
+/// Outlines are as wide as in the pictures, in pixels of their height.
+PageSettings pageSettings(const Stage& stage, FrameSize size, const std::string& description) {
+  const Style& style = stage.style();
+  return {.size = size,
+          .background = style.background,
+          .outline = style.edge,
+          .paleOutline = style.paleEdge,
+          .outlineWidth = style.edgeWidth * stage.pictureSize().height,
+          .fontFamily = fontFamily(),
+          .description = description};
+}
+
+}  // namespace
+
+const char* pageFile(PageFormat format) {
+  return format == PageFormat::Svg ? output::kSnapshotsSvg : output::kSnapshotsPdf;
+}
+
+Moment stillOf(const FrameState& state) {
+  return {state.moment.time, state.sample.poses, state.sample.pinned, state.moment.turn};
+}
+
+/// All pictures anew, of this size.
+void PanelSheet::takeAll(FrameSize size) {
+  const CpuTimer timer(report_.recordCost.cpuSecondsRender);
+  studios_.clear();
+  pictures_.clear();
+  for (const PanelRow& row : rows_) {
+    studios_.push_back(std::make_unique<Studio>(size, row.look, row.motif));
+    for (std::size_t k = 0; k < row.states.size(); ++k) {
+      pictures_.push_back({studios_.back()->take(stillOf(row.states[k])), row.captions[k]});
+    }
+  }
+}
+
+/// Each picture as vector graphics.
+void PanelSheet::writeDrawings() {
+  int number = 0;
+  for (std::size_t row = 0; row < rows_.size(); ++row) {
+    const Stage& stage = studios_[row]->stage();
+    for (const FrameState& state : rows_[row].states) {
+      const Moment moment = stillOf(state);
+      report_.files.push_back(snapshotDrawing(++number).string());
+      const std::unique_ptr<Canvas> page =
+          makeSvgCanvas(pageSettings(stage, stage.pictureSize(), settings_.madeBy));
+      drawSketch(stage.sketch(moment), stage.camera(moment), stage.pictureSize(), {0, 0}, "",
+                 *page);
+      writeTextFile(settings_.folder / report_.files.back(), page->finish());
+    }
+  }
+}
+
+/// How much larger pictures must be painted, of which this part is shown, for the sheet to be as
+/// wide as it is to be in print; less where pictures would be too large.
+double PanelSheet::enlargement(const PictureBox& part, const GridStyle& style) const {
+  if (!settings_.gridWidth) return 1;
+  const double wanted = *settings_.gridWidth / kMillimetresPerInch * settings_.gridDotsPerInch();
+  const int columns = shape_.columns;
+  const double most = kMaxFrameSide / std::max(settings_.size.width, settings_.size.height);
+  const double gaps = (2 * style.gap + (columns - 1) * columnGap(style)) * part.size.height;
+  return std::min(most, wanted / (columns * part.size.width + gaps));
+}
+
+/// Em of the text that is to have a size in print, pixels.
+int PanelSheet::textSize(const PictureBox& part, const GridStyle& style) const {
+  const double inches = *settings_.gridWidth / kMillimetresPerInch;
+  const double dots = layOutGrid(part.size, shape_, style).sheet.width / inches;
+  return std::max(1, static_cast<int>(std::lround(*settings_.fontPoints / kPointsPerInch * dots)));
+}
+
+/// Each picture is cut off at its part, as cutAlike() does with pixels.
+void PanelSheet::writePage(PageFormat format, const PictureBox& part, const GridLayout& layout,
+                           const GridStyle& style) {
+  PageSettings page = pageSettings(studios_.front()->stage(), layout.sheet, settings_.madeBy);
+  if (settings_.gridWidth) {
+    page.pixelsPerInch = layout.sheet.width / *settings_.gridWidth * kMillimetresPerInch;
+  }
+  const std::unique_ptr<Canvas> canvas = makeCanvas(format, page);
+  canvas->begin("pictures");
+  int cell = 0;
+  for (std::size_t row = 0; row < rows_.size(); ++row) {
+    const Stage& stage = studios_[row]->stage();
+    for (const FrameState& state : rows_[row].states) {
+      const Eigen::Vector2d corner(layout.left(cell % shape_.columns),
+                                   layout.upper(cell / shape_.columns));
+      const std::string name = fmt::format("picture_{:02}", ++cell);
+      const Moment moment = stillOf(state);
+      canvas->beginWithin(name, corner.x(), corner.y(), part.size.width, part.size.height);
+      drawSketch(stage.sketch(moment), stage.camera(moment), stage.pictureSize(),
+                 corner - Eigen::Vector2d(part.left, part.upper), name, *canvas);
+      canvas->end();
+    }
+  }
+  canvas->end();
+  canvas->begin("text");
+  drawGridText(*canvas, layout, style, captionsOf(pictures_), shape_.columns);
+  canvas->end();
+  report_.files.emplace_back(pageFile(format));
+  writeTextFile(settings_.folder / report_.files.back(), canvas->finish());
+}
+
+void PanelSheet::write() {
+  takeAll(settings_.size);
+  if (settings_.svg) writeDrawings();
+  PictureBox part = filledPart(pictures_);
+  const double scale = enlargement(part, gridStyle(studios_.front()->stage(), settings_));
+  if (scale != 1) {
+    part = part.scaled(scale);
+    takeAll(PictureBox{0, 0, settings_.size}.scaled(scale).size);
+  }
+  cutAlike(pictures_, part);
+  GridStyle style = gridStyle(studios_.front()->stage(), settings_);
+  if (settings_.fontPoints) style.textSize = textSize(part, style);
+  const GridLayout layout = layOutGrid(part.size, shape_, style, captionsOf(pictures_));
+  PngSettings png = pngSettings(settings_);
+  if (settings_.gridWidth) {
+    png.dotsPerInch = layout.sheet.width / *settings_.gridWidth * kMillimetresPerInch;
+  }
+  writePng(composeGrid(pictures_, shape_, style), settings_.folder / output::kSnapshots, png);
+  report_.files.emplace_back(output::kSnapshots);
+  for (const PageFormat format : settings_.pages) writePage(format, part, layout, style);
+}
+
+// ------------------------------------------------------------------------------------------------
+// Several runs in one figure have to be comparable: all rows get one view, a parallel projection,
+// one scale of length and one of colours. Each row's camera is fitted to its own model first; with
+// h its picture's height in metres and H the largest of them, the zooms are multiplied by h / H.
+// The scale of colours ends at the largest value of all rows.
+
+namespace {
+
+/// The view that suits all runs where none is given: from above when all are flat.
+ViewAngles sharedView(std::span<const TrajectoryReader* const> runs) {
+  const bool isFlat = std::ranges::all_of(runs, [](const TrajectoryReader* run) {
+    return defaultView(motifOf(run->subject()).points) == kTopView;
+  });
+  return isFlat ? kTopView : kIsometricView;
+}
+
+/// Throws InputError where a perspective or a moving camera was asked for.
+Look sharedLook(std::span<const TrajectoryReader* const> runs, const PictureSettings& settings) {
+  Look look = settings.look;
+  CameraChoice& camera = look.camera;
+  if (camera.orthographic == false || camera.orbit != 0 || !camera.keys.empty()) {
+    throw InputError(
+        "error: pictures of several runs share one scale, which needs a parallel projection and a "
+        "camera that stands still; leave --projection perspective, --orbit and --camera-keys away");
+  }
+  camera.orthographic = true;
+  if (!camera.view) camera.view = sharedView(runs);
+  return look;
+}
+
+/// Which model a row shows stands before its first caption.
+std::vector<std::string> captionsOf(const std::vector<FrameState>& states,
+                                    const CaptionWriter& writer, const std::string& model) {
+  std::vector<std::string> captions;
+  for (const FrameState& state : states) captions.push_back(writer.of(state));
+  std::string& first = captions.front();
+  first = first.empty() ? model : fmt::format("{}: {}", model, first);
+  return captions;
+}
+
+/// Reads the run for its motion, and for the states of its pictures.
+PanelRow makeRow(const TrajectoryReader& run, const PictureSettings& settings) {
+  PanelRow row{settings.look, motifOf(run, settings), {}, {}};
+  const MotionCurve motion = motionOf(run);
+  Replay replayed(run);
+  for (const FrameMoment& moment : snapshotMoments(motion, settings, settings.grid.columns)) {
+    row.states.push_back({moment, replayed.at(moment.time)});
+  }
+  row.captions = captionsOf(row.states, CaptionWriter(settings.captionParts(), row.motif),
+                            run.subject().model.name);
+  return row;
+}
+
+/// Cameras as far away, and scales of colours as long, as the largest of the rows needs.
+void shareScales(FrameSize size, std::vector<PanelRow>& rows) {
+  std::vector<double> heights;
+  double most = 0;
+  for (const PanelRow& row : rows) {
+    const Stage stage(row.look, row.motif, size);
+    heights.push_back(stage.metresPerPixel());
+    if (stage.colourScale()) most = std::max(most, stage.colourScale()->most);
+  }
+  const double largest = *std::ranges::max_element(heights);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    rows[k].look.camera.zoom *= heights[k] / largest;
+    if (most > 0) rows[k].look.colourMost = most;
+  }
+}
+
+}  // namespace
+
+std::vector<PanelRow> figureRows(std::span<const TrajectoryReader* const> runs,
+                                 const PictureSettings& asked) {
+  PictureSettings settings = asked;
+  settings.look = sharedLook(runs, asked);
+  std::vector<PanelRow> rows;
+  for (const TrajectoryReader* run : runs) rows.push_back(makeRow(*run, settings));
+  shareScales(settings.size, rows);
+  return rows;
 }
 
 }  // namespace kirireel

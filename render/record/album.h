@@ -1,18 +1,26 @@
-/// The pictures of a run: video, single frames, snapshot grid.
+/// The pictures of a run: single ones, videos, sheets of several, title cards.
 #pragma once
 
 #include <future>
+#include <memory>
 #include <optional>
+#include <span>
+#include <string>
+#include <vector>
 
-#include "render/record/bounded_queue.h"
-#include "render/record/frame_pool.h"
+#include "render/picture/frame.h"
+#include "render/picture/png.h"
+#include "render/picture/studio.h"
 #include "render/record/pace.h"
+#include "render/record/pipeline.h"
 #include "render/record/record.h"
-#include "render/record/replay.h"
-#include "render/studio/studio.h"
+#include "render/video/video.h"
 #include "sim/trajectory/trajectory_file.h"
 
 namespace kirireel {
+
+// ------------------------------------------------------------------------------------------------
+// The pictures of a run: video, single frames, snapshot grid.
 
 /// A run as a studio sees it before it begins, its start and its target in sight.
 Motif motifOf(const Subject& subject);
@@ -91,5 +99,129 @@ class Album {
   Studio frames_;                 ///< with a strip under its pictures
   std::optional<Studio> stills_;  ///< the same, smoother: of frames that stand alone
 };
+
+// ------------------------------------------------------------------------------------------------
+// Where painted frames go: into the video, into single files, or both.
+//
+// Frames come in the order of the video. The sink keeps the last one, since nobody knows that it
+// is the last before finish() is called, and it may have to be shown longer.
+
+/// How the run's video is encoded.
+VideoSettings videoSettings(const PictureSettings& settings);
+
+/// How its single pictures are written.
+PngSettings pngSettings(const PictureSettings& settings);
+
+/// How many more frames the first and the last one are shown for. Rounded: settings.heldSeconds()
+/// times the frames a second.
+int heldFrames(const PictureSettings& settings);
+
+/// Encodes and writes frames in order; holds the first and the last as long as the settings say.
+/// Belongs to the thread that makes it.
+class FrameSink {
+ public:
+  /// Throws OutputError when the video cannot be made. Settings and report must outlive the sink.
+  FrameSink(const PictureSettings& settings, PictureReport& report);
+
+  /// Shows a card before the first frame. Throws OutputError.
+  void putTitle(const Frame& card);
+
+  /// Returns a frame that is needed no more, empty at first. Throws OutputError. With `frames` it
+  /// also writes frames/frame_00000.png and so on.
+  Frame put(Frame frame);
+
+  /// Puts the video in place and reports; without it, no video is left. Throws OutputError.
+  void finish();
+
+ private:
+  void encode(const Frame& frame, int times);
+
+  const PictureSettings& settings_;
+  PictureReport& report_;
+  std::optional<VideoWriter> video_;
+  int heldFrames_;
+  int number_ = 0;  ///< of the next frame
+  Frame last_;
+  int videoFrames_ = 0;
+  std::vector<std::string> files_;
+};
+
+// ------------------------------------------------------------------------------------------------
+// The card before a video.
+
+/// What a card says, UTF-8; line feeds begin new lines.
+struct Title {
+  std::string title;
+  std::string subtitle;
+
+  bool empty() const { return title.empty() && subtitle.empty(); }
+};
+
+/// Throws InputError for a text that is not UTF-8, or has a character that the font lacks, and
+/// OutputError when the font is missing.
+void requireTitle(const Title& title);
+
+/// The title in the middle of a picture, its subtitle below in smaller letters. Lines that would be
+/// too wide are wrapped; what is too wide or too high even so is drawn smaller. Throws OutputError
+/// when the font is missing. At least one of the texts is not empty.
+Frame titleCard(const Title& title, FrameSize size, Colour background, Colour ink);
+
+// ------------------------------------------------------------------------------------------------
+// Sheets of pictures: states of one run or of several, side by side, as pixels and as vector
+// graphics.
+
+/// States of one run that stand in a row on a sheet, cell after cell. Rows of a figure may have
+/// different models; those of one run have one row, which fills all cells.
+struct PanelRow {
+  Look look;
+  Motif motif;
+  std::vector<FrameState> states;
+  std::vector<std::string> captions;  ///< one a state
+};
+
+/// The name of the sheet's file in this format. PNG has a name of its own, see output::kSnapshots.
+const char* pageFile(PageFormat format);
+
+/// What a picture of a state shows.
+Moment stillOf(const FrameState& state);
+
+/// One sheet. Belongs to the thread that makes it.
+class PanelSheet {
+ public:
+  /// The rows' states fill the shape from its upper left cell on. What is passed must outlive the
+  /// sheet.
+  PanelSheet(const std::vector<PanelRow>& rows, GridShape shape, const PictureSettings& settings,
+             PictureReport& report)
+      : rows_(rows), shape_(shape), settings_(settings), report_(report) {}
+
+  /// Writes snapshots.png and whatever else of the sheet the settings ask for. Throws OutputError.
+  /// Paints every picture once, twice where the sheet has a width in print.
+  void write();
+
+ private:
+  void takeAll(FrameSize size);
+  void writeDrawings();
+  double enlargement(const PictureBox& part, const GridStyle& style) const;
+  int textSize(const PictureBox& part, const GridStyle& style) const;
+  void writePage(PageFormat format, const PictureBox& part, const GridLayout& layout,
+                 const GridStyle& style);
+
+  const std::vector<PanelRow>& rows_;
+  GridShape shape_;
+  const PictureSettings& settings_;
+  PictureReport& report_;
+  std::vector<std::unique_ptr<Studio>> studios_;  ///< one a row
+  std::vector<GridPicture> pictures_;
+};
+
+// ------------------------------------------------------------------------------------------------
+// Figures of several runs: a row of pictures each.
+
+/// The rows of a figure, settings.grid.columns states of each run. All pictures share one camera's
+/// view, one scale of length and one of colours. Throws InputError where no one scale holds: in
+/// perspective or from a moving camera. At least one run. The readers must stay open while rows are
+/// made.
+std::vector<PanelRow> figureRows(std::span<const TrajectoryReader* const> runs,
+                                 const PictureSettings& settings);
 
 }  // namespace kirireel

@@ -7,9 +7,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
-#include "render/record/frame_sink.h"
-#include "render/studio/studio.h"
+#include <fmt/format.h>
+
+#include "render/picture/studio.h"
+#include "render/record/album.h"
+#include "sim/base/error.h"
 #include "sim/deploy/continuation.h"
 
 namespace kirireel {
@@ -132,6 +136,120 @@ std::vector<FrameMoment> snapshotMoments(const MotionCurve& motion, const Pictur
     moments.push_back(momentAt(motion, settings.pace, time));
   }
   return moments;
+}
+
+// ------------------------------------------------------------------------------------------------
+// A state between two samples is interpolated by StateInterpolator (sim/deploy/continuation.h),
+// which closes the joints again. The two samples around the time are kept, so that frames that
+// follow each other read each sample once.
+
+namespace {
+
+/// Times closer than this part of the way between two samples are the same.
+constexpr double kSameShare = 1e-6;
+
+}  // namespace
+
+Replay::Replay(const TrajectoryReader& run) : run_(run), interpolator_(run.subject()) {}
+
+/// Keeps the sample of this index and the next.
+void Replay::loadPair(std::size_t index) {
+  if (!pair_.empty() && index_ == index) return;
+  // The later of the pair so far is often the earlier of the next.
+  const bool isKept = !pair_.empty() && index_ + 1 == index;
+  Sample first = isKept ? std::move(pair_[1]) : run_.sample(index);
+  pair_.clear();
+  pair_.push_back(std::move(first));
+  pair_.push_back(run_.sample(index + 1));
+  index_ = index;
+}
+
+/// Times within a millionth of a sample are that sample, so that its own measures are told and not
+/// interpolated ones.
+Sample Replay::at(double time) {
+  const std::vector<double>& times = run_.times();
+  const auto above = std::lower_bound(times.begin(), times.end(), time);
+  if (above == times.begin()) return run_.sample(0);
+  if (above == times.end()) return run_.sample(times.size() - 1);
+  const auto upper = static_cast<std::size_t>(above - times.begin());
+  const double share = (time - times[upper - 1]) / (times[upper] - times[upper - 1]);
+  if (share > 1 - kSameShare) return run_.sample(upper);
+  if (share < kSameShare) return run_.sample(upper - 1);
+  loadPair(upper - 1);
+  return interpolator_.between(pair_[0], pair_[1], share);
+}
+
+StateFeed replay(const TrajectoryReader& run, const std::vector<FrameMoment>& moments,
+                 const ProgressObserver& observer, PictureReport& report) {
+  return [&run, &moments, &observer, &report](const StateTaker& take) {
+    Replay states(run);
+    for (std::size_t k = 0; k < moments.size(); ++k) {
+      const FrameMoment& moment = moments[k];
+      if (!take(std::make_shared<const FrameState>(FrameState{moment, states.at(moment.time)}))) {
+        return;
+      }
+      const bool isLast = k + 1 == moments.size();
+      const double share = static_cast<double>(k + 1) / static_cast<double>(moments.size());
+      const Interruption interruption = observer({"painting", share});
+      if (!interruption || isLast) continue;
+      report.stoppedAt = moment.time;
+      report.stoppedBy = *interruption;
+      return;
+    }
+  };
+}
+
+// ------------------------------------------------------------------------------------------------
+// Which samples of a run become pictures of their own.
+
+namespace {
+
+/// A wanted time may lie this much after the end, seconds: people round.
+constexpr double kAfterEnd = 0.01;
+
+/// The entry of rising numbers that is nearest to a wanted one. Of two that are equally near, the
+/// lower.
+int nearestIndex(const std::vector<double>& numbers, double wanted) {
+  const auto above = std::lower_bound(numbers.begin(), numbers.end(), wanted);
+  if (above == numbers.begin()) return 0;
+  const auto below = above - 1;
+  const bool takeBelow = above == numbers.end() || wanted - *below <= *above - wanted;
+  return static_cast<int>((takeBelow ? below : above) - numbers.begin());
+}
+
+/// Throws InputError for times after the end.
+int nearestToTime(const std::vector<double>& times, double time) {
+  if (time > times.back() + kAfterEnd) {
+    throw InputError(fmt::format(
+        "--frames-at: {:g} s is after the end of the run at {:g} s; give times up to it, or shares "
+        "such as 100%",
+        time, times.back()));
+  }
+  return nearestIndex(times, time);
+}
+
+}  // namespace
+
+std::vector<int> chooseFrames(const std::vector<double>& times, const MotionCurve& motion,
+                              const std::vector<FrameChoice>& wanted) {
+  std::set<int> indices;
+  for (const FrameChoice& choice : wanted) {
+    const bool isShare = choice.unit == FrameChoice::Unit::Share;
+    indices.insert(isShare ? nearestIndex(times, motion.timeAt(choice.value))
+                           : nearestToTime(times, choice.value));
+  }
+  return {indices.begin(), indices.end()};
+}
+
+std::vector<std::size_t> samplesOf(const std::string& event, const TrajectoryReader& run) {
+  std::vector<std::size_t> found;
+  const std::vector<double>& times = run.times();
+  for (const Event& happened : run.end().events) {
+    if (happened.text != event) continue;
+    const auto at = std::lower_bound(times.begin(), times.end() - 1, happened.time - 1e-9);
+    found.push_back(static_cast<std::size_t>(at - times.begin()));
+  }
+  return found;
 }
 
 }  // namespace kirireel

@@ -2,7 +2,7 @@
 //
 // - 1. Everything that can be refused is refused: settings, looks, exports, files of others in the
 //   folder, the font, the encoder, the graphics library.
-// - 2. The scene is deployed. Samples go to trajectory.h5 on a thread of its own (scribe.h); a
+// - 2. The scene is deployed. Samples go to trajectory.h5 on a thread of its own (pipeline.h); a
 //   checkpoint lets a killed run go on.
 // - 3. End state, meshes, load curve, pictures, video and exports are made from trajectory.h5, so
 //   that render() and export can make them again.
@@ -28,25 +28,18 @@
 
 #include <fmt/format.h>
 
-#include "render/folder/file_set.h"
-#include "render/gl/context.h"
-#include "render/grid/label.h"
-#include "render/mesh/mesh.h"
+#include "render/export/mesh.h"
+#include "render/folder/output_folder.h"
+#include "render/picture/gl_context.h"
+#include "render/picture/label.h"
 #include "render/record/album.h"
-#include "render/record/figure.h"
-#include "render/record/frame_sink.h"
-#include "render/record/panels.h"
-#include "render/record/replay.h"
-#include "render/record/scribe.h"
-#include "render/record/snapshot_choice.h"
-#include "render/record/stopwatch.h"
+#include "render/record/pace.h"
+#include "render/record/pipeline.h"
 #include "render/record/summary.h"
-#include "render/record/title_card.h"
-#include "render/record/versions.h"
 #include "sim/base/error.h"
+#include "sim/base/files.h"
 #include "sim/base/interruption.h"
-#include "sim/base/pending_file.h"
-#include "sim/model/folder.h"
+#include "sim/model/read_model.h"
 
 namespace kirireel {
 namespace {

@@ -8,14 +8,14 @@
 #include <string>
 #include <vector>
 
-#include "render/digest/digest.h"
 #include "render/export/export.h"
-#include "render/gl/context.h"
-#include "render/grid/grid.h"
+#include "render/folder/output_folder.h"
+#include "render/picture/canvas.h"
 #include "render/picture/frame.h"
-#include "render/studio/look.h"
-#include "render/vector/canvas.h"
-#include "sim/base/input_file.h"
+#include "render/picture/gl_context.h"
+#include "render/picture/grid.h"
+#include "render/picture/studio.h"
+#include "sim/base/files.h"
 #include "sim/deploy/deployment.h"
 #include "sim/scene/scene.h"
 

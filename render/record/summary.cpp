@@ -11,7 +11,7 @@
 //     contents    {name: {bytes, sha256}}, see folder/left_files.cpp
 //     cost        counts of steps, seconds, peak_memory_bytes
 //     versions    name: version
-//     sha256      the seal (digest.h)
+//     sha256      the seal (output_folder.h)
 //
 // Lengths are in the run's unit, metres unless --unit says otherwise. What does not exist is null
 // and never left out, so that readers find every key. Numbers have the shortest digits that read
@@ -22,10 +22,16 @@
 
 #include <cmath>
 
+#include <Eigen/Core>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "render/record/versions.h"
+#include "render/export/mesh.h"
+#include "render/picture/png.h"
+#include "render/video/video.h"
 #include "sim/scene/settings.h"
+#include "sim/trajectory/array_file.h"
+#include "sim/world/bullet_world.h"
 
 namespace kirireel {
 namespace {
@@ -359,6 +365,33 @@ std::string findingsText(const Scene& scene, const RunSummary& summary) {
 
 std::string settingsText(const Scene& scene, const RecordSettings& settings) {
   return text(settingsJson(scene, settings));
+}
+
+// ------------------------------------------------------------------------------------------------
+// The versions of the program and of the libraries that shape its results.
+
+std::string programVersion() {
+  return KIRIREEL_VERSION;
+}
+
+std::vector<std::pair<std::string, std::string>> allVersions() {
+  return {
+      {"kirireel", programVersion()},
+      {"compiler", __VERSION__},
+      {"eigen",
+       fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)},
+      {"bullet", bulletVersion()},
+      {"hdf5", arrayLibraryVersion()},
+      {"libavcodec", encoderLibraryVersion()},
+      {"libpng", pngLibraryVersion()},
+      {"assimp", meshLibraryVersion()},
+  };
+}
+
+std::string versionText() {
+  std::string text;
+  for (const auto& [name, version] : allVersions()) text += fmt::format("{} {}\n", name, version);
+  return text;
 }
 
 }  // namespace kirireel

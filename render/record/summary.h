@@ -2,6 +2,8 @@
 #pragma once
 
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "render/record/record.h"
 
@@ -21,5 +23,18 @@ std::string findingsText(const Scene& scene, const RunSummary& summary);
 /// The settings of a run as JSON, as trajectory.h5 keeps them: the same as summary.json's. Ends in
 /// a newline.
 std::string settingsText(const Scene& scene, const RecordSettings& settings);
+
+// ------------------------------------------------------------------------------------------------
+// The versions of the program and of the libraries that shape its results.
+
+/// The program's own version, e.g. "0.1.0".
+std::string programVersion();
+
+/// Names and versions, the program first. They enter the fingerprint of every run: another library
+/// may give other bytes.
+std::vector<std::pair<std::string, std::string>> allVersions();
+
+/// The same, one "name version" a line.
+std::string versionText();
 
 }  // namespace kirireel

@@ -18,11 +18,16 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <optional>
 #include <random>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "sim/base/error.h"
+#include "sim/scene/toml_file.h"
 
 namespace kirireel {
 namespace {
@@ -141,6 +146,264 @@ std::vector<SweepValue> SweepPlan::run(std::uint64_t index) const {
     index /= axes_[k].size();
   }
   return values;
+}
+
+// ------------------------------------------------------------------------------------------------
+// Reads sweep.toml key by key. TOML (toml.io, version 1.0) gives values with their place in the
+// file; every refusal names file, line and column. What keys mean is not known here:
+// cli/sweep_runs.cpp checks each of them against the options of a run.
+//
+// A value is kept as the text that would be typed on a command line ("25", "0,0,-9.81", "true"),
+// because that is what the options read. Numbers of a range are made by SweepRange::at().
+
+namespace {
+
+constexpr std::size_t kMostValues = 100000;  // of all parameters, which are kept in memory
+constexpr double kLargest = 1e300;
+
+const std::map<std::string, SweepKeep>& keepWords() {
+  static const std::map<std::string, SweepKeep> words = {{"state", SweepKeep::State},
+                                                         {"trajectory", SweepKeep::Trajectory},
+                                                         {"pictures", SweepKeep::Pictures},
+                                                         {"all", SweepKeep::All}};
+  return words;
+}
+
+std::string requireText(const TomlValue& value, const std::string& wanted) {
+  if (!value.text() || value.text()->empty()) refuseValue(value, wanted);
+  return *value.text();
+}
+
+const TomlTable& requireTable(const TomlEntry& entry) {
+  if (!entry.value.table()) refuseValue(entry.value, fmt::format("a table, [{}]", entry.key));
+  return *entry.value.table();
+}
+
+std::size_t readCount(const TomlValue& value, double least, double most) {
+  const std::string wanted = fmt::format("a whole number from {:g} to {:g}", least, most);
+  if (!value.whole()) refuseValue(value, wanted);
+  return static_cast<std::size_t>(requireNumber(value, least, most, wanted));
+}
+
+bool isFileKey(const std::string& key) {
+  return key == "model" || key == "target" || key == "scene";
+}
+
+/// Names of files are relative to the sweep file.
+SweepValue readValue(const std::string& key, const TomlValue& value) {
+  std::string text = typedText(value);
+  if (isFileKey(key)) text = (value.where.file.parent_path() / text).lexically_normal().string();
+  return {text, value.truth() != nullptr, value.where};
+}
+
+/// The texts of a word's choice: {"log": true, "linear": false}. True for "log".
+bool readScale(const TomlValue& value) {
+  const std::string* word = value.text();
+  if (!word || (*word != "log" && *word != "linear")) refuseValue(value, "\"linear\" or \"log\"");
+  return *word == "log";
+}
+
+/// A range and the rest of its table.
+struct RangeTable {
+  SweepRange range;
+  std::optional<std::size_t> count;
+};
+
+constexpr const char* kRangeWanted =
+    "a range, as in {from = 0.01, to = 0.1, count = 5, scale = \"log\"}";
+
+void readRangeKey(const TomlEntry& entry, RangeTable& table) {
+  if (entry.key == "from" || entry.key == "to") {
+    const double number = requireNumber(entry.value, -kLargest, kLargest, "a number");
+    (entry.key == "from" ? table.range.from : table.range.to) = number;
+  } else if (entry.key == "scale") {
+    table.range.logarithmic = readScale(entry.value);
+  } else if (entry.key == "whole") {
+    if (!entry.value.truth()) refuseValue(entry.value, "true or false");
+    table.range.whole = *entry.value.truth();
+  } else if (entry.key == "count") {
+    // Two at least: both ends.
+    table.count = readCount(entry.value, 2, kMostValues);
+  } else {
+    refuseKey(entry, "key of a range", {"from", "to", "count", "scale", "whole"});
+  }
+}
+
+/// `from` may be larger than `to`.
+RangeTable readRange(const TomlValue& value) {
+  const TomlTable* table = value.table();
+  if (!table || !find(*table, "from") || !find(*table, "to")) refuseValue(value, kRangeWanted);
+  RangeTable read;
+  for (const TomlEntry& entry : *table) readRangeKey(entry, read);
+  const SweepRange& range = read.range;
+  if (range.logarithmic && !(range.from > 0 && range.to > 0)) {
+    refuseValue(value, "ends above 0 for scale = \"log\"");
+  }
+  return read;
+}
+
+/// Counts all parameters' values; a grid has far more runs.
+void requireFewValues(std::size_t count, const FileLocation& where) {
+  if (count <= kMostValues) return;
+  throw inputErrorAt(where, fmt::format("the parameters have more than {} values together; vary "
+                                        "fewer, or make several sweeps of it",
+                                        kMostValues));
+}
+
+/// The values of a key in [grid] or [list]. A list of values, or a range with a count.
+SweepAxis readAxis(const TomlEntry& entry) {
+  SweepAxis axis{entry.key, entry.where, {}};
+  if (const std::vector<TomlValue>* array = entry.value.array()) {
+    for (const TomlValue& element : *array) axis.values.push_back(readValue(entry.key, element));
+    if (array->empty()) {
+      throw inputErrorAt(
+          entry.value.where,
+          fmt::format("{0} has no values; give some, as in {0} = [1, 2]", shown(axis.key)));
+    }
+    return axis;
+  }
+  if (!entry.value.table())
+    refuseValue(entry.value, "a list [1, 2], or " + std::string(kRangeWanted));
+  const RangeTable table = readRange(entry.value);
+  if (!table.count) refuseValue(entry.value, kRangeWanted);
+  for (std::size_t i = 0; i < *table.count; ++i) {
+    // Both ends belong to the range.
+    const double share = static_cast<double>(i) / static_cast<double>(*table.count - 1);
+    axis.values.push_back({table.range.at(share), false, entry.value.where});
+  }
+  return axis;
+}
+
+std::vector<SweepAxis> readAxes(const TomlEntry& entry) {
+  std::vector<SweepAxis> axes;
+  std::size_t values = 0;
+  for (const TomlEntry& key : requireTable(entry)) {
+    axes.push_back(readAxis(key));
+    values += axes.back().values.size();
+    requireFewValues(values, key.where);
+  }
+  if (axes.empty()) {
+    throw inputErrorAt(entry.where,
+                       fmt::format("[{}] is empty; name parameters and their values, as in "
+                                   "spring_stiffness = [25, 50, 100]",
+                                   entry.key));
+  }
+  return axes;
+}
+
+void requireEquallyMany(const std::vector<SweepAxis>& axes) {
+  for (const SweepAxis& axis : axes) {
+    if (axis.values.size() == axes.front().values.size()) continue;
+    throw inputErrorAt(
+        axis.where,
+        fmt::format("{} has {} values but {} has {}; a list has as many of each", shown(axis.key),
+                    axis.values.size(), shown(axes.front().key), axes.front().values.size()));
+  }
+}
+
+void readLatinHypercube(const TomlEntry& entry, Sweep& sweep) {
+  std::vector<SweepRangeAxis> axes;
+  std::size_t runs = 0;
+  std::uint64_t seed = 0;
+  for (const TomlEntry& key : requireTable(entry)) {
+    if (key.key == "runs") {
+      runs = readCount(key.value, 1, kMostValues);
+    } else if (key.key == "random_seed") {
+      // Whole numbers of TOML are doubles here; below 1e15 they are exact.
+      seed = readCount(key.value, 0, 1e15);
+    } else {
+      const RangeTable table = readRange(key.value);
+      axes.push_back({key.key, key.where, table.range});
+      const auto end = [&](double share) {
+        return SweepValue{table.range.at(share), false, key.value.where};
+      };
+      // Both ends are tried by requireValid() before anything runs; what lies between is taken to
+      // be as good.
+      sweep.axes.push_back({key.key, key.where, {end(0), end(1)}});
+    }
+  }
+  if (runs == 0 || axes.empty()) {
+    throw inputErrorAt(entry.where,
+                       fmt::format("[latin_hypercube] has no {}; give runs = 100 and ranges, as in "
+                                   "thickness = {{from = 0.01, to = 0.1}}",
+                                   axes.empty() ? "ranges" : "runs"));
+  }
+  requireFewValues(axes.size() * runs, entry.where);
+  sweep.plan = SweepPlan::latinHypercube(axes, runs, seed);
+}
+
+/// [grid], [list] or [latin_hypercube], whichever the entry is.
+void readPlan(const TomlEntry& entry, Sweep& sweep) {
+  // Axes are there already: a second plan.
+  if (!sweep.axes.empty()) {
+    throw inputErrorAt(entry.where,
+                       "one of [grid], [list] and [latin_hypercube] will do; remove the others");
+  }
+  if (entry.key == "latin_hypercube") {
+    readLatinHypercube(entry, sweep);
+    return;
+  }
+  sweep.axes = readAxes(entry);
+  if (entry.key == "list") requireEquallyMany(sweep.axes);
+  sweep.plan = entry.key == "list" ? SweepPlan::list(sweep.axes) : SweepPlan::grid(sweep.axes);
+}
+
+/// Keys may stand in any order.
+void readEntry(const TomlEntry& entry, Sweep& sweep) {
+  static const std::vector<std::string> kKeys = {"model", "generate", "scene", "keep",
+                                                 "base",  "grid",     "list",  "latin_hypercube"};
+  if (entry.key == "grid" || entry.key == "list" || entry.key == "latin_hypercube") {
+    readPlan(entry, sweep);
+  } else if (entry.key == "base") {
+    for (const TomlEntry& setting : requireTable(entry)) {
+      sweep.settings.push_back({setting.key, readValue(setting.key, setting.value)});
+    }
+  } else if (entry.key == "generate") {
+    sweep.family = requireText(entry.value, "the name of a family");
+    sweep.familyWhere = entry.value.where;
+  } else if (entry.key == "model" || entry.key == "scene") {
+    requireText(entry.value, "the name of a file or folder");
+    sweep.settings.push_back({entry.key, readValue(entry.key, entry.value)});
+  } else if (entry.key == "keep") {
+    const auto found = keepWords().find(requireText(entry.value, "a word"));
+    if (found == keepWords().end()) {
+      refuseValue(entry.value, "\"state\", \"trajectory\", \"pictures\" or \"all\"");
+    }
+    sweep.keep = found->second;
+  } else {
+    refuseKey(entry, "key", kKeys);
+  }
+}
+
+/// A key is set for all runs or varied, and only once.
+void requireKeysOnce(const Sweep& sweep) {
+  std::map<std::string, int> lines;
+  const auto require = [&lines](const std::string& key, const FileLocation& where) {
+    const auto [found, isNew] = lines.try_emplace(key, where.line);
+    if (isNew) return;
+    throw inputErrorAt(where, fmt::format("{} is set twice (also in line {}); remove one",
+                                          shown(key), found->second));
+  };
+  for (const SweepSetting& setting : sweep.settings) require(setting.key, setting.value.where);
+  for (const SweepAxis& axis : sweep.axes) require(axis.key, axis.where);
+}
+
+}  // namespace
+
+Sweep readSweepFile(const std::filesystem::path& path) {
+  Sweep sweep;
+  sweep.file = path;
+  for (const TomlEntry& entry : readTomlFile(path, "a sweep file, like sweep.toml")) {
+    readEntry(entry, sweep);
+  }
+  if (sweep.axes.empty()) {
+    throw inputErrorAt({path}, "there is nothing to vary; add [grid], [list] or [latin_hypercube]");
+  }
+  requireKeysOnce(sweep);
+  // The order in the file does not matter, and so does not show in names and tables.
+  std::sort(sweep.settings.begin(), sweep.settings.end(),
+            [](const SweepSetting& a, const SweepSetting& b) { return a.key < b.key; });
+  return sweep;
 }
 
 }  // namespace kirireel

@@ -1,6 +1,8 @@
 /// Videos, encoded as their frames come. No FFmpeg header is needed to make them.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -23,7 +25,7 @@ struct VideoSettings {
   std::string description;  ///< who made it from what, UTF-8: the file's comment
 };
 
-/// A kind of video file. A row of the table in video_format.cpp.
+/// A kind of video file. A row of the table in video.cpp.
 struct VideoFormat {
   const char* ending;   ///< of its files, with the dot
   const char* name;     ///< that people know it by
@@ -95,5 +97,31 @@ class VideoWriter {
 
 /// The version of libavcodec in use, e.g. "59.37.100".
 std::string encoderLibraryVersion();
+
+// ------------------------------------------------------------------------------------------------
+// Pictures as video encoders take them: brightness and two differences of colours.
+
+/// Where a plane of a picture goes.
+struct VideoPlane {
+  std::uint8_t* rows = nullptr;  ///< the first row
+  std::ptrdiff_t stride = 0;     ///< bytes from one row's start to the next
+};
+
+/// All of a picture. The second and the third have half as many rows and columns as the first.
+struct VideoPlanes {
+  VideoPlane brightness;  ///< Y': 16 (black) to 235 (white)
+  VideoPlane blueness;    ///< Cb: 16 to 240, 128 for grey
+  VideoPlane redness;     ///< Cr, likewise
+};
+
+/// Copies a row of RGBA pixels as it looks on white. c' = c a / 255 + 255 (1 - a / 255), rounded;
+/// alpha becomes 255. `copy` has room for 4 width bytes.
+void copyOverWhite(const std::uint8_t* row, int width, std::uint8_t* copy);
+
+/// Converts a frame of even width and height from sRGB to BT.709, limited range, 4:2:0, the
+/// coloured samples in line with the left pixels. What is transparent shows white. Each byte is the
+/// nearest to the exact value, but for the rounding of floats. The planes must be large enough. One
+/// pass over the frame.
+void toVideoColours(const Frame& frame, const VideoPlanes& planes);
 
 }  // namespace kirireel

@@ -9,12 +9,12 @@
 // The loops are over plain numbers without branches, which the compiler turns into vector
 // instructions: two channels are added at once, as the halves of a 32-bit word, and weighed as
 // floats, whose products SSE2 has, unlike those of 32-bit integers.
-#include "render/video/video_colours.h"
-
 #include <array>
 #include <bit>
 #include <cstring>
 #include <vector>
+
+#include "render/video/video.h"
 
 namespace kirireel {
 namespace {

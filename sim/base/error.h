@@ -1,11 +1,17 @@
-/// The errors that Kirireel throws. Only main catches them, prints them and picks the exit code.
+/// Errors, and the words in their messages.
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
+#include <vector>
 
 namespace kirireel {
+
+// ------------------------------------------------------------------------------------------------
+// The errors that Kirireel throws. Only main catches them, prints them and picks the exit code.
 
 /// Base of every error that a user can meet; what() is one line that says where, what was found,
 /// what is allowed and how to mend it.
@@ -44,5 +50,26 @@ std::string toString(const FileLocation& location);
 
 /// An InputError whose message is "file:line:column: error: message".
 InputError inputErrorAt(const FileLocation& location, const std::string& message);
+
+// ------------------------------------------------------------------------------------------------
+// Words in messages: what a mistyped one was meant to be, and how foreign text is shown and read.
+
+/// Letters to insert, delete or replace to turn one word into the other (Levenshtein 1966).
+int editDistance(std::string_view a, std::string_view b);
+
+/// ", did you mean WORD?" for the nearest of the known words, or an empty text when none is within
+/// a third of the word's letters (at least 2).
+std::string suggestion(std::string_view word, const std::vector<std::string>& knownWords);
+
+/// A text with '?' in place of each control character, so that it takes one line and no terminal
+/// acts on it.
+std::string oneLine(std::string_view text);
+
+/// A text of unknown origin as a message shows it: at most `most` characters, then "...", with '?'
+/// in place of each byte that is not printable ASCII.
+std::string shown(std::string_view text, std::size_t most = 40);
+
+/// The characters of a text in UTF-8; absent when it is not UTF-8.
+std::optional<std::u32string> codePoints(std::string_view text);
 
 }  // namespace kirireel

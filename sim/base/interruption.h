@@ -1,11 +1,14 @@
-/// Ending what takes long from within, wherever it is: a step of ten thousand bricks, a search, a
-/// picture.
+/// What takes long: ended from within, and measured.
 #pragma once
 
 #include <exception>
 #include <functional>
 
 namespace kirireel {
+
+// ------------------------------------------------------------------------------------------------
+// Ending what takes long from within, wherever it is: a step of ten thousand bricks, a search, a
+// picture.
 
 /// Thrown where the caller wants no more of what runs. No Error: nothing went wrong.
 class Interrupted : public std::exception {
@@ -54,5 +57,14 @@ void checkInterruption();
 /// What checkInterruption() calls on this thread now, to be a scope of a thread that works for it.
 /// This thread's scopes must outlive that.
 InterruptionCheck presentChecks();
+
+// ------------------------------------------------------------------------------------------------
+// Time that the processor spent.
+
+/// CPU seconds that the calling thread has used so far.
+double threadCpuSeconds();
+
+/// The same of all threads of this process, those that libraries started too.
+double processCpuSeconds();
 
 }  // namespace kirireel

@@ -13,7 +13,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/error.h"
-#include "sim/base/pending_file.h"
+#include "sim/base/files.h"
 #include "sim/trajectory/array_file.h"
 
 namespace kirireel {

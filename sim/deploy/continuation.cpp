@@ -16,7 +16,7 @@
 //   |q - g(s)|_W^2 + r |c(q)|^2,  r the stiffness of a joint over that of the pull to the guide,
 // so that a design without freedom leaves its start, its joints open where they must. In a model
 // whose coordinates were rounded that is what "closed" means, with r from the rounding: see
-// rounded_joints.h.
+// assembled_state.h.
 //
 // Full extension is sought by gradient ascent of the sum of squared distances from the common
 // centre on the mechanism, with momentum: Nesterov (1983), Soviet Math. Doklady 27.
@@ -29,12 +29,11 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <utility>
 
+#include "sim/deploy/assembled_state.h"
 #include "sim/deploy/dynamics.h"
-#include "sim/deploy/path_guide.h"
-#include "sim/deploy/rounded_joints.h"
-#include "sim/deploy/symmetric_states.h"
 #include "sim/measure/measures.h"
 
 namespace kirireel {
@@ -586,6 +585,235 @@ MechanismPath continueToExtension(const Scene& scene, SearchBudget& budget,
       Continuation(scene, start, {.turnWeight = 1}, closed, budget, goesOn).toExtension();
   if (!std::isfinite(closed)) return path;
   return closedExactly(scene, std::move(path), budget.spent() - before, budget, goesOn);
+}
+
+// ------------------------------------------------------------------------------------------------
+// Shortcuts by a local planner, as sampled paths of robots are shortened: Geraerts, Overmars
+// (2007), "Creating high-quality paths for motion planning", Int. J. Robotics Research 26.
+//
+// A few states at even distances along the path are its nodes. From the first node on, the way to
+// the farthest later node is sought by following the mechanism along the tiles' own motions from
+// the one to the other, then to the one before, and so on. A way that arrives, is clear and clearly
+// shorter takes the place of the states between; the search goes on from its end. Nothing is drawn
+// at random. Each round halves the pieces, as long as that still gains.
+
+namespace {
+
+// The path is cut into so many pieces, then into twice as many.
+constexpr int kPieces = 8;
+constexpr int kRounds = 2;
+// A way counts as shorter below this factor.
+constexpr double kShorter = 0.9;
+// It has arrived within this part of a tile: half of what lies between two states of a path.
+constexpr double kArrived = 0.01;
+// So many ways in a row that gain nothing: the mechanism has no shorter ones.
+constexpr int kPatience = 12;
+// A way that is stuck within this part of its guide cannot leave its start.
+constexpr double kNoStart = 0.05;
+
+class Shortening {
+ public:
+  Shortening(const Scene& scene, MechanismPath path, double mostGrown, SearchBudget& budget,
+             const PathObserver& goesOn)
+      : scene_(scene),
+        path_(std::move(path)),
+        mostGrown_(mostGrown),
+        budget_(budget),
+        goesOn_(goesOn),
+        bricks_(makeBricks(scene.model.tiles, scene.brick)),
+        pivots_(makePivots(scene.model.joints, bricks_)),
+        meter_(bricks_, pivots_, scene.environment.pivotZone, path_.states.front(), 0) {}
+
+  // Rounds go on while one makes the path clearly shorter; else the next, with shorter pieces,
+  // would be work for nothing.
+  MechanismPath find() {
+    for (int round = 0, pieces = kPieces; round < kRounds; ++round, pieces *= 2) {
+      const double before = path_.length();
+      cutAmong(nodes(pieces));
+      if (isOver() || !(path_.length() < kShorter * before)) break;
+    }
+    return std::move(path_);
+  }
+
+ private:
+  bool isOver() const { return budget_.isSpent() || (goesOn_ && !goesOn_(1)); }
+
+  /// States at even distances along the path.
+  std::vector<std::size_t> nodes(int pieces) const {
+    std::vector<std::size_t> found = {0};
+    for (int k = 1; k <= pieces; ++k) {
+      const double length = path_.length() * k / pieces;
+      const auto there = std::ranges::lower_bound(path_.lengths, length);
+      const auto state = std::min(static_cast<std::size_t>(there - path_.lengths.begin()),
+                                  path_.states.size() - 1);
+      if (state > found.back()) found.push_back(state);
+    }
+    return found;
+  }
+
+  // Greedy: from each node the farthest one that a shorter way leads to.
+  void cutAmong(const std::vector<std::size_t>& nodes) {
+    MechanismPath kept = path_;
+    kept.states.resize(1);
+    kept.lengths.resize(1);
+    int inVain = 0;
+    for (std::size_t from = 0; from + 1 < nodes.size();) {
+      std::size_t to = nodes.size() - 1;
+      std::vector<Poses> way;
+      for (; to > from + 1 && inVain < kPatience && !isOver(); --to) {
+        bool mayStart = true;
+        way = shorterWay(nodes[from], nodes[to], mayStart);
+        inVain = way.empty() ? inVain + 1 : 0;
+        if (!way.empty() || !mayStart) break;
+      }
+      if (way.empty()) {
+        to = from + 1;
+        way.assign(path_.states.begin() + static_cast<long>(nodes[from]) + 1,
+                   path_.states.begin() + static_cast<long>(nodes[to]) + 1);
+      }
+      for (Poses& state : way) append(kept, std::move(state));
+      from = to;
+    }
+    if (kept.length() < path_.length()) path_ = std::move(kept);
+  }
+
+  void append(MechanismPath& path, Poses state) const {
+    path.lengths.push_back(path.length() + pathDistance(bricks_, path.states.back(), state));
+    path.states.push_back(std::move(state));
+  }
+
+  /// The states after `from` up to `to` on a way that is clear and shorter; none where there is no
+  /// such way. `mayStart`: whether the mechanism moves from there at all.
+  std::vector<Poses> shorterWay(std::size_t from, std::size_t to, bool& mayStart) {
+    // No way is shorter than the straight distance between the states, so that the search is spared
+    // where even this is not short enough.
+    const double least = pathDistance(bricks_, path_.states[from], path_.states[to]);
+    const double present = path_.lengths[to] - path_.lengths[from];
+    if (least > kShorter * present) return {};
+    const double most = kShorter * present;
+    MechanismPath way = connect(scene_, {path_.states[from], path_.states[to]}, budget_,
+                                [&](double) { return !isOver(); });
+    mayStart = !way.isStuck || way.length() > kNoStart * way.guideLength;
+    const double missing = pathDistance(bricks_, way.states.back(), path_.states[to]);
+    const bool arrives =
+        !way.isStuck && !way.isCutShort && missing <= kArrived * tileSize(scene_.model);
+    if (!arrives || way.length() + missing > most) return {};
+    way.states.push_back(path_.states[to]);
+    way.states.erase(way.states.begin());
+    // Overlaps are measured last, because they are the dearest test.
+    const bool isClear = std::ranges::all_of(
+        way.states, [&](const Poses& state) { return meter_.at(state).grown <= mostGrown_; });
+    return isClear ? std::move(way.states) : std::vector<Poses>{};
+  }
+
+  const Scene& scene_;
+  MechanismPath path_;
+  double mostGrown_;  // metres
+  SearchBudget& budget_;
+  const PathObserver& goesOn_;
+  std::vector<Brick> bricks_;
+  std::vector<Pivot> pivots_;
+  PenetrationMeter meter_;
+};
+
+}  // namespace
+
+// Whether a path is longer than its ends' distance by a factor that leaves room for shortcuts.
+bool isDetour(const Scene& scene, const MechanismPath& path) {
+  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
+  return path.length() > kDetour * pathDistance(bricks, path.states.front(), path.states.back());
+}
+
+MechanismPath withShortcuts(const Scene& scene, MechanismPath path, double mostGrown,
+                            SearchBudget& budget, const PathObserver& goesOn) {
+  return Shortening(scene, std::move(path), mostGrown, budget, goesOn).find();
+}
+
+// ------------------------------------------------------------------------------------------------
+// q(s) = argmin |q - ((1 - s) q0 + s q1)|_M subject to c(q) = 0: the straight state between two
+// samples, projected on the joints in the metric of the masses by Gauss-Newton steps (Hairer,
+// Lubich and Wanner, Geometric Numerical Integration, 2006, IV.4). The straight state is wrong by
+// the square of the step, so two or three steps close it to rounding.
+
+namespace {
+
+/// Joints count as closed below this part of a tile, here as in a run's figures.
+constexpr double kClosedJoints = 1e-9;
+/// Closing moves the bricks by less than this part of the way between the samples, unless it leads
+/// to another branch of the mechanism.
+constexpr double kMostClosing = 0.5;
+/// A brick moves in the plane when it leaves it by less than this, tiles and radians.
+constexpr double kInPlane = 1e-9;
+
+// Whether all bricks are upright and only turn about the vertical, at one height, from one sample
+// to the next. A run in the plane has to be interpolated in the plane: solved in space, rounding
+// could tilt its bricks.
+bool movesInPlane(const std::vector<Brick>& bricks, const Sample& from, const Sample& to,
+                  double tileSize) {
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    const Pose& before = from.poses[i];
+    const Pose& after = to.poses[i];
+    const Vector3 normal = before.rotation * bricks[i].normal;
+    if (normal.head<2>().norm() > kInPlane) return false;
+    if (turnBetween(before.rotation, after.rotation).head<2>().norm() > kInPlane) return false;
+    if (std::abs(after.position.z() - before.position.z()) > kInPlane * tileSize) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+StateInterpolator::StateInterpolator(const Subject& subject)
+    : subject_(subject),
+      pivots_(makePivots(subject.model.joints, subject.bricks)),
+      tileSize_(tileSize(subject.model)) {}
+
+// Samples whose joints gave on purpose are open; they are not closed between.
+bool StateInterpolator::areClosed(const Sample& sample) const {
+  return jointGap(pivots_, sample.poses).max <= kClosedJoints * tileSize_;
+}
+
+// A solver for the plane or for space, made at its first use and kept: making one plans the
+// factorisation. The pins are those of the earlier sample.
+JointSolver& StateInterpolator::solverFor(const Sample& from, const Sample& to) {
+  const bool planar = movesInPlane(subject_.bricks, from, to, tileSize_);
+  std::unique_ptr<JointSolver>& solver = planar ? inPlane_ : inSpace_;
+  if (!solver) {
+    solver = makeJointSolver(subject_.bricks, pivots_,
+                             {.planar = planar, .lengthScale = tileSize_, .supports = {}});
+  }
+  std::vector<bool> pinned(subject_.bricks.size(), false);
+  for (const int tile : from.pinned) pinned[static_cast<std::size_t>(tile)] = true;
+  solver->setPinned(pinned);
+  return *solver;
+}
+
+// The closed state nearest to the straight one. Where the joints do not close, or closing leads far
+// away, the nearer of the two samples is taken instead: it is at least a state of the run.
+Poses StateInterpolator::closedBetween(const Sample& from, const Sample& to, double share) {
+  const Poses straight = interpolate(from.poses, to.poses, share);
+  Poses closed = straight;
+  const double gap = solverFor(from, to).assemble(closed);
+  const double way = pathDistance(subject_.bricks, from.poses, to.poses);
+  const double moved = pathDistance(subject_.bricks, straight, closed);
+  if (gap <= kClosedJoints * tileSize_ && moved <= kMostClosing * way) return closed;
+  return share < 0.5 ? from.poses : to.poses;
+}
+
+// The time and the poses are interpolated, and the measures are computed anew from the poses.
+// Everything else is that of the earlier sample.
+Sample StateInterpolator::between(const Sample& from, const Sample& to, double share) {
+  if (share <= 0) return from;
+  if (share >= 1) return to;
+  Sample sample = from;
+  sample.time = from.time + share * (to.time - from.time);
+  const bool mustClose = !pivots_.empty() && areClosed(from) && areClosed(to);
+  sample.poses =
+      mustClose ? closedBetween(from, to, share) : interpolate(from.poses, to.poses, share);
+  sample.jointGap = jointGap(pivots_, sample.poses).max;
+  const std::optional<std::vector<Tile>>& target = subject_.model.target;
+  if (target) sample.targetError = targetError(*target, subject_.bricks, sample.poses);
+  return sample;
 }
 
 }  // namespace kirireel

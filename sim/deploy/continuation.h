@@ -1,19 +1,27 @@
-/// The deployment as geometry: a path of the mechanism from its start to its target.
+/// Paths of the mechanism through states that are closed.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "sim/base/geometry.h"
-#include "sim/brick/brick.h"
+#include "sim/deploy/assembled_state.h"
 #include "sim/deploy/dynamics.h"
-#include "sim/deploy/search_budget.h"
-#include "sim/model/symmetry.h"
+#include "sim/joints/joint_solver.h"
+#include "sim/model/brick.h"
+#include "sim/model/isometry.h"
 #include "sim/scene/scene.h"
+#include "sim/trajectory/trajectory.h"
 
 namespace kirireel {
+
+// ------------------------------------------------------------------------------------------------
+// The deployment as geometry: a path of the mechanism from its start to its target.
 
 /// A path of the mechanism: states with their joints closed, each a small move from the one before.
 struct MechanismPath {
@@ -64,7 +72,7 @@ using PathObserver = std::function<bool(double progress)>;
 /// others to the last, whose joints are closed; among the contacts that the scene asks for. Loads
 /// and damping are left out. A path with exact joints ends where it is nearest to the scene's
 /// target. In a model whose coordinates were rounded, exact joints are taken where the tiles fit
-/// each other all along the path; see rounded_joints.h. `goesOn` may be empty.
+/// each other all along the path; see assembled_state.h. `goesOn` may be empty.
 /// Costs 60 to 200 states of a few factorisations each, more where bricks meet. All results depend
 /// on their arguments alone. `budget` is charged for the work.
 MechanismPath continueAlong(const Scene& scene, std::vector<Poses> guide,
@@ -87,5 +95,88 @@ MechanismPath connect(const Scene& scene, std::vector<Poses> guide, SearchBudget
 /// state in which the sum of squared distances from it is greatest: full extension.
 MechanismPath continueToExtension(const Scene& scene, SearchBudget& budget,
                                   const PathObserver& goesOn = {});
+
+// ------------------------------------------------------------------------------------------------
+// What a path of the mechanism follows.
+
+/// What a path follows: straight from each of its states to the next, at an even pace.
+/// Distances between its states are pathDistance(), so that its pace is even in moves and turns
+/// together.
+class PathGuide {
+ public:
+  /// Two states at least, one pose a brick in each.
+  PathGuide(const std::vector<Brick>& bricks, std::vector<Poses> states)
+      : states_(std::move(states)) {
+    for (std::size_t k = 1; k < states_.size(); ++k) {
+      lengths_.push_back(lengths_.back() + pathDistance(bricks, states_[k - 1], states_[k]));
+    }
+  }
+
+  /// Of the whole guide, metres.
+  double length() const { return lengths_.back(); }
+  const Poses& end() const { return states_.back(); }
+
+  /// The place at a progress from 0 to 1.
+  Poses at(double progress) const {
+    const double length = progress * lengths_.back();
+    const auto next = std::upper_bound(lengths_.begin() + 1, lengths_.end() - 1, length);
+    const auto k = static_cast<std::size_t>(next - lengths_.begin());
+    const double part = lengths_[k] - lengths_[k - 1];
+    const double share = part > 0 ? (length - lengths_[k - 1]) / part : 1;
+    return interpolate(states_[k - 1], states_[k], share);
+  }
+
+ private:
+  std::vector<Poses> states_;
+  std::vector<double> lengths_ = {0};  // up to each state, metres
+};
+
+// ------------------------------------------------------------------------------------------------
+// Detours cut out of a path of the mechanism.
+
+/// A path is a detour where it is longer than its tiles' own motions by more than this factor.
+inline constexpr double kDetour = 1.5;
+
+/// Whether a path is that much longer than the tiles' own motions from its first state to its last.
+/// Costs one distance of two states.
+bool isDetour(const Scene& scene, const MechanismPath& path);
+
+/// The path with its detours cut out: the states in between are left out wherever the mechanism,
+/// among the contacts that the scene asks for, goes a shorter way from one state to a later one, on
+/// which no bricks overlap by more than `mostGrown` metres beyond their overlap at the start.
+/// Joints of the path are closed. Ends early when the budget is spent or `goesOn`, which may be
+/// empty, returns false.
+MechanismPath withShortcuts(const Scene& scene, MechanismPath path, double mostGrown,
+                            SearchBudget& budget, const PathObserver& goesOn = {});
+
+// ------------------------------------------------------------------------------------------------
+// States of a recorded run between its samples.
+
+/// Finds states between two samples of one run. The mechanism has no straight ways: half way
+/// between two closed states, places taken straight and rotations by the shortest turn, its joints
+/// gape by the square of the turn. So they are closed again, moving the bricks as little as their
+/// masses allow, wherever they are closed in both samples.
+class StateInterpolator {
+ public:
+  /// The subject must outlive the interpolator.
+  explicit StateInterpolator(const Subject& subject);
+
+  /// The state at a share of the way from one sample to a later one, 0 to 1, with its time, joint
+  /// gap and target error; penetration, pins and steps are the earlier sample's. Where the joints
+  /// are closed in both samples (to 1e-9 of a tile), they are closed to that in it as well; where
+  /// no such state lies between the two, it is the nearer sample's.
+  Sample between(const Sample& from, const Sample& to, double share);
+
+ private:
+  bool areClosed(const Sample& sample) const;
+  Poses closedBetween(const Sample& from, const Sample& to, double share);
+  JointSolver& solverFor(const Sample& from, const Sample& to);
+
+  const Subject& subject_;
+  std::vector<Pivot> pivots_;
+  double tileSize_;                       ///< metres
+  std::unique_ptr<JointSolver> inPlane_;  ///< made when first needed, as is the next
+  std::unique_ptr<JointSolver> inSpace_;
+};
 
 }  // namespace kirireel

@@ -19,18 +19,16 @@
 
 #include <fmt/format.h>
 
-#include "sim/actuation/drive_force.h"
-#include "sim/base/cpu_time.h"
 #include "sim/base/error.h"
 #include "sim/base/interruption.h"
 #include "sim/deploy/assembled_state.h"
+#include "sim/deploy/dynamics.h"
+#include "sim/deploy/forces.h"
 #include "sim/deploy/geometric_path.h"
 #include "sim/deploy/loading.h"
-#include "sim/deploy/neck_ties.h"
-#include "sim/deploy/rounded_joints.h"
+#include "sim/deploy/path_choice.h"
 #include "sim/deploy/run.h"
-#include "sim/deploy/target_warnings.h"
-#include "sim/scene/hinge_springs.h"
+#include "sim/scene/scene_parts.h"
 #include "sim/scene/settings.h"
 
 namespace kirireel {

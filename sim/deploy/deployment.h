@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "sim/deploy/blockage.h"
+#include "sim/deploy/assembled_state.h"
 #include "sim/deploy/checkpoints.h"
 #include "sim/deploy/path_choice.h"
-#include "sim/equilibrium/equilibrium.h"
+#include "sim/equilibrium/load_path.h"
 #include "sim/measure/measures.h"
 #include "sim/scene/scene.h"
 #include "sim/trajectory/trajectory.h"

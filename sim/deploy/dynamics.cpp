@@ -1,8 +1,24 @@
 // The choice of a solver for a scene.
 #include "sim/deploy/dynamics.h"
 
-#include "sim/deploy/direct_dynamics.h"
-#include "sim/deploy/world_dynamics.h"
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <set>
+#include <span>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/base/error.h"
+#include "sim/base/interruption.h"
+#include "sim/deploy/forces.h"
+#include "sim/measure/measures.h"
+#include "sim/model/stiffness.h"
+#include "sim/scene/scene_parts.h"
+#include "sim/world/bullet_world.h"
 
 namespace kirireel {
 
@@ -17,6 +33,701 @@ std::unique_ptr<Dynamics> makeDynamics(const Scene& scene, const Needs& needs,
     return makeBulletDynamics(scene, bricks, start);
   }
   return std::make_unique<DirectDynamics>(scene, needs, bricks, start);
+}
+
+// ------------------------------------------------------------------------------------------------
+// The direct solver with contacts, in two ways.
+//
+// *Fixed steps* (advance): the joint solver's own step with a contact finder.
+//
+// *Steps to a tolerance* (advanceToTolerance): extrapolated steps among contacts that are held
+// (advanceByOrders).
+// 1. Contacts that still touch are held.
+// 2. A step is tried, with a filter: where bricks meet on the way it is not taken, and what they
+//    met is kept.
+// 3. For each contact that the refused step violates, the moment at which its gap becomes 0 is
+//    found by bisection between the step's ends, on cubics; the first of these moments is the
+//    impact.
+// 4. A step leads exactly there. The impact changes velocities by the least amount in the metric of
+//    the masses that lets no contact approach (no rebound; J. J. Moreau's sweeping process). Its
+//    contacts are held from then on.
+// 5. After more than eight impacts in one call, or where no step keeps the tolerance, the rest of
+//    the call goes by fixed steps of first order, and the report says for how long.
+//
+// Obstacles are pinned bodies after the bricks; they are appended to the poses before the solver is
+// called and taken away afterwards.
+
+namespace {
+
+// Overlaps below this part of a tile, and of the thickness, count as none.
+constexpr double kTilePart = 1e-5;
+constexpr double kThicknessPart = 2e-3;
+// Points of bricks touch below this part of the tolerance in time.
+constexpr double kTouchingPart = 0.1;
+// Joints are closed below this part of a tile.
+constexpr double kClosed = 1e-10;
+// Times closer than this part of each other are the same.
+constexpr double kSameMoment = 1e-9;
+constexpr int kMostImpacts = 8;  // in one call
+// Where they crowd, or contacts change too fast, so many calls go by first order at once.
+constexpr int kCallsToWait = 8;
+constexpr int kBisections = 60;  // to the last bit
+
+/// Where the bricks of a planar scene rub on the ground: at every vertex, with an even share of the
+/// weight.
+std::vector<Support> groundSupports(const Scene& scene, const Needs& needs,
+                                    const std::vector<Brick>& bricks) {
+  std::vector<Support> supports;
+  const Environment& environment = scene.environment;
+  if (!needs.planar.on || !environment.ground) return supports;
+  const double push = environment.ground->friction * std::max(0.0, -environment.gravity.z());
+  if (push == 0) return supports;
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    const double share = bricks[i].mass / static_cast<double>(bricks[i].bottom.size());
+    for (const Vector3& point : bricks[i].bottom) {
+      supports.push_back({static_cast<int>(i), point, push * share});
+    }
+  }
+  return supports;
+}
+
+/// The bricks and the bodies of obstacles. The latter weigh as much as a brick, so that the
+/// solver's mean weight stays what it is without them.
+std::vector<Brick> bodiesOf(const std::vector<Brick>& bricks,
+                            const std::vector<ObstaclePart>& obstacles) {
+  std::vector<Brick> bodies = bricks;
+  for (const ObstaclePart& part : obstacles) {
+    bodies.push_back(part.body);
+    bodies.back().mass = bricks.front().mass;
+    bodies.back().inertia = bricks.front().inertia;
+  }
+  return bodies;
+}
+
+/// The forces of all points in which two things touch.
+struct PairSum {
+  Vector3 force = Vector3::Zero();
+  Vector3 moment = Vector3::Zero();  // about the origin
+  Vector3 pointSum = Vector3::Zero();
+  double weight = 0;
+
+  void add(const TouchForce& touch, double sign) {
+    force += sign * touch.force;
+    moment += sign * touch.point.cross(touch.force);
+    const double share = touch.push > 0 ? touch.push : touch.force.norm();
+    pointSum += share * touch.point;
+    weight += share;
+  }
+
+  /// About the middle of what pushes; points that only rub count by that.
+  Hold resultant(int tile, int other) const {
+    const Vector3 point = pointSum / weight;
+    return {HoldKind::Contact, tile, other, force, moment - point.cross(force), point};
+  }
+};
+
+/// The bricks of a contact alone.
+Motion motionOf(const Contact& contact, const Motion& all) {
+  Motion motion{{all.poses[contact.brickA]}, {all.velocities[contact.brickA]}};
+  if (contact.brickB == kFixed) return motion;
+  motion.poses.push_back(all.poses[contact.brickB]);
+  motion.velocities.push_back(all.velocities[contact.brickB]);
+  return motion;
+}
+
+/// When a contact closes that does so in a step, seconds after its start and at most `latest`: the
+/// last moment at which it is open.
+double momentOfClosing(Contact contact, const Motion& from, const Motion& to, double seconds,
+                       double latest) {
+  const Motion start = motionOf(contact, from), end = motionOf(contact, to);
+  contact.brickA = 0;
+  if (contact.brickB != kFixed) contact.brickB = 1;
+  double open = 0, closed = latest;
+  for (int k = 0; k < kBisections && contactGap(contact, start.poses) > 0; ++k) {
+    const double middle = 0.5 * (open + closed);
+    const Poses poses = posesBetween(start, {}, end, seconds, middle);
+    (contactGap(contact, poses) > 0 ? open : closed) = middle;
+  }
+  return open;
+}
+
+/// The solver of a scene's joints, springs and ligaments, for its bricks and what else is a body.
+std::unique_ptr<JointSolver> solverOf(const Scene& scene, const Needs& needs,
+                                      const std::vector<Brick>& bricks,
+                                      const std::vector<Brick>& bodies) {
+  const std::vector<HingeSpring> springs = hingeSprings(scene, bricks);
+  Ties ties = dynamicTies(scene, bricks, springs);
+  return makeJointSolver(
+      bodies, ties.pivots,
+      {needs.planar.on, tileSize(scene.model), groundSupports(scene, needs, bricks), springs,
+       std::move(ties.ligaments)});
+}
+
+// Obstacles are bodies in space.
+void requireSpace(const Scene& scene, const Needs& needs) {
+  if (!needs.planar.on || scene.environment.obstacles.empty()) return;
+  throw InputError(
+      "error: obstacles need bricks that move in space; leave --planar on away, or the obstacles");
+}
+
+}  // namespace
+
+DirectDynamics::DirectDynamics(const Scene& scene, const Needs& needs,
+                               const std::vector<Brick>& bricks, const Poses& start)
+    : brickCount_(bricks.size()),
+      countsFrom_(scene.model.fileOrder.countsFrom),
+      tileSize_(tileSize(scene.model)),
+      contactTolerance_(std::min(kTilePart * tileSize_, kThicknessPart * scene.brick.thickness)),
+      environment_(scene.environment),
+      obstacles_(obstacleParts(scene.environment.obstacles)),
+      bodies_(bodiesOf(bricks, obstacles_)),
+      solver_(solverOf(scene, needs, bricks, bodies_)),
+      substeps_(scene.solver.substeps.value_or(1)),
+      keepsEnergy_(scene.hinges.areLigaments),
+      isRubbing_(!groundSupports(scene, needs, bricks).empty()) {
+  requireSpace(scene, needs);
+  if (hasObstacles()) setPinned(std::vector<bool>(brickCount_, false));
+  if (!needs.contacts.on && !needs.ground.on && !needs.obstacles.on) return;
+  Poses poses = start;
+  appendObstacles(poses);
+  const auto finder = [&](double tolerance) {
+    return std::make_unique<ContactFinder>(bodies_, poses, makePivots(scene.model.joints, bricks),
+                                           scene.environment, needs.planar.on, tolerance,
+                                           obstacles_);
+  };
+  contacts_ = finder(contactTolerance_);
+  touching_ = contactTolerance_;
+  if (!keepsTolerance(scene)) return;
+  touching_ = std::min(contactTolerance_, kTouchingPart * scene.solver.tolerance * tileSize_);
+  exactContacts_ = finder(touching_);
+}
+
+void DirectDynamics::appendObstacles(Poses& poses) const {
+  for (const ObstaclePart& part : obstacles_) poses.push_back(part.pose);
+}
+
+void DirectDynamics::leaveObstacles(Motion& motion) const {
+  motion.poses.resize(brickCount_);
+  motion.velocities.resize(brickCount_);
+}
+
+// Obstacles stay; a state that cannot be closed is given back as it was.
+bool DirectDynamics::assemble(Poses& poses) {
+  Poses closed = poses;
+  appendObstacles(closed);
+  if (solver_->assemble(closed) > kClosed * tileSize_) return false;
+  closed.resize(brickCount_);
+  poses = std::move(closed);
+  return true;
+}
+
+void DirectDynamics::fitVelocities(Motion& motion) {
+  appendObstacles(motion.poses);
+  motion.velocities.resize(bodies_.size());
+  solver_->collide(motion);
+  leaveObstacles(motion);
+}
+
+void DirectDynamics::setPinned(const std::vector<bool>& pinned) {
+  std::vector<bool> held = pinned;
+  held.resize(bodies_.size(), true);
+  isPinned_ = std::ranges::find(held, true) != held.end();
+  solver_->setPinned(held);
+}
+
+/// The actuation with what surrounds the bricks, for all bodies.
+TimedLoads DirectDynamics::allLoads(const TimedLoads& actuation) const {
+  return [this, &actuation, brickPoses = Poses()](double seconds, const Poses& poses,
+                                                  std::vector<Load>& loads) mutable {
+    checkInterruption();  // a step may be halved many times
+    brickPoses.assign(poses.begin(), poses.begin() + static_cast<std::ptrdiff_t>(brickCount_));
+    loads.resize(brickCount_);
+    actuation(seconds, brickPoses, loads);
+    addEnvironmentLoads(environment_, std::span(bodies_).first(brickCount_), poses, loads);
+    loads.resize(bodies_.size());
+  };
+}
+
+StepReport DirectDynamics::advance(Motion& motion, double step, const LoadSource& actuation) {
+  const TimedLoads timeless = [&](double, const Poses& poses, std::vector<Load>& loads) {
+    actuation(poses, loads);
+  };
+  const TimedLoads all = allLoads(timeless);
+  const LoadSource now = [&](const Poses& poses, std::vector<Load>& loads) {
+    all(0, poses, loads);
+  };
+  appendObstacles(motion.poses);
+  motion.velocities.resize(bodies_.size());
+  StepReport report;
+  for (int substep = 0; substep < substeps_; ++substep) {
+    report += solver_->advance(motion, step / substeps_, now, contacts_.get());
+  }
+  leaveObstacles(motion);
+  return report;
+}
+
+/// Whether bricks would touch at the end of a step that do not yet, or have passed through each
+/// other in it.
+bool DirectDynamics::meetOnTheWay(const Motion& from, const Motion& to, double seconds) {
+  if (!contacts_) return false;
+  std::vector<Contact> violated;
+  exactFinder().startStep(from.poses);
+  exactFinder().appendViolated(to.poses, violated);
+  if (violated.empty()) return false;
+  meeting_ = {from, to, seconds, std::move(violated)};
+  return true;
+}
+
+/// When in the step that was not taken the first of its contacts closes, seconds after its start.
+/// Nothing where bricks passed through each other.
+std::optional<double> DirectDynamics::momentOfImpact() const {
+  const auto& [from, to, seconds, contacts] = *meeting_;
+  std::optional<double> first;
+  for (const Contact& contact : contacts) {
+    if (contactGap(contact, to.poses) >= -0.5 * touching_) continue;  // touches, no more
+    first = momentOfClosing(contact, from, to, seconds, first.value_or(seconds));
+  }
+  return first;
+}
+
+/// Has the solver hold these contacts.
+void DirectDynamics::setHeld(std::vector<Contact> contacts) {
+  // Obstacles are pinned bodies.
+  const bool onGround = std::ranges::find(contacts, kFixed, &Contact::brickB) != contacts.end();
+  extrapolation_->setSupported(isPinned_ || isRubbing_ || onGround);
+  solver_->holdContacts(contacts);
+}
+
+/// Keeps of the contacts that are held those whose points still touch.
+void DirectDynamics::holdTouching(const Poses& poses) {
+  std::vector<Contact> held = solver_->heldContacts();
+  if (!held.empty()) exactFinder().startStep(poses);
+  std::erase_if(held, [&](const Contact& contact) {
+    return contactGap(contact, poses) > touching_ || !exactFinder().isCurrent(contact);
+  });
+  setHeld(std::move(held));
+}
+
+/// The impact on those of these contacts that have closed, at this moment of the call. From now on
+/// they are held too. The motion before and after it are both passed. Returns the energy that is
+/// lost.
+double DirectDynamics::collide(double now, const std::vector<Contact>& closing, Motion& motion) {
+  std::vector<Contact> held = solver_->heldContacts();
+  for (const Contact& contact : closing) {
+    const bool isHeld = std::ranges::find(held, contact) != held.end();
+    if (!isHeld && contactGap(contact, motion.poses) <= touching_) held.push_back(contact);
+  }
+  setHeld(std::move(held));
+  const double energy = kineticEnergy(bodies_, motion);
+  passed_.push_back({now, motion});
+  solver_->collide(motion);
+  passed_.push_back({now, motion});
+  return energy - kineticEnergy(bodies_, motion);
+}
+
+/// Goes on in steps that keep the tolerance, from impact to impact, until the end of the call or
+/// until that cannot be done. Returns the seconds done.
+double DirectDynamics::advanceByOrders(Motion& motion, double seconds, const TimedLoads& loads,
+                                       StepReport& report) {
+  const StepFilter isFree = [this](const Motion& from, const Motion& to, double length) {
+    return !meetOnTheWay(from, to, length);
+  };
+  double done = 0;
+  const TimedLoads fromHere = [&](double after, const Poses& poses, std::vector<Load>& out) {
+    loads(done + after, poses, out);
+  };
+  const double shortest = kSameMoment * seconds;
+  holdTouching(motion.poses);
+  double goal = seconds;         // or the moment of the next impact
+  std::vector<Contact> closing;  // then
+  int impacts = 0;
+  while (done < seconds - shortest) {
+    meeting_.reset();
+    const auto taken = extrapolation_->step(motion, goal - done, fromHere, isFree, report);
+    if (taken) {
+      done += *taken;
+      holdTouching(motion.poses);
+      if (done < goal - shortest) passed_.push_back({done, motion});
+    } else {
+      const auto after = meeting_ ? momentOfImpact() : std::nullopt;
+      if (!after || ++impacts > kMostImpacts) break;
+      goal = done + *after;
+      closing = meeting_->contacts;
+    }
+    if (closing.empty() || done < goal - shortest) continue;
+    report.impacted += collide(done, closing, motion);
+    goal = seconds;
+    closing.clear();
+  }
+  return done;
+}
+
+/// Goes on from one moment of the call to another in equal steps of first order, among contacts.
+StepReport DirectDynamics::goOnByFirstOrder(Motion& motion, double begin, double end,
+                                            const TimedLoads& loads) {
+  const double parts = std::ceil((end - begin) / firstOrderStep_ - kSameMoment);
+  const int count = std::max(1, static_cast<int>(parts));
+  StepReport report;
+  for (int k = 0; k < count; ++k) {
+    const double now = begin + k * (end - begin) / count;
+    if (now > 0) passed_.push_back({now, motion});
+    const LoadSource loadsNow = [&](const Poses& poses, std::vector<Load>& out) {
+      loads(now, poses, out);
+    };
+    report += solver_->advance(motion, (end - begin) / count, loadsNow, contacts_.get());
+  }
+  return report;
+}
+
+void DirectDynamics::setTolerance(const TimeTolerance& tolerance) {
+  firstOrderStep_ = tolerance.firstOrderStep;
+  extrapolation_ = std::make_unique<Extrapolation>(
+      bodies_, *solver_,
+      ExtrapolationSettings{tolerance.tolerance, tolerance.longestStep, tileSize_, keepsEnergy_});
+}
+
+// First as far as the tolerance can be kept, then by fixed steps.
+StepReport DirectDynamics::advanceToTolerance(Motion& motion, double seconds,
+                                              const TimedLoads& actuation) {
+  const TimedLoads all = allLoads(actuation);
+  passed_.clear();
+  meeting_.reset();
+  appendObstacles(motion.poses);
+  motion.velocities.resize(bodies_.size());
+  StepReport report;
+  const bool isWaiting = callsToWait_ > 0;
+  if (isWaiting) --callsToWait_;
+  const double done = isWaiting ? 0 : advanceByOrders(motion, seconds, all, report);
+  if (done < (1 - kSameMoment) * seconds) {
+    const bool touch = isWaiting || isRubbing_ || meeting_ || !solver_->heldContacts().empty();
+    (touch ? report.touchingTime : report.singularTime) += seconds - done;
+    if (touch && !isWaiting) callsToWait_ = kCallsToWait;
+    // The last is the first of the steps that follow.
+    if (done == 0) passed_.clear();
+    if (!passed_.empty()) passed_.pop_back();
+    report += goOnByFirstOrder(motion, done, seconds, all);
+  }
+  leaveObstacles(motion);
+  for (PassedState& state : passed_) leaveObstacles(state.motion);
+  return report;
+}
+
+std::vector<Hold> DirectDynamics::contacts(const Poses& poses) const {
+  Poses all = poses;
+  appendObstacles(all);
+  std::map<std::pair<int, int>, PairSum> pairs;
+  for (const TouchForce& touch : solver_->touchForces(all)) {
+    const bool isSwapped = touch.brickB != kFixed && touch.brickB < touch.brickA;
+    const int tile = isSwapped ? touch.brickB : touch.brickA;
+    const int body = isSwapped ? touch.brickA : touch.brickB;
+    const auto obstacle = static_cast<std::size_t>(body) - brickCount_;
+    const bool isBrick = body < static_cast<int>(brickCount_);
+    const int other = body == kFixed ? Hold::kGround
+                      : isBrick      ? body
+                                     : Hold::kFirstObstacle - obstacles_[obstacle].obstacle;
+    pairs[{tile, other}].add(touch, isSwapped ? -1 : 1);
+  }
+  std::vector<Hold> holds;
+  for (const auto& [pair, sum] : pairs) {
+    if (sum.force.isZero(0)) continue;
+    holds.push_back(sum.resultant(pair.first, pair.second));
+  }
+  return holds;
+}
+
+std::string DirectDynamics::nameOf(const ContactLoad& load) const {
+  const int tile = countsFrom_ + load.brickA;
+  if (load.brickB == kFixed) return fmt::format("tile {} and the ground", tile);
+  const std::size_t other = static_cast<std::size_t>(load.brickB);
+  return other < brickCount_ ? fmt::format("tiles {} and {}", tile, countsFrom_ + load.brickB)
+                             : fmt::format("tile {} and obstacle {}", tile,
+                                           obstacles_[other - brickCount_].obstacle);
+}
+
+std::vector<std::string> DirectDynamics::loadedContacts() const {
+  std::vector<std::string> names;
+  for (const ContactLoad& load : solver_->contactLoads()) {
+    std::string name = nameOf(load);
+    // An obstacle may have several parts.
+    if (std::ranges::find(names, name) == names.end()) names.push_back(std::move(name));
+  }
+  return names;
+}
+
+void DirectDynamics::transfer(StateTape& tape) {
+  tape.transfer(*solver_, callsToWait_);
+  if (extrapolation_) tape.transfer(*extrapolation_);
+  if (contacts_) tape.transfer(*contacts_);
+  if (exactContacts_) tape.transfer(*exactContacts_);
+}
+
+// ------------------------------------------------------------------------------------------------
+// An engine as the solver of a run: in each of its substeps the loads are computed anew from the
+// present poses and applied as plain forces, the damping taken at the present velocities. So an
+// engine's step is explicit in the springs, and short substeps are needed where they are stiff.
+// What an engine cannot hold (links, obstacles, pins) is refused.
+
+namespace {
+
+constexpr int kSubsteps = 20;  // as PyKirigami has
+
+// The pivots of a scene whose joints are all points that tiles share. Throws InputError at a link.
+std::vector<Pivot> sharedPivots(const Scene& scene, const std::vector<Brick>& bricks) {
+  std::vector<Pivot> pivots = makePivots(scene.model.joints, bricks);
+  for (const Pivot& pivot : pivots) {
+    if (pivot.distance == 0) continue;
+    throw InputError(fmt::format(
+        "error: tiles {} and {} are linked at a distance, which --solver bullet cannot hold; "
+        "use --solver direct",
+        scene.model.fileOrder.countsFrom + pivot.brickA,
+        scene.model.fileOrder.countsFrom + pivot.brickB));
+  }
+  return pivots;
+}
+
+// Throws InputError for a scene with obstacles.
+void requireNoObstacles(const Environment& environment) {
+  if (environment.obstacles.empty()) return;
+  throw InputError("error: --solver bullet knows no obstacles; use --solver direct");
+}
+
+}  // namespace
+
+WorldDynamics::WorldDynamics(std::unique_ptr<BrickWorld> world, int substeps,
+                             std::size_t brickCount)
+    : world_(std::move(world)), substeps_(substeps), loads_(brickCount) {}
+
+// Pinning none is allowed, since every run says so at its start.
+void WorldDynamics::setPinned(const std::vector<bool>& pinned) {
+  if (std::find(pinned.begin(), pinned.end(), true) == pinned.end()) return;
+  throw InputError("error: --solver bullet cannot pin tiles; use --solver direct");
+}
+
+// One step as equal substeps. The motion is written to the engine first: what was changed outside
+// (closed joints, a reset) counts.
+StepReport WorldDynamics::advance(Motion& motion, double step, const LoadSource& actuation) {
+  world_->writeMotion(motion);
+  for (int substep = 0; substep < substeps_; ++substep) {
+    actuation(motion.poses, loads_);
+    for (std::size_t i = 0; i < loads_.size(); ++i) {
+      Vector6 velocity;
+      velocity << motion.velocities[i].linear, motion.velocities[i].angular;
+      // An engine takes no stiffness or damping: the load is a plain force at the present state.
+      const Vector6 force = loads_[i].force - loads_[i].damping * velocity;
+      world_->applyLoad(static_cast<int>(i), force.head<3>(), force.tail<3>());
+    }
+    world_->advance(step / substeps_);
+    world_->readMotion(motion);
+  }
+  StepReport report;
+  report.steps = substeps_;
+  return report;
+}
+
+// An engine has no estimate of its error: it takes the time as one step.
+StepReport WorldDynamics::advanceToTolerance(Motion& motion, double seconds,
+                                             const TimedLoads& actuation) {
+  return advance(motion, seconds,
+                 [&](const Poses& poses, std::vector<Load>& loads) { actuation(0, poses, loads); });
+}
+
+std::unique_ptr<Dynamics> makeBulletDynamics(const Scene& scene, const std::vector<Brick>& bricks,
+                                             const Poses& start) {
+  requireNoObstacles(scene.environment);
+  BulletSettings settings;
+  settings.iterations = scene.solver.iterations;
+  auto world = std::make_unique<BulletWorld>(bricks, start, sharedPivots(scene, bricks),
+                                             scene.environment, settings);
+  return std::make_unique<WorldDynamics>(std::move(world),
+                                         scene.solver.substeps.value_or(kSubsteps), bricks.size());
+}
+
+// ------------------------------------------------------------------------------------------------
+// Joints of necks: which joint is exact, which one a ligament.
+//
+// A neck at a joint of two tiles has, where the slit beside it is shut at the start, an axis that
+// lies beside the corner along the slit (neckAxis()). With a length, and where ligaments are asked
+// for, it becomes a straight ligament whose middle is the joint and which runs from tile A to tile
+// B. Without a length it is the end of the slit: a pin that parts across the slit and slides along
+// it. All other joints stay exact.
+
+namespace {
+
+/// The directions of both edges from a corner, unit.
+/// The corner's next and last neighbour give them, in the order of the tile's corners.
+std::array<Vector3, 2> edgesAt(const Brick& brick, int corner) {
+  const std::size_t count = brick.bottom.size();
+  const auto k = static_cast<std::size_t>(corner);
+  return {(brick.bottom[(k + 1) % count] - brick.bottom[k]).normalized(),
+          (brick.bottom[(k + count - 1) % count] - brick.bottom[k]).normalized()};
+}
+
+/// The direction from a corner into its tile.
+/// The sum of two unit edges bisects the corner's angle; its length is no measure.
+Vector3 inwardAt(const Brick& brick, int corner) {
+  const auto [next, last] = edgesAt(brick, corner);
+  return next + last;
+}
+
+/// The edge of both tiles that starts at their joint, unit, where a shut slit lies along one.
+std::optional<Vector3> slitAt(const Pivot& pivot, const std::vector<Brick>& bricks) {
+  constexpr double kFlush = 1e-6;  // of the cosine
+  const Brick& brickA = bricks[static_cast<std::size_t>(pivot.brickA)];
+  const Brick& brickB = bricks[static_cast<std::size_t>(pivot.brickB)];
+  for (const Vector3& a : edgesAt(brickA, pivot.cornerA)) {
+    for (const Vector3& b : edgesAt(brickB, pivot.cornerB)) {
+      if (a.dot(b) > 1 - kFlush) return a;
+    }
+  }
+  return std::nullopt;
+}
+
+/// The neck at a joint as a ligament: its middle is the joint, and it runs from one tile to the
+/// other.
+Ligament ligamentAt(const Pivot& pivot, const std::vector<Brick>& bricks, const Scene& scene) {
+  const HingeNeck& neck = *scene.hinges.neck;
+  const Vector3 across =
+      inwardAt(bricks[static_cast<std::size_t>(pivot.brickB)], pivot.cornerB).normalized() -
+      inwardAt(bricks[static_cast<std::size_t>(pivot.brickA)], pivot.cornerA).normalized();
+  Ligament ligament{pivot.brickA, pivot.brickB, pivot.joint};
+  // The ligament runs along the difference of the two inward directions: from tile A to tile B
+  // across the slit.
+  ligament.start = neck.length * across.normalized();
+  ligament.pointA = pivot.pointA - 0.5 * ligament.start;
+  ligament.pointB = pivot.pointB + 0.5 * ligament.start;
+  setNeckStiffness(neck.youngs, neck.poisson, scene.brick.thickness, neck.width, neck.length,
+                   ligament);
+  return ligament;
+}
+
+/// A neck without a length at the end of a shut slit, as the pin that its tiles make of it.
+Ligament pinAt(const Pivot& pivot, const std::vector<Brick>& bricks, const Vector3& slit,
+               const Scene& scene) {
+  const CornerNeck neck =
+      cornerNeck(scene.hinges.neck->youngs, scene.brick.thickness, scene.hinges.neck->width,
+                 neckSide(bricks, pivot.brickA, pivot.brickB));
+  Ligament pin{pivot.brickA, pivot.brickB, pivot.joint,
+               pivot.pointA, pivot.pointB, Vector3::Zero()};
+  pin.across = slit.cross(Vector3::UnitZ());
+  pin.stretchStiffness = neck.stretch;
+  pin.shearStiffness = neck.shear;
+  // B turns by z as the slit opens where it lies on that side of it.
+  const Brick& brickB = bricks[static_cast<std::size_t>(pivot.brickB)];
+  const double sign = inwardAt(brickB, pivot.cornerB).dot(pin.across) < 0 ? 1 : -1;
+  pin.opening = {sign * neck.bending * neck.opening[0], neck.bending * neck.opening[1]};
+  return pin;
+}
+
+/// Adds what a neck at a hinge is: under grips one that is no more than the end of a slit always
+/// gives as its tiles do, and others where ligaments are asked for.
+void addNeck(Pivot pivot, const std::vector<Brick>& bricks, const Scene& scene, Ties& ties) {
+  const HingeNeck& neck = *scene.hinges.neck;
+  const std::optional<Vector3> slit = slitAt(pivot, bricks);
+  if (slit) {
+    // Its axis is beside the corner.
+    const double axis =
+        neckAxis(neck.width, neck.length, neckSide(bricks, pivot.brickA, pivot.brickB));
+    pivot.pointA += axis * *slit;
+    pivot.pointB += axis * *slit;
+  }
+  if (slit && neck.length == 0) {
+    ties.ligaments.push_back(pinAt(pivot, bricks, *slit, scene));
+  } else if (scene.hinges.areLigaments) {
+    if (neck.length == 0) {
+      throw InputError(
+          "error: --ligaments needs necks with a length where no slit is shut, for a neck without "
+          "one neither stretches nor shears there; give one in --hinge-neck, or leave --ligaments "
+          "away");
+    }
+    ties.ligaments.push_back(ligamentAt(pivot, bricks, scene));
+  } else {
+    ties.pivots.push_back(pivot);
+  }
+}
+
+}  // namespace
+
+// A joint is a neck where its two bricks share a hinge that has a spring. Upper pivots coincide
+// with lower ones in the plane and are left out.
+Ties tiesOf(const Scene& scene, const std::vector<Brick>& bricks,
+            const std::vector<HingeSpring>& springs) {
+  std::set<std::pair<int, int>> hinges;
+  for (const HingeSpring& spring : springs) {
+    hinges.insert(std::minmax(spring.hinge.brickA, spring.hinge.brickB));
+  }
+  Ties ties;
+  for (const Pivot& pivot : makePivots(scene.model.joints, bricks)) {
+    if (pivot.isUpper) continue;
+    const bool isNeck =
+        scene.hinges.neck && hinges.contains(std::minmax(pivot.brickA, pivot.brickB));
+    if (isNeck) {
+      addNeck(pivot, bricks, scene, ties);
+    } else {
+      ties.pivots.push_back(pivot);
+    }
+  }
+  return ties;
+}
+
+// Without ligaments all pivots are exact, upper ones too, since the scene may be in space.
+Ties dynamicTies(const Scene& scene, const std::vector<Brick>& bricks,
+                 const std::vector<HingeSpring>& springs) {
+  if (!scene.hinges.areLigaments) return {makePivots(scene.model.joints, bricks), {}};
+  if (const Need planar = sceneNeeds(scene).planar; !planar.on) {
+    throw InputError(fmt::format(
+        "error: --ligaments gives necks in the plane alone, but {}; leave it away", planar.reason));
+  }
+  return tiesOf(scene, bricks, springs);
+}
+
+// ------------------------------------------------------------------------------------------------
+// Keeping a path symmetric. A state is replaced by the mean of its images under the group
+// (model/symmetry.h) where it has drifted from it by more than the asymmetry of closed states
+// themselves; the mean of closed states is closed to the second order of the drift, and its joints
+// are closed again where that is not enough. A mean that cannot be closed is not taken.
+
+namespace {
+
+// A state has a symmetry up to this part of a tile.
+constexpr double kSymmetric = 1e-6;
+// Below this part of a tile asymmetry is that of the model's own data, which closed states have.
+constexpr double kNegligible = 5e-10;
+// Joints are closed up to this part of a tile.
+constexpr double kClosedImage = 1e-11;
+
+}  // namespace
+
+// The pivots are kept to measure whether a mean is still closed.
+SymmetricStates::SymmetricStates(const Scene& scene, std::vector<Symmetry> group)
+    : group_(std::move(group)), tile_(tileSize(scene.model)) {
+  pivots_ = makePivots(scene.model.joints, makeBricks(scene.model.tiles, scene.brick));
+}
+
+// Drops symmetries that the state does not have, so that the rest are those to be kept from here
+// on. The symmetries of one state form a group again.
+void SymmetricStates::keepThoseOf(const Poses& state) {
+  std::erase_if(group_, [&](const Symmetry& symmetry) {
+    return asymmetry(state, std::span(&symmetry, 1), tile_) > kSymmetric * tile_;
+  });
+}
+
+// Replaces a state by its mean over the group where it has drifted. It leaves the state as it is
+// where the mean cannot be closed.
+void SymmetricStates::restore(Poses& poses, Dynamics& dynamics) const {
+  if (group_.size() < 2) return;
+  if (asymmetry(poses, group_, tile_) <= kNegligible * tile_) return;
+  Poses mean = symmetricMean(poses, group_);
+  const bool isExact = !std::isfinite(dynamics.jointStiffness());
+  const bool isOpen = isExact && jointGap(pivots_, mean).max > kClosedImage * tile_;
+  if (isOpen && !dynamics.assemble(mean)) return;
+  poses = std::move(mean);
+}
+
+// Velocities are averaged always: their mean is a velocity of the mean state to the first order.
+void SymmetricStates::restore(Motion& motion, Dynamics& dynamics) const {
+  if (group_.size() < 2) return;
+  restore(motion.poses, dynamics);
+  motion.velocities = symmetricMean(motion.velocities, group_);
 }
 
 }  // namespace kirireel

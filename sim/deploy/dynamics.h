@@ -1,4 +1,4 @@
-/// The seam between the deployment and the two solvers.
+/// The dynamics of bricks: what a deployment steps through, whatever solver there is.
 #pragma once
 
 #include <limits>
@@ -9,10 +9,18 @@
 
 #include "sim/joints/extrapolation.h"
 #include "sim/joints/joint_solver.h"
+#include "sim/model/brick.h"
+#include "sim/model/hinge.h"
+#include "sim/model/isometry.h"
 #include "sim/scene/scene.h"
 #include "sim/trajectory/trajectory.h"
+#include "sim/world/brick_world.h"
+#include "sim/world/contact_finder.h"
 
 namespace kirireel {
+
+// ------------------------------------------------------------------------------------------------
+// The seam between the deployment and the two solvers.
 
 /// Of joints that cannot be held exactly, because the tiles do not fit each other in the states on
 /// the way, N/m: a hundred thousand times the pull's usual stiffness.
@@ -83,5 +91,166 @@ class Dynamics {
 /// The solver that the scene asks for.
 std::unique_ptr<Dynamics> makeDynamics(const Scene& scene, const Needs& needs,
                                        const std::vector<Brick>& bricks, const Poses& start);
+
+// ------------------------------------------------------------------------------------------------
+// `--solver direct`: exact joints.
+
+/// The direct joint solver with implicit loads, and the contacts that the scene needs.
+class DirectDynamics : public Dynamics {
+ public:
+  /// Throws InputError for a planar scene with obstacles, for a tile that lies in an obstacle at
+  /// the start, and for springs or ligaments that the scene cannot have. `bricks` may end with the
+  /// call.
+  DirectDynamics(const Scene& scene, const Needs& needs, const std::vector<Brick>& bricks,
+                 const Poses& start);
+
+  bool assemble(Poses& poses) override;
+  void fitVelocities(Motion& motion) override;
+  void setPinned(const std::vector<bool>& pinned) override;
+  void setJointStiffness(double stiffness) override { solver_->setJointStiffness(stiffness); }
+  double jointStiffness() const override { return solver_->jointStiffness(); }
+  std::vector<Hold> contacts(const Poses& poses) const override;
+  std::vector<std::string> loadedContacts() const override;
+  StepReport advance(Motion& motion, double step, const LoadSource& actuation) override;
+  void setTolerance(const TimeTolerance& tolerance) override;
+  StepReport advanceToTolerance(Motion& motion, double seconds,
+                                const TimedLoads& actuation) override;
+  std::span<const PassedState> passed() const override { return passed_; }
+  void transfer(StateTape& tape) override;
+
+ private:
+  bool hasObstacles() const { return !obstacles_.empty(); }
+  void appendObstacles(Poses& poses) const;
+  void leaveObstacles(Motion& motion) const;
+  std::string nameOf(const ContactLoad& load) const;
+  /// A step that was not taken, because bricks meet in it.
+  struct Meeting {
+    Motion from;
+    Motion to;
+    double seconds = 0;
+    std::vector<Contact> contacts;  // that are violated at its end, whole planes of them
+  };
+
+  TimedLoads allLoads(const TimedLoads& actuation) const;
+  ContactFinder& exactFinder() { return exactContacts_ ? *exactContacts_ : *contacts_; }
+  bool meetOnTheWay(const Motion& from, const Motion& to, double seconds);
+  std::optional<double> momentOfImpact() const;
+  void setHeld(std::vector<Contact> contacts);
+  void holdTouching(const Poses& poses);
+  double collide(double now, const std::vector<Contact>& closing, Motion& motion);
+  double advanceByOrders(Motion& motion, double seconds, const TimedLoads& loads,
+                         StepReport& report);
+  StepReport goOnByFirstOrder(Motion& motion, double begin, double end, const TimedLoads& loads);
+
+  std::size_t brickCount_;
+  int countsFrom_;           // the first tile, in messages
+  double tileSize_;          // metres
+  double contactTolerance_;  // overlap that counts as none, metres
+  Environment environment_;
+  std::vector<ObstaclePart> obstacles_;
+  std::vector<Brick> bodies_;  // the bricks, then pinned ones that stand for obstacles
+  std::unique_ptr<JointSolver> solver_;
+  std::unique_ptr<ContactFinder> contacts_;  // null where nothing can be touched
+  int substeps_;
+  bool keepsEnergy_;                              // to a tolerance in time
+  bool isRubbing_;                                // planar bricks on a ground with friction
+  bool isPinned_ = false;                         // some brick
+  std::unique_ptr<Extrapolation> extrapolation_;  // null where no tolerance is asked for
+  double firstOrderStep_ = 0;                     // seconds, with it
+  double touching_ = 0;                           // gap of points that touch, metres
+  std::unique_ptr<ContactFinder>
+      exactContacts_;               // the same, finer; null without a tolerance in time
+  std::optional<Meeting> meeting_;  // of the step that was tried last
+  int callsToWait_ = 0;             // by first order, after impacts crowded
+  std::vector<PassedState> passed_;
+};
+
+// ------------------------------------------------------------------------------------------------
+// Bricks in the world of a physics engine: the baselines.
+
+/// An engine's own solver in short substeps, with the actuation taken anew in each.
+class WorldDynamics : public Dynamics {
+ public:
+  /// `substeps` of the engine in each step.
+  WorldDynamics(std::unique_ptr<BrickWorld> world, int substeps, std::size_t brickCount);
+
+  bool assemble(Poses& /*poses*/) override {
+    return true;  // engines pull open joints together as they go
+  }
+  void setPinned(const std::vector<bool>& pinned) override;
+  void setJointStiffness(double /*stiffness*/) override {}         // they give as it is
+  double jointStiffness() const override { return kExactJoints; }  // as far as engines tell
+  std::vector<Hold> contacts(const Poses& /*poses*/) const override { return {}; }
+  std::vector<std::string> loadedContacts() const override { return {}; }
+  StepReport advance(Motion& motion, double step, const LoadSource& actuation) override;
+  void setTolerance(const TimeTolerance& /*tolerance*/) override {}  // engines step by fixed steps
+  StepReport advanceToTolerance(Motion& motion, double seconds,
+                                const TimedLoads& actuation) override;
+  std::span<const PassedState> passed() const override { return {}; }
+  void transfer(StateTape& /*tape*/) override {}
+
+ private:
+  std::unique_ptr<BrickWorld> world_;
+  int substeps_;
+  std::vector<Load> loads_;
+};
+
+/// `--solver bullet`: Bullet's sequential impulses.
+/// Throws InputError for links and obstacles.
+std::unique_ptr<Dynamics> makeBulletDynamics(const Scene& scene, const std::vector<Brick>& bricks,
+                                             const Poses& start);
+
+// ------------------------------------------------------------------------------------------------
+// What holds the tiles of a sheet together where its joints are necks of material.
+
+/// Joints that are exact, and ligaments in the place of the others. In the plane.
+struct Ties {
+  std::vector<Pivot> pivots;
+  std::vector<Ligament> ligaments;
+};
+
+/// The ties of a planar scene with these springs, which are at its hinges: a joint at a hinge is a
+/// neck where the scene has necks. Throws InputError for ligaments that could neither stretch nor
+/// shear.
+Ties tiesOf(const Scene& scene, const std::vector<Brick>& bricks,
+            const std::vector<HingeSpring>& springs);
+
+/// The ties of a scene that moves masses: as tiesOf() where it asks for ligaments, which needs a
+/// planar one; else its joints are exact, and turn about the tiles' corners. Throws InputError.
+Ties dynamicTies(const Scene& scene, const std::vector<Brick>& bricks,
+                 const std::vector<HingeSpring>& springs);
+
+// ------------------------------------------------------------------------------------------------
+// States that keep the symmetries of their model.
+
+/// Keeps a path to the symmetries that its model and its ends have: rounding, and contacts that are
+/// found in the order of the bricks, break them a little in each move, and singular states make
+/// much of a little.
+class SymmetricStates {
+ public:
+  /// With all symmetries of the scene's model.
+  explicit SymmetricStates(const Scene& scene)
+      : SymmetricStates(scene, symmetriesOf(scene.model)) {}
+  /// With these, a group.
+  SymmetricStates(const Scene& scene, std::vector<Symmetry> group);
+
+  const std::vector<Symmetry>& group() const { return group_; }
+
+  /// Leaves those symmetries alone that a state has, too.
+  void keepThoseOf(const Poses& state);
+
+  /// Replaces a state by the mean of its images under the symmetries. Exact joints that this opens,
+  /// by about the square of the images' distance, are closed again by `dynamics`; a state in which
+  /// they cannot be stays as it is.
+  void restore(Poses& poses, Dynamics& dynamics) const;
+
+  /// The same for a motion: velocities have the symmetries, too.
+  void restore(Motion& motion, Dynamics& dynamics) const;
+
+ private:
+  std::vector<Symmetry> group_;
+  std::vector<Pivot> pivots_;
+  double tile_;  // metres
+};
 
 }  // namespace kirireel

@@ -15,12 +15,11 @@
 
 #include <fmt/format.h>
 
-#include "sim/base/cpu_time.h"
 #include "sim/base/interruption.h"
-#include "sim/deploy/rounded_joints.h"
+#include "sim/deploy/assembled_state.h"
+#include "sim/deploy/continuation.h"
+#include "sim/deploy/dynamics.h"
 #include "sim/deploy/run_figures.h"
-#include "sim/deploy/shortcuts.h"
-#include "sim/deploy/symmetric_states.h"
 #include "sim/measure/measures.h"
 
 namespace kirireel {

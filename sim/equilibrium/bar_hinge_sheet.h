@@ -1,14 +1,39 @@
-/// The energy of a sheet in space whose tiles stretch and bend, by bars and hinges: the edges of
-/// triangles are bars, and where two triangles meet the sheet folds or a tile bends.
+/// Sheets whose tiles stretch and bend, as bars and hinges; the angle of a fold.
 #pragma once
 
 #include <array>
 #include <vector>
 
-#include "sim/equilibrium/fold.h"
-#include "sim/equilibrium/loaded_sheet.h"
+#include <Eigen/Core>
+
+#include "sim/base/geometry.h"
+#include "sim/equilibrium/load_path.h"
 
 namespace kirireel {
+
+// ------------------------------------------------------------------------------------------------
+// The angle between two triangles with a common edge, and its derivatives.
+
+using Vector12 = Eigen::Matrix<double, 12, 1>;
+using Matrix12 = Eigen::Matrix<double, 12, 12>;
+
+/// The two ends of the edge, then the third corner of the triangle to its left and of that to its
+/// right, seen from above, metres.
+using FoldPoints = std::array<Vector3, 4>;
+
+/// Radians from -pi to pi, as FOLD has it: 0 where the triangles are flat, positive where their
+/// upper sides turn towards each other (a valley).
+double foldAngle(const FoldPoints& points);
+
+/// The derivative of the angle by the points' coordinates, one point after the other.
+Vector12 foldSlope(const FoldPoints& points);
+
+/// The second derivative.
+Matrix12 foldBend(const FoldPoints& points);
+
+// ------------------------------------------------------------------------------------------------
+// The energy of a sheet in space whose tiles stretch and bend, by bars and hinges: the edges of
+// triangles are bars, and where two triangles meet the sheet folds or a tile bends.
 
 /// A bar between two nodes: stiffness (length - rest)^2 / 2.
 struct Bar {

@@ -2,7 +2,7 @@
 //   p = d . (x_i + R(phi_i) r),   dp/dphi = d . (z x R r),   d^2p/dphi^2 = -d . R r,
 // or of a turn, p = phi_i. A pivot is two rows p_a - p_b = 0, a pin three rows p = p(start), a grip
 // that moves a row p = p(start) + load * amount for each handle, and a dead load the potential
-// -load * amount * p. Springs at hinges are quadratic in the turns; ligaments are in ligament.cpp.
+// -load * amount * p. Springs at hinges are quadratic in the turns; ligaments are in hinge.cpp.
 //
 // Symbols: x_i the centre of mass of brick i and r an arm in length scales, phi_i its turn (rad)
 // since the start, d a unit direction, z the vertical. All constraints are sums of places, so that

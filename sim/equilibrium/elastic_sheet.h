@@ -4,10 +4,9 @@
 
 #include <vector>
 
-#include "sim/brick/brick.h"
-#include "sim/brick/hinge.h"
-#include "sim/brick/ligament.h"
-#include "sim/equilibrium/loaded_sheet.h"
+#include "sim/equilibrium/load_path.h"
+#include "sim/model/brick.h"
+#include "sim/model/hinge.h"
 
 namespace kirireel {
 

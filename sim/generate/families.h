@@ -62,4 +62,46 @@ const Family& familyNamed(const std::string& name);
 /// Families that are fitted cost a sparse factorisation a round.
 Model generateModel(const Family& family, const std::map<std::string, double>& given);
 
+// ------------------------------------------------------------------------------------------------
+// Concave tiles: sheets whose tiles have bent sides that fit into each other.
+//
+// A sheet of tiles of two kinds that turn against each other moves by its joints alone: what lies
+// between two joined corners of a tile may have any shape. Bulges on the sides of one kind, and
+// the same outline as bays in the other, keep the closed sheet closed. While two tiles turn about
+// one end of their common side, a point at (x, y) of the bulge (x along the side from the joint, y
+// out of it) leaves the bay at once where the wall there has a normal n with n . (-y, x) >= 0:
+// walls that lean towards the joint by more than y / x. Whether the tiles of a state overlap all
+// the same is for the generator to check.
+
+/// A corner that is put into each side.
+struct SidePoint {
+  double along = 0.5;  ///< where, as a part of the side, from 0 to 1, rising
+  double out = 0;      ///< how far outwards on tiles that bulge, as a part of the side's length
+};
+
+/// The sheet with these points in each side of each tile: outwards where `bulges` says so of the
+/// tile, else inwards. The points are the same from either end of a side. Joints stay at their
+/// corners.
+Model withBentSides(const Model& model, const std::vector<bool>& bulges,
+                    const std::vector<SidePoint>& points);
+
+// ------------------------------------------------------------------------------------------------
+// Sheets of regular tiles of two kinds that turn against each other at their corners.
+
+/// How large a sheet is and how far it opens.
+struct RotorShape {
+  int columns = 4;         ///< cells along the first lattice direction, positive
+  int rows = 4;            ///< cells along the second
+  double startAngle = 0;   ///< by which neighbours have turned, radians; 0 is closed
+  double targetAngle = 0;  ///< the same at the target
+};
+
+/// Rotating triangles with edges of 1 m: two a cell, pointing up and down; a kagome lattice of
+/// hexagonal voids at 120 degrees, closed again at 240.
+Model makeRotatingTriangles(const RotorShape& shape);
+
+/// Regular hexagons, one a cell, and the triangles between them, edges of 1 m; widest at 90
+/// degrees, closed again at 180. At least 2 columns and 2 rows.
+Model makeHexagonsAndTriangles(const RotorShape& shape);
+
 }  // namespace kirireel

@@ -6,7 +6,8 @@
 // on a side of it. Tiles that are joined across the seam are joined as within the sheet, as the
 // pattern repeats after two columns.
 //
-// *Band*: the fit of cap.cpp with another open state. The start bends the open sheet onto the band
+// *Band*: the fit of shells.cpp with another open state. The start bends the open sheet onto the
+// band
 //   p(t, s) = ((R - s cos w) cos 2 pi t, (R - s cos w) sin 2 pi t, s sin w),   w = pi n t
 // t in [0, 1] along the strip, s across it (m), n the number of half twists, R the radius (m). Tips
 // at both ends are made to coincide, crosswise for odd n; no joints hold them.
@@ -18,10 +19,18 @@
 // saddle is z = c (x^2 - y^2).
 #include "sim/generate/shells.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
+#include <numeric>
+#include <utility>
 
-#include "sim/generate/shell_parts.h"
+#include <fmt/format.h>
+
+#include "sim/base/error.h"
+#include "sim/model/lattice.h"
 
 namespace kirireel {
 namespace {
@@ -241,6 +250,521 @@ Model makeSphereToSaddle(const SaddleShape& shape) {
   }
   const SaddleDesign design(shape, 1);
   return design.model(design.solve(unknowns));
+}
+
+// ------------------------------------------------------------------------------------------------
+// Flat squares that become caps of a sphere, and six of them as a cube that becomes a sphere.
+//
+// The design is a least squares problem under exact equations (constrained_fit.h). The unknowns are
+// the nodes of the flat, closed square (x, y; m), the nodes of the open cap (x, y, z; m) and half
+// the square's side h (m). Joints need no equations, since joined corners are one node. Exact:
+// every quad has the same shape in both states and is planar in the cap; the square's boundary lies
+// on |x| = h or |y| = h; each tip t of the cap (a corner that no joint holds) lies on the sphere
+// and on the plane of its side,
+//   |t| = R,     t . (o - tan(a) e_z) = 0
+// with R the radius, a the angle between pole and side, o the direction out of the side; and tips
+// and boundary nodes mirror each other across x = 0 and y = 0. Wanted: all other nodes near the
+// sphere (weight 0.3), near their start (0.05), and an even grid in the square (0.05). The weights
+// were found by trial; they only choose among sheets that satisfy the exact equations.
+//
+// The start is the regular sheet opened to 0.4 pi, with its bounding box mapped to the cap by
+// central projection: u, v in [-1, 1] go to R (tan(a u), tan(a v), 1) / |.|, which takes the sides
+// of the box into the planes of the sides.
+//
+// The idea of fitting both states at once: G. P. T. Choi, L. H. Dudte, L. Mahadevan, Programming
+// shape using kirigami tessellations, Nature Materials 18, 2019, who use other equations and a
+// general optimiser.
+
+namespace {
+
+using std::numbers::pi;
+
+/// Adds that two points mirror each other in the plane through the origin across an axis.
+void addMirror(EquationRows& rows, const UnknownPoint& a, const UnknownPoint& b, int axis) {
+  for (int k = 0; k < std::min(a.dimension, b.dimension); ++k) {
+    // The mirror changes the sign of one coordinate and keeps the others.
+    const double sign = k == axis ? -1 : 1;
+    rows.begin(a.value[k] - sign * b.value[k]);
+    rows.slope(a.first + k, 1);
+    rows.slope(b.first + k, -sign);
+  }
+}
+
+/// The flat square and its cap.
+struct CapPair {
+  std::vector<Tile> square;  ///< in the plane z = 0
+  std::vector<Tile> cap;
+  double half = 0;  ///< half the square's side
+};
+
+/// The equations of a square of tiles that becomes a spherical cap. Every side of the cap lies in a
+/// plane through the sphere's centre.
+class CapDesign {
+ public:
+  CapDesign(std::string family, const CapShape& shape)
+      : family_(std::move(family)),
+        shape_(shape),
+        lattice_{shape.size, shape.size},
+        tips_(tips(lattice_)) {
+    square_ = {nodesClosedAtStart(lattice_), 2, 0};
+    cap_ = {openNodes(lattice_), 3, square_.count()};
+    half_ = square_.count() + cap_.count();
+  }
+
+  // From the start to both states.
+  CapPair solve() const {
+    const std::vector<Tile> start = startCap();
+    // The square is given the edge lengths of the cap that it starts from.
+    const double half = 0.5 * shape_.size * meanEdge(start);
+    Eigen::VectorXd unknowns = Eigen::VectorXd::Zero(half_ + 1);
+    cap_.pack(start, unknowns);
+    square_.pack(mapped(unitTiles(lattice_, 0),
+                        [&](const Vector3& v) { return Vector3(2 * half / shape_.size * v); }),
+                 unknowns);
+    unknowns[half_] = half;
+    const FlatRectangle rectangle(lattice_, square_, half_, half_);
+    const Eigen::VectorXd wantedCap = unknowns;
+    const auto source = [&](const Eigen::VectorXd& values, DesignEquations& equations) {
+      addExact(equations.exact, rectangle, values);
+      addWanted(equations.wanted, rectangle, wantedCap, values);
+    };
+    const Eigen::VectorXd found = fitFamily(family_, source, unknowns, {1e-3, 200});
+    return {square_.tiles(found), cap_.tiles(found), found[half_]};
+  }
+
+ private:
+  /// The regular open sheet, its box mapped to the cap's.
+  std::vector<Tile> startCap() const {
+    const std::vector<Tile> flat = unitTiles(lattice_, 0.4 * pi);
+    const Vector3 half = halfExtent(flat);
+    return mapped(flat, [&](const Vector3& vertex) {
+      const double u = std::tan(shape_.halfAngle * vertex.x() / half.x());
+      const double v = std::tan(shape_.halfAngle * vertex.y() / half.y());
+      return Vector3(shape_.radius * Vector3(u, v, 1).normalized());
+    });
+  }
+
+  // A free corner of the cap, counted round the sheet.
+  UnknownPoint tip(const Eigen::VectorXd& values, int number) const {
+    const LatticeCorner& corner = tips_[std::size_t(number)];
+    return cap_.point(values, lattice_.tileAt(corner.cell), corner.corner);
+  }
+
+  // What both states must be.
+  void addExact(EquationRows& rows, const FlatRectangle& rectangle,
+                const Eigen::VectorXd& values) const {
+    addCongruence(rows, square_, cap_, values);
+    addPlanarity(rows, cap_, values);
+    rectangle.addExact(rows, values);
+    const double tangent = std::tan(shape_.halfAngle);
+    for (int k = 0; k < 4 * shape_.size; ++k) {
+      const Vector3 normal = outwards(sideOf(lattice_, k)) - tangent * Vector3::UnitZ();
+      addPosition(rows, tip(values, k), normal, 0);
+      addOnSphere(rows, tip(values, k), shape_.radius);
+    }
+    addMirrors(rows, rectangle, values);
+  }
+
+  /// The number of the tip or boundary node that is the mirror image across x = 0 or y = 0: they
+  /// are counted round the square, tips from 1/2.
+  int mirrored(int number, int axis, bool isTip) const {
+    const int count = 4 * shape_.size;
+    // Mirror images have numbers that add up to a constant: across x = 0 the middle of the bottom
+    // stays, across y = 0 the middle of the left side.
+    const int sum = (axis == 0 ? shape_.size : 3 * shape_.size) - (isTip ? 1 : 0);
+    return ((sum - number) % count + count) % count;
+  }
+
+  /// Mirrored tips and boundary nodes, so that caps meet each other on a cube.
+  void addMirrors(EquationRows& rows, const FlatRectangle& rectangle,
+                  const Eigen::VectorXd& values) const {
+    for (int k = 0; k < 4 * shape_.size; ++k) {
+      for (const int axis : {0, 1}) {
+        addMirror(rows, tip(values, k), tip(values, mirrored(k, axis, true)), axis);
+        addMirror(rows, rectangle.boundaryPoint(values, k),
+                  rectangle.boundaryPoint(values, mirrored(k, axis, false)), axis);
+      }
+    }
+  }
+
+  // What chooses among the sheets that are possible.
+  void addWanted(EquationRows& rows, const FlatRectangle& rectangle, const Eigen::VectorXd& start,
+                 const Eigen::VectorXd& values) const {
+    for (int node = 0; node < cap_.nodes.nodeCount; ++node) {
+      const UnknownPoint point = cap_.point(values, node);
+      addOnSphere(rows, point, shape_.radius, 0.3);
+      addNear(rows, point, cap_.point(start, node).value, 0.05);
+    }
+    rectangle.addEvenGrid(rows, values, 0.05);
+  }
+
+  std::string family_;
+  CapShape shape_;
+  Lattice lattice_;
+  std::vector<LatticeCorner> tips_;
+  StateUnknowns square_;
+  StateUnknowns cap_;
+  int half_ = 0;
+};
+
+/// The rotations that bring a cap about +z to all six faces of a cube. The ones to the sides are
+/// chosen so that the tips of as many caps as can be meet in both states.
+std::array<Matrix3, 6> cubeFaces() {
+  const auto halfTurn = [](double x, double y, double z) {
+    return Matrix3(Eigen::AngleAxisd(pi, Vector3(x, y, z).normalized()).toRotationMatrix());
+  };
+  // A half turn about the bisector of two axes swaps them.
+  const Matrix3 toY = halfTurn(0, 1, 1);
+  return {Matrix3::Identity(), halfTurn(1, 0, 0),       toY,
+          halfTurn(0, -1, 1),  halfTurn(1, 1, 0) * toY, halfTurn(-1, 1, 0) * toY};
+}
+
+/// A corner's place at the start and at the target, in units in which all corners that coincide
+/// round to the same numbers.
+std::array<long, 6> placeOf(const Model& model, const Corner& corner, double unit) {
+  std::array<long, 6> place{};
+  const std::size_t tile = std::size_t(corner.tile), vertex = std::size_t(corner.vertex);
+  for (int axis = 0; axis < 3; ++axis) {
+    place[std::size_t(axis)] = std::lround(model.tiles[tile].vertices[vertex][axis] / unit);
+    place[std::size_t(axis + 3)] = std::lround((*model.target)[tile].vertices[vertex][axis] / unit);
+  }
+  return place;
+}
+
+/// Joins the tips of different caps that coincide at the start and at the target.
+void joinCaps(Model& model, const Lattice& lattice) {
+  const double unit = 1e-6 * modelSize(model);
+  std::map<std::array<long, 6>, Corner> known;
+  for (int face = 0; face < 6; ++face) {
+    for (const LatticeCorner& tip : tips(lattice)) {
+      const Corner corner{face * lattice.tileCount() + lattice.tileAt(tip.cell), tip.corner};
+      // A third tip at the same place would be joined to the first, too.
+      const auto [entry, isNew] = known.try_emplace(placeOf(model, corner, unit), corner);
+      if (!isNew) model.joints.push_back({entry->second, corner, JointFace::Bottom});
+    }
+  }
+}
+
+}  // namespace
+
+Model makeSphericalCap(const CapShape& shape) {
+  const CapPair pair = CapDesign("cap", shape).solve();
+  Model model;
+  model.name = "cap";
+  model.tiles = pair.square;
+  model.target = pair.cap;
+  model.joints = latticeJoints({shape.size, shape.size}, JointFace::Bottom);
+  return model;
+}
+
+Model makeCubeToSphere(const CapShape& shape) {
+  CapShape face = shape;
+  face.halfAngle = pi / 4;
+  const CapPair pair = CapDesign("cube-to-sphere", face).solve();
+  const Lattice lattice{shape.size, shape.size};
+  Model model;
+  model.name = "cube-to-sphere";
+  model.target.emplace();
+  for (const Matrix3& turn : cubeFaces()) {
+    const int first = static_cast<int>(model.tiles.size());
+    for (Joint joint : latticeJoints(lattice, JointFace::Bottom)) {
+      joint.a.tile += first;
+      joint.b.tile += first;
+      model.joints.push_back(joint);
+    }
+    // The flat square becomes the face z = h of the cube; the cap is centred on the origin already.
+    const Vector3 lift(0, 0, pair.half);
+    const auto place = [&](const Vector3& v) { return Vector3(turn * (v + lift)); };
+    for (const Tile& tile : mapped(pair.square, place)) model.tiles.push_back(tile);
+    const auto rotate = [&](const Vector3& v) { return Vector3(turn * v); };
+    for (const Tile& tile : mapped(pair.cap, rotate)) model.target->push_back(tile);
+  }
+  joinCaps(model, lattice);
+  return model;
+}
+
+// ------------------------------------------------------------------------------------------------
+// Parts that the fits of shells share: a start of unit squares, the exact rectangle of a flat
+// state, and the message of a fit that failed.
+//
+// The rectangle is |x| = a, |y| = b with unknown half sides a and b (m): its own size is free,
+// since the sheet's size follows from the curved state. Every boundary node of side s satisfies o_s
+// . p = a or b, with o_s the direction out of the side; a corner node satisfies both.
+
+Eigen::VectorXd fitFamily(const std::string& family, const DesignSource& source,
+                          Eigen::VectorXd start, const FitSettings& settings) {
+  const Fit fit = fitDesign(source, std::move(start), settings);
+  if (fit.violation <= kExactFit) return fit.unknowns;
+  throw InputError(
+      fmt::format("{}: error: no sheet of this shape was found (its equations miss by {:.2g}); "
+                  "give sizes and parameters nearer to the usual ones",
+                  family, fit.violation));
+}
+
+std::vector<Tile> unitTiles(const Lattice& lattice, double angle) {
+  return regularField(lattice, 1, Complex(0, 1)).tiles(angle);
+}
+
+// From the origin, so that an asymmetric sheet has its larger side.
+Vector3 halfExtent(const std::vector<Tile>& tiles) {
+  Vector3 half = Vector3::Zero();
+  for (const Tile& tile : tiles) {
+    for (const Vector3& vertex : tile.vertices) half = half.cwiseMax(vertex.cwiseAbs());
+  }
+  return half;
+}
+
+double meanEdge(const std::vector<Tile>& tiles) {
+  Model model;
+  model.tiles = tiles;
+  return tileSize(model);
+}
+
+int sideOf(const Lattice& lattice, int number) {
+  // Numbers at which the bottom, the right and the top side end.
+  const int ends[] = {lattice.columns, lattice.columns + lattice.rows,
+                      2 * lattice.columns + lattice.rows};
+  return static_cast<int>(std::upper_bound(std::begin(ends), std::end(ends), number) -
+                          std::begin(ends));
+}
+
+Vector3 outwards(int side) {
+  const Vector3 directions[] = {-Vector3::UnitY(), Vector3::UnitX(), Vector3::UnitY(),
+                                -Vector3::UnitX()};
+  return directions[side];
+}
+
+FlatRectangle::FlatRectangle(const Lattice& lattice, StateUnknowns state, int halfColumns,
+                             int halfRows)
+    : lattice_(lattice),
+      state_(std::move(state)),
+      halves_{halfColumns, halfRows},
+      boundary_(closedBoundary(lattice)) {}
+
+void FlatRectangle::addExact(EquationRows& rows, const Eigen::VectorXd& unknowns) const {
+  const int count = static_cast<int>(boundary_.size());
+  for (int number = 0; number < count; ++number) {
+    const int side = sideOf(lattice_, number);
+    addOnSide(rows, unknowns, number, side);
+    // A node at a corner lies on the side before it, too.
+    const int before = sideOf(lattice_, (number + count - 1) % count);
+    if (before != side) addOnSide(rows, unknowns, number, before);
+  }
+}
+
+void FlatRectangle::addEvenGrid(EquationRows& rows, const Eigen::VectorXd& unknowns,
+                                double weight) const {
+  for (int column = 0; column <= lattice_.columns; ++column) {
+    for (int row = 0; row <= lattice_.rows; ++row) {
+      const double shares[] = {2.0 * column / lattice_.columns - 1, 2.0 * row / lattice_.rows - 1};
+      const UnknownPoint point = state_.point(unknowns, column * (lattice_.rows + 1) + row);
+      for (int axis = 0; axis < 2; ++axis) {
+        const int half = halves_[std::size_t(axis)];
+        addPosition(rows, point, Vector3::Unit(axis), shares[axis] * unknowns[half], weight);
+        // The wanted place moves with the half side.
+        rows.slope(half, -weight * shares[axis]);
+      }
+    }
+  }
+}
+
+UnknownPoint FlatRectangle::boundaryPoint(const Eigen::VectorXd& unknowns, int number) const {
+  const LatticeCorner& corner = boundary_[std::size_t(number)];
+  return state_.point(unknowns, lattice_.tileAt(corner.cell), corner.corner);
+}
+
+void FlatRectangle::addOnSide(EquationRows& rows, const Eigen::VectorXd& unknowns, int number,
+                              int side) const {
+  // Bottom and top are at y = -+ the half side of the rows.
+  const int half = halves_[side % 2 == 0 ? 1 : 0];
+  addPosition(rows, boundaryPoint(unknowns, number), outwards(side), unknowns[half]);
+  rows.slope(half, -1);
+}
+
+// ------------------------------------------------------------------------------------------------
+// Unknown nodes of two states of one sheet, and the equations that make the states congruent.
+//
+// With a = p_1 - p_0, b = p_2 - p_0, c = p_3 - p_0 for the corners p_k of a quad (m), the shape of
+// a planar quad is known from five inner products,
+//   a . a,   a . c,   c . c,   b . a,   b . c                  m^2
+// the first three fix the triangle p_0 p_1 p_3, the other two the components of b in its plane.
+// Each is set equal in both states. Edge lengths with one diagonal would be five equations too, but
+// they allow the quad to fold over its diagonal, and fits fell into that. A quad in space is planar
+// where a . (b x c) = 0 (m^3). The slopes follow by the product rule: d(u . w) = w . du + u . dw.
+
+namespace {
+
+/// Groups of corners, merged pair by pair.
+class JoinedCorners {
+ public:
+  explicit JoinedCorners(int tiles) : parents_(std::size_t(4 * tiles)) {
+    std::iota(parents_.begin(), parents_.end(), 0);
+  }
+
+  void merge(int a, int b) { parents_[std::size_t(find(b))] = find(a); }
+
+  // Numbered by their first corners.
+  NodeMap nodes() {
+    NodeMap map;
+    std::map<int, int> numbers;
+    const int tiles = static_cast<int>(parents_.size()) / 4;
+    for (int tile = 0; tile < tiles; ++tile) {
+      std::vector<int>& nodes = map.nodeOf.emplace_back();
+      for (int k = 0; k < 4; ++k) {
+        const auto [entry, isNew] = numbers.try_emplace(find(4 * tile + k), map.nodeCount);
+        map.nodeCount += isNew ? 1 : 0;
+        nodes.push_back(entry->second);
+      }
+    }
+    return map;
+  }
+
+ private:
+  // Groups have four corners at most, so that their trees stay flat without further care.
+  int find(int corner) {
+    while (parents_[std::size_t(corner)] != corner) corner = parents_[std::size_t(corner)];
+    return corner;
+  }
+
+  std::vector<int> parents_;
+};
+
+/// A quad's edges and diagonal from its corner 0.
+struct QuadVectors {
+  std::array<UnknownPoint, 4> corners;
+
+  Vector3 from0(int corner) const { return corners[std::size_t(corner)].value - corners[0].value; }
+};
+
+// The four corners of a tile as unknowns.
+QuadVectors quadOf(const StateUnknowns& state, const Eigen::VectorXd& unknowns, int tile) {
+  QuadVectors quad;
+  for (int k = 0; k < 4; ++k) quad.corners[std::size_t(k)] = state.point(unknowns, tile, k);
+  return quad;
+}
+
+/// Slopes of the inner product of the vectors to two corners, times a sign.
+void addProductSlopes(EquationRows& rows, const QuadVectors& quad, int i, int j, double sign) {
+  const Vector3 toI = quad.from0(i);
+  const Vector3 toJ = quad.from0(j);
+  addSlope(rows, quad.corners[std::size_t(i)], sign * toJ);
+  addSlope(rows, quad.corners[std::size_t(j)], sign * toI);
+  addSlope(rows, quad.corners[0], -sign * (toI + toJ));
+}
+
+}  // namespace
+
+NodeMap openNodes(const Lattice& lattice) {
+  JoinedCorners groups(lattice.tileCount());
+  for (const Joint& joint : latticeJoints(lattice, JointFace::Bottom)) {
+    groups.merge(4 * joint.a.tile + joint.a.vertex, 4 * joint.b.tile + joint.b.vertex);
+  }
+  return groups.nodes();
+}
+
+NodeMap nodesClosedAtStart(const Lattice& lattice) {
+  NodeMap map;
+  map.nodeCount = (lattice.columns + 1) * (lattice.rows + 1);
+  for (int tile = 0; tile < lattice.tileCount(); ++tile) {
+    const Cell cell = lattice.cellOf(tile);
+    const int corner = cell.column * (lattice.rows + 1) + cell.row;
+    const int next = corner + lattice.rows + 1;
+    map.nodeOf.push_back({corner, next, next + 1, corner + 1});
+  }
+  return map;
+}
+
+NodeMap nodesClosedAtEnd(const Lattice& lattice) {
+  const std::vector<Tile> closed = regularField(lattice, 1, Complex(0, 1)).tiles(std::numbers::pi);
+  // Corners of unit squares coincide or are 1 apart.
+  std::map<std::pair<long, long>, int> numbers;
+  NodeMap map;
+  for (const Tile& tile : closed) {
+    std::vector<int>& nodes = map.nodeOf.emplace_back();
+    for (const Vector3& vertex : tile.vertices) {
+      // Sheets with an even and an odd number of tiles have corners at whole or at half numbers.
+      const std::pair place{std::lround(2 * vertex.x()), std::lround(2 * vertex.y())};
+      const auto [entry, isNew] = numbers.try_emplace(place, map.nodeCount);
+      map.nodeCount += isNew ? 1 : 0;
+      nodes.push_back(entry->second);
+    }
+  }
+  return map;
+}
+
+UnknownPoint StateUnknowns::point(const Eigen::VectorXd& unknowns, int node) const {
+  UnknownPoint point;
+  point.first = first + dimension * node;
+  point.dimension = dimension;
+  point.value.head(dimension) = unknowns.segment(point.first, dimension);
+  return point;
+}
+
+void StateUnknowns::pack(const std::vector<Tile>& tiles, Eigen::VectorXd& unknowns) const {
+  for (std::size_t tile = 0; tile < tiles.size(); ++tile) {
+    for (std::size_t k = 0; k < 4; ++k) {
+      unknowns.segment(first + dimension * nodes.nodeOf[tile][k], dimension) =
+          tiles[tile].vertices[k].head(dimension);
+    }
+  }
+}
+
+std::vector<Tile> StateUnknowns::tiles(const Eigen::VectorXd& unknowns) const {
+  std::vector<Tile> tiles(nodes.nodeOf.size());
+  for (std::size_t tile = 0; tile < tiles.size(); ++tile) {
+    for (const int node : nodes.nodeOf[tile]) {
+      tiles[tile].vertices.push_back(point(unknowns, node).value);
+    }
+  }
+  return tiles;
+}
+
+void addSlope(EquationRows& rows, const UnknownPoint& point, const Vector3& slope) {
+  for (int axis = 0; axis < point.dimension; ++axis) rows.slope(point.first + axis, slope[axis]);
+}
+
+void addPosition(EquationRows& rows, const UnknownPoint& point, const Vector3& direction,
+                 double value, double weight) {
+  rows.begin(weight * (direction.dot(point.value) - value));
+  addSlope(rows, point, weight * direction);
+}
+
+void addOnSphere(EquationRows& rows, const UnknownPoint& point, double radius, double weight) {
+  const double distance = point.value.norm();
+  rows.begin(weight * (distance - radius));
+  addSlope(rows, point, weight / distance * point.value);
+}
+
+void addNear(EquationRows& rows, const UnknownPoint& point, const Vector3& wanted, double weight) {
+  for (int axis = 0; axis < point.dimension; ++axis) {
+    addPosition(rows, point, Vector3::Unit(axis), wanted[axis], weight);
+  }
+}
+
+void addCongruence(EquationRows& rows, const StateUnknowns& a, const StateUnknowns& b,
+                   const Eigen::VectorXd& unknowns) {
+  constexpr std::pair<int, int> kProducts[] = {{1, 1}, {1, 3}, {3, 3}, {2, 1}, {2, 3}};
+  for (int tile = 0; tile < std::ssize(a.nodes.nodeOf); ++tile) {
+    const QuadVectors inA = quadOf(a, unknowns, tile);
+    const QuadVectors inB = quadOf(b, unknowns, tile);
+    for (const auto& [i, j] : kProducts) {
+      rows.begin(inA.from0(i).dot(inA.from0(j)) - inB.from0(i).dot(inB.from0(j)));
+      addProductSlopes(rows, inA, i, j, 1);
+      addProductSlopes(rows, inB, i, j, -1);
+    }
+  }
+}
+
+void addPlanarity(EquationRows& rows, const StateUnknowns& state, const Eigen::VectorXd& unknowns) {
+  for (int tile = 0; tile < std::ssize(state.nodes.nodeOf); ++tile) {
+    const QuadVectors quad = quadOf(state, unknowns, tile);
+    const Vector3 a = quad.from0(1), b = quad.from0(2), c = quad.from0(3);
+    rows.begin(a.dot(b.cross(c)));
+    addSlope(rows, quad.corners[1], b.cross(c));
+    addSlope(rows, quad.corners[2], c.cross(a));
+    addSlope(rows, quad.corners[3], a.cross(b));
+    addSlope(rows, quad.corners[0], -(b.cross(c) + c.cross(a) + a.cross(b)));
+  }
 }
 
 }  // namespace kirireel

@@ -1,12 +1,23 @@
-/// Sheets of quads that deploy to curved surfaces. Lengths in metres, angles in radians.
-///
-/// Each function throws InputError when no such sheet was found, which happens for shapes that are
-/// far from the usual ones.
+/// Sheets that deploy to curved surfaces, and what their designs have in common.
 #pragma once
 
+#include <array>
+#include <string>
+#include <vector>
+
+#include "sim/base/geometry.h"
+#include "sim/generate/constrained_fit.h"
+#include "sim/generate/lattice_designs.h"
+#include "sim/model/lattice.h"
 #include "sim/model/model.h"
 
 namespace kirireel {
+
+// ------------------------------------------------------------------------------------------------
+// Sheets of quads that deploy to curved surfaces. Lengths in metres, angles in radians.
+//
+// Each function throws InputError when no such sheet was found, which happens for shapes that are
+// far from the usual ones.
 
 /// A rectangular tube that becomes a slimmer, longer one: columns x rows rectangles wrapped round a
 /// regular prism with as many sides as columns.
@@ -49,5 +60,128 @@ struct SaddleShape {
   double width = 6;        ///< of the sheet's longer side before it is lifted
 };
 Model makeSphereToSaddle(const SaddleShape& shape);
+
+// ------------------------------------------------------------------------------------------------
+// Two congruent states of one sheet of quads, as unknowns of a fit.
+
+/// Which corners of a sheet share a node: joints are shared nodes, so that they are closed exactly.
+struct NodeMap {
+  std::vector<std::vector<int>> nodeOf;  ///< [tile][corner], from 0
+  int nodeCount = 0;
+};
+
+/// The nodes of the open sheet: corners that joints hold together.
+NodeMap openNodes(const Lattice& lattice);
+
+/// The nodes of the sheet closed at the start (theta = 0): a grid of columns + 1 by rows + 1.
+NodeMap nodesClosedAtStart(const Lattice& lattice);
+
+/// The nodes of the sheet closed again after all tiles have turned (theta = pi).
+NodeMap nodesClosedAtEnd(const Lattice& lattice);
+
+/// A point whose coordinates are unknowns.
+struct UnknownPoint {
+  Vector3 value = Vector3::Zero();
+  int first = 0;      ///< the unknown that is x; y and z follow
+  int dimension = 3;  ///< 2 for a point in the plane z = 0
+};
+
+/// The nodes of one state as unknowns.
+struct StateUnknowns {
+  NodeMap nodes;
+  int dimension = 3;  ///< 2 for a state in the plane z = 0
+  int first = 0;      ///< the unknown that is x of node 0
+
+  int count() const { return dimension * nodes.nodeCount; }
+  UnknownPoint point(const Eigen::VectorXd& unknowns, int node) const;
+  UnknownPoint point(const Eigen::VectorXd& unknowns, int tile, int corner) const {
+    return point(unknowns, nodes.nodeOf[std::size_t(tile)][std::size_t(corner)]);
+  }
+  /// Writes a state's tiles into the unknowns.
+  void pack(const std::vector<Tile>& tiles, Eigen::VectorXd& unknowns) const;
+  std::vector<Tile> tiles(const Eigen::VectorXd& unknowns) const;
+};
+
+/// Adds to the slopes of the last equation those along a point's coordinates.
+void addSlope(EquationRows& rows, const UnknownPoint& point, const Vector3& slope);
+
+/// Adds weight * (direction . point - value); slopes along further unknowns may follow.
+void addPosition(EquationRows& rows, const UnknownPoint& point, const Vector3& direction,
+                 double value, double weight = 1);
+
+/// Adds weight * (|point| - radius).
+void addOnSphere(EquationRows& rows, const UnknownPoint& point, double radius, double weight = 1);
+
+/// Adds weight * (point - wanted), one equation a coordinate.
+void addNear(EquationRows& rows, const UnknownPoint& point, const Vector3& wanted, double weight);
+
+/// Adds that every quad has the same shape in both states: the inner products of its edges from
+/// corner 0 with each other and with the diagonal. (Edge lengths and one diagonal would allow the
+/// quad to fold over.)
+/// Both states have the same tiles; five equations a tile, in m^2. A quad in the plane needs the
+/// same number.
+void addCongruence(EquationRows& rows, const StateUnknowns& a, const StateUnknowns& b,
+                   const Eigen::VectorXd& unknowns);
+
+/// Adds that every quad of a state in space is planar.
+/// One equation a tile, in m^3. `state` has three dimensions.
+void addPlanarity(EquationRows& rows, const StateUnknowns& state, const Eigen::VectorXd& unknowns);
+
+// ------------------------------------------------------------------------------------------------
+// What the designs of shells have in common.
+
+/// The fit of a design. Throws InputError naming the family when its exact equations do not come to
+/// hold.
+Eigen::VectorXd fitFamily(const std::string& family, const DesignSource& source,
+                          Eigen::VectorXd start, const FitSettings& settings);
+
+/// Unit squares at an opening angle, about the origin.
+std::vector<Tile> unitTiles(const Lattice& lattice, double angle);
+
+/// Half the extent of tiles about the origin, along each axis.
+Vector3 halfExtent(const std::vector<Tile>& tiles);
+
+/// The tiles with every vertex moved.
+template <typename Map>
+std::vector<Tile> mapped(std::vector<Tile> tiles, const Map& map) {
+  for (Tile& tile : tiles) {
+    for (Vector3& vertex : tile.vertices) vertex = map(vertex);
+  }
+  return tiles;
+}
+
+/// Mean edge length of tiles.
+double meanEdge(const std::vector<Tile>& tiles);
+
+/// The side of a sheet that a tip or node of its closed boundary belongs to: 0 bottom, 1 right, 2
+/// top, 3 left.
+int sideOf(const Lattice& lattice, int number);
+
+/// The direction out of that side.
+Vector3 outwards(int side);
+
+/// A flat closed state that is exactly a rectangle about the origin, with unknown half sides.
+class FlatRectangle {
+ public:
+  /// The unknowns of half the length of the columns' and the rows' sides; they may be the same.
+  FlatRectangle(const Lattice& lattice, StateUnknowns state, int halfColumns, int halfRows);
+
+  /// Adds that the boundary's nodes lie on the rectangle.
+  void addExact(EquationRows& rows, const Eigen::VectorXd& unknowns) const;
+
+  /// Adds weight * (node - its place in an even grid) for all nodes.
+  void addEvenGrid(EquationRows& rows, const Eigen::VectorXd& unknowns, double weight) const;
+
+  /// Node `number` of the closed boundary, anticlockwise from the bottom left.
+  UnknownPoint boundaryPoint(const Eigen::VectorXd& unknowns, int number) const;
+
+ private:
+  void addOnSide(EquationRows& rows, const Eigen::VectorXd& unknowns, int number, int side) const;
+
+  Lattice lattice_;
+  StateUnknowns state_;
+  std::array<int, 2> halves_;
+  std::vector<LatticeCorner> boundary_;
+};
 
 }  // namespace kirireel

@@ -1,4 +1,5 @@
-/// Multifrontal Cholesky factorisation of a sparse symmetric matrix of small square blocks.
+/// Multifrontal Cholesky factorisation of sparse symmetric matrices of small square blocks:
+/// the symbolic half, an order of elimination, and the numerical one.
 #pragma once
 
 #include <utility>
@@ -6,9 +7,39 @@
 
 #include <Eigen/Core>
 
-#include "sim/joints/elimination.h"
-
 namespace kirireel {
+
+// ------------------------------------------------------------------------------------------------
+// The symbolic half of a sparse Cholesky factorisation: in which order to eliminate the tiles, and
+// which blocks fill in. It depends on the graph alone, so it is made once for many factorisations.
+
+/// A run of consecutive columns that share the rows below them, eliminated together in one dense
+/// front (Liu 1992, "The multifrontal method for sparse matrix solution").
+struct Supernode {
+  /// Its columns in the permuted matrix are firstColumn to firstColumn + columnCount - 1.
+  int firstColumn = 0;
+  int columnCount = 0;
+  std::vector<int> rows;      ///< of the front below its columns, ascending, permuted numbers
+  std::vector<int> children;  ///< supernodes whose updates this front takes in, in stack order
+  /// Where the rows of child c stand in this front (0 is firstColumn): one list a child.
+  std::vector<std::vector<int>> childPlaces;
+};
+
+/// The order of elimination and the fronts, children before parents.
+struct Elimination {
+  std::vector<int> place;  ///< place[node]: its column in the permuted matrix
+  std::vector<Supernode> supernodes;
+};
+
+/// Plans the factorisation of a symmetric matrix of `nodeCount` blocks with the given off-diagonal
+/// pairs (any order, no duplicates needed to be removed): minimum-degree ordering, postordered
+/// elimination tree, supernodes merged where that adds few zeros.
+/// Nodes may be unconnected: the plan is then a forest. May throw Interrupted. The same graph gives
+/// the same plan on every machine.
+Elimination planElimination(int nodeCount, const std::vector<std::pair<int, int>>& edges);
+
+// ------------------------------------------------------------------------------------------------
+// Multifrontal Cholesky factorisation of a sparse symmetric matrix of small square blocks.
 
 /// Factors H = L L^T, H positive definite with D x D blocks on a graph: one block a node, one a
 /// joined pair. Written for matrices of 25 to 10,000 blocks whose values change every step and

@@ -1,3 +1,242 @@
+// Rows of contacts and their augmented Lagrangian: a contact with the multiplier p pushes with
+//   max(0, p - rho (c x - b)),
+// and rubs with s - rho t x, cut to the length mu p of Coulomb's cone, the radius of the round
+// before. Points of one plane become rows together. Of contacts that carried load the next step
+// begins with the multipliers.
+#include "sim/joints/step_system.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <Eigen/Eigenvalues>
+
+namespace kirireel {
+namespace {
+
+// Two unit vectors that span the plane across a unit normal. Which two they are does not matter:
+// friction's bound is round.
+std::array<Vector3, 2> tangentsOf(const Vector3& normal) {
+  const Vector3 first = normal.unitOrthogonal();
+  return {first, normal.cross(first)};
+}
+
+/// Adds what turning edges contribute: the normal of two edges turns with both bricks,
+///   d(a x b . d) = w_A . (a x (b x d)) + w_B . (b x (d x a)),
+/// and only what of d lies across the normal counts, since the normal keeps its length.
+template <int D>
+void addTurningNormal(ContactRow<D>& row, const Poses& poses) {
+  const Contact& contact = row.contact;
+  const Vector3 a = poses[contact.brickA].rotation * contact.edgeA;
+  const Vector3 b = poses[contact.brickB].rotation * contact.normal;
+  const double length = a.cross(b).norm();
+  const Vector3 normal = a.cross(b) / length;
+  const Vector3 between =
+      poses[contact.brickA].apply(contact.pointA) - poses[contact.brickB].apply(contact.pointB);
+  const Vector3 d = between - normal.dot(between) * normal;
+  row.normalA += Coordinates<D>::turning(a.cross(b.cross(d)) / length);
+  row.normalB += Coordinates<D>::turning(b.cross(d.cross(a)) / length);
+}
+
+}  // namespace
+
+template <int D>
+// w = C u for this row, m/s; positive where the points part.
+double ContactRow<D>::normalVelocity(const Eigen::VectorXd& u) const {
+  double w = normalA.dot(u.segment<D>(D * contact.brickA));
+  if (contact.brickB != kFixed) w += normalB.dot(u.segment<D>(D * contact.brickB));
+  return w;
+}
+
+template <int D>
+typename ContactRow<D>::Tangent ContactRow<D>::slipVelocity(const Eigen::VectorXd& u) const {
+  Tangent w = tangentA * u.segment<D>(D * contact.brickA);
+  if (contact.brickB != kFixed) w += tangentB * u.segment<D>(D * contact.brickB);
+  return w;
+}
+
+template <int D>
+void ContactRow<D>::addNormal(double scale, Eigen::VectorXd& to) const {
+  to.segment<D>(D * contact.brickA) += scale * normalA.transpose();
+  if (contact.brickB != kFixed) to.segment<D>(D * contact.brickB) += scale * normalB.transpose();
+}
+
+template <int D>
+void ContactRow<D>::addTangent(const Tangent& scale, Eigen::VectorXd& to) const {
+  to.segment<D>(D * contact.brickA) += tangentA.transpose() * scale;
+  if (contact.brickB != kFixed) to.segment<D>(D * contact.brickB) += tangentB.transpose() * scale;
+}
+
+template <int D>
+double ContactRow<D>::pushingImpulse(const Eigen::VectorXd& u, double rho) const {
+  return multiplier - rho * (normalVelocity(u) + bias);
+}
+
+template <int D>
+double ContactRow<D>::trialImpulse(const Eigen::VectorXd& u, double rho) const {
+  return hasNormal ? std::max(0.0, pushingImpulse(u, rho)) : 0.0;
+}
+
+template <int D>
+typename ContactRow<D>::Tangent ContactRow<D>::trialSlipImpulse(const Eigen::VectorXd& u,
+                                                                double rho,
+                                                                TangentMatrix* stiffness) const {
+  const Tangent trial = slipMultiplier - rho * slipVelocity(u);
+  const double length = trial.norm();
+  if (length <= slipBound) {
+    if (stiffness) stiffness->setIdentity();
+    return trial;
+  }
+  const Tangent direction = trial / length;
+  const double share = slipBound / length;
+  if (stiffness) {
+    *stiffness = share * (TangentMatrix::Identity() - direction * direction.transpose());
+  }
+  return share * trial;
+}
+
+template <int D>
+void placeRow(ContactRow<D>& row, const Poses& poses) {
+  const Contact& contact = row.contact;
+  const Pose& poseA = poses[contact.brickA];
+  const Vector3 armA = poseA.rotation * contact.pointA;
+  const Vector3 normal = contactNormal(contact, poses);
+  Vector3 armB = Vector3::Zero();
+  if (contact.brickB != kFixed) {
+    // A plane of B turns with B, so B's arm too goes to A's point.
+    const Pose& poseB = poses[contact.brickB];
+    armB = contact.isEdge ? Vector3(poseB.rotation * contact.pointB)
+                          : Vector3(poseA.position + armA - poseB.position);
+  }
+  row.normalA = Coordinates<D>::pointVelocity(armA, normal);
+  row.normalB = -Coordinates<D>::pointVelocity(armB, normal);
+  if (contact.isEdge) addTurningNormal(row, poses);
+  const std::array<Vector3, 2> tangents = tangentsOf(normal);
+  for (int k = 0; k < ContactRow<D>::kTangents; ++k) {
+    row.tangentA.row(k) = Coordinates<D>::pointVelocity(armA, tangents[k]);
+    row.tangentB.row(k) = -Coordinates<D>::pointVelocity(armB, tangents[k]);
+  }
+}
+
+template <int D>
+ContactRow<D> makeContactRow(const Contact& contact, const Poses& poses, double step,
+                             double recovery) {
+  ContactRow<D> row;
+  row.contact = contact;
+  placeRow(row, poses);
+  const double gap = contactGap(contact, poses);
+  row.aim = std::min(0.0, gap + recovery);
+  row.bias = std::max(0.0, gap) / step;
+  return row;
+}
+
+template struct ContactRow<3>;
+template struct ContactRow<6>;
+template ContactRow<3> makeContactRow<3>(const Contact&, const Poses&, double, double);
+template ContactRow<6> makeContactRow<6>(const Contact&, const Poses&, double, double);
+template void placeRow<3>(ContactRow<3>&, const Poses&);
+template void placeRow<6>(ContactRow<6>&, const Poses&);
+
+// ------------------------------------------------------------------------------------------------
+// Ligaments in a step. Over a step h from poses q with velocities x, the energy E(q + h x) is
+// replaced by its second-order expansion about known velocities x0,
+//   f gains -h g + h^2 K x0,     A gains h^2 K
+// with the gradient g and the second derivative K at q + h x0, so that the minimum of the step's
+// quadratic function is one Newton step for the true one. K is made positive semidefinite by
+// dropping its negative eigenvalues, in coordinates in which a turn of one radian counts as the
+// length scale: else the cut would depend on the unit of length. A brick that is pinned does not
+// move; its rows are left out.
+
+namespace {
+
+using Plane = Coordinates<3>;
+
+/// A symmetric matrix without its negative part, as seen in units in which turns are lengths.
+Matrix6 withoutNegative(const Matrix6& matrix, double lengthScale) {
+  Vector6 units;
+  units << 1, 1, 1 / lengthScale, 1, 1, 1 / lengthScale;
+  const Matrix6 scaled = units.asDiagonal() * matrix * units.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Matrix6> own(scaled);
+  const Vector6 kept = own.eigenvalues().cwiseMax(0);
+  const Matrix6 cut = own.eigenvectors() * kept.asDiagonal() * own.eigenvectors().transpose();
+  const Vector6 back = units.cwiseInverse();
+  return back.asDiagonal() * cut * back.asDiagonal();
+}
+
+// The six entries of a vector of all bricks (x, y, turn each) that a ligament's two bricks have.
+Vector6 pairOf(const Ligament& ligament, const Eigen::VectorXd& x) {
+  Vector6 pair;
+  pair << x.segment<3>(3 * ligament.brickA), x.segment<3>(3 * ligament.brickB);
+  return pair;
+}
+
+// Adds six entries of a ligament back to the vector of all bricks.
+void addPair(const Ligament& ligament, const Vector6& pair, Eigen::VectorXd& to) {
+  to.segment<3>(3 * ligament.brickA) += pair.head<3>();
+  to.segment<3>(3 * ligament.brickB) += pair.tail<3>();
+}
+
+}  // namespace
+
+// Starts a step with the expansion about bricks at rest, x0 = 0. `step` in seconds; bricks that are
+// held do not move in it.
+void LigamentBlocks::begin(const Poses& poses, double step, const std::vector<bool>& held) {
+  if (empty()) return;
+  start_ = poses;
+  step_ = step;
+  held_ = held;
+}
+
+// The poses at the start displaced by (metres, metres, radians) a brick.
+Poses LigamentBlocks::posesAfter(const Vector& displacement) const {
+  Poses poses = start_;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    Plane::displace(poses[i], displacement.segment<3>(3 * static_cast<Eigen::Index>(i)));
+  }
+  return poses;
+}
+
+// Expands about the velocities x0 and stores h^2 K and its share of f. The force is h^2 K x0 - h g:
+// a Newton step solves for all velocities, not for a change of them.
+void LigamentBlocks::setAbout(const Vector& x0, Curvature curvature) {
+  const Poses poses = posesAfter(step_ * x0);
+  for (std::size_t k = 0; k < ligaments_.size(); ++k) {
+    const Ligament& ligament = ligaments_[k];
+    const LigamentEnergy energy = ligamentEnergy(ligament, poses);
+    LigamentBlock& block = blocks_[k];
+    const bool isWhole = curvature == Curvature::Whole;
+    block.weight =
+        step_ * step_ * (isWhole ? energy.hessian : withoutNegative(energy.hessian, lengthScale_));
+    block.force = block.weight * pairOf(ligament, x0) - step_ * energy.gradient;
+    const auto leaveOut = [&](int brick, int first) {
+      if (!held_[static_cast<std::size_t>(brick)]) return;
+      block.force.segment<3>(first).setZero();
+      block.weight.middleRows<3>(first).setZero();
+      block.weight.middleCols<3>(first).setZero();
+    };
+    leaveOut(ligament.brickA, 0);
+    leaveOut(ligament.brickB, 3);
+  }
+}
+
+// The exact energy after a displacement, joules. The step compares it with what the expansion
+// foretold.
+double LigamentBlocks::energyAfter(const Vector& displacement) const {
+  return empty() ? 0 : elasticEnergy(ligaments_, posesAfter(displacement));
+}
+
+void LigamentBlocks::addForce(Vector& f) const {
+  for (std::size_t k = 0; k < ligaments_.size(); ++k) addPair(ligaments_[k], blocks_[k].force, f);
+}
+
+// Adds h^2 K x without building a matrix.
+void LigamentBlocks::addProduct(const Vector& x, Vector& to) const {
+  for (std::size_t k = 0; k < ligaments_.size(); ++k) {
+    addPair(ligaments_[k], blocks_[k].weight * pairOf(ligaments_[k], x), to);
+  }
+}
+
+// ------------------------------------------------------------------------------------------------
 // The matrices of one implicit Euler step.
 //
 // Of a brick with the mass m, the inertia I in world axes, the load F (N, N m), its damping D and
@@ -13,14 +252,7 @@
 // stiffness k take kappa = h^2 k, which is their implicit Euler step. H's blocks stand on the graph
 // of bricks. An edge that a contact brings stays in the graph for the rest of the run, as the same
 // bricks mostly touch again, and a new plan costs more than some zeros.
-#include "sim/joints/step_system.h"
 
-#include <algorithm>
-#include <cmath>
-
-#include <Eigen/Eigenvalues>
-
-namespace kirireel {
 namespace {
 
 // Weight of the joint rows in H, relative to the mean of A's translational part: 1e6 stalls near
@@ -414,5 +646,157 @@ Eigen::VectorXd StepSystem<D>::jointGaps(const Poses& poses) const {
 
 template class StepSystem<3>;
 template class StepSystem<6>;
+
+// ------------------------------------------------------------------------------------------------
+// The method of multipliers for
+//   min 1/2 x^T A x - f^T x   with   J x = 0,   c_i x >= b_i,   |t_i x| bounded by friction.
+// With multipliers l of the joints, p of the contacts and s of their slip, a round minimises
+//   1/2 x^T A x - f^T x - l^T J x + kappa/2 |J x|^2
+//     + sum_i max(0, p_i - rho (c_i x - b_i))^2 / (2 rho) + the same of the slip, cut to its bound,
+// which is convex and quadratic in pieces: which contacts push, and which slip, says which piece.
+// Newton's method on it is exact within a piece, so that a whole step is taken at first, and a line
+// search only where whole steps run in circles (semismooth Newton). Then the multipliers move to
+//   l - kappa J x,   p = max(0, p - rho (c x - b)),   s likewise,
+// and the next round begins. With kappa and rho large against A a round gains ten digits or so.
+// Rockafellar, "Augmented Lagrange multiplier functions and duality in nonconvex programming",
+// 1974; Qi and Sun, "A nonsmooth version of Newton's method", 1993.
+
+namespace {
+
+constexpr double kNewtonTolerance = 1e-7;  // of a Newton step; rounding is 1e-10 to 1e-8
+constexpr int kNewtonRounds = 60;
+constexpr int kBoldRounds = 8;  // whole steps at first: most often they settle the contacts' states
+constexpr int kSearchRounds = 30;
+
+/// Derivative of the augmented Lagrangian at x, apart from the contacts' normals.
+template <int D>
+Eigen::VectorXd smoothGradient(const StepSystem<D>& system, const StepProgram<D>& program,
+                               const Eigen::VectorXd& x) {
+  Eigen::VectorXd result = system.timesA(x) - program.force;
+  const Eigen::VectorXd impulse = program.multipliers - system.kappa() * system.jointVelocity(x);
+  system.addJointImpulse(-1.0, impulse, result);
+  for (const ContactRow<D>& row : program.contacts) {
+    if (row.rubs()) row.addTangent(-row.trialSlipImpulse(x, system.rho(), nullptr), result);
+  }
+  return result;
+}
+
+/// Derivative of the augmented Lagrangian at x.
+template <int D>
+Eigen::VectorXd gradient(const StepSystem<D>& system, const StepProgram<D>& program,
+                         const Eigen::VectorXd& x) {
+  Eigen::VectorXd result = smoothGradient(system, program, x);
+  for (const ContactRow<D>& row : program.contacts) {
+    const double normal = row.trialImpulse(x, system.rho());
+    if (normal > 0) row.addNormal(-normal, result);
+  }
+  return result;
+}
+
+/// The same of the quadratic piece in which the contacts are in the states that they have: where x
+/// is on another piece, a whole step from it still leads to this one's minimum.
+template <int D>
+Eigen::VectorXd gradientOfPiece(const StepSystem<D>& system, const StepProgram<D>& program) {
+  Eigen::VectorXd result = smoothGradient(system, program, program.x);
+  for (const ContactRow<D>& row : program.contacts) {
+    if (row.active) row.addNormal(-row.pushingImpulse(program.x, system.rho()), result);
+  }
+  return result;
+}
+
+/// A step length at which the convex function no longer falls steeply along dx: the whole step, or
+/// near where its slope changes sign.
+template <int D>
+double lineSearch(const StepSystem<D>& system, const StepProgram<D>& program,
+                  const Eigen::VectorXd& dx, double firstSlope) {
+  double low = 0;
+  double high = 1;
+  double length = 1;
+  for (int round = 0; round < kSearchRounds; ++round) {
+    const double slope = gradient<D>(system, program, program.x + length * dx).dot(dx);
+    const bool uphill = slope > -0.1 * firstSlope;
+    if (!uphill && (length == 1.0 || slope >= 0.5 * firstSlope)) return length;
+    (uphill ? high : low) = length;
+    length = 0.5 * (low + high);
+  }
+  return length;
+}
+
+/// Sets which contacts push and how they slip at x. Returns whether any state changed.
+template <int D>
+bool setContactStates(StepProgram<D>& program, double rho) {
+  bool changed = setSlipStates(program, rho);
+  for (ContactRow<D>& row : program.contacts) {
+    const bool active = row.trialImpulse(program.x, rho) > 0;
+    changed = changed || active != row.active;
+    row.active = active;
+  }
+  return changed;
+}
+
+template <int D>
+// Newton's method on the pieces: whole steps at first, then with a line search.
+RoundReport minimize(StepSystem<D>& system, StepProgram<D>& program, double slow) {
+  for (int round = 0; round < kNewtonRounds; ++round) {
+    const Eigen::VectorXd slope = gradientOfPiece(system, program);
+    Eigen::VectorXd dx = -slope;
+    system.solveInPlace(dx);
+    // Close to the minimum the slope along dx is lost in rounding, and a whole step is right.
+    const double speed = std::max(system.largestSpeed(program.x), slow);
+    const double change = system.largestSpeed(dx);
+    const bool smooth = program.contacts.empty() || change <= kNewtonTolerance * speed;
+    const bool bold = smooth || round < kBoldRounds;
+    const double length = bold ? 1.0 : lineSearch(system, program, dx, slope.dot(dx));
+    program.x += length * dx;
+    if (smooth) return {true, change, 0};
+    // While no contact changes state the function is quadratic and a whole step is its minimum.
+    const bool changed = setContactStates(program, system.rho());
+    if (!changed && length == 1.0) return {true, change, 0};
+    if (changed && !system.factor(program.contacts)) break;
+  }
+  return {};
+}
+
+}  // namespace
+
+template <int D>
+bool setSlipStates(StepProgram<D>& program, double rho) {
+  bool changed = false;
+  for (ContactRow<D>& row : program.contacts) {
+    if (!row.rubs()) continue;
+    typename ContactRow<D>::TangentMatrix stiffness;
+    row.trialSlipImpulse(program.x, rho, &stiffness);
+    changed = changed || stiffness != row.slipStiffness;
+    row.slipStiffness = stiffness;
+  }
+  return changed;
+}
+
+template <int D>
+RoundReport solveRound(StepSystem<D>& system, StepProgram<D>& program, double slow) {
+  RoundReport report = minimize(system, program, slow);
+  if (!report.found) return report;
+  if (program.exactJoints && system.hasJoints()) {
+    const Eigen::VectorXd speeds = system.jointVelocity(program.x);
+    program.multipliers -= system.kappa() * speeds;
+    report.jointSpeed = speeds.template lpNorm<Eigen::Infinity>();
+  }
+  double& change = report.contactChange;
+  for (ContactRow<D>& row : program.contacts) {
+    const double normal = row.trialImpulse(program.x, system.rho());
+    change = std::max(change, std::abs(normal - row.multiplier) / system.rho());
+    row.multiplier = normal;
+    if (!row.rubs()) continue;
+    const auto slip = row.trialSlipImpulse(program.x, system.rho(), nullptr);
+    change = std::max(change, (slip - row.slipMultiplier).norm() / system.rho());
+    row.slipMultiplier = slip;
+  }
+  return report;
+}
+
+template bool setSlipStates<3>(StepProgram<3>&, double);
+template bool setSlipStates<6>(StepProgram<6>&, double);
+template RoundReport solveRound<3>(StepSystem<3>&, StepProgram<3>&, double);
+template RoundReport solveRound<6>(StepSystem<6>&, StepProgram<6>&, double);
 
 }  // namespace kirireel

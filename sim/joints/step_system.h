@@ -1,20 +1,286 @@
-/// One implicit step of the joined bricks as a linear system, and its factor.
+/// One implicit step of joined bricks: its rows, its linear system and its quadratic program.
 #pragma once
 
+#include <algorithm>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "sim/base/geometry.h"
 #include "sim/base/state_tape.h"
-#include "sim/brick/brick.h"
-#include "sim/brick/hinge.h"
-#include "sim/brick/load.h"
 #include "sim/joints/block_cholesky.h"
-#include "sim/joints/contact_rows.h"
-#include "sim/joints/coordinates.h"
-#include "sim/joints/ligament_blocks.h"
+#include "sim/model/brick.h"
+#include "sim/model/contact.h"
+#include "sim/model/hinge.h"
 
 namespace kirireel {
+
+// ------------------------------------------------------------------------------------------------
+// The degrees of freedom of one brick: six in space, three in the plane.
+
+/// D = 6: translation and rotation vector. D = 3: x, y and the turn about z.
+/// The solver is written once for both; D decides at compile time. Vectors of all bricks hold D
+/// numbers a brick, brick by brick: metres (or m/s) first, then radians (or rad/s).
+template <int D>
+struct Coordinates {
+  static_assert(D == 3 || D == 6);
+  static constexpr int kJointRows = D == 6 ? 3 : 2;  ///< a pivot is closed by this many rows
+
+  using Vector = Eigen::Matrix<double, D, 1>;
+  using Block = Eigen::Matrix<double, D, D>;
+  using Rows = Eigen::Matrix<double, kJointRows, D>;
+  using RowVector = Eigen::Matrix<double, 1, D>;
+  using Gap = Eigen::Matrix<double, kJointRows, 1>;
+
+  /// Whether coordinate k of a brick is a turn.
+  static constexpr bool isTurn(int k) { return D == 6 ? k >= 3 : k == 2; }
+
+  /// A force and torque, or a velocity, in these coordinates: what points out of the plane is
+  /// dropped for D = 3.
+  static Vector restrict(const Vector6& v) {
+    if constexpr (D == 6)
+      return v;
+    else
+      return {v[0], v[1], v[5]};
+  }
+
+  /// The same for a matrix: rows and columns 0, 1 and 5.
+  static Block restrict(const Matrix6& m) {
+    if constexpr (D == 6) {
+      return m;
+    } else {
+      Block block;
+      block << m(0, 0), m(0, 1), m(0, 5), m(1, 0), m(1, 1), m(1, 5), m(5, 0), m(5, 1), m(5, 5);
+      return block;
+    }
+  }
+
+  /// Inertia of a brick in world axes: its mass, its inertia about the centre of mass in its own
+  /// axes, and their rotation.
+  static Block inertia(double mass, const Matrix3& ownInertia, const Matrix3& rotation) {
+    Block block = Block::Zero();
+    if constexpr (D == 6) {
+      block.template topLeftCorner<3, 3>().diagonal().setConstant(mass);
+      block.template bottomRightCorner<3, 3>() = rotation * ownInertia * rotation.transpose();
+    } else {
+      block.diagonal() << mass, mass, rotation.row(2).dot(ownInertia * rotation.row(2).transpose());
+    }
+    return block;
+  }
+
+  /// Velocity of a point with arm r (world axes) from the centre of mass, by the brick's velocity.
+  static Rows pointVelocity(const Vector3& r) {
+    Rows rows;
+    if constexpr (D == 6) {
+      rows << Matrix3::Identity(), -crossMatrix(r);
+    } else {
+      rows << 1, 0, -r.y(), 0, 1, r.x();
+    }
+    return rows;
+  }
+
+  /// Velocity of that point along a direction.
+  static RowVector pointVelocity(const Vector3& r, const Vector3& direction) {
+    const Vector3 turning = r.cross(direction);
+    RowVector row;
+    if constexpr (D == 6) {
+      row << direction.transpose(), turning.transpose();
+    } else {
+      row << direction.x(), direction.y(), turning.z();
+    }
+    return row;
+  }
+
+  /// The row that takes the angular velocity along a vector.
+  static RowVector turning(const Vector3& vector) {
+    RowVector row = RowVector::Zero();
+    if constexpr (D == 6) {
+      row.template tail<3>() = vector.transpose();
+    } else {
+      row[2] = vector.z();
+    }
+    return row;
+  }
+
+  /// The part of a difference of two points that joint rows see, metres.
+  static Gap gap(const Vector3& difference) { return difference.head<kJointRows>(); }
+
+  /// Of one brick; what is out of the plane is dropped for D = 3.
+  static Vector pack(const Velocity& velocity) {
+    if constexpr (D == 6) {
+      Vector packed;
+      packed << velocity.linear, velocity.angular;
+      return packed;
+    } else {
+      return {velocity.linear.x(), velocity.linear.y(), velocity.angular.z()};
+    }
+  }
+
+  static Velocity unpack(const Vector& packed) {
+    if constexpr (D == 6) {
+      return {packed.template head<3>(), packed.template tail<3>()};
+    } else {
+      return {Vector3(packed[0], packed[1], 0), Vector3(0, 0, packed[2])};
+    }
+  }
+
+  /// Moves a pose by a displacement in these coordinates.
+  static void displace(Pose& pose, const Vector& displacement) {
+    const Velocity move = unpack(displacement);
+    pose.position += move.linear;
+    pose.rotation = (turnBy(move.angular) * pose.rotation).normalized();
+  }
+
+ private:
+  /// The rotation by this vector. Most turns are tiny, where the series has all digits.
+  static Quaternion turnBy(const Vector3& vector) {
+    constexpr double kTiny = 1e-4;
+    const double square = vector.squaredNorm();
+    if (square > kTiny * kTiny) return rotationFromVector(vector);
+    const Vector3 imaginary = (0.5 - square / 48) * vector;
+    return {1 - square / 8, imaginary.x(), imaginary.y(), imaginary.z()};
+  }
+};
+
+// ------------------------------------------------------------------------------------------------
+// The contacts of one step as rows of the step's system: normal rows that may only push,
+// tangential rows that slip beyond Coulomb's bound.
+
+/// One point contact, or one support of a planar scene, in D degrees of freedom a brick.
+///
+/// Normal: w = row u with w + bias >= 0 and multiplier >= 0, one of them zero. Tangential: the
+/// multiplier opposes sliding and is at most slipBound long; slipBound is friction times the normal
+/// multiplier of the step before (lagged), which keeps each step convex.
+template <int D>
+struct ContactRow {
+  static constexpr int kTangents = 2;  ///< of a planar contact the second is vertical, hence zero
+  using RowVector = typename Coordinates<D>::RowVector;
+  using TangentRows = Eigen::Matrix<double, kTangents, D>;
+  using Tangent = Eigen::Matrix<double, kTangents, 1>;
+  using TangentMatrix = Eigen::Matrix<double, kTangents, kTangents>;
+
+  Contact contact;
+  bool hasNormal = true;  ///< false for supports, which only rub
+  /// The normal row's part for each brick: velocity along the normal by the brick's D velocities.
+  /// That of B is zero where the other side is fixed.
+  RowVector normalA, normalB;
+  /// Two rows for each brick, likewise, along two directions that span the contact's plane.
+  TangentRows tangentA, tangentB;
+  double bias = 0;        ///< gap / step, m/s; 0 where they overlap
+  double aim = 0;         ///< gap that closing aims at where the contact pushes, metres
+  double multiplier = 0;  ///< normal impulse, from 0
+  Tangent slipMultiplier = Tangent::Zero();  ///< tangential impulse on A
+  double slipBound = 0;                      ///< largest tangential impulse
+
+  // The state that the present factor was made for.
+  bool active = false;
+  TangentMatrix slipStiffness = TangentMatrix::Zero();  ///< times rho
+
+  /// Velocity of A's point relative to B along the normal.
+  double normalVelocity(const Eigen::VectorXd& u) const;
+  /// The same along the tangents.
+  Tangent slipVelocity(const Eigen::VectorXd& u) const;
+  /// Adds scale * row^T to a vector of all bricks.
+  void addNormal(double scale, Eigen::VectorXd& to) const;
+  /// Adds (tangent rows)^T * scale, likewise.
+  void addTangent(const Tangent& scale, Eigen::VectorXd& to) const;
+
+  /// The normal impulse that the augmented Lagrangian gives at u to a contact that pushes or pulls.
+  double pushingImpulse(const Eigen::VectorXd& u, double rho) const;
+  /// The normal impulse that the augmented Lagrangian gives at u.
+  double trialImpulse(const Eigen::VectorXd& u, double rho) const;
+  /// The tangential impulse, cut to the bound; `stiffness` gets its negative derivative by the slip
+  /// velocity, divided by rho.
+  Tangent trialSlipImpulse(const Eigen::VectorXd& u, double rho, TangentMatrix* stiffness) const;
+  /// Whether friction acts: supports have a bound from the start, contacts after they have pushed.
+  bool rubs() const { return slipBound > 0; }
+  /// Whether it is in force in its present state.
+  bool acts() const { return active || rubs(); }
+
+  /// What the row of the next step takes from this one.
+  void transfer(StateTape& tape) { tape.transfer(contact, hasNormal, multiplier, slipMultiplier); }
+};
+
+/// The row of a contact at the poses where a step of `step` seconds starts. An overlap there
+/// may stay while the bricks move (taking it back by speed would add energy); closing aims at
+/// `recovery` metres less of it.
+template <int D>
+ContactRow<D> makeContactRow(const Contact& contact, const Poses& poses, double step,
+                             double recovery);
+
+/// Sets the row's directions for its contact at these poses.
+template <int D>
+void placeRow(ContactRow<D>& row, const Poses& poses);
+
+/// The end of the rows that belong to the same plane as the first, which follow each other.
+template <int D, typename Iterator>
+Iterator endOfPlane(Iterator first, Iterator end) {
+  return std::find_if(first + 1, end, [&](const ContactRow<D>& row) {
+    return !row.hasNormal || !onOnePlane(first->contact, row.contact);
+  });
+}
+
+// ------------------------------------------------------------------------------------------------
+// Ligaments as a part of a step's matrices.
+
+/// The energy E of ligaments in the plane along a step of h seconds from poses q with velocities x,
+/// as a quadratic function of x,
+///   E(q + h x) ~ E + h g^T (x - x0) + h^2 (x - x0)^T K (x - x0) / 2,
+/// about velocities x0. All of pairs of bricks, in their six coordinates.
+class LigamentBlocks {
+ public:
+  using Vector = Eigen::VectorXd;
+
+  /// K: the second derivative, or that without what is negative of it. With the latter each minimum
+  /// is one, and Newton's steps lead downhill; but it has kinks where a ligament buckles, on which
+  /// the orders of extrapolated steps are lost.
+  enum class Curvature { Whole, Convex };
+
+  /// What one ligament adds to a step.
+  struct LigamentBlock {
+    Vector6 force = Vector6::Zero();   ///< to f: -h g + h^2 K x0, N s and N m s
+    Matrix6 weight = Matrix6::Zero();  ///< to A: h^2 K
+  };
+
+  LigamentBlocks() = default;
+  /// `lengthScale` in metres makes turning and moving comparable.
+  LigamentBlocks(std::vector<Ligament> ligaments, double lengthScale)
+      : ligaments_(std::move(ligaments)), lengthScale_(lengthScale), blocks_(ligaments_.size()) {}
+
+  bool empty() const { return ligaments_.empty(); }
+  std::size_t size() const { return ligaments_.size(); }
+  const Ligament& ligament(std::size_t k) const { return ligaments_[k]; }
+  const LigamentBlock& block(std::size_t k) const { return blocks_[k]; }
+
+  /// Begins a step at these poses, whose blocks are to be set. One entry a brick: those that are
+  /// held take no part.
+  /// `step` in seconds.
+  void begin(const Poses& poses, double step, const std::vector<bool>& held);
+  /// Sets the blocks about velocities x0.
+  void setAbout(const Vector& x0, Curvature curvature);
+  /// Takes all blocks away.
+  void clear() { blocks_.assign(ligaments_.size(), {}); }
+
+  /// E after a displacement since begin(), joules.
+  double energyAfter(const Vector& displacement) const;
+  /// Adds the blocks' force to f.
+  void addForce(Vector& f) const;
+  /// Adds the product of the blocks' weights with x.
+  void addProduct(const Vector& x, Vector& to) const;
+
+ private:
+  Poses posesAfter(const Vector& displacement) const;
+
+  std::vector<Ligament> ligaments_;
+  double lengthScale_ = 1;
+  std::vector<LigamentBlock> blocks_;
+  Poses start_;
+  double step_ = 0;
+  std::vector<bool> held_;
+};
+
+// ------------------------------------------------------------------------------------------------
+// One implicit step of the joined bricks as a linear system, and its factor.
 
 /// The matrices of one step in D degrees of freedom a brick:
 ///   A = M + h D + h^2 K + S^T W S,   f = M u0 + h F + h S^T m,   joint rows J, contact rows C,
@@ -157,5 +423,40 @@ class StepSystem {
 
 extern template class StepSystem<3>;
 extern template class StepSystem<6>;
+
+// ------------------------------------------------------------------------------------------------
+// The quadratic program that both halves of a step are: finding velocities, and closing joints.
+
+/// Minimise 1/2 x^T A x - f^T x over velocities x with J x = 0, and with the contact rows'
+/// inequalities and friction.
+template <int D>
+struct StepProgram {
+  Eigen::VectorXd x;            ///< the start of the search, then its end
+  Eigen::VectorXd force;        ///< f
+  Eigen::VectorXd multipliers;  ///< of the joint rows
+  bool exactJoints = true;      ///< or springs, whose multipliers do not move
+  std::vector<ContactRow<D>> contacts;
+};
+
+/// How far a round of the method of multipliers was from the end.
+struct RoundReport {
+  bool found = false;        ///< whether the minimum for the multipliers at hand was found
+  double change = 0;         ///< of x in the last Newton step, m/s
+  double contactChange = 0;  ///< by how much contact rows still were off, m/s
+  double jointSpeed = 0;     ///< the largest component of J x, m/s; not of joints that are springs
+};
+
+/// One round: minimises the augmented Lagrangian for the multipliers at hand by semismooth Newton
+/// (the contacts' states decide which quadratic piece is in force), then moves the multipliers. The
+/// system must be factored for the contacts' states on entry. `slow` is a speed to which tolerances
+/// refer besides that of x.
+template <int D>
+/// Costs one solve for a round without contacts; each change of the contacts' states costs a
+/// factorisation.
+RoundReport solveRound(StepSystem<D>& system, StepProgram<D>& program, double slow);
+
+/// Sets how the contacts slip at x. Returns whether any state changed.
+template <int D>
+bool setSlipStates(StepProgram<D>& program, double rho);
 
 }  // namespace kirireel

@@ -5,7 +5,16 @@
 // world's.
 #include "sim/measure/measures.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <tuple>
+
+#include "sim/base/interruption.h"
+#include "sim/model/contact.h"
+#include "sim/model/isometry.h"
 
 namespace kirireel {
 namespace {
@@ -50,6 +59,634 @@ double kineticEnergy(const std::vector<Brick>& bricks, const Motion& motion) {
     energy += 0.5 * spin.dot(bricks[i].inertia * spin);
   }
   return energy;
+}
+
+// ------------------------------------------------------------------------------------------------
+// How deep bricks overlap.
+//
+// Two convex bodies A and B overlap by the depth
+//
+//     depth(A, B) = min over unit axes n of min(high_A(n) - low_B(n), high_B(n) - low_A(n)),
+//
+// where low and high bound the projections on the axis: the shortest move that separates them. For
+// polyhedra the minimum stands on one of finitely many axes: the normals of the faces of both, and
+// the products of an edge of one with an edge of the other (Gottschalk, Lin and Manocha, OBBTree,
+// SIGGRAPH 1996). A prism's faces and edges follow from its bottom and its normal, so its top need
+// not be projected. Any axis gives an upper bound of the depth: the search for a pair stops as soon
+// as that bound is not above what is known already.
+//
+// Two bricks that fill the same layer, as all do in a planar sheet, can be separated within their
+// plane alone: the axis along their thickness does not count for them.
+//
+// A concave brick is looked at piece by piece (see convex_parts.h); two such bricks overlap by as
+// much as their deepest pair of pieces, which no move that separates them can be shorter than.
+//
+// Pairs are found by sweep and prune: sorted by the low sides of their boxes along the axis on
+// which the bricks are spread most, a brick can only meet those that begin before it ends.
+
+namespace {
+
+// Below this sine two directions count as parallel: they give the same separating axes.
+constexpr double kParallel = 1e-9;
+// Bricks are in one layer where their faces are apart by no more than this part of their thickness.
+constexpr double kSameLayer = 1e-6;
+
+// Of unit vectors, either way round.
+bool isParallel(const Vector3& a, const Vector3& b) {
+  return a.cross(b).squaredNorm() < kParallel * kParallel;
+}
+
+/// What of a convex piece of a brick decides its overlaps, in brick axes.
+struct Prism {
+  int brick = 0;  ///< that it is a piece of
+  std::vector<Vector3> bottom;
+  std::vector<Vector3> directions;  ///< the normal, then those of the edges, parallel ones once
+  double thickness = 0;
+};
+
+// A convex piece as a prism. The sides' normals follow from the edges and the brick's normal, so
+// that they are not kept.
+Prism prismOf(const Brick& brick, int number) {
+  Prism prism{number, brick.bottom, {brick.normal}, brick.thickness};
+  for (std::size_t k = 0; k < brick.bottom.size(); ++k) {
+    const Vector3& next = brick.bottom[(k + 1) % brick.bottom.size()];
+    const Vector3 edge = (next - brick.bottom[k]).normalized();
+    // A rectangle has two directions of edges and not four: the number of axes falls with their
+    // product.
+    const bool known = std::any_of(prism.directions.begin() + 1, prism.directions.end(),
+                                   [&](const Vector3& other) { return isParallel(edge, other); });
+    if (!known) prism.directions.push_back(edge);
+  }
+  return prism;
+}
+
+// All pieces of all bricks, those of one brick one after the other: PlacedPrisms::of() relies on
+// it.
+std::vector<Prism> prismsOf(const std::vector<Brick>& bricks) {
+  std::vector<Prism> prisms;
+  prisms.reserve(bricks.size());
+  for (const BrickPiece& piece : convexPieces(bricks)) {
+    checkInterruption();
+    prisms.push_back(prismOf(piece.shape, piece.brick));
+  }
+  return prisms;
+}
+
+/// The pieces of one brick of a joined pair, without the corners that both share.
+std::vector<Prism> cutPrismsOf(const Brick& brick, int number, const std::vector<int>& corners,
+                               double length) {
+  std::vector<Prism> prisms;
+  for (const BrickPiece& piece : convexPieces(brick, number)) {
+    prisms.push_back(prismOf(withoutCorners(piece, corners, length), number));
+  }
+  return prisms;
+}
+
+/// A prism at its pose, in world axes.
+struct PlacedPrism {
+  int brick = 0;
+  std::vector<Vector3> bottom;
+  std::vector<Vector3> directions;
+  Vector3 rise;  ///< from bottom to top
+  Eigen::AlignedBox3d box;
+
+  const Vector3& normal() const { return directions.front(); }
+
+  void place(const Prism& prism, const Pose& pose) {
+    const Matrix3 turn = pose.rotation.toRotationMatrix();
+    brick = prism.brick;
+    directions.clear();
+    for (const Vector3& direction : prism.directions) directions.push_back(turn * direction);
+    rise = prism.thickness * normal();
+    bottom.clear();
+    box.setEmpty();
+    for (const Vector3& point : prism.bottom) {
+      bottom.push_back(pose.position + turn * point);
+      box.extend(bottom.back());
+      box.extend(bottom.back() + rise);
+    }
+  }
+};
+
+/// An interval of projections on an axis.
+struct Projection {
+  double low;
+  double high;
+};
+
+// Costs one product for each corner of the bottom.
+Projection project(const PlacedPrism& prism, const Vector3& axis) {
+  Projection interval{prism.bottom[0].dot(axis), prism.bottom[0].dot(axis)};
+  for (const Vector3& point : prism.bottom) {
+    const double projection = point.dot(axis);
+    interval.low = std::min(interval.low, projection);
+    interval.high = std::max(interval.high, projection);
+  }
+  // The top is the bottom moved by `rise`, so that its projections are those of the bottom moved by
+  // one number.
+  const double rise = prism.rise.dot(axis);
+  return {interval.low + std::min(rise, 0.0), interval.high + std::max(rise, 0.0)};
+}
+
+/// How far one prism must move along a unit axis, one way or the other, to be clear of the other;
+/// negative when it is clear already. The least over all unit axes is the depth.
+double overlapAlong(const PlacedPrism& a, const PlacedPrism& b, const Vector3& axis) {
+  const Projection intervalA = project(a, axis);
+  const Projection intervalB = project(b, axis);
+  return std::min(intervalA.high - intervalB.low, intervalB.high - intervalA.low);
+}
+
+// Parallel, with tops and bottoms at the same heights to rounding.
+bool areInOneLayer(const PlacedPrism& a, const PlacedPrism& b) {
+  if (!isParallel(a.normal(), b.normal())) return false;
+  const double thickness = a.rise.dot(a.normal());
+  const double rise = b.rise.dot(a.normal());
+  const double bottom = (b.bottom.front() - a.bottom.front()).dot(a.normal());
+  const double low = std::min(bottom, bottom + rise), high = std::max(bottom, bottom + rise);
+  const double tolerance = kSameLayer * thickness;
+  return std::abs(low) <= tolerance && std::abs(high - thickness) <= tolerance;
+}
+
+Eigen::AlignedBox3d boxOf(std::span<const PlacedPrism> pieces) {
+  Eigen::AlignedBox3d box;
+  for (const PlacedPrism& piece : pieces) box.extend(piece.box);
+  return box;
+}
+
+/// Whether two sets of pieces, each of one brick, may overlap deeper than `known`, 0 or more, as
+/// far as their boxes tell.
+bool mayOverlapBy(double known, std::span<const PlacedPrism> a, std::span<const PlacedPrism> b,
+                  const Eigen::AlignedBox3d& boxA, const Eigen::AlignedBox3d& boxB) {
+  const Vector3 overlaps = boxA.max().cwiseMin(boxB.max()) - boxA.min().cwiseMax(boxB.min());
+  // The axes of the boxes are axes too: the least overlap of the boxes bounds the depth from above.
+  const double least = overlaps.minCoeff();
+  if (least > known) return true;
+  if (least <= 0 || overlaps.maxCoeff() <= known) return false;
+  if (!areInOneLayer(a.front(), b.front())) return false;
+  // Of the boxes' axes only those within the layer bound its depth.
+  const Vector3& normal = a.front().normal();
+  for (int axis = 0; axis < 3; ++axis) {
+    if (std::abs(normal[axis]) < kParallel && overlaps[axis] <= known) return false;
+  }
+  return true;
+}
+
+/// The axes that can separate two prisms, by number: faces of the first, faces of the second,
+/// products of a direction of each.
+class SeparatingAxes {
+ public:
+  SeparatingAxes(const PlacedPrism& a, const PlacedPrism& b)
+      : a_(a), b_(b), facesA_(a.directions.size()), facesB_(b.directions.size()) {
+    // Products of directions of parallel tiles are the faces' normals again.
+    const bool parallel = isParallel(a.normal(), b.normal());
+    count_ = facesA_ + facesB_ + (parallel ? 0 : facesA_ * facesB_);
+    hasNormals_ = !parallel || !areInOneLayer(a, b);
+  }
+
+  std::size_t count() const { return count_; }
+
+  /// The overlap along an axis; infinite where the number means no axis.
+  double overlap(std::size_t number) const {
+    Vector3 axis;
+    if (!hasNormals_ && (number == 0 || number == facesA_)) {
+      return std::numeric_limits<double>::infinity();
+    }
+    if (number < facesA_) {
+      axis = face(a_, number);
+    } else if (number < facesA_ + facesB_) {
+      axis = face(b_, number - facesA_);
+    } else {
+      const std::size_t product = number - facesA_ - facesB_;
+      const Vector3& ofA = a_.directions[product / facesB_];
+      const Vector3& ofB = b_.directions[product % facesB_];
+      if (isParallel(ofA, ofB)) return std::numeric_limits<double>::infinity();
+      axis = ofA.cross(ofB).normalized();
+    }
+    return overlapAlong(a_, b_, axis);
+  }
+
+ private:
+  static Vector3 face(const PlacedPrism& prism, std::size_t number) {
+    return number == 0 ? prism.normal() : prism.directions[number].cross(prism.normal());
+  }
+
+  const PlacedPrism& a_;
+  const PlacedPrism& b_;
+  std::size_t facesA_;
+  std::size_t facesB_;
+  std::size_t count_;
+  bool hasNormals_;  // whether the axes along the thickness count
+};
+
+/// The depth of a pair, or something not above `known`. The axis numbered `hint` is tried first;
+/// it becomes the one that decided.
+double pairDepth(const PlacedPrism& a, const PlacedPrism& b, double known, std::size_t& hint) {
+  const SeparatingAxes axes(a, b);
+  if (hint < axes.count()) {
+    const double overlap = axes.overlap(hint);
+    // The bound that one axis gives is enough to leave the pair.
+    if (overlap <= known) return overlap;
+  }
+  double depth = std::numeric_limits<double>::infinity();
+  for (std::size_t number = 0; number < axes.count() && depth > known; ++number) {
+    const double overlap = axes.overlap(number);
+    if (overlap >= depth) continue;
+    depth = overlap;
+    hint = number;
+  }
+  return depth;
+}
+
+// The same without knowledge of an earlier state.
+double pairDepth(const PlacedPrism& a, const PlacedPrism& b, double known) {
+  std::size_t hint = std::numeric_limits<std::size_t>::max();
+  return pairDepth(a, b, known, hint);
+}
+
+/// All bricks of a state, and the pairs among them that may overlap.
+class PlacedPrisms {
+ public:
+  void place(const std::vector<Prism>& prisms, const Poses& poses) {
+    placed_.resize(prisms.size());
+    first_.assign(poses.size() + 1, static_cast<int>(prisms.size()));
+    for (std::size_t i = prisms.size(); i-- > 0;) {
+      placed_[i].place(prisms[i], poses[prisms[i].brick]);
+      first_[prisms[i].brick] = static_cast<int>(i);
+    }
+    sort();
+  }
+
+  /// By the piece's number.
+  const PlacedPrism& operator[](int piece) const {
+    return placed_[static_cast<std::size_t>(piece)];
+  }
+
+  /// All pieces of a brick.
+  std::span<const PlacedPrism> of(int brick) const {
+    const int first = first_[brick];
+    return std::span(placed_).subspan(first, first_[brick + 1] - first);
+  }
+
+  /// Visits the numbers of the pairs of pieces of different bricks whose boxes overlap by more than
+  /// `least()`, mostPairs() of them, the smaller first, in an order that is the same everywhere.
+  /// Returns whether these were all.
+  template <typename Least, typename Visit>
+  bool visitNearPairs(const Least& least, const Visit& visit) const {
+    long left = mostPairs(order_.size());
+    for (std::size_t i = 0; i < order_.size(); ++i) {
+      checkInterruption();
+      const PlacedPrism& first = (*this)[order_[i]];
+      for (std::size_t j = i + 1; j < order_.size(); ++j) {
+        const PlacedPrism& second = (*this)[order_[j]];
+        // All that follow begin even farther along this axis.
+        if (second.box.min()[axis_] >= first.box.max()[axis_]) break;
+        if (first.brick == second.brick) continue;
+        if (!mayOverlapBy(least(), {&first, 1}, {&second, 1}, first.box, second.box)) continue;
+        if (left-- == 0) return false;
+        const auto [a, b] = std::minmax(order_[i], order_[j]);
+        visit(a, b);
+      }
+    }
+    return true;
+  }
+
+ private:
+  void sort() {
+    Eigen::AlignedBox3d all;
+    for (const PlacedPrism& prism : placed_) all.extend(prism.box);
+    if (placed_.empty()) return;
+    // Bricks overlap least on the axis along which they are spread most.
+    all.diagonal().maxCoeff(&axis_);
+    order_.resize(placed_.size());
+    std::iota(order_.begin(), order_.end(), 0);
+    // The stable sort keeps the result the same everywhere, and survives poses that are no numbers.
+    std::ranges::stable_sort(order_, [&](int a, int b) {
+      return (*this)[a].box.min()[axis_] < (*this)[b].box.min()[axis_];
+    });
+  }
+
+  std::vector<PlacedPrism> placed_;
+  std::vector<int> first_;  // piece of each brick, and the count of all
+  std::vector<int> order_;  // by the low sides of their boxes
+  int axis_ = 0;
+};
+
+/// Two joined bricks without the corners that they share, and what was seen of them before.
+struct JoinedPair {
+  int a = 0;  ///< the smaller number
+  int b = 0;
+  std::vector<Prism> cutA;
+  std::vector<Prism> cutB;
+  double atStart = 0;                 ///< depth of the cut pair, metres
+  std::vector<std::size_t> hints;     ///< axes of the whole pair, one for each pair of pieces
+  std::vector<std::size_t> hintsCut;  ///< axes of the cut pair
+};
+
+// Pairs that share pivots, cut at their shared corners once: brick axes do not change.
+std::vector<JoinedPair> joinedPairs(const std::vector<Brick>& bricks, std::span<const Pivot> pivots,
+                                    double zone) {
+  std::vector<JoinedPair> pairs;
+  for (const auto& [numbers, corners] : sharedCorners(pivots)) {
+    checkInterruption();
+    const auto [a, b] = numbers;
+    const double length = cutLength(bricks[a], bricks[b], zone);
+    JoinedPair& pair =
+        pairs.emplace_back(JoinedPair{a, b, cutPrismsOf(bricks[a], a, corners.ofA, length),
+                                      cutPrismsOf(bricks[b], b, corners.ofB, length)});
+    pair.hints.resize(pair.cutA.size() * pair.cutB.size());
+    pair.hintsCut = pair.hints;
+  }
+  return pairs;
+}
+
+/// Places pieces at the pose of their brick; `placed` is filled anew and keeps its memory.
+void placeAll(const std::vector<Prism>& prisms, const Pose& pose,
+              std::vector<PlacedPrism>& placed) {
+  placed.resize(prisms.size());
+  for (std::size_t k = 0; k < prisms.size(); ++k) placed[k].place(prisms[k], pose);
+}
+
+/// The deepest overlap of any two pieces of two bricks, or something not above `known`. `hints`:
+/// one for each pair of pieces.
+double deepestOf(std::span<const PlacedPrism> a, std::span<const PlacedPrism> b, double known,
+                 std::vector<std::size_t>& hints) {
+  double deepest = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const double depth = pairDepth(a[i], b[j], std::max(known, deepest), hints[i * b.size() + j]);
+      deepest = std::max(deepest, depth);
+    }
+  }
+  return deepest;
+}
+
+/// Overlaps in a state, the deepest first, and whether all near pairs were looked at.
+struct Overlaps {
+  std::vector<Penetration> pairs;
+  bool areAll = true;
+};
+
+Overlaps overlapsOutsidePivots(const std::vector<Brick>& bricks, std::span<const Pivot> pivots,
+                               double zone, const Poses& poses, double least) {
+  PlacedPrisms placed;
+  placed.place(prismsOf(bricks), poses);
+  const auto joined = sharedCorners(pivots);
+  Overlaps found;
+  std::vector<PlacedPrism> cutA;
+  std::vector<PlacedPrism> cutB;
+  const auto depthOf = [&](int pieceA, int pieceB) {
+    const int a = placed[pieceA].brick, b = placed[pieceB].brick;
+    const auto corners = joined.find({a, b});
+    if (corners == joined.end()) return pairDepth(placed[pieceA], placed[pieceB], least);
+    const double length = cutLength(bricks[a], bricks[b], zone);
+    std::vector<std::size_t> hints(placed.of(a).size() * placed.of(b).size(),
+                                   std::numeric_limits<std::size_t>::max());
+    placeAll(cutPrismsOf(bricks[a], a, corners->second.ofA, length), poses[a], cutA);
+    placeAll(cutPrismsOf(bricks[b], b, corners->second.ofB, length), poses[b], cutB);
+    return deepestOf(cutA, cutB, least, hints);
+  };
+  // Bricks of several pieces meet in several pairs: the deepest counts.
+  std::map<std::pair<int, int>, double> depths;
+  found.areAll = placed.visitNearPairs(
+      [least] { return least; },
+      [&](int pieceA, int pieceB) {
+        const double depth = depthOf(pieceA, pieceB);
+        if (depth <= least) return;
+        double& deepest = depths[{placed[pieceA].brick, placed[pieceB].brick}];
+        deepest = std::max(deepest, depth);
+      });
+  for (const auto& [pair, depth] : depths) found.pairs.push_back({depth, pair.first, pair.second});
+  std::ranges::sort(found.pairs, [](const Penetration& one, const Penetration& other) {
+    return std::tuple(-one.depth, one.brickA, one.brickB) <
+           std::tuple(-other.depth, other.brickA, other.brickB);
+  });
+  return found;
+}
+
+}  // namespace
+
+Penetration deepestPenetration(const std::vector<Brick>& bricks, const Poses& poses) {
+  PlacedPrisms placed;
+  placed.place(prismsOf(bricks), poses);
+  Penetration deepest;
+  placed.visitNearPairs([&] { return deepest.depth; },
+                        [&](int a, int b) {
+                          const double depth = pairDepth(placed[a], placed[b], deepest.depth);
+                          if (depth <= deepest.depth) return;
+                          deepest = {depth, placed[a].brick, placed[b].brick};
+                        });
+  return deepest;
+}
+
+Penetration deepestPenetrationOutsidePivots(const std::vector<Brick>& bricks,
+                                            std::span<const Pivot> pivots, double zone,
+                                            const Poses& poses) {
+  const std::vector<Penetration> all = penetrationsOutsidePivots(bricks, pivots, zone, poses, 0);
+  return all.empty() ? Penetration{} : all.front();
+}
+
+std::vector<Penetration> penetrationsOutsidePivots(const std::vector<Brick>& bricks,
+                                                   std::span<const Pivot> pivots, double zone,
+                                                   const Poses& poses, double least) {
+  return overlapsOutsidePivots(bricks, pivots, zone, poses, least).pairs;
+}
+
+struct PenetrationMeter::Internals {
+  std::vector<Prism> prisms;
+  std::vector<JoinedPair> joined;                 // by their numbers
+  std::vector<std::vector<int>> partners;         // of each brick: joined ones with larger numbers
+  std::map<std::pair<int, int>, double> atStart;  // metres, of pairs that are not joined
+  bool seesAllPairs = true;                       // of the start
+  PlacedPrisms placed;
+  std::vector<PlacedPrism> cutA;
+  std::vector<PlacedPrism> cutB;
+
+  bool isJoined(int a, int b) const {
+    const std::vector<int>& others = partners[static_cast<std::size_t>(a)];
+    return std::ranges::find(others, b) != others.end();
+  }
+
+  // What a pair overlapped by at the start, metres; 0 where it did not.
+  double keptBy(int a, int b) const {
+    const auto found = atStart.find({a, b});
+    return found == atStart.end() ? 0 : found->second;
+  }
+
+  // Raises the figures by one joined pair. The whole bricks count for `whole`, the cut ones for the
+  // two others.
+  void measureJoined(JoinedPair& pair, const Poses& poses, PenetrationDepths& depths) {
+    const std::span<const PlacedPrism> a = placed.of(pair.a), b = placed.of(pair.b);
+    const Eigen::AlignedBox3d boxA = boxOf(a), boxB = boxOf(b);
+    if (mayOverlapBy(depths.whole, a, b, boxA, boxB)) {
+      depths.whole = std::max(depths.whole, deepestOf(a, b, depths.whole, pair.hints));
+    }
+    // Neither of the two figures can rise unless the cut pair is deeper than this.
+    const double known = std::min(depths.outsidePivots, depths.grown + pair.atStart);
+    if (!mayOverlapBy(known, a, b, boxA, boxB)) return;
+    placeAll(pair.cutA, poses[pair.a], cutA);
+    placeAll(pair.cutB, poses[pair.b], cutB);
+    const double depth = deepestOf(cutA, cutB, known, pair.hintsCut);
+    depths.outsidePivots = std::max(depths.outsidePivots, depth);
+    depths.grown = std::max(depths.grown, depth - pair.atStart);
+  }
+
+  // Raises the figures by all other pairs whose boxes overlap.
+  void measureUnjoined(PenetrationDepths& depths) const {
+    const auto known = [&] {
+      // What overlapped at the start may count less, never more.
+      const double least = std::min(depths.whole, depths.outsidePivots);
+      return std::min(least, depths.grown);
+    };
+    placed.visitNearPairs(known, [&](int pieceA, int pieceB) {
+      const int a = placed[pieceA].brick, b = placed[pieceB].brick;
+      if (isJoined(a, b)) return;
+      const double depth = pairDepth(placed[pieceA], placed[pieceB], known());
+      depths.whole = std::max(depths.whole, depth);
+      depths.outsidePivots = std::max(depths.outsidePivots, depth);
+      // What a pair had at the start is not known of those that were not looked at.
+      if (!seesAllPairs && !atStart.contains({a, b})) return;
+      if (depth > depths.grown) depths.grown = std::max(depths.grown, depth - keptBy(a, b));
+    });
+  }
+};
+
+// The start is looked at in full once, so that later states can be compared with it pair by pair.
+PenetrationMeter::PenetrationMeter(const std::vector<Brick>& bricks, std::span<const Pivot> pivots,
+                                   double zone, const Poses& start, double least)
+    : internals_(std::make_unique<Internals>()) {
+  Internals& in = *internals_;
+  in.prisms = prismsOf(bricks);
+  in.joined = joinedPairs(bricks, pivots, zone);
+  in.partners.resize(bricks.size());
+  for (const JoinedPair& pair : in.joined)
+    in.partners[static_cast<std::size_t>(pair.a)].push_back(pair.b);
+  const Overlaps overlaps = overlapsOutsidePivots(bricks, pivots, zone, start, least);
+  in.seesAllPairs = overlaps.areAll;
+  for (const Penetration& pair : overlaps.pairs) {
+    in.atStart[{pair.brickA, pair.brickB}] = pair.depth;
+  }
+  for (JoinedPair& pair : in.joined) pair.atStart = in.keptBy(pair.a, pair.b);
+}
+
+PenetrationMeter::~PenetrationMeter() = default;
+
+bool PenetrationMeter::seesAllPairs() const {
+  return internals_->seesAllPairs;
+}
+
+PenetrationDepths PenetrationMeter::atLeast(const PenetrationDepths& known, const Poses& poses) {
+  Internals& in = *internals_;
+  PenetrationDepths depths = known;
+  in.placed.place(in.prisms, poses);
+  for (JoinedPair& pair : in.joined) {
+    checkInterruption();
+    in.measureJoined(pair, poses, depths);
+  }
+  in.measureUnjoined(depths);
+  return depths;
+}
+
+// ------------------------------------------------------------------------------------------------
+// How near a rigid tile can come to its target: the minimax fit, bounded from below.
+//
+// For residuals r_k of the vertices after a rigid motion and any weights w_k >= 0 with sum 1,
+//     min over motions of max r_k  >=  sqrt(min over motions of sum w_k r_k^2),
+// since a weighted mean never exceeds the largest. The right side is the weighted Kabsch fit,
+// whose optimum over proper motions is global, so that every weighting gives a true bound of the
+// left. Lawson's iteration looks for the best weighting: w_k is multiplied by r_k and the weights
+// are scaled to sum 1 again. Vertices that hold the fit up gain weight, the others lose it, and
+// the two sides meet where the fit is the minimax one. Wherever the iteration ends, the bound is
+// true.
+//
+// C. L. Lawson, "Contributions to the theory of linear least maximum approximation", 1961; C. L.
+// Lawson and R. J. Hanson, "Solving Least Squares Problems", 1974.
+
+namespace {
+
+// The iteration ends once both sides agree to this part.
+constexpr double kAgreement = 1e-12;
+constexpr int kMostIterations = 1000;
+// Of all tiles together: later tiles, which fit better, keep the bound that they have.
+constexpr long kMostFits = 200'000;
+// Residuals below this part of the tile's reach from the origin are rounding.
+constexpr double kRounding = 1e-14;
+// A vertex keeps at least this part of the largest factor: a weight of zero could never grow again.
+constexpr double kLeastFactor = 1e-3;
+
+/// A weighted fit of one tile, and what it says of the largest residual of any fit.
+struct TileFit {
+  std::vector<double> residuals;  ///< of the vertices, metres
+  double largest = 0;             ///< of them
+  double bound = 0;               ///< of the largest residual of all fits, from below
+};
+
+TileFit fitWith(const std::vector<double>& weights, const Tile& tile, const Tile& target) {
+  const RigidMotion motion = bestRigidMotion(tile.vertices, target.vertices, weights);
+  TileFit fit;
+  double sum = 0;
+  for (std::size_t k = 0; k < weights.size(); ++k) {
+    fit.residuals.push_back((motion.apply(tile.vertices[k]) - target.vertices[k]).norm());
+    sum += weights[k] * fit.residuals[k] * fit.residuals[k];
+  }
+  fit.largest = *std::ranges::max_element(fit.residuals);
+  fit.bound = std::sqrt(sum);
+  return fit;
+}
+
+std::vector<double> evenWeights(const Tile& tile) {
+  return std::vector<double>(tile.vertices.size(), 1.0 / static_cast<double>(tile.vertices.size()));
+}
+
+double rounding(const Tile& target) {
+  double reach = 0;
+  for (const Vector3& vertex : target.vertices) reach = std::max(reach, vertex.norm());
+  return kRounding * reach;
+}
+
+/// The best bound of one tile, or of what was known if no bound of this tile exceeds that. `fits`
+/// counts the fits that were made.
+double boundOf(const Tile& tile, const Tile& target, double known, long& fits) {
+  std::vector<double> weights = evenWeights(tile);
+  double bound = known;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < kMostIterations && fits < kMostFits; ++i) {
+    checkInterruption();
+    const TileFit fit = fitWith(weights, tile, target);
+    ++fits;
+    bound = std::max(bound, fit.bound);
+    nearest = std::min(nearest, fit.largest);
+    // The best motion found comes as near as the bound: no motion can come nearer.
+    if (nearest <= (1 + kAgreement) * bound || nearest <= rounding(target)) break;
+    double sum = 0;
+    for (std::size_t k = 0; k < weights.size(); ++k) {
+      // Lawson's step.
+      weights[k] *= std::max(fit.residuals[k], kLeastFactor * fit.largest);
+      sum += weights[k];
+    }
+    for (double& weight : weights) weight /= sum;
+  }
+  return bound;
+}
+
+}  // namespace
+
+double rigidBound(const std::vector<Tile>& tiles, const std::vector<Tile>& target) {
+  std::vector<TileFit> fits;
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    checkInterruption();
+    fits.push_back(fitWith(evenWeights(tiles[i]), tiles[i], target[i]));
+  }
+  // Tiles that fit worst come first: the others mostly need no iteration.
+  std::vector<std::size_t> order(tiles.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, std::greater{}, [&](std::size_t i) { return fits[i].largest; });
+  double bound = 0;
+  long made = 0;
+  for (const std::size_t i : order) {
+    bound = std::max(bound, fits[i].bound);
+    if (fits[i].largest > bound) bound = boundOf(tiles[i], target[i], bound, made);
+  }
+  return bound;
 }
 
 }  // namespace kirireel

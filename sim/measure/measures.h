@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sim/base/geometry.h"
-#include "sim/brick/brick.h"
+#include "sim/model/brick.h"
 #include "sim/model/model.h"
 
 namespace kirireel {
@@ -28,7 +28,7 @@ double targetError(const std::vector<Tile>& target, const std::vector<Brick>& br
 
 /// A true lower bound of the target error of rigid tiles, metres: the largest of the tiles' own
 /// minimax errors, each tile moved by itself (never mirrored) so that its farthest vertex is as
-/// near as can be. See rigid_bound.cpp. 0 for no tiles.
+/// near as can be. See measures.cpp. 0 for no tiles.
 double rigidBound(const std::vector<Tile>& tiles, const std::vector<Tile>& target);
 
 /// Two bricks that overlap.

@@ -14,9 +14,9 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <tuple>
 
 #include "sim/measure/measures.h"
-#include "sim/measure/shape.h"
 
 namespace kirireel {
 namespace {
@@ -283,6 +283,167 @@ RunCurves curvesAt(const RunCurves& curves, const std::vector<double>& times) {
     }
   }
   return result;
+}
+
+// ------------------------------------------------------------------------------------------------
+// Sizes of a whole state. The area within a closed outline p_0 ... p_(n-1) is the shoelace sum 1/2
+// sum (x_k y_(k+1) - x_(k+1) y_k), taken about the first corner. Poisson's ratio uses logarithmic
+// strains, which add up over successive deformations, so that it does not depend on the state that
+// is taken for the start as long as the ratio itself is constant.
+
+namespace {
+
+/// Parts of the box's diagonal by which flat tiles may leave their plane.
+constexpr double kFlat = 1e-6;
+/// Strains below this say nothing.
+constexpr double kLeastStrain = 1e-3;
+
+using Points = std::vector<Eigen::Vector2d>;
+
+/// Appends one half of the outline of points in order of x: those between which it turns left
+/// (Andrew 1979). The last is left out, it begins the other half.
+template <typename Iterator>
+void appendHalf(Iterator begin, Iterator end, Points& outline) {
+  const std::size_t first = outline.size();
+  for (Iterator point = begin; point != end; ++point) {
+    while (outline.size() > first + 1) {
+      const Eigen::Vector2d along = outline.back() - outline[outline.size() - 2];
+      const Eigen::Vector2d next = *point - outline.back();
+      if (along.x() * next.y() - along.y() * next.x() > 0) break;
+      outline.pop_back();
+    }
+    outline.push_back(*point);
+  }
+  outline.pop_back();
+}
+
+/// The corners of the convex outline seen along z, anticlockwise. (outlineCorners() in model.h
+/// keeps every vertex on it too.)
+Points convexOutline(const std::vector<Tile>& tiles) {
+  Points points;
+  for (const Tile& tile : tiles) {
+    for (const Vector3& vertex : tile.vertices) points.emplace_back(vertex.head<2>());
+  }
+  std::ranges::sort(points, {}, [](const Eigen::Vector2d& p) { return std::tuple(p.x(), p.y()); });
+  Points outline;
+  if (points.empty()) return outline;
+  appendHalf(points.begin(), points.end(), outline);
+  appendHalf(points.rbegin(), points.rend(), outline);
+  return outline;
+}
+
+}  // namespace
+
+Vector3 boxSides(const std::vector<Tile>& tiles) {
+  Eigen::AlignedBox3d box;
+  for (const Tile& tile : tiles) {
+    for (const Vector3& vertex : tile.vertices) box.extend(vertex);
+  }
+  return box.isEmpty() ? Vector3(Vector3::Zero()) : box.sizes();
+}
+
+HullSize hullSize(const std::vector<Tile>& tiles) {
+  const Points corners = convexOutline(tiles);
+  HullSize size;
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    // From the first corner, so that a sheet far from the origin loses no digits.
+    const Eigen::Vector2d from = corners[k] - corners[0];
+    const Eigen::Vector2d to = corners[(k + 1) % corners.size()] - corners[0];
+    size.area += 0.5 * (from.x() * to.y() - from.y() * to.x());
+    size.perimeter += (to - from).norm();
+  }
+  return size;
+}
+
+std::optional<double> coveredArea(const std::vector<Tile>& tiles) {
+  if (!liesFlat(tiles, kFlat * boxSides(tiles).norm())) return std::nullopt;
+  double area = 0;
+  for (const Tile& tile : tiles) area += tileArea(tile);
+  return area;
+}
+
+std::optional<double> poissonsRatio(const Vector3& sidesBefore, const Vector3& sides) {
+  if ((sidesBefore.head<2>().array() <= 0).any() || (sides.head<2>().array() <= 0).any()) {
+    return std::nullopt;
+  }
+  const Eigen::Array2d strains = (sides.head<2>().array() / sidesBefore.head<2>().array()).log();
+  if (std::abs(strains.x()) < kLeastStrain) return std::nullopt;
+  return -strains.y() / strains.x();
+}
+
+std::vector<double> openingAngles(const std::vector<Joint>& joints, const Poses& poses) {
+  std::vector<double> angles;
+  angles.reserve(joints.size());
+  for (const Joint& joint : joints) {
+    angles.push_back(
+        turnBetween(poses[joint.a.tile].rotation, poses[joint.b.tile].rotation).norm());
+  }
+  return angles;
+}
+
+// ------------------------------------------------------------------------------------------------
+// Figures of single bricks. A measure that belongs to two bricks (a joint's gap, a spring's moment)
+// counts for both of them as it is; energies are shared by halves, so that the sum over all bricks
+// is the sum over all springs.
+
+std::vector<double> brickTargetErrors(const std::vector<Tile>& target,
+                                      const std::vector<Brick>& bricks, const Poses& poses) {
+  std::vector<double> errors(bricks.size(), 0);
+  for (std::size_t brick = 0; brick < bricks.size(); ++brick) {
+    for (std::size_t k = 0; k < bricks[brick].bottom.size(); ++k) {
+      const Vector3 point = poses[brick].apply(bricks[brick].bottom[k]);
+      errors[brick] = std::max(errors[brick], (point - target[brick].vertices[k]).norm());
+    }
+  }
+  return errors;
+}
+
+std::vector<double> brickDisplacements(const Poses& start, const Poses& poses) {
+  std::vector<double> distances;
+  for (std::size_t brick = 0; brick < poses.size(); ++brick) {
+    distances.push_back((poses[brick].position - start[brick].position).norm());
+  }
+  return distances;
+}
+
+std::vector<double> brickRotations(const Poses& start, const Poses& poses) {
+  std::vector<double> angles;
+  for (std::size_t brick = 0; brick < poses.size(); ++brick) {
+    // The angle of the shortest turn: 2 acos |q . q'| for unit quaternions, from 0 to pi.
+    angles.push_back(start[brick].rotation.angularDistance(poses[brick].rotation));
+  }
+  return angles;
+}
+
+std::vector<double> brickJointGaps(std::span<const Pivot> pivots, const Poses& poses) {
+  std::vector<double> gaps(poses.size(), 0);
+  for (const Pivot& pivot : pivots) {
+    const double gap =
+        (poses[pivot.brickA].apply(pivot.pointA) - poses[pivot.brickB].apply(pivot.pointB)).norm();
+    for (const int brick : {pivot.brickA, pivot.brickB}) gaps[brick] = std::max(gaps[brick], gap);
+  }
+  return gaps;
+}
+
+std::vector<double> brickMoments(std::span<const HingeSpring> springs, const Poses& poses) {
+  std::vector<double> largest(poses.size(), 0);
+  const std::vector<double> moments = hingeMoments(springs, poses);
+  for (std::size_t s = 0; s < springs.size(); ++s) {
+    for (const int brick : {springs[s].hinge.brickA, springs[s].hinge.brickB}) {
+      largest[brick] = std::max(largest[brick], std::abs(moments[s]));
+    }
+  }
+  return largest;
+}
+
+std::vector<double> brickElasticEnergies(std::span<const HingeSpring> springs, const Poses& poses) {
+  std::vector<double> energies(poses.size(), 0);
+  for (const HingeSpring& spring : springs) {
+    const double half = 0.5 * elasticEnergy({&spring, 1}, poses);
+    energies[spring.hinge.brickA] += half;
+    energies[spring.hinge.brickB] += half;
+  }
+  return energies;
 }
 
 }  // namespace kirireel

@@ -2,9 +2,15 @@
 #pragma once
 
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "sim/base/geometry.h"
+#include "sim/model/brick.h"
+#include "sim/model/hinge.h"
+#include "sim/model/model.h"
 #include "sim/trajectory/trajectory_file.h"
 
 namespace kirireel {
@@ -72,5 +78,60 @@ RunCurves curvesOf(const TrajectoryReader& run);
 /// The same curves but those of each joint at other times, rising, straight between the samples;
 /// NaN where either side is.
 RunCurves curvesAt(const RunCurves& curves, const std::vector<double>& times);
+
+// ------------------------------------------------------------------------------------------------
+// What a sheet measures as a whole in one state: sizes, areas, openings.
+
+/// Sides of the box around all vertices, along x, y and z, metres.
+Vector3 boxSides(const std::vector<Tile>& tiles);
+
+/// The convex outline of all vertices seen along z.
+struct HullSize {
+  double area = 0;       ///< square metres
+  double perimeter = 0;  ///< metres
+};
+
+/// Of one or more tiles.
+/// O(n log n) in the vertices. A sheet that is seen from its edge has the area 0.
+HullSize hullSize(const std::vector<Tile>& tiles);
+
+/// The tiles' area, square metres, where all of them lie in one horizontal plane (to 1e-6 of the
+/// box); none in space, where they hide each other. What tiles overlap counts for each of them.
+std::optional<double> coveredArea(const std::vector<Tile>& tiles);
+
+/// Poisson's ratio from one state to another, of logarithmic (Hencky) strains of the box's sides:
+///   -log(y / y0) / log(x / x0),
+/// so that rotating squares have -1 at any opening. None where x hardly changes, by less than 1e-3
+/// of itself, since rounding would decide.
+std::optional<double> poissonsRatio(const Vector3& sidesBefore, const Vector3& sides);
+
+/// For each joint the angle by which its tiles are turned against each other since the start, when
+/// all rotations are identities: how far it is open. Radians, 0 to pi.
+/// `poses` has one pose a tile. In the order of the joints; links and fixed joints count too.
+std::vector<double> openingAngles(const std::vector<Joint>& joints, const Poses& poses);
+
+// ------------------------------------------------------------------------------------------------
+// Measures of each brick by itself, for colours and tables.
+
+/// For each brick the largest distance of its bottom vertices from their targets, metres.
+/// `target` has one tile a brick, vertex by vertex.
+std::vector<double> brickTargetErrors(const std::vector<Tile>& target,
+                                      const std::vector<Brick>& bricks, const Poses& poses);
+
+/// For each brick the distance of its centre of mass from where it started, metres.
+std::vector<double> brickDisplacements(const Poses& start, const Poses& poses);
+
+/// For each brick the angle by which it is turned from its start, radians, 0 to pi.
+std::vector<double> brickRotations(const Poses& start, const Poses& poses);
+
+/// For each brick the largest gap of its pivots, metres; 0 for a brick without joints.
+std::vector<double> brickJointGaps(std::span<const Pivot> pivots, const Poses& poses);
+
+/// For each brick the largest moment of the springs at its hinges, in size, N m; 0 without any.
+std::vector<double> brickMoments(std::span<const HingeSpring> springs, const Poses& poses);
+
+/// For each brick what the springs at its hinges hold, joules: each of a spring's two bricks counts
+/// one half, so that all bricks together hold what all springs do.
+std::vector<double> brickElasticEnergies(std::span<const HingeSpring> springs, const Poses& poses);
 
 }  // namespace kirireel

@@ -34,4 +34,41 @@ double largestUnevenness(const std::vector<Tile>& tiles);
 /// The least sine of the angle by which any tile turns at a corner: above 0 when all are convex.
 double leastCornerSine(const std::vector<Tile>& tiles);
 
+// ------------------------------------------------------------------------------------------------
+// How many ways a sheet of rigid tiles can move, from the rank of its joints' Jacobian.
+
+/// The first-order mobility of one state.
+struct Mobility {
+  bool isCounted = true;      ///< false: too many unknowns, what follows from the rank is not known
+  int unknowns = 0;           ///< 3 a tile in the plane, 6 in space
+  int equations = 0;          ///< that the joints make
+  int rank = 0;               ///< of the Jacobian (equations x unknowns)
+  int freedoms = 0;           ///< motions beyond those of the whole as one rigid body
+  int redundant = 0;          ///< equations that follow from others
+  double leastKept = 0;       ///< the least singular value that counts towards the rank; 0 for none
+  double largestDropped = 0;  ///< the largest one that does not, or a bound of it; 0 for none. The
+                              ///< ratio of the two says how certain the rank is.
+};
+
+/// Where tiles may move.
+enum class Freedom {
+  Plane,  ///< in the plane z = 0, about the z axis
+  Space,
+};
+
+/// The singular value up to which rounding of the model's coordinates explains one that should be
+/// zero: ten times the last digit, in tiles.
+double zeroSingularValue(const Model& model);
+
+/// The mobility of the model's joints with its tiles in the given state, for bricks of this
+/// thickness in metres (joints on both faces are hinges). Rotations are measured in tile sizes, so
+/// that singular values are plain numbers; those above 1e-6 of the largest and above
+/// zeroSingularValue() count. Up to 900 unknowns by a dense singular value decomposition; above, by
+/// counting the pivots' signs of J^T J - s^2 (Sylvester's law of inertia), with singular values
+/// known to powers of ten. More than 60,000 unknowns, as of 10,000 tiles in space, are not counted:
+/// that takes minutes. For rank and freedom of links, fixed joints and pivots alike. Throws
+/// Interrupted where a scope asks for it.
+Mobility mobility(const Model& model, const std::vector<Tile>& state, Freedom freedom,
+                  double thickness);
+
 }  // namespace kirireel

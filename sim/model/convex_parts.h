@@ -1,14 +1,4 @@
-/// Concave polygons as convex parts, for all that needs convex shapes: contacts, depths, painting,
-/// meshes of elements.
-///
-/// 1. *Ear clipping* (Meisters, "Polygons have ears", 1975): a corner that turns left and whose
-///    triangle with its two neighbours holds no other corner is cut off; a simple polygon always
-///    has one. Of all ears the one with the largest least sine goes first, so that triangles are
-///    not thinner than need be. n corners give n - 2 triangles in O(n^3), n is 300 at most.
-/// 2. *Merging* (Hertel and Mehlhorn 1983): a diagonal goes where both its ends stay convex without
-///    it. What is left has at most four times the least number of parts.
-///
-/// All corners stay, also those in the middle of a straight side, since joints may hold them.
+/// Tiles in parts: convex parts of concave tiles, rigid parts of tiles that bend.
 #pragma once
 
 #include <array>
@@ -18,8 +8,22 @@
 #include <vector>
 
 #include "sim/base/geometry.h"
+#include "sim/model/model.h"
 
 namespace kirireel {
+
+// ------------------------------------------------------------------------------------------------
+// Concave polygons as convex parts, for all that needs convex shapes: contacts, depths, painting,
+// meshes of elements.
+//
+// 1. *Ear clipping* (Meisters, "Polygons have ears", 1975): a corner that turns left and whose
+//    triangle with its two neighbours holds no other corner is cut off; a simple polygon always
+//    has one. Of all ears the one with the largest least sine goes first, so that triangles are
+//    not thinner than need be. n corners give n - 2 triangles in O(n^3), n is 300 at most.
+// 2. *Merging* (Hertel and Mehlhorn 1983): a diagonal goes where both its ends stay convex without
+//    it. What is left has at most four times the least number of parts.
+//
+// All corners stay, also those in the middle of a straight side, since joints may hold them.
 
 /// Corner numbers of a part, anticlockwise.
 using PolygonPart = std::vector<int>;
@@ -43,5 +47,20 @@ std::vector<std::array<int, 3>> trianglesOf(std::span<const Vector3> corners,
 /// The convex parts of a simple polygon; one with all corners where it is convex.
 /// Each diagonal that is left is a side of two parts, in opposite directions.
 std::vector<PolygonPart> convexParts(std::span<const Vector3> corners, const Vector3& normal);
+
+// ------------------------------------------------------------------------------------------------
+// Tiles that bend: rigid parts hinged along their common edges.
+
+/// The triangles that a tile is split into, its corner numbers anticlockwise: by the diagonals from
+/// the corner whose diagonals are shortest, concave tiles into ears.
+std::vector<std::array<int, 3>> tileTriangles(const Tile& tile);
+
+/// The model with the given tiles, in the numbers of its file, (all, when empty) split into
+/// triangles by the diagonals from the corner whose diagonals are shortest, concave ones into ears;
+/// triangles stay whole. Parts are joined at both ends of a common diagonal on the bottom face, a
+/// hinge. The first part keeps the tile's number, the others follow after the last tile; joints
+/// hold the first part that has their corner, targets are split alike, and all parts of a pulled
+/// tile are pulled. Throws InputError for a tile that does not exist.
+Model splitTiles(const Model& model, const std::vector<int>& tiles);
 
 }  // namespace kirireel

@@ -6,6 +6,15 @@
 // Materials Science Letters 19, 2000, describe the mechanism.
 #include "sim/model/lattice.h"
 
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/base/error.h"
+#include "sim/base/geometry.h"
+
 namespace kirireel {
 
 Cell cornerNeighbour(const Cell& cell, int corner) {
@@ -31,6 +40,119 @@ std::vector<Joint> latticeJoints(const Lattice& lattice, JointFace face) {
     }
   }
   return joints;
+}
+
+// ------------------------------------------------------------------------------------------------
+// The motion v(theta) = F_odd e^(-i theta/2) + F_even e^(i theta/2) evaluated.
+//
+// Why tiles stay rigid: all corners of an even tile have the same F_even, so that their differences
+// are differences of F_odd alone, turned by -theta/2; those of an odd tile are turned by +theta/2.
+// Why joints stay closed: the corner is the same sum for both tiles that share it. Neighbours so
+// turn by theta against each other. The regular field has its constants at the places of a lattice
+// of parallelograms with sides a (along) and b (up), as complex numbers: with x = column - (columns
+// - 1)/2 and y = row - (rows - 1)/2,
+//   F_even = (x + y)/2 a - (x - y)/2 b,      F_odd = (x - y)/2 a + (x + y)/2 b
+
+Complex TurningField::corner(const Cell& cell, int corner, double angle) const {
+  const Complex halfTurn = std::polar(1.0, 0.5 * angle);
+  Complex even = at(cell);
+  Complex odd = at(cornerNeighbour(cell, corner));
+  if (!isEven(cell)) std::swap(even, odd);
+  // One formula for both tiles at a corner, so that their vertices agree to the last bit. Adding 0
+  // makes a negative zero positive.
+  const Complex point = odd * std::conj(halfTurn) + even * halfTurn;
+  return {point.real() + 0.0, point.imag() + 0.0};
+}
+
+std::vector<Tile> TurningField::tiles(double angle) const {
+  std::vector<Tile> tiles(std::size_t(lattice_.tileCount()));
+  for (int tile = 0; tile < lattice_.tileCount(); ++tile) {
+    for (int k = 0; k < 4; ++k) {
+      const Complex point = corner(lattice_.cellOf(tile), k, angle);
+      tiles[std::size_t(tile)].vertices.emplace_back(point.real(), point.imag(), 0);
+    }
+  }
+  return tiles;
+}
+
+TurningField regularField(const Lattice& lattice, Complex along, Complex up) {
+  TurningField field(lattice);
+  for (int column = -1; column <= lattice.columns; ++column) {
+    for (int row = -1; row <= lattice.rows; ++row) {
+      const double x = column - 0.5 * (lattice.columns - 1);
+      const double y = row - 0.5 * (lattice.rows - 1);
+      const double sum = 0.5 * (x + y);
+      const double difference = 0.5 * (x - y);
+      const Cell cell{column, row};
+      field.at(cell) = isEven(cell) ? sum * along - difference * up : difference * along + sum * up;
+    }
+  }
+  return field;
+}
+
+// ------------------------------------------------------------------------------------------------
+// Tessellations of equal parallelograms, from the exact motion of their lattice (lattice.h).
+// The constants are those of regularField(): sides of `length` along x and of `width` at `skew`
+// from the y axis. Both states are evaluated from the same constants, so that start and target are
+// congruent to rounding, and no solver is needed.
+
+namespace {
+
+/// As many tiles as a model file may hold.
+constexpr int kMaxTiles = 250000;
+/// Shortest side of a tile, metres.
+constexpr double kMinLength = 1e-6;
+/// Longest side of the sheet, metres: as far as a model file's coordinates may reach.
+constexpr double kMaxExtent = 1e6;
+
+TurningField fieldOf(const TessellationShape& shape) {
+  const Complex up(shape.width * std::sin(shape.skew), shape.width * std::cos(shape.skew));
+  return regularField({shape.columns, shape.rows}, shape.length, up);
+}
+
+void requireCounts(const TessellationShape& shape) {
+  const bool positive = shape.columns >= 1 && shape.rows >= 1;
+  if (positive && static_cast<long>(shape.columns) * shape.rows <= kMaxTiles) return;
+  throw InputError(
+      fmt::format("tessellation: error: {} columns and {} rows; give at least 1 of "
+                  "each, and at most {} tiles in all",
+                  shape.columns, shape.rows, kMaxTiles));
+}
+
+void requireLength(const char* name, double value, int count) {
+  if (value >= kMinLength && value * count <= kMaxExtent) return;
+  throw InputError(
+      fmt::format("tessellation: error: the {} of a tile is {:g} m; give at least {:g}, "
+                  "and at most {:g} for {} tiles in a row",
+                  name, value, kMinLength, kMaxExtent / count, count));
+}
+
+void requireAngle(const char* name, double value) {
+  if (value >= 0 && value <= std::numbers::pi) return;
+  throw InputError(
+      fmt::format("tessellation: error: the {} angle is {:g} degrees; give a number "
+                  "from 0 to 180",
+                  name, value / kDegree));
+}
+
+}  // namespace
+
+Model makeTessellation(const TessellationShape& shape) {
+  requireCounts(shape);
+  requireLength("length", shape.length, shape.columns);
+  requireLength("width", shape.width, shape.rows);
+  requireAngle("start", shape.startAngle);
+  requireAngle("target", shape.targetAngle);
+  Model model;
+  model.name = "tessellation";
+  model.tiles = tessellationTiles(shape, shape.startAngle);
+  model.joints = latticeJoints({shape.columns, shape.rows}, shape.face);
+  model.target = tessellationTiles(shape, shape.targetAngle);
+  return model;
+}
+
+std::vector<Tile> tessellationTiles(const TessellationShape& shape, double angle) {
+  return fieldOf(shape).tiles(angle);
 }
 
 }  // namespace kirireel

@@ -128,4 +128,12 @@ int countTurnedOver(const std::vector<Tile>& start, const std::vector<Tile>& tar
 /// The height of the first vertex is the reference. At least one tile.
 bool liesFlat(const std::vector<Tile>& tiles, double tolerance);
 
+// ------------------------------------------------------------------------------------------------
+// The outside of a sheet.
+
+/// One corner for each vertex on the convex outline of all vertices, seen along z: anticlockwise
+/// from the leftmost (the lowest of these). Of corners at one point the first counts.
+/// Heights do not matter. At least one tile; costs O(n log n) for n vertices.
+std::vector<Corner> outlineCorners(const std::vector<Tile>& tiles);
+
 }  // namespace kirireel

@@ -8,18 +8,17 @@
 #include "sim/model/read_model.h"
 
 #include <algorithm>
+#include <system_error>
 
 #include <fmt/format.h>
 
 #include "sim/base/error.h"
-#include "sim/model/cut_pattern_file.h"
+#include "sim/base/files.h"
 #include "sim/model/fold_file.h"
-#include "sim/model/folder.h"
-#include "sim/model/obj_pair.h"
+#include "sim/model/mesh_files.h"
+#include "sim/model/model_checks.h"
 #include "sim/model/planar_files.h"
-#include "sim/model/planar_siblings.h"
-#include "sim/model/ply_file.h"
-#include "sim/model/rounding.h"
+#include "sim/model/text_table.h"
 
 namespace kirireel {
 namespace {
@@ -137,6 +136,307 @@ void writeModel(const Model& model, const fs::path& path) {
                                          "a name that ends with vertices.txt for planar files, or "
                                          "no ending for a folder",
                                          ending));
+}
+
+// ------------------------------------------------------------------------------------------------
+// PyKirigami's folders, read and written.
+//
+// A folder is read in the order in which later files depend on earlier ones: tiles, joints, target,
+// hull, pulled tiles. Each file is checked as soon as it is read, so that the first message is
+// about the file that is wrong and not about what follows from it. Repairs (model_checks.h) come
+// before the checks that they would otherwise fail, and the turning of clockwise tiles last, as it
+// renumbers the corners of everything.
+//
+// Numbers are written with the shortest digits that read back as the same double, so that a folder
+// that is read and written again is the same model to the last bit.
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kTilePurpose = "write one tile a line, \"x y z\" for each vertex";
+const std::string kJointPurpose =
+    "write one joint a line, \"tileA vertexA tileB vertexB face\", or the line \"# no joints\" if "
+    "the tiles are loose";
+const std::string kPullPurpose =
+    "list the numbers of the tiles to pull, or delete the file to pull all";
+
+const std::string kHullPurpose =
+    "write one corner of the sheet's outside a line, \"tile vertex\", in order, at least 3";
+
+void requireFolder(const fs::path& folder) {
+  const std::string mend = "give a folder that holds vertices.txt and constraints.txt";
+  std::error_code ignored;
+  if (!fs::exists(folder, ignored)) {
+    throw inputErrorAt({folder}, fmt::format("there is no such folder; {}", mend));
+  }
+  if (!fs::is_directory(folder, ignored)) {
+    throw inputErrorAt({folder}, fmt::format("this is not a folder; {}", mend));
+  }
+}
+
+/// Also right for "data/heart/" and ".", which have no filename of their own.
+std::string folderName(const fs::path& folder) {
+  const fs::path whole = fs::absolute(folder).lexically_normal();
+  return whole.has_filename() ? whole.filename().string() : whole.parent_path().filename().string();
+}
+
+// A line holds three numbers for each of at least three vertices.
+void requireWholeVertices(const TextTable& text, const TextLine& line, size_t tile) {
+  const size_t count = line.fields.size();
+  // The message points at the first number of the vertex that is not whole.
+  const size_t left = count % 3;
+  if (left != 0) {
+    throw inputErrorAt(text.at(line, line.fields[count - left]),
+                       fmt::format("tile {} has {} numbers, not three for each vertex; the vertex "
+                                   "that starts here has only {}: complete it or delete it",
+                                   tile, count, left));
+  }
+  if (count < 9) {
+    throw inputErrorAt({text.file(), line.number},
+                       fmt::format("tile {} has {} vertices; a tile has at least 3: add the "
+                                   "missing ones or delete the line",
+                                   tile, count / 3));
+  }
+}
+
+// Tiles with the places of their vertices in the file, for messages.
+TileTable readTiles(const fs::path& file) {
+  TextTable text(file, kTilePurpose);
+  TileTable table;
+  table.file = file;
+  TextLine line;
+  while (text.next(line)) {
+    requireWholeVertices(text, line, table.tiles.size());
+    Tile& tile = table.tiles.emplace_back();
+    TileSource& source = table.sources.emplace_back();
+    source.line = line.number;
+    for (size_t k = 0; k < line.fields.size(); k += 3) {
+      const auto coordinate = [&](size_t axis) {
+        const TextField& field = line.fields[k + axis];
+        return parseCoordinate(field, text.at(line, field));
+      };
+      tile.vertices.push_back(Vector3{coordinate(0), coordinate(1), coordinate(2)});
+      source.columns.push_back(line.fields[k].column);
+    }
+  }
+  if (table.tiles.empty()) {
+    throw inputErrorAt({file}, fmt::format("the file holds no tile; {}", kTilePurpose));
+  }
+  return table;
+}
+
+// Four or five whole numbers; whether they exist is checked later, once the base is known.
+JointRow readJointRow(const TextTable& text, const TextLine& line) {
+  const size_t count = line.fields.size();
+  if (count != 4 && count != 5) {
+    throw inputErrorAt({text.file(), line.number},
+                       fmt::format("{} numbers do not make a joint; write \"tileA vertexA tileB "
+                                   "vertexB\", and a face (1 bottom, 2 top, 3 both) if wanted",
+                                   count));
+  }
+  static const std::string kMeanings[] = {"a tile number", "a vertex number", "a tile number",
+                                          "a vertex number", "a face"};
+  JointRow row;
+  row.line = line.number;
+  row.values[4] = static_cast<int>(JointFace::Bottom);
+  for (size_t k = 0; k < count; ++k) {
+    const TextField& field = line.fields[k];
+    row.values[k] = parseWholeNumber(field, text.at(line, field), kMeanings[k]);
+    row.columns[k] = field.column;
+  }
+  return row;
+}
+
+JointTable readJointRows(const fs::path& file, Model& model, std::vector<std::string>& warnings) {
+  TextTable text(file, kJointPurpose);
+  JointTable table;
+  table.file = file;
+  TextLine line;
+  while (text.next(line)) table.rows.push_back(readJointRow(text, line));
+  if (table.rows.empty() && !text.hasComment()) noteNoJoints(file, model, warnings);
+  return table;
+}
+
+// Numbers from 0, as many on a line as the user likes.
+std::vector<int> readPulledTiles(const fs::path& file, int tileCount) {
+  TextTable text(file, kPullPurpose);
+  std::vector<int> pulled;
+  TextLine line;
+  while (text.next(line)) {
+    for (const TextField& field : line.fields) {
+      const int tile = parseWholeNumber(field, text.at(line, field), "a tile number");
+      if (tile < 0 || tile >= tileCount) {
+        throw inputErrorAt(text.at(line, field),
+                           fmt::format("vertices.txt has tiles 0-{}, not {}; correct this number",
+                                       tileCount - 1, tile));
+      }
+      pulled.push_back(tile);
+    }
+  }
+  if (pulled.empty()) {
+    throw inputErrorAt({file}, fmt::format("the file lists no tile; {}", kPullPurpose));
+  }
+  return pulled;
+}
+
+/// "tile vertex" pairs; the messages are those of a joint's columns.
+std::vector<Corner> readHull(const fs::path& file, const std::vector<Tile>& tiles) {
+  TextTable text(file, kHullPurpose);
+  std::vector<Corner> hull;
+  TextLine line;
+  while (text.next(line)) {
+    if (line.fields.size() != 2) {
+      throw inputErrorAt({file, line.number}, fmt::format("{} numbers do not make a corner; {}",
+                                                          line.fields.size(), kHullPurpose));
+    }
+    const auto number = [&](std::size_t k, const char* meaning, std::size_t count) {
+      const FileLocation where = text.at(line, line.fields[k]);
+      const int value = parseWholeNumber(line.fields[k], where, meaning);
+      if (value >= 0 && value < static_cast<int>(count)) return value;
+      throw inputErrorAt(where, fmt::format("{} is from 0 to {}, not {}; correct this column",
+                                            meaning, count - 1, value));
+    };
+    const int tile = number(0, "a tile number", tiles.size());
+    hull.push_back({tile, number(1, "a vertex number", tiles[tile].vertices.size())});
+  }
+  if (hull.size() >= 3) return hull;
+  throw inputErrorAt(
+      {file}, fmt::format("{} corners do not go round anything; {}", hull.size(), kHullPurpose));
+}
+
+std::string tilesText(const std::vector<Tile>& tiles) {
+  std::string text;
+  for (const Tile& tile : tiles) {
+    const char* separator = "";
+    for (const Vector3& vertex : tile.vertices) {
+      // "{}" writes the shortest digits that read back as the same double.
+      text += fmt::format("{}{} {} {}", separator, vertex.x(), vertex.y(), vertex.z());
+      separator = " ";
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+/// A model may have been drawn by hand: it is never overwritten, nor mixed with another.
+void requireFree(const fs::path& file, const std::string& text) {
+  std::error_code ignored;
+  if (!fs::exists(fs::symlink_status(file, ignored))) return;
+  // A file that says the same already is no loss. So the same model can be written twice.
+  if (fs::is_regular_file(file, ignored) && !text.empty() && readTextFile(file, "") == text) return;
+  throw InputError(
+      fmt::format("{}: error: this file of another model is in the way; move it away, or choose "
+                  "another folder",
+                  file.string()));
+}
+
+void requirePivots(const Model& model, const fs::path& folder) {
+  for (const Joint& joint : model.joints) {
+    if (joint.kind == JointKind::Pivot) continue;
+    throw InputError(fmt::format(
+        "{}: error: constraints.txt holds joints at corners, not the link between tiles "
+        "{} and {}; convert to a .fold file",
+        folder.string(), joint.a.tile, joint.b.tile));
+  }
+}
+
+// A comment stands for no joints, as an empty file would look like a mistake.
+std::string jointText(const std::vector<Joint>& joints) {
+  if (joints.empty()) return "# no joints\n";
+  std::string text;
+  for (const Joint& joint : joints) {
+    text += fmt::format("{} {} {} {} {}\n", joint.a.tile, joint.a.vertex, joint.b.tile,
+                        joint.b.vertex, static_cast<int>(joint.face));
+  }
+  return text;
+}
+
+std::string hullText(const std::vector<Corner>& hull) {
+  std::string text;
+  for (const Corner& corner : hull) text += fmt::format("{} {}\n", corner.tile, corner.vertex);
+  return text;
+}
+
+// A name that exists as it stands goes before one within the folder.
+fs::path jointsFileOf(const fs::path& folder, const ReadSettings& settings) {
+  if (settings.jointsFile.empty()) return folder / "constraints.txt";
+  const fs::path inside = folder / settings.jointsFile;
+  return fs::exists(settings.jointsFile) || !fs::exists(inside) ? settings.jointsFile : inside;
+}
+
+}  // namespace
+
+Model readModelFolder(const fs::path& folder, const ReadSettings& settings,
+                      std::vector<std::string>& warnings) {
+  requireFolder(folder);
+  const TileTable tiles = readTiles(folder / "vertices.txt");
+  checkTiles(tiles);
+  Model model;
+  model.name = folderName(folder);
+  model.tiles = tiles.tiles;
+
+  JointTable joints = readJointRows(jointsFileOf(folder, settings), model, warnings);
+  mendBase(joints, tiles, model, warnings);
+  dropRepeatedJoints(joints, model, warnings);
+  model.joints = checkedJoints(joints, tiles);
+  checkClosed(joints, model, tiles, warnings);
+
+  if (fs::exists(folder / "target.txt")) {
+    const TileTable target = readTiles(folder / "target.txt");
+    checkTarget(target, model, tiles, warnings);
+    model.target = target.tiles;
+  }
+  if (fs::exists(folder / "hull.txt")) model.hull = readHull(folder / "hull.txt", model.tiles);
+  if (fs::exists(folder / "pull.txt")) {
+    model.pulledTiles = readPulledTiles(folder / "pull.txt", static_cast<int>(model.tiles.size()));
+  }
+  turnClockwiseTiles(tiles, model, warnings);
+  return model;
+}
+
+Model readModelFolder(const fs::path& folder, std::vector<std::string>& warnings) {
+  return readModelFolder(folder, {}, warnings);
+}
+
+std::vector<Tile> readTargetFile(const fs::path& file, const Model& model,
+                                 std::vector<std::string>& warnings) {
+  const TileTable target = readTiles(file);
+  const Model asInFile = inFileOrder(model);
+  TileTable start{model.name, asInFile.tiles, {}};
+  for (std::size_t i = 0; i < model.tiles.size(); ++i) {
+    start.sources.push_back({static_cast<int>(i) + 1, {}});
+  }
+  checkTarget(target, asInFile, start, warnings);
+  return inFileOrder(target.tiles, model.fileOrder);
+}
+
+std::vector<Tile> readTileFile(const fs::path& file) {
+  return readTiles(file).tiles;
+}
+
+void writeModelFolder(const Model& inOrder, const fs::path& folder) {
+  const Model model = inFileOrder(inOrder);
+  requirePivots(model, folder);
+  // An empty text stands for a file that must not be there.
+  const std::vector<std::pair<const char*, std::string>> files = {
+      {"vertices.txt", tilesText(model.tiles)},
+      {"constraints.txt", jointText(model.joints)},
+      {"target.txt", model.target ? tilesText(*model.target) : ""},
+      {"pull.txt",
+       model.pulledTiles ? fmt::format("{}\n", fmt::join(*model.pulledTiles, "\n")) : ""},
+      {"hull.txt", model.hull ? hullText(*model.hull) : ""}};
+  // All files are looked at before the first one is written, so that a refusal leaves nothing
+  // behind.
+  for (const auto& [name, text] : files) requireFree(folder / name, text);
+  makeFolder(folder);
+  for (const auto& [name, text] : files) {
+    if (!text.empty()) writeTextFile(folder / name, text);
+  }
+}
+
+void writeTiles(const std::vector<Tile>& tiles, const fs::path& file) {
+  writeTextFile(file, tilesText(tiles));
 }
 
 }  // namespace kirireel

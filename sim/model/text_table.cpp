@@ -14,8 +14,8 @@
 
 #include <fmt/format.h>
 
-#include "sim/base/input_file.h"
-#include "sim/base/spelling.h"
+#include "sim/base/error.h"
+#include "sim/base/files.h"
 
 namespace kirireel {
 namespace {

@@ -10,12 +10,9 @@
 
 #include "sim/base/error.h"
 #include "sim/base/geometry.h"
-#include "sim/brick/brick.h"
+#include "sim/model/brick.h"
 #include "sim/model/model.h"
-#include "sim/scene/grip.h"
-#include "sim/scene/initial_velocity.h"
-#include "sim/scene/obstacle.h"
-#include "sim/scene/timeline.h"
+#include "sim/scene/conditions.h"
 
 namespace kirireel {
 

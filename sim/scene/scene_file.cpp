@@ -16,8 +16,8 @@
 #include <fmt/format.h>
 
 #include "sim/base/geometry.h"
-#include "sim/model/obj_pair.h"
-#include "sim/scene/tile_numbers.h"
+#include "sim/model/mesh_files.h"
+#include "sim/scene/conditions.h"
 #include "sim/scene/toml_file.h"
 
 namespace kirireel {

@@ -6,10 +6,7 @@
 #include <vector>
 
 #include "sim/base/error.h"
-#include "sim/scene/grip.h"
-#include "sim/scene/initial_velocity.h"
-#include "sim/scene/obstacle.h"
-#include "sim/scene/timeline.h"
+#include "sim/scene/conditions.h"
 #include "sim/scene/toml_file.h"
 
 namespace kirireel {

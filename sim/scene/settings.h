@@ -1,18 +1,127 @@
-/// The settings of a scene, each written down once: what it is called, takes and means, and when it
-/// counts. From this list come the options of the program, the keys of scene.toml and of sweeps,
-/// the check of a scene that was made in code, the text that tells one order from another, the
-/// settings in summary.json, and which scenes need dynamics.
+/// The settings of a scene: each is written down once here, with how its values are read.
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
+#include "sim/base/error.h"
+#include "sim/base/geometry.h"
 #include "sim/scene/scene.h"
-#include "sim/scene/setting_values.h"
 
 namespace kirireel {
+
+// ------------------------------------------------------------------------------------------------
+// Reads the values of settings as people type them, and writes them again. Every function that
+// reads throws InputError that names the setting, the value found and what is allowed.
+
+/// A value as typed, and what it was given for.
+struct TypedValue {
+  std::string name;  ///< of an option with its hyphens, or a key of a scene file
+  std::string text;
+};
+
+/// The numbers that a setting accepts.
+struct Range {
+  double least = -std::numeric_limits<double>::max();
+  double most = std::numeric_limits<double>::max();
+  bool isMostLeftOut = false;  ///< all below the most; otherwise both ends are accepted
+
+  bool holds(double number) const {
+    return number >= least && (isMostLeftOut ? number < most : number <= most);
+  }
+};
+
+/// A number; a plus sign may precede it. Nothing where the text is none, or more than that.
+std::optional<double> readNumber(std::string_view text);
+
+/// The same for whole numbers.
+std::optional<long> readWhole(std::string_view text);
+
+/// The parts of a text between separators, one more than there are separators.
+std::vector<std::string_view> split(std::string_view text, char separator);
+
+/// A finite number within the range.
+double parseNumber(const TypedValue& value, Range range);
+
+/// A whole number within the range (which must lie within the numbers of a long).
+long parseInteger(const TypedValue& value, Range range);
+
+/// "-9.81" (along z, as PyKirigami has it) or "0,0,-9.81".
+Vector3 parseGravity(const TypedValue& value);
+
+/// "0.1,0.3,2e9" or "0.1,0.3,2e9,0.3": a neck's width, length, Young's modulus, each above 0, and
+/// Poisson's ratio.
+HingeNeck parseNeck(const TypedValue& value);
+
+/// "2e9", "2e9,0.3" or "2e9,0.3,0.05": Young's modulus, above 0, Poisson's ratio and the length
+/// scale of folds, from 0.
+PanelMaterial parsePanels(const TypedValue& value);
+
+/// The error of a value that is not allowed: "NAME: 'TEXT' is not allowed; give WANTED".
+InputError valueError(const TypedValue& value, const std::string& wanted);
+
+/// The words that a setting accepts, with what each means.
+template <typename T>
+using Choices = std::vector<std::pair<std::string, T>>;
+
+/// The functions below write what those above read, as values of a scene file.
+
+/// The shortest digits that read back as the same double.
+std::string numberText(double number);
+
+/// A text in quotation marks; "" stays "".
+std::string quotedText(const std::string& text);
+
+/// Values of a setting that may be given several times: nothing, the one, or all in brackets.
+std::string quotedList(const std::vector<std::string>& values);
+
+/// The shortest number that `read` turns into `wanted`, which lies near `guess`: the way back where
+/// a unit was converted.
+double numberReadAs(double wanted, double guess, const std::function<double(double)>& read);
+
+std::string vectorText(const Vector3& vector);
+std::string neckText(const HingeNeck& neck);
+std::string panelsText(const PanelMaterial& panels);
+
+/// "all, unjoined or none".
+std::string listWords(const std::vector<std::string>& words);
+
+/// The names of the choices, in order.
+template <typename T>
+std::vector<std::string> choiceNames(const Choices<T>& choices) {
+  std::vector<std::string> names;
+  for (const auto& choice : choices) names.push_back(choice.first);
+  return names;
+}
+
+/// The name of a value among the choices; "" when it is none of them.
+template <typename T, typename Value>
+std::string nameOfChoice(const Choices<T>& choices, const Value& value) {
+  for (const auto& [name, meaning] : choices) {
+    if (Value(meaning) == value) return name;
+  }
+  return "";
+}
+
+/// What the value stands for among the choices.
+template <typename T>
+T parseChoice(const TypedValue& value, const Choices<T>& choices) {
+  for (const auto& [name, meaning] : choices) {
+    if (name == value.text) return meaning;
+  }
+  throw valueError(value, listWords(choiceNames(choices)));
+}
+
+// ------------------------------------------------------------------------------------------------
+// The settings of a scene, each written down once: what it is called, takes and means, and when it
+// counts. From this list come the options of the program, the keys of scene.toml and of sweeps,
+// the check of a scene that was made in code, the text that tells one order from another, the
+// settings in summary.json, and which scenes need dynamics.
 
 /// What must hold for a setting to mean anything.
 struct Condition {

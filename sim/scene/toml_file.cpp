@@ -28,8 +28,8 @@
 #endif
 #include <toml++/toml.h>
 
-#include "sim/base/input_file.h"
-#include "sim/base/spelling.h"
+#include "sim/base/error.h"
+#include "sim/base/files.h"
 
 namespace kirireel {
 namespace {

@@ -1,7 +1,7 @@
 // Measures against the exact motion of rotating squares.
 //
 // The sheet of squares has one way to move that keeps all joints closed, and it is known in closed
-// form (tessellation.h): from the opening angle between two tiles follows the place of every
+// form (lattice.h): from the opening angle between two tiles follows the place of every
 // vertex, up to a rigid motion. So a state is judged at its own angle, after the exact sheet has
 // been moved onto it by the best fit: what is left is an error of shape, whatever the run's error
 // in time may be.
@@ -14,9 +14,16 @@
 #include "sim/study/exact_sheet.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
 
-#include "sim/model/alignment.h"
-#include "sim/model/tessellation.h"
+#include <Eigen/QR>
+#include <fmt/format.h>
+
+#include "sim/base/error.h"
+#include "sim/model/isometry.h"
+#include "sim/model/lattice.h"
 
 namespace kirireel {
 namespace {
@@ -104,6 +111,172 @@ VertexError sheetError(int side, double angle, const std::vector<Tile>& found) {
     for (Vector3& vertex : tile.vertices) vertex = fit.apply(vertex);
   }
   return vertexError(found, exact);
+}
+
+// ------------------------------------------------------------------------------------------------
+// The path of a planar mechanism by continuation of its closure equations, independent of all
+// solvers.
+//
+// Unknown are x, y (m) and the turn p (rad) of every tile, q = (x_0, y_0, p_0, x_1, ...). With r a
+// corner's place about the mean of its tile's vertices and R(p) the rotation, a corner stands at v
+// = (x, y) + R(p) r. The equations are
+//   v_a - v_b = 0                    for each joint, 2 rows
+//   (x_0, y_0, p_0) = where it was   tile 0 is held
+//   p_1 - p_0 = theta                the place on the path
+// There may be more rows than unknowns, because joints round closed loops repeat each other. A
+// Gauss-Newton step of least norm, from a complete orthogonal decomposition (which finds the rank),
+// converges quadratically where the rows agree. The derivative of v with respect to p is (-(v_y -
+// y), v_x - x). Following the path is natural continuation in theta: steps of a degree or less,
+// each from the last state. It fails at turning points of theta, which these sheets do not have,
+// and near closed states, where the rank drops. E. L. Allgower, K. Georg, Introduction to Numerical
+// Continuation Methods, SIAM, 2003.
+//
+// All is dense: O(n^3) for n tiles, which is meant for some dozens.
+
+namespace {
+
+constexpr double kClosed = 1e-12;  // metres
+// Quadratic convergence needs about 5; near singular states it is linear.
+constexpr int kMostRounds = 50;
+
+// Of the vertices; any fixed point of a tile would do.
+Vector3 meanOf(const Tile& tile) {
+  Vector3 mean = Vector3::Zero();
+  for (const Vector3& vertex : tile.vertices) mean += vertex;
+  return mean / static_cast<double>(tile.vertices.size());
+}
+
+// In the plane, about the origin.
+Vector3 turned(const Vector3& point, double angle) {
+  const double c = std::cos(angle);
+  const double s = std::sin(angle);
+  return {c * point.x() - s * point.y(), s * point.x() + c * point.y(), 0};
+}
+
+}  // namespace
+
+// With a and b the places about the two tiles' means, the turn that minimises sum |b - R a|^2 is
+// atan2(sum a x b, sum a . b), radians. Both tiles must have their vertices in the same order.
+double planarTurn(const Tile& from, const Tile& to) {
+  const Vector3 meanFrom = meanOf(from);
+  const Vector3 meanTo = meanOf(to);
+  double along = 0;
+  double across = 0;
+  for (std::size_t k = 0; k < from.vertices.size(); ++k) {
+    const Vector3 a = from.vertices[k] - meanFrom;
+    const Vector3 b = to.vertices[k] - meanTo;
+    along += a.x() * b.x() + a.y() * b.y();
+    across += a.x() * b.y() - a.y() * b.x();
+  }
+  // The best turn by least squares, as in isometry.cpp.
+  return std::atan2(across, along);
+}
+
+// Shapes are kept about their own means, so that a state's x and y are where the mean stands.
+ClosurePath::ClosurePath(const std::vector<Tile>& tiles, const std::vector<Joint>& joints)
+    : shapes_(tiles), joints_(joints) {
+  for (Tile& shape : shapes_) {
+    const Vector3 mean = meanOf(shape);
+    for (Vector3& vertex : shape.vertices) vertex -= mean;
+  }
+}
+
+// The turn is that of the best fit, so that tiles which are bent by rounding, or by an engine, have
+// a state too.
+PlanarState ClosurePath::stateOf(const std::vector<Tile>& placed) const {
+  PlanarState state(3 * static_cast<Eigen::Index>(placed.size()));
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    const Vector3 mean = meanOf(placed[i]);
+    state.segment<3>(3 * static_cast<Eigen::Index>(i)) << mean.x(), mean.y(),
+        planarTurn(shapes_[i], placed[i]);
+  }
+  return state;
+}
+
+// Where a corner stands in a state, metres, at height 0.
+Vector3 ClosurePath::vertex(const PlanarState& state, const Corner& corner) const {
+  const auto first = 3 * static_cast<Eigen::Index>(corner.tile);
+  const Vector3& point = shapes_[std::size_t(corner.tile)].vertices[std::size_t(corner.vertex)];
+  return turned(point, state[first + 2]) + Vector3(state[first], state[first + 1], 0);
+}
+
+// The largest distance between the two corners of a joint, metres.
+double ClosurePath::gap(const PlanarState& state) const {
+  double largest = 0;
+  for (const Joint& joint : joints_) {
+    largest = std::max(largest, (vertex(state, joint.a) - vertex(state, joint.b)).norm());
+  }
+  return largest;
+}
+
+/// All joints closed, tile 0 held where it was and tile 1 turned as wanted, and what a state misses
+/// of that.
+ClosurePath::ClosureEquations ClosurePath::equations(const PlanarState& state, const Vector3& held,
+                                                     double wanted) const {
+  const auto last = 2 * static_cast<Eigen::Index>(joints_.size());
+  ClosureEquations made{Eigen::MatrixXd::Zero(last + 4, state.size()),
+                        Eigen::VectorXd::Zero(last + 4)};
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    const auto row = 2 * static_cast<Eigen::Index>(j);
+    const Joint& joint = joints_[j];
+    made.missed.segment<2>(row) = (vertex(state, joint.a) - vertex(state, joint.b)).head<2>();
+    // dv/d(x, y) is the identity and dv/dp is the place about the mean, turned by 90 degrees.
+    for (const auto& [corner, sign] : {std::pair(joint.a, 1.0), std::pair(joint.b, -1.0)}) {
+      const auto first = 3 * static_cast<Eigen::Index>(corner.tile);
+      const Vector3 place = vertex(state, corner);
+      made.slopes(row, first) += sign;
+      made.slopes(row + 1, first + 1) += sign;
+      made.slopes(row, first + 2) -= sign * (place.y() - state[first + 1]);
+      made.slopes(row + 1, first + 2) += sign * (place.x() - state[first]);
+    }
+  }
+  // The three rows that hold tile 0, and the one that asks for the angle of tile 1 against it.
+  made.slopes.block<3, 3>(last, 0).setIdentity();
+  made.missed.segment<3>(last) = state.head<3>() - held;
+  made.slopes(last + 3, 5) = 1;
+  made.slopes(last + 3, 2) = -1;
+  // Angles count up to whole turns.
+  made.missed[last + 3] = std::remainder(angle(state) - wanted, 2 * std::numbers::pi);
+  return made;
+}
+
+// Gauss-Newton from a nearby state to the closed one with the wanted angle (radians). Throws
+// RunError where the joints do not close. One round costs a dense decomposition, O(n^3).
+PlanarState ClosurePath::close(PlanarState state, double wanted) const {
+  const Vector3 held = state.head<3>();
+  double before = std::numeric_limits<double>::infinity();
+  for (int round = 0; round < kMostRounds; ++round) {
+    const ClosureEquations here = equations(state, held, wanted);
+    const double worst = here.missed.lpNorm<Eigen::Infinity>();
+    // On to rounding: a round that no longer halves what is missed is the last.
+    if (worst < kClosed && worst > 0.5 * before) break;
+    before = worst;
+    state -= here.slopes.completeOrthogonalDecomposition().solve(here.missed);
+  }
+  if (gap(state) <= kClosed) return state;
+  throw RunError(fmt::format("error: no closed state at {} radians: a gap of {:.2g} m is left",
+                             wanted, gap(state)));
+}
+
+// Closes the state at equal steps of the angle of at most `step` radians, each from the one before.
+PlanarState ClosurePath::follow(PlanarState state, double wanted, double step) const {
+  const double from = angle(state);
+  // The shorter way round.
+  const double way = std::remainder(wanted - from, 2 * std::numbers::pi);
+  const int steps = std::max(1, static_cast<int>(std::ceil(std::abs(way) / step)));
+  for (int k = 1; k <= steps; ++k) state = close(std::move(state), from + way * k / steps);
+  return state;
+}
+
+// Vertices of all tiles in a state, metres, at height 0.
+std::vector<Tile> ClosurePath::tiles(const PlanarState& state) const {
+  std::vector<Tile> placed = shapes_;
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    for (std::size_t k = 0; k < placed[i].vertices.size(); ++k) {
+      placed[i].vertices[k] = vertex(state, {static_cast<int>(i), static_cast<int>(k)});
+    }
+  }
+  return placed;
 }
 
 }  // namespace kirireel

@@ -1,11 +1,15 @@
-/// The sheet whose motion is known in closed form: squares that open from 0 to 90 degrees.
+/// Motions that are known exactly: in closed form, and by the closure of a mechanism.
 #pragma once
 
 #include <vector>
 
+#include "sim/model/model.h"
 #include "sim/scene/scene.h"
 
 namespace kirireel {
+
+// ------------------------------------------------------------------------------------------------
+// The sheet whose motion is known in closed form: squares that open from 0 to 90 degrees.
 
 /// A square sheet of side x side tiles, without contacts, opened by so many radians at the start.
 /// Joints on both faces are hinges, two point joints each to engines; on the bottom alone they are
@@ -38,5 +42,56 @@ double wayError(const SheetWay& found, const SheetWay& wanted);
 
 /// How far a sheet is from the exact one at the same opening angle, wherever that one is placed.
 VertexError sheetError(int side, double angle, const std::vector<Tile>& found);
+
+// ------------------------------------------------------------------------------------------------
+// The exact path of a planar mechanism with one way to move, by continuation of its closure
+// equations. Knows no forces, no steps and nothing of the joint solver.
+
+/// Where the bottoms of planar tiles stand: x, y and turn of each, about the mean of its vertices.
+using PlanarState = Eigen::VectorXd;
+
+/// A sheet whose joints all lie in one horizontal plane.
+class ClosurePath {
+ public:
+  /// `tiles`: the shape of each tile; `joints`: pivots. Tile 0 is held, and the turn of tile 1
+  /// against it says where on the path a state is.
+  ClosurePath(const std::vector<Tile>& tiles, const std::vector<Joint>& joints);
+
+  /// The state in which the given tiles, congruent to those of the constructor, stand.
+  PlanarState stateOf(const std::vector<Tile>& placed) const;
+
+  /// The turn of tile 1 against tile 0 in a state, radians, to whole turns.
+  double angle(const PlanarState& state) const { return state[5] - state[2]; }
+
+  /// Closes all joints at the given angle by Gauss-Newton steps from a state nearby. Throws
+  /// RunError when a gap above 1e-12 is left.
+  /// `angle` in radians. Each round factors a dense matrix of (2 joints + 4) x (3 tiles).
+  PlanarState close(PlanarState state, double angle) const;
+
+  /// Follows the path from a state on it to an angle, in steps of at most `step` radians.
+  /// Throws RunError as close() does. `step` is positive.
+  PlanarState follow(PlanarState state, double angle, double step) const;
+
+  /// The largest joint gap, metres.
+  double gap(const PlanarState& state) const;
+
+  /// The tiles in a state, at height 0.
+  std::vector<Tile> tiles(const PlanarState& state) const;
+
+ private:
+  struct ClosureEquations {
+    Eigen::MatrixXd slopes;
+    Eigen::VectorXd missed;
+  };
+  ClosureEquations equations(const PlanarState& state, const Vector3& held, double wanted) const;
+  Vector3 vertex(const PlanarState& state, const Corner& corner) const;
+
+  std::vector<Tile> shapes_;  // about the mean of their vertices
+  std::vector<Joint> joints_;
+};
+
+/// The angle by which planar points are turned about their mean from one set to another, radians
+/// from -pi to pi.
+double planarTurn(const Tile& from, const Tile& to);
 
 }  // namespace kirireel

@@ -1,6 +1,7 @@
-// Cost and memory of a step by the number of tiles. The time of a step is an average over up to 240
-// steps from the closed state on; large sheets take fewer, as many as their budget allows.
-// Exponents are fitted from 100 tiles on, as fixed costs hide the law below.
+// The slope of a straight line through (ln x, ln y) by least squares: b = sum (X - mean X)(Y - mean
+// Y) / sum (X - mean X)^2.
+#include "sim/study/scaling.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -8,11 +9,35 @@
 #include <malloc.h>
 
 #include "sim/study/exact_sheet.h"
-#include "sim/study/power_law.h"
 #include "sim/study/stepped_scene.h"
 #include "sim/study/study.h"
 
 namespace kirireel {
+
+// Not a number where all points have the same x, or where a logarithm does not exist.
+double fittedExponent(const std::vector<PowerPoint>& points) {
+  const double count = static_cast<double>(points.size());
+  double meanX = 0;
+  double meanY = 0;
+  for (const PowerPoint& point : points) {
+    meanX += std::log(point.x) / count;
+    meanY += std::log(point.y) / count;
+  }
+  double spread = 0;
+  double slope = 0;
+  for (const PowerPoint& point : points) {
+    const double dx = std::log(point.x) - meanX;
+    spread += dx * dx;
+    slope += dx * (std::log(point.y) - meanY);
+  }
+  return spread > 0 ? slope / spread : std::nan("");
+}
+
+// ------------------------------------------------------------------------------------------------
+// Cost and memory of a step by the number of tiles. The time of a step is an average over up to 240
+// steps from the closed state on; large sheets take fewer, as many as their budget allows.
+// Exponents are fitted from 100 tiles on, as fixed costs hide the law below.
+
 namespace {
 
 // The first steps leave the closed state and take longer; both kinds are counted, as in a run.

@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "sim/study/family_scene.h"
 #include "sim/study/stepped_scene.h"
 #include "sim/study/study.h"
 

@@ -1,4 +1,4 @@
-// A square that becomes a disk, against the exact path of its closure equations (closure_path.h).
+// A square that becomes a disk, against the exact path of its closure equations (exact_sheet.h).
 // The mechanism has one way to move, so that a state of a run is compared with the state of the
 // path at the same angle between two tiles, moved onto it by the best fit. The path is followed
 // from the middle of the run towards both ends, because it is regular in the middle and singular
@@ -11,10 +11,8 @@
 #include <fmt/format.h>
 
 #include "sim/base/geometry.h"
-#include "sim/model/alignment.h"
-#include "sim/study/closure_path.h"
+#include "sim/model/isometry.h"
 #include "sim/study/exact_sheet.h"
-#include "sim/study/family_scene.h"
 #include "sim/study/stepped_scene.h"
 #include "sim/study/study.h"
 

@@ -1,13 +1,66 @@
-/// A study: cases that are run one after the other, each leaving rows of a table.
+/// Studies: cases that leave rows of a table, how they are run and kept.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
 
-#include "sim/study/table.h"
-
 namespace kirireel {
+
+// ------------------------------------------------------------------------------------------------
+// A study's results: rows of cells under named columns, as CSV and back.
+
+/// One column of a table.
+struct Column {
+  std::string name;     ///< short, with the unit: "gap_m"
+  std::string meaning;  ///< one phrase
+};
+
+/// The cells of one row, in the order of the columns.
+using Row = std::vector<std::string>;
+
+/// What a reader must know to judge a table or to make it again.
+struct Caption {
+  std::string study;     ///< its name
+  std::string extent;    ///< "quick" or "full"
+  std::string command;   ///< that was typed
+  std::string machine;   ///< processor, its cores, system
+  std::string versions;  ///< of the program and of the engines compared
+
+  bool operator==(const Caption&) const = default;
+};
+
+/// Rows under columns. The first column of every table is "case": what the row is a result of.
+struct Table {
+  Caption caption;
+  std::vector<Column> columns;
+  std::vector<Row> rows;
+
+  /// The place of the column of that name. Throws InputError when there is none.
+  std::size_t columnIndex(const std::string& name) const;
+  const std::string& text(const Row& row, const std::string& column) const;
+  /// The number in a cell; not a number where the cell is empty or holds words.
+  double number(const Row& row, const std::string& column) const;
+};
+
+/// A number with the digits that a table shows; empty for what is not finite.
+std::string cell(double number);
+std::string cell(int number);
+/// "yes" or "no".
+std::string cell(bool flag);
+/// A text as it is, but for commas and line ends, which separate cells and rows.
+std::string cell(std::string text);
+
+/// The table as CSV: the caption as lines that start with '#', the names of the columns, the rows.
+std::string csvText(const Table& table);
+
+/// Reads what csvText wrote; the columns' meanings are not in it. Throws InputError for a file that
+/// is missing, and for a row with too few or too many cells, with its line.
+Table readCsv(const std::filesystem::path& file);
+
+// ------------------------------------------------------------------------------------------------
+// A study: cases that are run one after the other, each leaving rows of a table.
 
 /// How much of a study is run.
 enum class Extent {
@@ -52,5 +105,34 @@ Study tessellationStudy();
 Study squareToDiskStudy();
 Study sensitivityStudy();
 Study hardCasesStudy();
+
+// ------------------------------------------------------------------------------------------------
+// Runs a study and keeps its results in files.
+
+/// How a study is run.
+struct StudySettings {
+  std::filesystem::path folder;  ///< gets NAME.csv and NAME.json; made when absent
+  Extent extent = Extent::Full;
+  bool resume = false;  ///< keep the rows that an earlier run of the same extent has finished
+  std::string command;  ///< that was typed, for the caption
+  /// Of the program and what it is made with; engines add their own.
+  std::string versions;
+};
+
+/// Called before each case; `done` of `total` are finished. Return false to stop.
+using StudyObserver =
+    std::function<bool(const std::string& caseName, std::size_t done, std::size_t total)>;
+
+/// Runs the cases in order. The CSV file is written anew whenever a case is finished, so that an
+/// interrupted study keeps what it has; the JSON file, with the findings, comes at the end.
+/// Returns the table, which lacks the cases after a stop. Throws InputError when `resume` meets a
+/// file of another extent, OutputError when a file cannot be written.
+Table runStudy(const Study& study, const StudySettings& settings, const StudyObserver& observer);
+
+/// The table with its findings and the meaning of its columns as JSON.
+std::string studyJson(const Study& study, const Table& table);
+
+/// "NAME, CORES cores, SYSTEM" of this machine.
+std::string machineText();
 
 }  // namespace kirireel

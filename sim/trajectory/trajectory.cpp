@@ -1,6 +1,6 @@
 #include "sim/trajectory/trajectory.h"
 
-#include "sim/scene/hinge_springs.h"
+#include "sim/scene/scene_parts.h"
 
 namespace kirireel {
 

@@ -8,8 +8,8 @@
 #include "sim/base/geometry.h"
 #include "sim/base/state_tape.h"
 #include "sim/base/step_report.h"
-#include "sim/brick/brick.h"
-#include "sim/brick/hinge.h"
+#include "sim/model/brick.h"
+#include "sim/model/hinge.h"
 #include "sim/model/model.h"
 #include "sim/scene/scene.h"
 

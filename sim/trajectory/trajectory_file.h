@@ -55,11 +55,14 @@
 /// runs with dynamics by the direct solver alone.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "sim/model/hinge.h"
 #include "sim/trajectory/trajectory.h"
 
 namespace kirireel {
@@ -151,5 +154,145 @@ Trajectory readTrajectory(const std::filesystem::path& path);
 
 /// Writes a whole trajectory. Throws OutputError.
 void writeTrajectory(const Trajectory& trajectory, const std::filesystem::path& path);
+
+}  // namespace kirireel
+
+namespace kirireel::layout {
+
+// ------------------------------------------------------------------------------------------------
+// The names in trajectory.h5 that its writer and its reader share.
+
+/// The attribute "format" of the file itself.
+inline constexpr const char* kFormat = "kirireel trajectory";
+inline constexpr double kFormatVersion = 2;
+inline constexpr double kFirstVersion = 1;  ///< had neither steps nor figures
+/// Columns of model/joints: tile, vertex, tile, vertex, face, kind.
+inline constexpr std::size_t kJointColumns = 6;
+
+/// A number that each spring at a hinge has; files without springs, and of earlier releases, have
+/// no group "hinges".
+struct SpringColumn {
+  const char* name;  ///< of its array
+  double& (*field)(HingeSpring&);
+  const char* unit;
+};
+inline constexpr std::array kSpringColumns = {
+    SpringColumn{"hinges/start", [](HingeSpring& s) -> double& { return s.hinge.start; }, "rad"},
+    SpringColumn{"hinges/least", [](HingeSpring& s) -> double& { return s.hinge.least; }, "rad"},
+    SpringColumn{"hinges/most", [](HingeSpring& s) -> double& { return s.hinge.most; }, "rad"},
+    SpringColumn{"hinges/stiffness", [](HingeSpring& s) -> double& { return s.stiffness; },
+                 "N m/rad"},
+    SpringColumn{"hinges/rest", [](HingeSpring& s) -> double& { return s.rest; }, "rad"},
+    SpringColumn{"hinges/damping", [](HingeSpring& s) -> double& { return s.damping; },
+                 "N m s/rad"}};
+
+/// A figure that each sample has.
+struct Measure {
+  const char* name;  ///< of its array
+  double Sample::*field;
+};
+inline constexpr std::array kMeasures = {Measure{"measures/joint_gap", &Sample::jointGap},
+                                         Measure{"measures/target_error", &Sample::targetError},
+                                         Measure{"measures/penetration", &Sample::penetration}};
+
+/// What each step has, beside the figures of its report.
+struct StepColumn {
+  const char* name;  ///< of its array
+  double StepRecord::*field;
+  const char* unit;
+};
+inline constexpr std::array kStepColumns = {
+    StepColumn{"steps/time", &StepRecord::time, "s"},
+    StepColumn{"steps/joint_gap", &StepRecord::jointGap, "m"},
+    StepColumn{"steps/joint_gap_mean", &StepRecord::jointGapMean, "m"},
+    StepColumn{"steps/target_error", &StepRecord::targetError, "m"}};
+
+/// The array of a figure of the steps' reports. Files of earlier releases do not have all.
+inline std::string arrayOf(const StepFigure& figure) {
+  return std::string("steps/") + figure.name;
+}
+
+/// Energies that each sample of a run with dynamics has.
+struct EnergyChannel {
+  const char* name;  ///< of its array
+  double Energies::*field;
+  const char* description;
+};
+inline constexpr std::array kEnergies = {
+    EnergyChannel{"energy/kinetic", &Energies::kinetic, "of the bricks"},
+    EnergyChannel{"energy/spring", &Energies::spring,
+                  "stored in springs that pull tiles, and in joints that give"},
+    EnergyChannel{"energy/elastic", &Energies::elastic, "stored in springs at hinges"},
+    EnergyChannel{"energy/work", &Energies::work, "put in so far by drives and gravity"},
+    EnergyChannel{"energy/damped", &Energies::damped, "taken so far by dampers"},
+    EnergyChannel{"energy/impacted", &Energies::impacted,
+                  "taken so far by impacts and friction of contacts"}};
+
+inline constexpr const char* kJointForces = "forces/joint";
+inline constexpr const char* kIndeterminate = "forces/joint_indeterminate";
+inline constexpr const char* kHoldTimes = "holds/time";
+inline constexpr const char* kHoldKinds = "holds/kind";
+inline constexpr const char* kHoldTiles = "holds/tiles";
+/// Vectors of a hold.
+struct HoldChannel {
+  const char* name;  ///< of its array
+  Vector3 Hold::*field;
+  const char* unit;
+};
+inline constexpr std::array kHolds = {HoldChannel{"holds/force", &Hold::force, "N"},
+                                      HoldChannel{"holds/moment", &Hold::moment, "N m"},
+                                      HoldChannel{"holds/point", &Hold::point, "m"}};
+
+}  // namespace kirireel::layout
+
+namespace kirireel {
+
+// ------------------------------------------------------------------------------------------------
+// The samples of a run as arrays, one behind the other: what programs that work on arrays look at
+// without copying.
+
+/// Grows by whole samples. Its arrays stay where they are while it does not grow.
+class SampleTable {
+ public:
+  /// Adds a sample later than those before, with as many poses as they have.
+  void append(const Sample& sample);
+
+  std::size_t size() const { return times_.size(); }  ///< samples
+  std::size_t brickCount() const { return brickCount_; }
+
+  /// The sample of an index from 0 to size() - 1.
+  Sample sample(std::size_t index) const;
+
+  const std::vector<double>& times() const { return times_; }  ///< samples; seconds
+  /// samples x bricks x 3, metres, of the centres of mass.
+  const std::vector<double>& positions() const { return positions_; }
+  /// samples x bricks x 4, unit quaternions w x y z, brick axes to world.
+  const std::vector<double>& rotations() const { return rotations_; }
+  const std::vector<double>& jointGaps() const { return jointGaps_; }        ///< samples; metres
+  const std::vector<double>& targetErrors() const { return targetErrors_; }  ///< samples; metres
+  const std::vector<double>& penetrations() const { return penetrations_; }  ///< samples; metres
+
+  /// samples x bricks x 6: velocity of the centre of mass in m/s, then that of turning in rad/s,
+  /// world axes. Samples keep poses alone, so these are their central differences, and one-sided
+  /// ones at both ends; zeros where there is one sample. Second order in the samples' interval.
+  std::vector<double> velocities() const;
+
+ private:
+  Poses poses(std::size_t index) const;
+
+  std::size_t brickCount_ = 0;
+  std::vector<double> times_;
+  std::vector<double> positions_;
+  std::vector<double> rotations_;
+  std::vector<double> jointGaps_;
+  std::vector<double> targetErrors_;
+  std::vector<double> penetrations_;
+  std::vector<std::vector<int>> pinned_;
+  std::vector<std::vector<StepRecord>> steps_;
+  std::vector<std::optional<Mechanics>> mechanics_;
+};
+
+/// All samples of a trajectory. Throws InputError as the reader does.
+SampleTable readSamples(const TrajectoryReader& run);
 
 }  // namespace kirireel

@@ -7,7 +7,7 @@
 // 2005). It works in single precision: a gap below about 1e-6 m cannot be had. Box2D damps
 // velocities by 1 / (1 + h c) a step, so that a rate of c = -ln(1 - lost) loses the wanted part
 // within a second for short steps.
-#include "sim/world/baseline_worlds.h"
+#include "sim/world/brick_world.h"
 
 #ifdef KIRIREEL_BOX2D
 

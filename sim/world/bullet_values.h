@@ -6,7 +6,7 @@
 #include <LinearMath/btVector3.h>
 
 #include "sim/base/geometry.h"
-#include "sim/brick/brick.h"
+#include "sim/model/brick.h"
 
 namespace kirireel {
 

@@ -7,22 +7,26 @@
 // shrink over many steps and never vanish.
 //
 // Three things differ from Bullet's defaults. Shapes are shrunk so that shape and margin together
-// are the brick (inset_hull.h). Friction coefficients belong to pairs, where Bullet multiplies
-// those of two bodies. Contact points near a shared pivot are removed (pivot_zones.h), as they
+// are the brick (bullet_world.h). Friction coefficients belong to pairs, where Bullet multiplies
+// those of two bodies. Contact points near a shared pivot are removed (bullet_world.h), as they
 // would pry the joint open.
 #include "sim/world/bullet_world.h"
 
+#include <algorithm>
 #include <optional>
 
 #include <BulletDynamics/ConstraintSolver/btNNCGConstraintSolver.h>
+#include <BulletDynamics/Featherstone/btMultiBody.h>
+#include <BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h>
+#include <BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h>
+#include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
+#include <BulletDynamics/Featherstone/btMultiBodyPoint2Point.h>
 #include <BulletDynamics/MLCPSolvers/btDantzigSolver.h>
 #include <BulletDynamics/MLCPSolvers/btMLCPSolver.h>
 #include <btBulletDynamicsCommon.h>
 #include <fmt/format.h>
 
 #include "sim/world/bullet_values.h"
-#include "sim/world/inset_hull.h"
-#include "sim/world/pivot_zones.h"
 
 namespace kirireel {
 namespace {
@@ -257,6 +261,253 @@ void BulletWorld::writeMotion(const Motion& motion) {
 
 std::string bulletVersion() {
   return fmt::format("{}.{:02}", btGetVersion() / 100, btGetVersion() % 100);
+}
+
+// ------------------------------------------------------------------------------------------------
+// Bullet's world of multibodies as a baseline, without collisions. Each brick is a base without
+// links, so that nothing is gained from joint coordinates; it is here because PyBullet, and so
+// PyKirigami, runs its bodies in this world. Joints are held by projected Gauss-Seidel sweeps over
+// all point joints.
+
+namespace {
+
+// The impulse that a joint may take in a step is limited by default; ours is not.
+constexpr double kLargestImpulse = 1e12;
+
+/// Bullet finds what belongs together by colliders, so there are some; they need not collide.
+class UntouchedWorld : public btMultiBodyDynamicsWorld {
+ public:
+  using btMultiBodyDynamicsWorld::btMultiBodyDynamicsWorld;
+  void performDiscreteCollisionDetection() override {}
+};
+
+}  // namespace
+
+// The world comes last, because it must go first.
+struct MultiBodyWorld::Internals {
+  std::vector<PrincipalAxes> axes;
+  btDefaultCollisionConfiguration configuration;
+  btCollisionDispatcher dispatcher{&configuration};
+  btDbvtBroadphase broadphase;
+  btMultiBodyConstraintSolver solver;
+  btSphereShape shape{1e-3};
+  std::vector<std::unique_ptr<btMultiBody>> bodies;  // one a brick, in order
+  std::vector<std::unique_ptr<btMultiBodyLinkCollider>> colliders;
+  std::vector<std::unique_ptr<btMultiBodyPoint2Point>> joints;
+  std::optional<UntouchedWorld> world;
+
+  void addBrick(const Brick& brick, const Environment& environment);
+  void addPivot(const Pivot& pivot);
+};
+
+void MultiBodyWorld::Internals::addBrick(const Brick& brick, const Environment& environment) {
+  const PrincipalAxes& principal = axes.emplace_back(principalAxes(brick));
+  btMultiBody& body = *bodies.emplace_back(
+      // No links, the mass and principal inertia, no fixed base, no sleeping.
+      std::make_unique<btMultiBody>(0, brick.mass, toBullet(principal.inertia), false, false));
+  body.setLinearDamping(environment.linearDamping);
+  body.setAngularDamping(environment.angularDamping);
+  body.finalizeMultiDof();
+  world->addMultiBody(&body);
+  btMultiBodyLinkCollider& collider =
+      *colliders.emplace_back(std::make_unique<btMultiBodyLinkCollider>(&body, -1));
+  collider.setCollisionShape(&shape);
+  collider.setActivationState(DISABLE_DEACTIVATION);
+  body.setBaseCollider(&collider);
+  // Group and mask 0: it meets nothing.
+  world->addCollisionObject(&collider, 0, 0);
+}
+
+void MultiBodyWorld::Internals::addPivot(const Pivot& pivot) {
+  const Vector3 pointA = axes[pivot.brickA].rotation.conjugate() * pivot.pointA;
+  const Vector3 pointB = axes[pivot.brickB].rotation.conjugate() * pivot.pointB;
+  btMultiBodyPoint2Point& joint = *joints.emplace_back(std::make_unique<btMultiBodyPoint2Point>(
+      bodies[pivot.brickA].get(), -1, bodies[pivot.brickB].get(), -1, toBullet(pointA),
+      toBullet(pointB)));
+  joint.setMaxAppliedImpulse(kLargestImpulse);
+  world->addMultiBodyConstraint(&joint);
+}
+
+MultiBodyWorld::MultiBodyWorld(const std::vector<Brick>& bricks, const Poses& start,
+                               std::span<const Pivot> pivots, const Environment& environment,
+                               int iterations)
+    : internals_(std::make_unique<Internals>()) {
+  Internals& in = *internals_;
+  in.world.emplace(&in.dispatcher, &in.broadphase, &in.solver, &in.configuration);
+  in.world->setGravity(toBullet(environment.gravity));
+  in.world->getSolverInfo().m_numIterations = iterations;
+  for (const Brick& brick : bricks) in.addBrick(brick, environment);
+  writeMotion({start, std::vector<Velocity>(bricks.size())});
+  for (const Pivot& pivot : pivots) in.addPivot(pivot);
+}
+
+MultiBodyWorld::~MultiBodyWorld() {
+  // A world does not let go of multibodies and their joints by itself.
+  for (const auto& joint : internals_->joints) {
+    internals_->world->removeMultiBodyConstraint(joint.get());
+  }
+  for (const auto& body : internals_->bodies) internals_->world->removeMultiBody(body.get());
+}
+
+void MultiBodyWorld::applyLoad(int brick, const Vector3& force, const Vector3& torque) {
+  internals_->bodies[brick]->addBaseForce(toBullet(force));
+  internals_->bodies[brick]->addBaseTorque(toBullet(torque));
+}
+
+void MultiBodyWorld::advance(double step) {
+  internals_->world->stepSimulation(step, 0);
+}
+
+void MultiBodyWorld::readMotion(Motion& motion) const {
+  const Internals& in = *internals_;
+  for (std::size_t k = 0; k < in.bodies.size(); ++k) {
+    const btMultiBody& body = *in.bodies[k];
+    motion.poses[k].position = fromBullet(body.getBasePos());
+    motion.poses[k].rotation =
+        fromBullet(body.getWorldToBaseRot().inverse()) * in.axes[k].rotation.conjugate();
+    motion.velocities[k] = {fromBullet(body.getBaseVel()), fromBullet(body.getBaseOmega())};
+  }
+}
+
+void MultiBodyWorld::writeMotion(const Motion& motion) {
+  const Internals& in = *internals_;
+  for (std::size_t k = 0; k < in.bodies.size(); ++k) {
+    btMultiBody& body = *in.bodies[k];
+    body.setBasePos(toBullet(motion.poses[k].position));
+    body.setWorldToBaseRot(toBullet(motion.poses[k].rotation * in.axes[k].rotation).inverse());
+    body.setBaseVel(toBullet(motion.velocities[k].linear));
+    body.setBaseOmega(toBullet(motion.velocities[k].angular));
+  }
+}
+
+// ------------------------------------------------------------------------------------------------
+// A brick's hull moved inwards by a margin m (metres), so that Bullet's margin fills it up again.
+//
+// Moving all faces inwards by m moves a vertex v of the bottom to v + m (d + n): n the tile's unit
+// normal, and d the vector in the plane whose products with the inward unit normals i_1 and i_2 of
+// both edges at v are 1,
+//   d = (i_1 + i_2) / (1 + i_1 . i_2)
+// At a sharp corner |d| is large, and short edges would turn round: their ends come together at the
+// rate (d_k - d_(k+1)) . e for the edge's unit direction e, which bounds m.
+
+namespace {
+
+// Half of Bullet's usual margin of 0.04 m.
+constexpr double kLargestMargin = 0.02;     // metres
+constexpr double kMarginOfThickness = 0.2;  // so that three fifths of the thickness remain
+constexpr double kLargestEdgeLoss = 0.5;    // of an edge's length
+
+/// For each vertex of the bottom: how far it moves, in the plane, for a unit inset of the edges.
+std::vector<Vector3> insetDirections(const Brick& brick) {
+  const std::size_t count = brick.bottom.size();
+  std::vector<Vector3> inwards(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    const Vector3 edge = brick.bottom[(k + 1) % count] - brick.bottom[k];
+    inwards[k] = brick.normal.cross(edge).normalized();
+  }
+  std::vector<Vector3> directions(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    const Vector3& before = inwards[(k + count - 1) % count];
+    // The one vector in their plane whose products with both normals are 1.
+    directions[k] = (before + inwards[k]) / (1 + before.dot(inwards[k]));
+  }
+  return directions;
+}
+
+// The wanted margin, or less where an edge would lose too much.
+double marginFor(const Brick& brick, const std::vector<Vector3>& directions) {
+  double margin = std::min(kLargestMargin, kMarginOfThickness * brick.thickness);
+  const std::size_t count = brick.bottom.size();
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t next = (k + 1) % count;
+    const Vector3 edge = brick.bottom[next] - brick.bottom[k];
+    const double lossRate = (directions[k] - directions[next]).dot(edge.normalized());
+    // An edge between two obtuse outer corners may as well grow.
+    if (lossRate > 0) margin = std::min(margin, kLargestEdgeLoss * edge.norm() / lossRate);
+  }
+  return margin;
+}
+
+}  // namespace
+
+double contactMargin(const Brick& brick) {
+  double margin = 0;
+  for (const BrickPiece& piece : convexPieces(brick)) {
+    margin = std::max(margin, insetHull(piece.shape).margin);
+  }
+  return margin;
+}
+
+InsetHull insetHull(const Brick& brick) {
+  const std::vector<Vector3> directions = insetDirections(brick);
+  InsetHull hull;
+  hull.margin = marginFor(brick, directions);
+  for (std::size_t k = 0; k < brick.bottom.size(); ++k) {
+    hull.points.emplace_back(brick.bottom[k] + hull.margin * (directions[k] + brick.normal));
+  }
+  for (std::size_t k = 0; k < brick.top.size(); ++k) {
+    hull.points.emplace_back(brick.top[k] + hull.margin * (directions[k] - brick.normal));
+  }
+  return hull;
+}
+
+// ------------------------------------------------------------------------------------------------
+// Zones round shared pivots in which Bullet's contact points are dropped: balls round single
+// pivots, cylinders with round ends round hinge lines. They are kept in the axes of the pair's
+// first brick, with which the pivot moves.
+
+namespace {
+
+// Rounded hulls touch beside a common corner within a few margins of it.
+constexpr double kMargins = 4;
+// A twentieth of an edge is small against a tile.
+constexpr double kEdges = 0.05;
+
+// Metres; the larger of the two rules.
+double zoneRadius(const Brick& a, const Brick& b) {
+  const double margin = std::max(contactMargin(a), contactMargin(b));
+  return std::max(kMargins * margin, kEdges * 0.5 * (meanEdge(a) + meanEdge(b)));
+}
+
+// A segment without length is a point.
+double distanceToSegment(const Vector3& point, const Vector3& from, const Vector3& to) {
+  const Vector3 along = to - from;
+  const double squaredLength = along.squaredNorm();
+  if (squaredLength == 0) return (point - from).norm();
+  const double part = std::clamp((point - from).dot(along) / squaredLength, 0.0, 1.0);
+  return (point - from - part * along).norm();
+}
+
+}  // namespace
+
+PivotZones::PivotZones(const std::vector<Brick>& bricks, std::span<const Pivot> pivots) {
+  for (const Pivot& pivot : pivots) {
+    if (pivot.distance == 0) add(bricks, pivot);
+  }
+}
+
+void PivotZones::add(const std::vector<Brick>& bricks, const Pivot& pivot) {
+  const bool swapped = pivot.brickB < pivot.brickA;
+  const std::pair<int, int> pair = std::minmax(pivot.brickA, pivot.brickB);
+  const Vector3& point = swapped ? pivot.pointB : pivot.pointA;
+  std::vector<Zone>& zones = zones_[pair];
+  // Both pivots of a hinge follow each other: the second extends the first to a line.
+  if (!zones.empty() && zones.back().joint == pivot.joint) {
+    zones.back().to = point;
+    return;
+  }
+  zones.push_back({point, point, zoneRadius(bricks[pair.first], bricks[pair.second]), pivot.joint});
+}
+
+bool PivotZones::contains(int brickA, int brickB, const Poses& poses, const Vector3& point) const {
+  const std::pair<int, int> pair = std::minmax(brickA, brickB);
+  const auto found = zones_.find(pair);
+  if (found == zones_.end()) return false;
+  const Pose& pose = poses[pair.first];
+  const Vector3 local = pose.rotation.conjugate() * (point - pose.position);
+  return std::ranges::any_of(found->second, [&](const Zone& zone) {
+    return distanceToSegment(local, zone.from, zone.to) <= zone.radius;
+  });
 }
 
 }  // namespace kirireel

@@ -1,18 +1,23 @@
-/// Bullet's rigid-body world with point joints: the baseline solver. No Bullet header is needed to
-/// use it.
+/// The worlds of Bullet, baseline solvers. No Bullet header is needed to use them.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sim/base/geometry.h"
-#include "sim/brick/brick.h"
+#include "sim/model/brick.h"
 #include "sim/scene/scene.h"
 #include "sim/world/brick_world.h"
 
 namespace kirireel {
+
+// ------------------------------------------------------------------------------------------------
+// Bullet's rigid-body world with point joints: the baseline solver. No Bullet header is needed to
+// use it.
 
 /// Which of Bullet's solvers holds joints and contacts.
 enum class BulletMethod {
@@ -52,5 +57,75 @@ class BulletWorld : public BrickWorld {
 
 /// The version of Bullet in use, e.g. "3.24".
 std::string bulletVersion();
+
+// ------------------------------------------------------------------------------------------------
+// Bullet's world of multibodies, which PyBullet runs: a baseline without contacts. No Bullet
+// header is needed to use it.
+
+/// A btMultiBodyDynamicsWorld in double precision: each brick a multibody without links, each pivot
+/// a point joint between two of them. Nothing collides.
+class MultiBodyWorld : public BrickWorld {
+ public:
+  /// `iterations` of the solver in each step; the environment gives gravity and damping.
+  MultiBodyWorld(const std::vector<Brick>& bricks, const Poses& start,
+                 std::span<const Pivot> pivots, const Environment& environment, int iterations);
+  ~MultiBodyWorld() override;
+
+  void applyLoad(int brick, const Vector3& force, const Vector3& torque) override;
+  void advance(double step) override;
+  void readMotion(Motion& motion) const override;
+  void writeMotion(const Motion& motion) override;
+
+ private:
+  struct Internals;
+  std::unique_ptr<Internals> internals_;
+};
+
+// ------------------------------------------------------------------------------------------------
+// Bricks shrunk for collision detection, so that their contact margin fills them up again.
+
+/// The convex hull of `points` swept by a ball of radius `margin` has the faces of the brick; its
+/// edges are rounded. Collision detection is fast and robust while shapes overlap by less than
+/// their margins, and a margin added outside would have compact tiles start in penetration.
+struct InsetHull {
+  std::vector<Vector3> points;  ///< 2n, in brick axes: those of the bottom, then those of the top
+  double margin = 0;            ///< metres, positive
+};
+
+/// Moves every face of the brick inwards by min(0.02 m, a fifth of the thickness), or by less where
+/// an edge would otherwise lose more than half of its length.
+/// The brick is convex.
+/// Throws nothing; O(n) in its corners.
+InsetHull insetHull(const Brick& brick);
+
+/// The largest margin of a brick's convex pieces, metres.
+double contactMargin(const Brick& brick);
+
+// ------------------------------------------------------------------------------------------------
+// Where joints rule: contacts there would fight them.
+
+/// The neighbourhoods of shared pivots and hinge lines. Two bricks that turn about a common corner
+/// always touch there, and rounded hulls a little beside it; a contact would pry the joint open.
+class PivotZones {
+ public:
+  /// Links, whose corners are apart, have no zone.
+  PivotZones(const std::vector<Brick>& bricks, std::span<const Pivot> pivots);
+
+  /// Whether a contact point of two bricks, given in world axes, lies within max(4 margins, 0.05
+  /// mean edges) of a pivot that these two share, or of the line between both pivots of a hinge.
+  bool contains(int brickA, int brickB, const Poses& poses, const Vector3& point) const;
+
+ private:
+  struct Zone {
+    Vector3 from;  ///< in the axes of the pair's first brick
+    Vector3 to;    ///< the hinge's other pivot, or `from` again
+    double radius = 0;
+    int joint = 0;
+  };
+
+  void add(const std::vector<Brick>& bricks, const Pivot& pivot);
+
+  std::map<std::pair<int, int>, std::vector<Zone>> zones_;  // keys: lower brick index first
+};
 
 }  // namespace kirireel

@@ -3,7 +3,7 @@
 // impulses in double precision and corrects gaps by feeding a part of them back as velocities. Its
 // damping is the part of a velocity that is kept over a second, for straight and turning motions
 // alike, so that the environment's angular damping does not count.
-#include "sim/world/baseline_worlds.h"
+#include "sim/world/brick_world.h"
 
 #ifdef KIRIREEL_CHIPMUNK
 

@@ -1,6 +1,7 @@
 // Contacts of all bricks in three stages.
 //
-// 1. The broad phase (near_pairs.h) lists pairs of convex pieces whose boxes meet. Concave bricks
+// 1. The broad phase (contact_finder.h) lists pairs of convex pieces whose boxes meet. Concave
+// bricks
 //    have several pieces; those of one brick never meet each other.
 // 2. Each listed pair that may touch is looked at as a `BrickPair`, or as a `SpherePair` where one
 //    of the two is a sphere. These remember, from step to step, what keeps the two apart.
@@ -17,19 +18,19 @@
 #include "sim/world/contact_finder.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <map>
 #include <unordered_map>
 
+#include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
 #include <fmt/format.h>
 
 #include "sim/base/error.h"
 #include "sim/base/interruption.h"
-#include "sim/brick/shared_corners.h"
-#include "sim/world/brick_pair.h"
-#include "sim/world/near_pairs.h"
-#include "sim/world/sphere_pair.h"
+#include "sim/model/contact.h"
+#include "sim/world/bullet_values.h"
 
 namespace kirireel {
 namespace {
@@ -313,6 +314,808 @@ bool ContactFinder::isCurrent(const Contact& contact) const {
   // Its pair has been near, or there would be no such contact.
   return in.pairs.at(pairKey(pieceA, pieceB))
       .isCurrent(contact, seenFrom(in.start[a], in.start[b]));
+}
+
+// ------------------------------------------------------------------------------------------------
+// The broad phase: which pairs of convex bodies may meet in a step.
+//
+// Each body has a box round its places at the start and at the end of a move, widened by a margin,
+// the same for all. While no body has moved by more than the margin from the place that its box was
+// made for, the list of pairs stays valid, and nothing is computed but a bound on each body's
+// motion:
+//   |p' - p| + 2 |q' - q| r
+// p and q position and unit quaternion, r the distance of the farthest point. Otherwise all boxes
+// are set anew, and Bullet's dynamic bounding volume tree lists which of them meet (O(n log n) for
+// n bodies that are spread out).
+
+namespace {
+
+// Wider boxes give more pairs, narrower ones must be set more often.
+constexpr double kMarginOfRadius = 0.05;
+
+int number(const btBroadphaseProxy* proxy) {
+  return static_cast<int>(reinterpret_cast<std::intptr_t>(proxy->m_clientObject));
+}
+
+// By all corners of a brick at a pose.
+void extend(Eigen::AlignedBox3d& box, const Brick& brick, const Pose& pose) {
+  for (const std::vector<Vector3>* points : {&brick.bottom, &brick.top}) {
+    for (const Vector3& point : *points) box.extend(pose.apply(point));
+  }
+}
+
+}  // namespace
+
+double motionBound(const Pose& from, const Pose& to, double radius) {
+  // A turn by an angle moves points by at most 2 sin(angle / 2) radii, and the quaternions by
+  // 2 sin(angle / 4).
+  const double turned = (to.rotation.coeffs() - from.rotation.coeffs()).norm();
+  return (to.position - from.position).norm() + 2 * turned * radius;
+}
+
+double outerRadius(const Brick& brick) {
+  double squared = 0;
+  for (const Vector3& point : brick.bottom) squared = std::max(squared, point.squaredNorm());
+  for (const Vector3& point : brick.top) squared = std::max(squared, point.squaredNorm());
+  return std::sqrt(squared);
+}
+
+struct NearPairs::Internals {
+  explicit Internals(const std::vector<Brick>& all) : bricks(all), broadphase(&cache) {}
+  ~Internals() {
+    // With each proxy Bullet looks through all pairs for its own.
+    cache.getOverlappingPairArray().clear();
+    for (btBroadphaseProxy* proxy : proxies) broadphase.destroyProxy(proxy, nullptr);
+  }
+
+  bool anyLeft(const Poses& poses) const;
+  void setBoxes();
+  void setBox(int brick, const Eigen::AlignedBox3d& box);
+  void listPairs();
+
+  const std::vector<Brick>& bricks;
+  std::vector<double> radii;
+  double margin = 0;
+  Poses boxedFrom;  // the move that boxes were made for; empty before the first call
+  Poses boxedTo;
+  std::vector<Eigen::AlignedBox3d> boxes;
+  btHashedOverlappingPairCache cache;
+  btDbvtBroadphase broadphase;
+  std::vector<btBroadphaseProxy*> proxies;
+  std::vector<std::pair<int, int>> pairs;
+};
+
+// Whether any body may have left its box.
+bool NearPairs::Internals::anyLeft(const Poses& poses) const {
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (motionBound(boxedTo[i], poses[i], radii[i]) > margin) return true;
+  }
+  return false;
+}
+
+// From the two states of `boxedFrom` and `boxedTo`.
+void NearPairs::Internals::setBoxes() {
+  boxes.assign(bricks.size(), {});
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    checkInterruption();
+    Eigen::AlignedBox3d& box = boxes[i];
+    extend(box, bricks[i], boxedFrom[i]);
+    extend(box, bricks[i], boxedTo[i]);
+    const Vector3 wider = Vector3::Constant(margin);
+    box = {box.min() - wider, box.max() + wider};
+    setBox(static_cast<int>(i), box);
+  }
+  listPairs();
+}
+
+/// Makes a proxy on the first call, moves it afterwards.
+void NearPairs::Internals::setBox(int brick, const Eigen::AlignedBox3d& box) {
+  const btVector3 low = toBullet(box.min());
+  const btVector3 high = toBullet(box.max());
+  if (brick < static_cast<int>(proxies.size())) {
+    broadphase.setAabb(proxies[brick], low, high, nullptr);
+    return;
+  }
+  // The user pointer only has to carry the brick's number.
+  void* carried = reinterpret_cast<void*>(static_cast<std::intptr_t>(brick));
+  proxies.push_back(broadphase.createProxy(low, high, BOX_SHAPE_PROXYTYPE, carried, 1, 1, nullptr));
+}
+
+/// Bullet's tree widens boxes that move, and forgets pairs late: which of those it has depends on
+/// all moves before. Ours depend on the boxes alone.
+void NearPairs::Internals::listPairs() {
+  broadphase.calculateOverlappingPairs(nullptr);
+  pairs.clear();
+  const btBroadphasePairArray& found = cache.getOverlappingPairArray();
+  for (int i = 0; i < found.size(); ++i) {
+    const auto [a, b] = std::minmax({number(found[i].m_pProxy0), number(found[i].m_pProxy1)});
+    if (boxes[a].intersects(boxes[b])) pairs.emplace_back(a, b);
+  }
+  // Bullet's order depends on the history of its tree, and the order of contacts on this one.
+  std::sort(pairs.begin(), pairs.end());
+}
+
+NearPairs::NearPairs(const std::vector<Brick>& bricks)
+    : internals_(std::make_unique<Internals>(bricks)) {
+  double sum = 0;
+  for (const Brick& brick : bricks) {
+    internals_->radii.push_back(outerRadius(brick));
+    sum += internals_->radii.back();
+  }
+  if (!bricks.empty()) {
+    internals_->margin = kMarginOfRadius * sum / static_cast<double>(bricks.size());
+  }
+}
+
+NearPairs::~NearPairs() = default;
+
+bool NearPairs::update(const Poses& start, const Poses& end) {
+  Internals& in = *internals_;
+  if (!in.boxedTo.empty() && !in.anyLeft(start) && !in.anyLeft(end)) return false;
+  in.boxedFrom = start;
+  in.boxedTo = end;
+  in.setBoxes();
+  return true;
+}
+
+void NearPairs::transfer(StateTape& tape) {
+  tape.transfer(internals_->boxedFrom, internals_->boxedTo);
+  if (tape.isPlaying()) internals_->setBoxes();
+}
+
+const std::vector<std::pair<int, int>>& NearPairs::pairs() const {
+  return internals_->pairs;
+}
+
+// ------------------------------------------------------------------------------------------------
+// Obstacles as bricks that stay where they are: a box is one brick, each face of a mesh a brick
+// without thickness, a sphere the cube round it, which the broad phase needs, with its radius.
+
+namespace {
+
+ObstaclePart makePart(const Tile& floor, double thickness, double friction, int obstacle) {
+  ObstaclePart part;
+  part.body = makeBrick(floor, {.thickness = thickness});
+  part.pose = startPoses({floor}, {part.body}).front();
+  part.friction = friction;
+  part.obstacle = obstacle;
+  return part;
+}
+
+void append(const Obstacle& obstacle, int number, std::vector<ObstaclePart>& parts) {
+  const double diameter = 2 * obstacle.radius;
+  switch (obstacle.shape) {
+    case Obstacle::Shape::Box:
+      parts.push_back(makePart(boxFloor(obstacle, obstacle.size), obstacle.size.z(),
+                               obstacle.friction, number));
+      return;
+    case Obstacle::Shape::Sphere:
+      parts.push_back(makePart(boxFloor(obstacle, Vector3::Constant(diameter)), diameter,
+                               obstacle.friction, number));
+      parts.back().radius = obstacle.radius;
+      return;
+    case Obstacle::Shape::Mesh:
+      for (const Tile& face : obstacleFaces(obstacle)) {
+        // A face without thickness keeps bricks off on the side from which they come: no plane that
+        // held on one side at the start holds on the other.
+        parts.push_back(makePart(face, 0, obstacle.friction, number));
+      }
+  }
+}
+
+}  // namespace
+
+std::vector<ObstaclePart> obstacleParts(const std::vector<Obstacle>& obstacles) {
+  std::vector<ObstaclePart> parts;
+  for (std::size_t k = 0; k < obstacles.size(); ++k) {
+    append(obstacles[k], static_cast<int>(k), parts);
+  }
+  return parts;
+}
+
+// ------------------------------------------------------------------------------------------------
+// Whether a step may lead from one relative pose of two convex bricks to another.
+//
+// Two convex bodies are apart where a plane separates them: one of a face of either, or one along
+// an edge of each (the separating axis theorem). A step is fine where one plane, carried along by
+// the feature that it belongs to, separates them at the start and at the end; or where one takes
+// over from the other on the way, along the screw that leads from pose to pose. The plane of the
+// last step is tried first, and a pair is not looked at before its bricks could have used up their
+// distance, so that most pairs cost a few comparisons a step.
+//
+// Where no plane serves, the one that held at the start and is violated least at the end becomes
+// contacts: points of one brick that may not come through the plane of the other. Bricks that
+// overlap where a run begins may keep that overlap, and lose it as they come apart.
+// Gottschalk, Lin and Manocha, "OBBTree", 1996, for the axes; Mirtich, "V-Clip", 1998, for features
+// that are followed from step to step.
+//
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Overlaps left by a step are taken back bit by bit, and may meanwhile grow by this part of the
+// tolerance a step, up to so many tolerances.
+constexpr double kWorsening = 0.1;
+constexpr double kWorst = 7;
+// Two planes whose normals agree to this cosine count as the same.
+constexpr double kSameDirection = 0.999;
+
+// A point that far beside a face, in radii of a brick, still touches it.
+constexpr double kTouching = 1e-3;
+
+// How often the plane that keeps a pair apart may change within a step, and how finely the moment
+// of a change is sought.
+constexpr int kPlaneChanges = 4;
+constexpr int kBisections = 20;
+// Below this angle the motion of a pair counts as straight, radians.
+constexpr double kNoTurn = 1e-9;
+
+/// A turn about an axis and an advance along it: bricks that share a pivot move against each other
+/// so, and the pivot stays where it is on the way.
+struct Screw {
+  Vector3 turn = Vector3::Zero();  // rotation vector
+  Vector3 centre = Vector3::Zero();
+  Vector3 advance = Vector3::Zero();
+};
+
+/// The screw that takes one pose to another.
+// The centre c of a screw with the angle p about the unit axis a satisfies to = c + R (from - c) +
+// advance along a; with d the part of the displacement across a, c = from + (d + a x d / tan(p/2))
+// / 2.
+Screw screwBetween(const Pose& from, const Pose& to) {
+  const Eigen::AngleAxisd turned(to.rotation * from.rotation.conjugate());
+  Screw screw{Vector3::Zero(), from.position, to.position - from.position};
+  // A pure translation has no finite centre.
+  if (turned.angle() < kNoTurn) return screw;
+  const Vector3& axis = turned.axis();
+  const Vector3 across = screw.advance - axis.dot(screw.advance) * axis;
+  screw.turn = turned.angle() * axis;
+  screw.centre += 0.5 * (across + axis.cross(across) / std::tan(0.5 * turned.angle()));
+  screw.advance -= across;
+  return screw;
+}
+
+/// The pose a part of the way along a screw.
+Pose onTheWay(const Screw& screw, const Pose& from, double part) {
+  const Quaternion turn = rotationFromVector(part * screw.turn);
+  return {screw.centre + part * screw.advance + turn * (from.position - screw.centre),
+          turn * from.rotation};
+}
+
+// The farthest point of the outline from the brick's centre of mass, metres.
+double outerRadius(const Outline& outline) {
+  double radius = 0;
+  for (const Vector3& point : outline.points) radius = std::max(radius, point.norm());
+  return radius;
+}
+
+}  // namespace
+
+// R_s^T (x - x_s), R_s^T R for the seer s.
+Pose seenFrom(const Pose& seer, const Pose& seen) {
+  const Quaternion back = seer.rotation.conjugate();
+  return {back * (seen.position - seer.position), back * seen.rotation};
+}
+
+BrickPair::BrickPair(Side a, Side b, double tolerance)
+    : a_(a.brick),
+      b_(b.brick),
+      partA_(a.part),
+      partB_(b.part),
+      outlineA_(std::move(a.outline)),
+      outlineB_(std::move(b.outline)),
+      radiusB_(outerRadius(outlineB_)),
+      tolerance_(tolerance),
+      planes_(separatingPlanes(outlineA_, outlineB_)),
+      last_(planes_.front()),
+      clearance_(-kInfinity) {
+  // A never moves in its own axes: it is placed once.
+  placeOutline(outlineA_, {}, placedA_);
+}
+
+void BrickPair::keepOverlap(const Pose& startOfB) {
+  // The largest separation over all planes is the distance of the two, or, where it is negative,
+  // minus the least depth.
+  placeOutline(outlineB_, startOfB, startB_);
+  slack_ = std::max(0.0, -bestSeparationAtStart());
+}
+
+void BrickPair::shrinkOverlap(const Pose& startOfB) {
+  placeOutline(outlineB_, startOfB, startB_);
+  // What has come apart must not overlap again.
+  slack_ = std::min(slack_, std::max(0.0, -bestSeparationAtStart()));
+}
+
+/// Whether the pair cannot have used up the distance between its bricks since they were looked at.
+bool BrickPair::isSurelyApart(const PairMove& move) const {
+  // A bound on how far any point of B has moved: while it is below the last separation, no plane
+  // need be looked at.
+  return motionBound(lookedAt_, move.start, radiusB_) < clearance_ &&
+         motionBound(lookedAt_, move.end, radiusB_) < clearance_;
+}
+
+double BrickPair::separationAtStart(const SeparatingPlane& plane) const {
+  return separation(plane, placedA_, startB_);
+}
+
+double BrickPair::separationAtEnd(const SeparatingPlane& plane) const {
+  return separation(plane, placedA_, endB_);
+}
+
+// The largest separation over all planes, metres.
+double BrickPair::bestSeparationAtStart() const {
+  double best = -kInfinity;
+  for (const SeparatingPlane& plane : planes_) best = std::max(best, separationAtStart(plane));
+  return best;
+}
+
+// Whether the plane that kept the two apart in the last step does so at both ends of this one.
+bool BrickPair::lastPlaneHolds() {
+  const double after = separationAtEnd(last_);
+  if (after < -tolerance_ - slack_) return false;
+  if (separationAtStart(last_) < -tolerance_ - slack_) return false;
+  // The separation along one plane is a lower bound of the distance.
+  lookedAt_ = endB_.pose;
+  clearance_ = after;
+  return true;
+}
+
+// From the cheapest test to the dearest: a bound on the motion, the last plane, all planes, planes
+// in turn.
+double BrickPair::appendViolated(const PairMove& move, long step, std::vector<Contact>& contacts) {
+  if (isSurelyApart(move)) return 0;
+  placeOutline(outlineB_, move.start, startB_);
+  placeOutline(outlineB_, move.end, endB_);
+  if (lastPlaneHolds()) return 0;
+  const double limit = -tolerance_ - slack_;
+  const double bestBefore = bestSeparationAtStart();
+  // Planes that hold at the start: within the tolerance, or, of a pair that overlaps already, the
+  // best one.
+  const double held = std::min(limit, bestBefore);
+  const double worsening = bestBefore > limit - kWorst * tolerance_ ? kWorsening * tolerance_ : 0;
+  // An overlap deeper than the tolerance may not grow but by a little, since a solver takes it back
+  // over several steps.
+  const double wanted = std::min(limit, bestBefore - worsening);
+  double bestAfter = -kInfinity;  // of the planes that held before
+  for (const SeparatingPlane& plane : planes_) {
+    // A plane that did not hold at the start says nothing about the way: B may have come through.
+    if (separationAtStart(plane) < held) continue;
+    const double after = separationAtEnd(plane);
+    if (after <= bestAfter) continue;
+    bestAfter = after;
+    last_ = plane;
+  }
+  if (bestAfter >= wanted) {
+    lookedAt_ = move.end;
+    clearance_ = bestAfter;
+    return 0;
+  }
+  // The dearest test comes last, and only for pairs that no single plane keeps apart.
+  if (keptApartInTurn(move)) return 0;
+  // No plane kept the pair apart.
+  if (const SeparatingPlane* plane = planeToGive(step)) givePlane(*plane, contacts);
+  return std::max(0.0, -bestAfter - slack_);
+}
+
+/// Whether the pair is kept apart by one plane after the other, as bricks that turn past a corner
+/// are: each plane must hold until the next one does. Overlaps from the start do not count here: a
+/// pair that may overlap by more than it is thick could hand over through itself.
+bool BrickPair::keptApartInTurn(const PairMove& move) const {
+  const Screw screw = screwBetween(move.start, move.end);
+  PlacedOutline way = startB_;
+  const auto holds = [&](const SeparatingPlane& plane) {
+    return separation(plane, placedA_, way) >= -tolerance_;
+  };
+  const auto ends = [&](const SeparatingPlane& plane) {
+    return separationAtEnd(plane) >= -tolerance_;
+  };
+  double reached = 0;
+  for (int change = 0; change < kPlaneChanges; ++change) {
+    std::vector<SeparatingPlane> holding;
+    std::copy_if(planes_.begin(), planes_.end(), std::back_inserter(holding), holds);
+    if (std::any_of(holding.begin(), holding.end(), ends)) return true;
+    // Bisect for the last moment to which one of them holds.
+    double lost = 1;
+    const double from = reached;
+    for (int round = 0; round < kBisections; ++round) {
+      const double part = 0.5 * (reached + lost);
+      placeOutline(outlineB_, onTheWay(screw, move.start, part), way);
+      (std::any_of(holding.begin(), holding.end(), holds) ? reached : lost) = part;
+    }
+    // No plane holds any further: the two really meet.
+    if (reached == from) return false;
+    placeOutline(outlineB_, onTheWay(screw, move.start, reached), way);
+  }
+  return false;
+}
+
+/// Of the steady planes that held best at the start and were not given yet, the one that is
+/// violated least at the end; null when there is none.
+const SeparatingPlane* BrickPair::planeToGive(long step) {
+  std::vector<const SeparatingPlane*> candidates;
+  double best = -kInfinity;
+  for (const SeparatingPlane& plane : planes_) {
+    if (!isSteady(plane, placedA_, startB_)) continue;
+    best = std::max(best, separationAtStart(plane));
+    if (canGive(plane, step)) candidates.push_back(&plane);
+  }
+  const double held = std::min(-tolerance_ - slack_, best);
+  const SeparatingPlane* chosen = nullptr;
+  double leastViolated = -kInfinity;
+  for (const SeparatingPlane* plane : candidates) {
+    if (separationAtStart(*plane) < held) continue;
+    const double after = separationAtEnd(*plane);
+    if (after <= leastViolated) continue;
+    leastViolated = after;
+    chosen = plane;
+  }
+  return chosen;
+}
+
+/// Whether contacts on this plane would be new in this step.
+bool BrickPair::canGive(const SeparatingPlane& plane, long step) {
+  if (givenStep_ != step) given_.clear();
+  givenStep_ = step;
+  return std::find(given_.begin(), given_.end(), plane) == given_.end();
+}
+
+void BrickPair::givePlane(const SeparatingPlane& plane, std::vector<Contact>& contacts) {
+  last_ = plane;
+  given_.push_back(plane);
+  const std::size_t first = contacts.size();
+  appendPlaneContacts(plane, a_, b_, placedA_, startB_, contacts);
+  for (std::size_t c = first; c < contacts.size(); ++c) {
+    const bool onA = contacts[c].brickA == a_;
+    // The overlap from the start of the run moves the contact's zero.
+    contacts[c].slack = slack_;
+    contacts[c].partA = onA ? partA_ : partB_;
+    contacts[c].partB = onA ? partB_ : partA_;
+  }
+}
+
+bool BrickPair::isCurrent(const Contact& contact, const Pose& startOfB) const {
+  PlacedOutline placedB;
+  placeOutline(outlineB_, startOfB, placedB);
+  return touches(contact, placedB) || !isApartOtherwise(contact, placedB);
+}
+
+/// Whether the contact's point lies on the face that it is held against, not beside it.
+bool BrickPair::touches(const Contact& contact, const PlacedOutline& placedB) const {
+  // An edge against an edge has no face that it could lie on.
+  if (contact.isEdge) return false;
+  const bool onA = contact.brickA == a_;
+  const PlacedOutline& other = onA ? placedB : placedA_;
+  const Vector3 point = (onA ? placedA_ : placedB).pose.apply(contact.pointA);
+  for (std::size_t f = 0; f < other.normals.size(); ++f) {
+    const Vector3& onFace = other.points[other.outline->facePoints[f]];
+    // Beyond the plane of any face, the point is outside the other brick, so that it cannot touch
+    // the face from within its borders.
+    if (other.normals[f].dot(point - onFace) > kTouching * radiusB_) return false;
+  }
+  return true;
+}
+
+/// Whether another plane than that of the contact keeps the pair apart at the start of the step.
+bool BrickPair::isApartOtherwise(const Contact& contact, const PlacedOutline& placedB) const {
+  // The contact's first brick may be B of the pair; its normal then points the other way.
+  const bool swapped = contact.brickA != a_;
+  Contact numbered = contact;
+  numbered.brickA = swapped ? 1 : 0;
+  numbered.brickB = swapped ? 0 : 1;
+  const Vector3 normal = (swapped ? -1 : 1) * contactNormal(numbered, {Pose{}, placedB.pose});
+  return std::any_of(planes_.begin(), planes_.end(), [&](const SeparatingPlane& plane) {
+    return plane.kind != SeparatingPlane::Kind::Edges &&
+           planeNormal(plane, placedA_, placedB).dot(normal) < kSameDirection &&
+           separation(plane, placedA_, placedB) >= -tolerance_ - slack_;
+  });
+}
+
+// ------------------------------------------------------------------------------------------------
+// Planes between two convex bodies A and B by the separating axis theorem.
+//
+// Two convex polyhedra that do not meet are separated by a plane parallel to a face of either, or
+// parallel to an edge of each (S. Gottschalk, M. C. Lin, D. Manocha, OBBTree, SIGGRAPH 1996). With
+// the unit normal n from B towards A,
+//   s = min over A of (p . n) - max over B of (p . n)             metres
+// is the separation: positive where they are apart, negative where they overlap along n. For a face
+// of B, n is its outward normal, and the maximum over B is reached on the face, so that one point
+// of it serves. For edges, n = +-(e_A x e_B) / |e_A x e_B|: both signs are tried as planes of their
+// own, so that a plane keeps its side when it is followed.
+//
+// A prism over a polygon with k corners has k + 2 faces and up to k + 1 edge directions. In the
+// plane only its k side faces count.
+
+namespace {
+
+using Kind = SeparatingPlane::Kind;
+
+// Below this sine two edges span no plane.
+constexpr double kParallel = 1e-6;
+// Below this sine the plane of two edges turns too fast to be held.
+constexpr double kSteady = 0.05;
+// Points that reach equally far to this part of an edge tie.
+constexpr double kTie = 1e-9;
+
+// The least projection of the points on a direction.
+double lowest(const std::vector<Vector3>& points, const Vector3& direction) {
+  double low = std::numeric_limits<double>::infinity();
+  for (const Vector3& point : points) low = std::min(low, point.dot(direction));
+  return low;
+}
+
+void addDirection(Outline& outline, const Vector3& edge) {
+  const Vector3 direction = edge.normalized();
+  const bool known =
+      // Parallel edges span the same planes, so that they count once.
+      std::any_of(outline.directions.begin(), outline.directions.end(),
+                  [&](const Vector3& other) { return other.cross(direction).norm() < 1e-9; });
+  if (!known) outline.directions.push_back(direction);
+}
+
+/// The point that reaches farthest along a direction; of both ends of an edge across it the first.
+const Vector3& farthest(const PlacedOutline& placed, const Vector3& direction, int& index) {
+  // Both ends of an edge across the direction reach equally far; rounding must not choose between
+  // them.
+  const double tie = kTie * (placed.points[1] - placed.points[0]).norm();
+  index = 0;
+  for (int p = 1; p < static_cast<int>(placed.points.size()); ++p) {
+    if (placed.points[p].dot(direction) > placed.points[index].dot(direction) + tie) index = p;
+  }
+  return placed.outline->points[index];
+}
+
+/// Contacts of one body's points against a face of the other.
+void appendFaceContacts(int pointBrick, int faceBrick, int face, const Outline& points,
+                        const Outline& faces, std::vector<Contact>& contacts) {
+  for (const Vector3& point : points.points) {
+    contacts.push_back(
+        {pointBrick, faceBrick, point, faces.points[faces.facePoints[face]], faces.normals[face]});
+  }
+}
+
+/// Contacts of all points of either brick against the other's farthest point, along the normal of
+/// an edge of each.
+void appendEdgeContacts(const SeparatingPlane& plane, int brickA, int brickB,
+                        const PlacedOutline& a, const PlacedOutline& b,
+                        std::vector<Contact>& contacts) {
+  const Vector3 normal = planeNormal(plane, a, b);
+  int nearestA = 0;
+  int nearestB = 0;
+  Contact contact{brickA, brickB, farthest(a, -normal, nearestA), farthest(b, normal, nearestB),
+                  b.outline->directions[plane.b]};
+  contact.isEdge = true;
+  contact.edgeA = plane.sign * a.outline->directions[plane.a];
+  const Vector3 pointA = contact.pointA;
+  for (const Vector3& point : a.outline->points) {
+    contact.pointA = point;
+    contacts.push_back(contact);
+  }
+  contact.pointA = pointA;
+  for (int p = 0; p < static_cast<int>(b.outline->points.size()); ++p) {
+    // That pair of points stands among those of A already.
+    if (p == nearestB) continue;
+    contact.pointB = b.outline->points[p];
+    contacts.push_back(contact);
+  }
+}
+
+}  // namespace
+
+Outline makeOutline(const Brick& brick, bool planar) {
+  Outline outline;
+  const int count = static_cast<int>(brick.bottom.size());
+  outline.points = brick.bottom;
+  if (!planar) {
+    outline.points.insert(outline.points.end(), brick.top.begin(), brick.top.end());
+    outline.normals = {-brick.normal, brick.normal};
+    outline.facePoints = {0, count};
+  }
+  for (int k = 0; k < count; ++k) {
+    const int next = (k + 1) % count;
+    const Vector3 edge = brick.bottom[next] - brick.bottom[k];
+    outline.normals.push_back(edge.cross(brick.normal).normalized());
+    outline.facePoints.push_back(k);
+    if (planar) continue;
+    addDirection(outline, edge);
+    addDirection(outline, brick.normal);
+  }
+  return outline;
+}
+
+// Memory of `placed` is used again, as this is called for each pair in each step.
+void placeOutline(const Outline& outline, const Pose& pose, PlacedOutline& placed) {
+  // One matrix for all points is cheaper than a quaternion for each.
+  const Matrix3 R = pose.rotation.toRotationMatrix();
+  const auto turn = [&](const std::vector<Vector3>& from, std::vector<Vector3>& to) {
+    to.resize(from.size());
+    for (std::size_t i = 0; i < from.size(); ++i) to[i] = R * from[i];
+  };
+  placed.outline = &outline;
+  placed.pose = pose;
+  turn(outline.points, placed.points);
+  turn(outline.normals, placed.normals);
+  turn(outline.directions, placed.directions);
+  for (Vector3& point : placed.points) point += pose.position;
+}
+
+// Faces come first: they are cheaper, and keep most pairs apart.
+std::vector<SeparatingPlane> separatingPlanes(const Outline& a, const Outline& b) {
+  std::vector<SeparatingPlane> planes;
+  for (int f = 0; f < static_cast<int>(a.normals.size()); ++f) {
+    planes.push_back({Kind::FaceOfA, f, 0, 1});
+  }
+  for (int f = 0; f < static_cast<int>(b.normals.size()); ++f) {
+    planes.push_back({Kind::FaceOfB, 0, f, 1});
+  }
+  for (int i = 0; i < static_cast<int>(a.directions.size()); ++i) {
+    for (int j = 0; j < static_cast<int>(b.directions.size()); ++j) {
+      planes.push_back({Kind::Edges, i, j, 1});
+      planes.push_back({Kind::Edges, i, j, -1});
+    }
+  }
+  return planes;
+}
+
+Vector3 planeNormal(const SeparatingPlane& plane, const PlacedOutline& a, const PlacedOutline& b) {
+  switch (plane.kind) {
+    case Kind::FaceOfA:
+      return -a.normals[plane.a];
+    case Kind::FaceOfB:
+      return b.normals[plane.b];
+    case Kind::Edges:
+      break;
+  }
+  const Vector3 product = a.directions[plane.a].cross(b.directions[plane.b]);
+  const double length = product.norm();
+  return length < kParallel ? Vector3::Zero() : Vector3(plane.sign / length * product);
+}
+
+double separation(const SeparatingPlane& plane, const PlacedOutline& a, const PlacedOutline& b) {
+  if (plane.kind == Kind::FaceOfA) {
+    const Vector3& normal = a.normals[plane.a];
+    return lowest(b.points, normal) - normal.dot(a.points[a.outline->facePoints[plane.a]]);
+  }
+  if (plane.kind == Kind::FaceOfB) {
+    const Vector3& normal = b.normals[plane.b];
+    return lowest(a.points, normal) - normal.dot(b.points[b.outline->facePoints[plane.b]]);
+  }
+  const Vector3 normal = planeNormal(plane, a, b);
+  if (normal.isZero(0)) return -std::numeric_limits<double>::infinity();
+  return lowest(a.points, normal) + lowest(b.points, -normal);
+}
+
+bool isSteady(const SeparatingPlane& plane, const PlacedOutline& a, const PlacedOutline& b) {
+  return plane.kind != Kind::Edges ||
+         a.directions[plane.a].cross(b.directions[plane.b]).norm() > kSteady;
+}
+
+void appendPlaneContacts(const SeparatingPlane& plane, int brickA, int brickB,
+                         const PlacedOutline& a, const PlacedOutline& b,
+                         std::vector<Contact>& contacts) {
+  switch (plane.kind) {
+    case Kind::FaceOfA:
+      return appendFaceContacts(brickB, brickA, plane.a, *b.outline, *a.outline, contacts);
+    case Kind::FaceOfB:
+      return appendFaceContacts(brickA, brickB, plane.b, *a.outline, *b.outline, contacts);
+    case Kind::Edges:
+      return appendEdgeContacts(plane, brickA, brickB, a, b, contacts);
+  }
+}
+
+// ------------------------------------------------------------------------------------------------
+// A convex brick and a sphere with the centre c and radius R, in brick axes.
+//
+// The nearest point of the brick to c lies on a face where c is over the face, else on an edge or
+// at a corner. Within the brick, where all heights h = n . (c - f) over the faces are negative, the
+// face with the largest height is nearest. The pair overlaps by R - distance. The contact plane is
+// the face, or else the sphere's tangent plane at the nearest point. As a convex brick has a
+// nearest point only, one contact a pair is enough. C. Ericson, Real-Time Collision Detection,
+// 2005, section 5.1, has these cases.
+
+namespace {
+
+/// Newell's normal: also of a face whose first corners lie in line.
+Vector3 normalOf(const std::vector<Vector3>& face) {
+  Vector3 sum = Vector3::Zero();
+  for (std::size_t k = 0; k < face.size(); ++k) {
+    sum += (face[k] - face[0]).cross(face[(k + 1) % face.size()] - face[0]);
+  }
+  return sum.normalized();
+}
+
+// Whether the point projects into the face, seen along its normal.
+bool isOverFace(const std::vector<Vector3>& face, const Vector3& normal, const Vector3& point) {
+  for (std::size_t k = 0; k < face.size(); ++k) {
+    const Vector3 edge = face[(k + 1) % face.size()] - face[k];
+    if (edge.cross(point - face[k]).dot(normal) < 0) return false;
+  }
+  return true;
+}
+
+// The point must not lie on the edge, where the direction is not defined.
+NearestPoint nearestOnEdge(const Vector3& from, const Vector3& to, const Vector3& point) {
+  const Vector3 edge = to - from;
+  const double part = std::clamp((point - from).dot(edge) / edge.squaredNorm(), 0.0, 1.0);
+  const Vector3 nearest = from + part * edge;
+  const double distance = (point - nearest).norm();
+  return {nearest, (point - nearest) / distance, distance, false};
+}
+
+}  // namespace
+
+NearestPoint nearestPoint(const std::vector<std::vector<Vector3>>& faces, const Vector3& to) {
+  NearestPoint nearest{{}, {}, std::numeric_limits<double>::infinity()};
+  NearestPoint within{{}, {}, -std::numeric_limits<double>::infinity()};
+  for (const std::vector<Vector3>& face : faces) {
+    const Vector3 normal = normalOf(face);
+    const double height = normal.dot(to - face[0]);
+    const NearestPoint onFace{to - height * normal, normal, height};
+    if (height > within.distance) within = onFace;
+    // Faces that look away from the centre cannot hold the nearest point, unless the centre is
+    // within.
+    if (height <= 0) continue;
+    if (isOverFace(face, normal, to)) return onFace;
+    for (std::size_t k = 0; k < face.size(); ++k) {
+      const NearestPoint onEdge = nearestOnEdge(face[k], face[(k + 1) % face.size()], to);
+      if (onEdge.distance < nearest.distance) nearest = onEdge;
+    }
+  }
+  return within.distance <= 0 ? within : nearest;
+}
+
+SpherePair::SpherePair(int brick, int sphere, const Brick& shape, double radius, double tolerance)
+    : brick_(brick),
+      sphere_(sphere),
+      faces_(brickFaces(shape)),
+      radius_(radius),
+      tolerance_(tolerance) {}
+
+NearestPoint SpherePair::nearest(const Pose& brick, const Vector3& centre) const {
+  return nearestPoint(faces_, brick.rotation.conjugate() * (centre - brick.position));
+}
+
+double SpherePair::overlap(const Pose& brick, const Vector3& centre) const {
+  return std::max(0.0, radius_ - nearest(brick, centre).distance);
+}
+
+// The contact of the nearest feature at a pose, which stays for the step.
+Contact SpherePair::contactAt(const Pose& brick, const Vector3& centre) const {
+  const NearestPoint near = nearest(brick, centre);
+  Contact contact;
+  if (near.isOnFace) {
+    contact.brickA = sphere_;
+    contact.brickB = brick_;
+    // The sphere's point that faces the brick; its axes are the world's, since it does not turn.
+    contact.pointA = radius_ * (brick.rotation * -near.away);
+    contact.pointB = near.point;
+    contact.normal = near.away;
+  } else {
+    contact.brickA = brick_;
+    contact.brickB = sphere_;
+    contact.pointA = near.point;
+    contact.normal = brick.rotation * -near.away;
+    contact.pointB = radius_ * contact.normal;
+  }
+  return contact;
+}
+
+double SpherePair::appendViolated(const Pose& start, const Pose& end, const Vector3& centre,
+                                  long step, std::vector<Contact>& contacts) {
+  const double deep = overlap(end, centre);
+  if (deep <= tolerance_) return 0;
+  if (givenStep_ != step) given_.clear();
+  givenStep_ = step;
+  // The start's feature is what the brick came towards. When its contact is there and the overlap
+  // stays, the end's feature is another one.
+  for (const Pose* pose : {&start, &end}) {
+    const Contact contact = contactAt(*pose, centre);
+    if (std::find(given_.begin(), given_.end(), contact) != given_.end()) continue;
+    given_.push_back(contact);
+    contacts.push_back(contact);
+    break;
+  }
+  return deep;
 }
 
 }  // namespace kirireel

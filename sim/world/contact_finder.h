@@ -1,17 +1,74 @@
-/// Finds what bricks run into: Bullet's broad phase picks the pairs, separating planes of the exact
-/// bricks decide. No Bullet header is needed to use it.
+/// Collision detection: from all pairs of bricks to the contacts of a step.
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
-#include "sim/brick/brick.h"
-#include "sim/brick/contact.h"
+#include "sim/base/geometry.h"
+#include "sim/base/state_tape.h"
+#include "sim/model/brick.h"
+#include "sim/model/contact.h"
+#include "sim/scene/conditions.h"
 #include "sim/scene/scene.h"
-#include "sim/world/obstacle_parts.h"
 
 namespace kirireel {
+
+// ------------------------------------------------------------------------------------------------
+// Which bricks may come near each other: the broad phase. No Bullet header is needed to use it.
+
+/// How far any point within `radius` of the origin is displaced by a change of pose, at most.
+/// Metres. Never too small; at most twice too large for small turns.
+double motionBound(const Pose& from, const Pose& to, double radius);
+
+/// The distance of a brick's farthest point from its centre of mass, metres.
+double outerRadius(const Brick& brick);
+
+/// Bullet's dynamic box tree over boxes that are wider than the bricks in them, so that they need
+/// be set anew only when a brick has moved by the margin.
+class NearPairs {
+ public:
+  /// `bricks` must outlive this.
+  explicit NearPairs(const std::vector<Brick>& bricks);
+  ~NearPairs();
+
+  /// Takes notice of a move. Returns whether the pairs were found anew.
+  /// O(bricks) where the boxes still hold, else O(bricks log bricks).
+  bool update(const Poses& start, const Poses& end);
+
+  /// The pairs whose boxes overlap, smaller number first, sorted. A box holds its brick at the
+  /// start and the end of the last move.
+  const std::vector<std::pair<int, int>>& pairs() const;
+
+  /// Where the boxes are, which decides the pairs.
+  void transfer(StateTape& tape);
+
+ private:
+  struct Internals;
+  std::unique_ptr<Internals> internals_;
+};
+
+// ------------------------------------------------------------------------------------------------
+// Obstacles as bodies that bricks can be paired with.
+
+/// A convex piece of an obstacle: a box, a face of a mesh, a sphere.
+struct ObstaclePart {
+  Brick body;                    ///< its shape; of a sphere the cube round it
+  Pose pose;                     ///< where it stays
+  std::optional<double> radius;  ///< of a sphere, metres
+  double friction = 0;           ///< Coulomb coefficient
+  int obstacle = 0;              ///< that it belongs to, from 0
+};
+
+/// The parts of all obstacles, in order.
+/// Throws InputError for a mesh that cannot be read.
+std::vector<ObstaclePart> obstacleParts(const std::vector<Obstacle>& obstacles);
+
+// ------------------------------------------------------------------------------------------------
+// Finds what bricks run into: Bullet's broad phase picks the pairs, separating planes of the exact
+// bricks decide. No Bullet header is needed to use it.
 
 /// Looks at a step's start and end together. A pair is fine when one plane (a face of either brick,
 /// or spanned by an edge of each) keeps the two apart at both: then they neither overlap nor have
@@ -45,6 +102,196 @@ class ContactFinder : public ContactSource {
  private:
   struct Internals;
   std::unique_ptr<Internals> internals_;
+};
+
+// ------------------------------------------------------------------------------------------------
+// Planes between two bricks: which of their faces and edges keep them apart.
+
+/// A brick as the points, outward face normals and edges of a convex body, in brick axes. In a
+/// planar scene only the outline counts: the bottom's vertices and the side faces.
+struct Outline {
+  std::vector<Vector3> points;
+  std::vector<Vector3> normals;     ///< one a face, unit
+  std::vector<int> facePoints;      ///< a point on each face, as an index into points
+  std::vector<Vector3> directions;  ///< of edges, unit, parallel ones once
+};
+
+/// `brick` is convex. O(n^2) in its corners, for the directions of its edges.
+Outline makeOutline(const Brick& brick, bool planar);
+
+/// An outline at a pose, in world axes.
+struct PlacedOutline {
+  const Outline* outline = nullptr;
+  Pose pose;
+  std::vector<Vector3> points;
+  std::vector<Vector3> normals;
+  std::vector<Vector3> directions;
+};
+
+/// Replaces `placed` by the outline at a pose.
+void placeOutline(const Outline& outline, const Pose& pose, PlacedOutline& placed);
+
+/// A direction that may separate two bricks A and B, tied to their features so that it can be
+/// followed from pose to pose.
+struct SeparatingPlane {
+  enum class Kind { FaceOfA, FaceOfB, Edges };
+  Kind kind = Kind::FaceOfB;
+  int a = 0;        ///< face or edge direction of A
+  int b = 0;        ///< face or edge direction of B
+  double sign = 1;  ///< of the product of edge directions
+
+  bool operator==(const SeparatingPlane&) const = default;
+
+  void transfer(StateTape& tape) { tape.transfer(kind, a, b, sign); }
+};
+
+/// All planes to be tried for a pair: the faces of both, and in space the products of their edges.
+std::vector<SeparatingPlane> separatingPlanes(const Outline& a, const Outline& b);
+
+/// The unit normal of a plane from B towards A, world axes; zero where two edges are parallel.
+Vector3 planeNormal(const SeparatingPlane& plane, const PlacedOutline& a, const PlacedOutline& b);
+
+/// Distance between A and B along a plane's normal, metres: negative where they overlap along it,
+/// minus infinity where the plane does not exist.
+/// O(points of A and B).
+double separation(const SeparatingPlane& plane, const PlacedOutline& a, const PlacedOutline& b);
+
+/// Whether contacts should hold A and B on their sides of a plane: not where two edges are nearly
+/// parallel, since their plane turns too fast.
+bool isSteady(const SeparatingPlane& plane, const PlacedOutline& a, const PlacedOutline& b);
+
+/// The contacts that keep A and B (brick numbers as given) on their sides of a plane: every point
+/// of one against a face of the other, or every point of either against the other's farthest point
+/// along the normal of two edges.
+void appendPlaneContacts(const SeparatingPlane& plane, int brickA, int brickB,
+                         const PlacedOutline& a, const PlacedOutline& b,
+                         std::vector<Contact>& contacts);
+
+// ------------------------------------------------------------------------------------------------
+// Two bricks that may touch: what keeps them apart from step to step, and what they run into.
+
+/// The poses of B in A's axes where a step starts and ends.
+struct PairMove {
+  Pose start;
+  Pose end;
+};
+
+/// The pose of a brick in the axes of another.
+Pose seenFrom(const Pose& seer, const Pose& seen);
+
+/// Everything about a pair is looked at in the axes of brick A.
+class BrickPair {
+ public:
+  /// A convex piece of each brick: the brick's number, the piece's, and its shape. `tolerance`:
+  /// overlap in metres that counts as none.
+  struct Side {
+    int brick = 0;
+    int part = 0;
+    Outline outline;
+  };
+  /// Costs the making of all planes of the pair: faces of both, and in space products of their
+  /// edges.
+  BrickPair(Side a, Side b, double tolerance);
+  BrickPair(const BrickPair&) = delete;
+  BrickPair& operator=(const BrickPair&) = delete;
+
+  int a() const { return a_; }
+  int b() const { return b_; }
+  /// Overlap that the pair may keep, metres.
+  double slack() const { return slack_; }
+
+  /// Notes how far the pair overlaps where the run begins: it may keep that.
+  void keepOverlap(const Pose& startOfB);
+  /// Lets the pair keep no more of that overlap than it still has.
+  void shrinkOverlap(const Pose& startOfB);
+
+  /// Appends the contacts of the plane that the move violates, unless they were given in this step
+  /// already. Returns the overlap at the end of the move, metres.
+  /// `step` numbers the step: planes whose contacts were given in the same step are not given
+  /// again. Costs a bound on the motion for pairs that are far apart, one plane for most others,
+  /// all planes (some dozens of products) else.
+  double appendViolated(const PairMove& move, long step, std::vector<Contact>& contacts);
+
+  /// Whether a contact of this pair still is in force at the start of a step: its point touches the
+  /// other brick's face, or no other face keeps the two apart.
+  bool isCurrent(const Contact& contact, const Pose& startOfB) const;
+
+  /// What the next step takes from those before.
+  void transfer(StateTape& tape) { tape.transfer(slack_, last_, lookedAt_, clearance_); }
+
+ private:
+  bool touches(const Contact& contact, const PlacedOutline& placedB) const;
+  bool isApartOtherwise(const Contact& contact, const PlacedOutline& placedB) const;
+  bool isSurelyApart(const PairMove& move) const;
+  bool lastPlaneHolds();
+  double separationAtStart(const SeparatingPlane& plane) const;
+  double separationAtEnd(const SeparatingPlane& plane) const;
+  double bestSeparationAtStart() const;
+  bool keptApartInTurn(const PairMove& move) const;
+  bool canGive(const SeparatingPlane& plane, long step);
+  const SeparatingPlane* planeToGive(long step);
+  void givePlane(const SeparatingPlane& plane, std::vector<Contact>& contacts);
+
+  int a_, b_;
+  int partA_, partB_;
+  Outline outlineA_, outlineB_;
+  double radiusB_;
+  double tolerance_;
+  double slack_ = 0;
+  std::vector<SeparatingPlane> planes_;
+  SeparatingPlane last_;                // that kept the pair apart when last looked at
+  Pose lookedAt_;                       // B's pose then
+  double clearance_;                    // the separation then
+  std::vector<SeparatingPlane> given_;  // whose contacts were given in this step
+  long givenStep_ = -1;
+  PlacedOutline placedA_, startB_, endB_;
+};
+
+// ------------------------------------------------------------------------------------------------
+// A brick and a sphere that stays: where the two meet.
+
+/// The point of a brick's surface that is nearest to another point.
+struct NearestPoint {
+  Vector3 point;         ///< in brick axes
+  Vector3 away;          ///< unit, from there to the other point; a face's normal on a face
+  double distance = 0;   ///< metres, negative within the brick
+  bool isOnFace = true;  ///< else on an edge or a corner
+};
+
+/// `faces`: of a convex brick, outward, see brickFaces. `to`: in brick axes.
+/// Costs a look at every face, O(corners).
+NearestPoint nearestPoint(const std::vector<std::vector<Vector3>>& faces, const Vector3& to);
+
+/// Finds contacts at the surface's nearest points: a face of the brick keeps off the sphere's point
+/// there, a corner or a point of an edge off the plane that touches the sphere there. They turn
+/// with the bricks, so every step finds them anew.
+class SpherePair {
+ public:
+  /// Numbers of the brick and of the body that stands for the sphere, whose origin is the centre.
+  /// `tolerance`: overlap in metres that counts as none.
+  SpherePair(int brick, int sphere, const Brick& shape, double radius, double tolerance);
+
+  int brick() const { return brick_; }
+  int sphere() const { return sphere_; }
+
+  /// How deep the sphere reaches into the brick at this pose, metres, from 0.
+  double overlap(const Pose& brick, const Vector3& centre) const;
+
+  /// Appends the contact of the feature that was nearest at the start, then, when asked again in
+  /// the same step, of the one that is nearest at the end. Returns the overlap at the end.
+  double appendViolated(const Pose& start, const Pose& end, const Vector3& centre, long step,
+                        std::vector<Contact>& contacts);
+
+ private:
+  NearestPoint nearest(const Pose& brick, const Vector3& centre) const;
+  Contact contactAt(const Pose& brick, const Vector3& centre) const;
+
+  int brick_, sphere_;
+  std::vector<std::vector<Vector3>> faces_;
+  double radius_;
+  double tolerance_;
+  std::vector<Contact> given_;  // in this step
+  long givenStep_ = -1;
 };
 
 }  // namespace kirireel

@@ -1,7 +1,7 @@
 // MuJoCo has no function that makes a model from numbers: it is written as a text in its own format
 // and read from memory. The bricks that a breadth-first walk along the hinges reaches are bodies
 // within each other, their hinges joints; every other hinge closes a loop and is a "connect".
-#include "sim/world/baseline_worlds.h"
+#include "sim/world/brick_world.h"
 
 // MuJoCo holds joints exactly, as its coordinates are joint angles; what a "connect" holds it keeps
 // by its soft constraints, so that gaps appear at closed loops alone. Model: E. Todorov, T. Erez,

@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include "sim/base/cpu_time.h"
+#include "sim/base/interruption.h"
 #include "sim/deploy/deployment.h"
 #include "tests/bench/joint_tables.h"
 
@@ -21,8 +21,8 @@ void printGapTable(const std::vector<NamedScene>& models) {
                name, scene.model.tiles.size(), accuracy.jointGapMax / modelSize(scene.model),
                toString(result.outcome), accuracy.targetErrorEnd, accuracy.rigidBound,
                accuracy.penetrationMax / tileSize(scene.model),
-               1e3 * result.cost.cpuSeconds / steps, result.cost.took.steps, result.cost.took.halved,
-               result.cost.took.unconverged);
+               1e3 * result.cost.cpuSeconds / steps, result.cost.took.steps,
+               result.cost.took.halved, result.cost.took.unconverged);
     std::fflush(stdout);
   }
 }

@@ -3,11 +3,10 @@
 #include <array>
 #include <cstdint>
 
-#include "render/gl/context.h"
-#include "render/gl/opengl.h"
-#include "render/gl/program.h"
+#include "render/picture/gl_context.h"
+#include "render/picture/opengl.h"
 #include "render/picture/sketch.h"
-#include "sim/model/tessellation.h"
+#include "sim/model/lattice.h"
 
 namespace kirireel::bench {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "render/picture/camera.h"
 #include "render/picture/frame.h"
-#include "sim/brick/brick.h"
+#include "sim/model/brick.h"
 
 namespace kirireel::bench {
 

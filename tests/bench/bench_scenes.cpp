@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "sim/model/alignment.h"
-#include "sim/model/folder.h"
+#include "sim/model/isometry.h"
+#include "sim/model/read_model.h"
 #include "sim/study/exact_sheet.h"
 
 namespace kirireel::bench {

@@ -25,7 +25,7 @@
 #include <fmt/format.h>
 
 #include "sim/joints/block_cholesky.h"
-#include "sim/joints/coordinates.h"
+#include "sim/joints/step_system.h"
 
 namespace kirireel {
 namespace {

@@ -14,7 +14,7 @@
 #include "sim/base/error.h"
 #include "sim/base/state_tape.h"
 #include "sim/deploy/deployment.h"
-#include "sim/model/alignment.h"
+#include "sim/model/isometry.h"
 #include "sim/model/read_model.h"
 
 namespace kirireel {

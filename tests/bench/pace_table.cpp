@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "render/record/pace.h"
-#include "render/record/replay.h"
 #include "sim/base/error.h"
 #include "sim/deploy/continuation.h"
 #include "sim/measure/measures.h"

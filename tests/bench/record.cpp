@@ -14,11 +14,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "render/gl/context.h"
+#include "render/picture/gl_context.h"
 #include "render/picture/painter.h"
-#include "render/record/stopwatch.h"
+#include "render/record/pipeline.h"
 #include "render/video/video.h"
-#include "sim/model/tessellation.h"
+#include "sim/model/lattice.h"
 #include "tests/bench/bare_loop.h"
 #include "tests/support/program.h"
 

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "sim/base/cpu_time.h"
+#include "sim/base/interruption.h"
 #include "sim/joints/step_system.h"
 #include "tests/bench/joint_tables.h"
 

@@ -1,7 +1,7 @@
-#include "render/cli/option_values.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "render/cli/option_group.h"
 
 namespace kirireel {
 namespace {

@@ -1,6 +1,6 @@
-#include "render/cli/peer_spellings.h"
-
 #include <gtest/gtest.h>
+
+#include "render/cli/command_line.h"
 
 namespace kirireel {
 namespace {

@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/generate/families.h"
-#include "sim/model/folder.h"
+#include "sim/model/read_model.h"
 #include "tests/cli/run_program.h"
 
 namespace kirireel {

@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "sim/model/folder.h"
-#include "sim/model/tessellation.h"
+#include "sim/model/lattice.h"
+#include "sim/model/read_model.h"
 #include "tests/cli/run_program.h"
 
 namespace kirireel {

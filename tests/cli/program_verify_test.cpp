@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "render/digest/digest.h"
-#include "render/verify/verify.h"
+#include "render/folder/output_folder.h"
+#include "render/record/verify.h"
 #include "sim/trajectory/trajectory_file.h"
 #include "tests/cli/run_program.h"
 

@@ -11,8 +11,8 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#include "sim/base/cpu_time.h"
 #include "sim/base/error.h"
+#include "sim/base/interruption.h"
 
 namespace kirireel::fuzz {
 namespace {

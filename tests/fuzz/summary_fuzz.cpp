@@ -1,7 +1,7 @@
 // The summary.json of a run: as it is, and under a seal that fits it.
-#include "render/digest/digest.h"
-#include "render/verify/verify.h"
-#include "sim/model/tessellation.h"
+#include "render/folder/output_folder.h"
+#include "render/record/verify.h"
+#include "sim/model/lattice.h"
 #include "sim/trajectory/trajectory_file.h"
 #include "tests/fuzz/fuzz_input.h"
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "sim/model/tessellation.h"
+#include "sim/model/lattice.h"
 #include "tests/render/picture/sample_bricks.h"
 
 namespace kirireel::test {

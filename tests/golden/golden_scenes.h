@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "render/studio/studio.h"
+#include "render/picture/studio.h"
 
 namespace kirireel::test {
 

@@ -7,11 +7,11 @@
 
 #include <gtest/gtest.h>
 
-#include "render/grid/grid.h"
-#include "render/png/png.h"
+#include "render/picture/grid.h"
+#include "render/picture/png.h"
 #include "render/record/record.h"
-#include "sim/model/alignment.h"
-#include "sim/model/folder.h"
+#include "sim/model/isometry.h"
+#include "sim/model/read_model.h"
 #include "tests/golden/golden_scenes.h"
 #include "tests/support/files.h"
 

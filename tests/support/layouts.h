@@ -4,8 +4,8 @@
 #include <numbers>
 #include <vector>
 
-#include "sim/brick/brick.h"
-#include "sim/model/tessellation.h"
+#include "sim/model/brick.h"
+#include "sim/model/lattice.h"
 
 namespace kirireel::test {
 

@@ -1,7 +1,7 @@
 /// A run to look at without a deployment.
 #pragma once
 
-#include "sim/model/tessellation.h"
+#include "sim/model/lattice.h"
 #include "sim/trajectory/trajectory.h"
 #include "tests/support/layouts.h"
 

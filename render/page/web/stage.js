@@ -23,7 +23,7 @@ class Viewpoint {
     this.ball = new THREE.Sphere(new THREE.Vector3(), 1);
   }
 
-  /** Takes one of a view's fits, see cameras.h. */
+  /** Takes one of a view's fits, see page.h. */
   show(fit) {
     const centre = new THREE.Vector3(...fit.centre), eye = new THREE.Vector3(...fit.eye);
     const away = eye.distanceTo(centre);

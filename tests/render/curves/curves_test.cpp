@@ -1,13 +1,13 @@
-#include "render/curves/curves.h"
+#include "render/record/curves.h"
 
 #include <cmath>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render/png/png.h"
+#include "render/picture/png.h"
 #include "sim/base/error.h"
-#include "sim/base/pending_file.h"
+#include "sim/base/files.h"
 #include "tests/support/files.h"
 #include "tests/support/program.h"
 

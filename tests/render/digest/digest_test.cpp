@@ -1,9 +1,8 @@
-#include "render/digest/digest.h"
-
 #include <fstream>
 
 #include <gtest/gtest.h>
 
+#include "render/folder/output_folder.h"
 #include "sim/base/error.h"
 #include "tests/support/files.h"
 

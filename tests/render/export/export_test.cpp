@@ -5,7 +5,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render/export/state_choice.h"
 #include "sim/base/error.h"
 #include "tests/support/files.h"
 #include "tests/support/opening_squares.h"

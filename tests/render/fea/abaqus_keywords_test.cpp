@@ -9,9 +9,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "render/fea/deck.h"
-#include "render/fea/job.h"
-#include "render/fea/neck_sheet.h"
+#include "render/export/deck.h"
+#include "render/export/job.h"
+#include "render/export/neck_sheet.h"
 #include "tests/support/files.h"
 #include "tests/support/layouts.h"
 #include "tests/support/program.h"

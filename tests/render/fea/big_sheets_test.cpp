@@ -6,10 +6,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render/fea/deck.h"
-#include "render/fea/gmsh.h"
-#include "render/fea/job.h"
-#include "sim/base/pending_file.h"
+#include "render/export/deck.h"
+#include "render/export/gmsh.h"
+#include "render/export/job.h"
+#include "sim/base/files.h"
 #include "tests/render/fea/run_deck.h"
 #include "tests/support/files.h"
 #include "tests/support/layouts.h"

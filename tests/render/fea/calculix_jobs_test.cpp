@@ -9,12 +9,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render/fea/contact_pairs.h"
-#include "render/fea/deck.h"
-#include "render/fea/hinge_springs.h"
-#include "render/fea/job.h"
-#include "render/fea/patch_deck.h"
-#include "render/fea/periodic.h"
+#include "render/export/deck.h"
+#include "render/export/job.h"
 #include "tests/render/fea/run_deck.h"
 #include "tests/support/layouts.h"
 #include "tests/support/program.h"

@@ -10,11 +10,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render/fea/deck.h"
-#include "render/fea/job.h"
-#include "render/fea/neck_sheet.h"
-#include "render/fea/supports.h"
-#include "sim/base/pending_file.h"
+#include "render/export/deck.h"
+#include "render/export/job.h"
+#include "render/export/neck_sheet.h"
+#include "sim/base/files.h"
 #include "tests/render/fea/read_deck.h"
 #include "tests/render/fea/run_deck.h"
 #include "tests/support/files.h"

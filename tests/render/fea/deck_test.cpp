@@ -1,4 +1,4 @@
-#include "render/fea/deck.h"
+#include "render/export/deck.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -6,12 +6,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render/fea/contact_pairs.h"
-#include "render/fea/job.h"
-#include "render/fea/periodic.h"
-#include "render/fea/supports.h"
+#include "render/export/job.h"
 #include "sim/base/error.h"
-#include "sim/measure/mobility.h"
+#include "sim/measure/sheet.h"
 #include "sim/model/read_model.h"
 #include "tests/render/fea/read_deck.h"
 #include "tests/support/layouts.h"
@@ -316,7 +313,7 @@ TEST(Deck, SaysWhereItComesFromAndWhatIdealHingesDo) {
 }
 
 /// How many motions of rigid tiles strain nothing, by another method: the first-order mobility
-/// (sim/measure/mobility.h), and the six of the whole.
+/// (sim/measure/sheet.h), and the six of the whole.
 std::size_t freeMotions(const Layout& layout, double thickness) {
   Model model;
   model.joints = layout.joints;

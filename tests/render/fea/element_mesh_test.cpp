@@ -1,4 +1,4 @@
-#include "render/fea/element_mesh.h"
+#include "render/export/element_mesh.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -7,10 +7,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render/fea/gmsh.h"
-#include "render/fea/neck_sheet.h"
+#include "render/export/gmsh.h"
+#include "render/export/neck_sheet.h"
 #include "sim/base/error.h"
-#include "sim/base/pending_file.h"
+#include "sim/base/files.h"
 #include "tests/render/fea/read_deck.h"
 #include "tests/support/files.h"
 #include "tests/support/layouts.h"

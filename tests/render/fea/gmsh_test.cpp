@@ -1,4 +1,4 @@
-#include "render/fea/gmsh.h"
+#include "render/export/gmsh.h"
 
 #include <sstream>
 

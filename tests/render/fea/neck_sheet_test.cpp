@@ -1,6 +1,6 @@
 // Sheets with necks in CalculiX, beside meshes that Gmsh makes without our code
 // (sheet_stiffness.py): skipped where ccx, gmsh or python3 is not installed.
-#include "render/fea/neck_sheet.h"
+#include "render/export/neck_sheet.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,12 +12,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render/fea/deck.h"
-#include "render/sheet/cut_pattern.h"
-#include "sim/base/pending_file.h"
-#include "sim/model/neck_stiffness.h"
+#include "render/export/deck.h"
+#include "render/export/flat_sheet.h"
+#include "sim/base/files.h"
+#include "sim/model/lattice.h"
 #include "sim/model/neck_table.h"
-#include "sim/model/tessellation.h"
+#include "sim/model/stiffness.h"
 #include "tests/render/fea/run_deck.h"
 #include "tests/support/files.h"
 #include "tests/support/layouts.h"

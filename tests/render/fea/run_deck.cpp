@@ -4,7 +4,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "sim/base/pending_file.h"
+#include "sim/base/files.h"
 #include "tests/support/files.h"
 #include "tests/support/program.h"
 

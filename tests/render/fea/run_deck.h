@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "render/fea/deck_text.h"
+#include "render/export/deck.h"
 #include "sim/base/geometry.h"
 
 namespace kirireel::test {

@@ -1,10 +1,9 @@
-#include "render/fea/separate_nodes.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
+#include "render/export/gmsh.h"
 #include "tests/support/layouts.h"
 
 namespace kirireel {

@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render/fea/deck.h"
+#include "render/export/deck.h"
 #include "tests/render/fea/run_deck.h"
 #include "tests/support/layouts.h"
 #include "tests/support/program.h"

@@ -1,11 +1,9 @@
-#include "render/folder/file_set.h"
-
 #include <map>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render/folder/left_files.h"
+#include "render/folder/output_folder.h"
 #include "sim/base/error.h"
 #include "tests/support/files.h"
 

@@ -1,7 +1,6 @@
-#include "render/folder/left_files.h"
-
 #include <gtest/gtest.h>
 
+#include "render/folder/output_folder.h"
 #include "tests/support/files.h"
 
 namespace kirireel {

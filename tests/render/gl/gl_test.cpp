@@ -8,9 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render/gl/context.h"
-#include "render/gl/framebuffer.h"
-#include "render/gl/program.h"
+#include "render/picture/gl_context.h"
 #include "sim/base/error.h"
 
 namespace kirireel {

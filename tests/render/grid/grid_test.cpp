@@ -1,4 +1,4 @@
-#include "render/grid/grid.h"
+#include "render/picture/grid.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "render/grid/label.h"
+#include "render/picture/label.h"
 #include "sim/base/error.h"
 
 namespace kirireel {

@@ -1,4 +1,4 @@
-#include "render/grid/label.h"
+#include "render/picture/label.h"
 
 #include <cstdlib>
 

@@ -1,10 +1,10 @@
-#include "render/grid/scale.h"
-
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "render/picture/label.h"
 
 namespace kirireel {
 namespace {

@@ -1,7 +1,7 @@
-#include "render/grid/ticks.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "render/picture/label.h"
 
 namespace kirireel {
 namespace {

@@ -1,8 +1,8 @@
-#include "render/inspect/line_of_sight.h"
-
 #include <cmath>
 
 #include <gtest/gtest.h>
+
+#include "render/record/inspection.h"
 
 namespace kirireel {
 namespace {

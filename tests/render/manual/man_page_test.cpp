@@ -1,9 +1,8 @@
-#include "render/manual/man_page.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sim/base/pending_file.h"
+#include "render/manual/manual.h"
+#include "sim/base/files.h"
 #include "tests/support/files.h"
 #include "tests/support/program.h"
 

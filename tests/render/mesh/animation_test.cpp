@@ -1,12 +1,11 @@
-#include "render/mesh/animation.h"
-
 #include <cstring>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "sim/model/tessellation.h"
+#include "render/export/mesh.h"
+#include "sim/model/lattice.h"
 
 namespace kirireel {
 namespace {

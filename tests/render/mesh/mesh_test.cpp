@@ -1,4 +1,4 @@
-#include "render/mesh/mesh.h"
+#include "render/export/mesh.h"
 
 #include <algorithm>
 #include <array>
@@ -14,8 +14,8 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
-#include "sim/model/folder.h"
-#include "sim/model/tessellation.h"
+#include "sim/model/lattice.h"
+#include "sim/model/read_model.h"
 #include "tests/support/files.h"
 
 namespace kirireel {

@@ -1,9 +1,8 @@
 // Other people's programs as judges of meshes: skipped where they are not installed.
 #include <gtest/gtest.h>
 
-#include "render/mesh/animation.h"
-#include "render/mesh/mesh.h"
-#include "sim/base/pending_file.h"
+#include "render/export/mesh.h"
+#include "sim/base/files.h"
 #include "tests/support/files.h"
 #include "tests/support/layouts.h"
 #include "tests/support/program.h"

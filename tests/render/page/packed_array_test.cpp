@@ -1,11 +1,11 @@
-#include "render/page/packed_array.h"
-
 #include <cmath>
 #include <cstring>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <zlib.h>
+
+#include "render/page/page.h"
 
 namespace kirireel {
 namespace {

@@ -6,11 +6,10 @@
 #include <gtest/gtest.h>
 
 #include "render/page/embedded_files.h"
-#include "render/page/page_words.h"
 #include "render/picture/style.h"
 #include "sim/base/error.h"
-#include "sim/base/pending_file.h"
-#include "sim/model/tessellation.h"
+#include "sim/base/files.h"
+#include "sim/model/lattice.h"
 #include "tests/support/files.h"
 #include "tests/support/opening_squares.h"
 

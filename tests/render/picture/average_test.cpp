@@ -1,10 +1,10 @@
-#include "render/picture/average.h"
-
 #include <cmath>
 #include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "render/picture/painter.h"
 
 namespace kirireel {
 namespace {

@@ -1,9 +1,8 @@
-#include "render/picture/camera_path.h"
-
 #include <cmath>
 
 #include <gtest/gtest.h>
 
+#include "render/picture/camera.h"
 #include "sim/base/error.h"
 #include "tests/render/picture/sample_bricks.h"
 

@@ -1,10 +1,9 @@
-#include "render/picture/occlusion.h"
-
 #include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
+#include "render/picture/sketch.h"
 #include "tests/render/picture/sample_bricks.h"
 
 namespace kirireel::test {

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "render/gl/context.h"
+#include "render/picture/gl_context.h"
 #include "sim/base/error.h"
 #include "tests/render/picture/sample_bricks.h"
 #include "tests/sim/model/polygons.h"

@@ -1,10 +1,10 @@
-#include "render/picture/palette.h"
-
 #include <cmath>
 #include <limits>
 #include <set>
 
 #include <gtest/gtest.h>
+
+#include "render/picture/style.h"
 
 namespace kirireel {
 namespace {

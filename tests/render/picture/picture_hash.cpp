@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <string_view>
 
-#include "render/gl/context.h"
+#include "render/picture/gl_context.h"
 #include "render/picture/painter.h"
 #include "tests/render/picture/sample_bricks.h"
 

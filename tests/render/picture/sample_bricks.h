@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "sim/brick/brick.h"
+#include "sim/model/brick.h"
 
 namespace kirireel {
 

@@ -1,4 +1,4 @@
-#include "render/png/png.h"
+#include "render/picture/png.h"
 
 #include <csignal>
 #include <cstdint>

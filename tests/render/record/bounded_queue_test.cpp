@@ -1,5 +1,3 @@
-#include "render/record/bounded_queue.h"
-
 #include <atomic>
 #include <future>
 #include <numeric>
@@ -7,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render/record/crew.h"
+#include "render/record/pipeline.h"
 #include "sim/base/error.h"
 
 namespace kirireel {

@@ -1,12 +1,11 @@
-#include "render/record/figure.h"
-
 #include <array>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "render/record/album.h"
 #include "sim/base/error.h"
-#include "sim/model/tessellation.h"
+#include "sim/model/lattice.h"
 #include "tests/support/files.h"
 
 namespace kirireel {

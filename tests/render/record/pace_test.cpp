@@ -5,12 +5,11 @@
 
 #include <gtest/gtest.h>
 
-#include "render/record/frame_sink.h"
-#include "render/record/replay.h"
+#include "render/record/album.h"
 #include "sim/deploy/continuation.h"
 #include "sim/deploy/deployment.h"
 #include "sim/measure/measures.h"
-#include "sim/model/tessellation.h"
+#include "sim/model/lattice.h"
 #include "tests/support/files.h"
 
 namespace kirireel {

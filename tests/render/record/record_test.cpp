@@ -12,12 +12,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render/png/png.h"
+#include "render/picture/png.h"
 #include "render/record/album.h"
 #include "render/record/summary.h"
 #include "sim/base/error.h"
 #include "sim/base/interruption.h"
-#include "sim/model/tessellation.h"
+#include "sim/model/lattice.h"
 #include "sim/trajectory/trajectory_file.h"
 #include "tests/support/program.h"
 

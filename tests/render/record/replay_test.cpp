@@ -1,11 +1,10 @@
-#include "render/record/replay.h"
-
 #include <cmath>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sim/model/tessellation.h"
+#include "render/record/pace.h"
+#include "sim/model/lattice.h"
 #include "tests/support/files.h"
 
 namespace kirireel {

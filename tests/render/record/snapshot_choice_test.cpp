@@ -1,7 +1,7 @@
-#include "render/record/snapshot_choice.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "render/record/pace.h"
 
 namespace kirireel {
 namespace {

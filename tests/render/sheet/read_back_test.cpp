@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "render/sheet/cut_pattern.h"
+#include "render/export/flat_sheet.h"
 #include "sim/base/error.h"
 #include "sim/generate/families.h"
 #include "sim/model/read_model.h"

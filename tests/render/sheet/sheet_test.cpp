@@ -5,10 +5,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "render/sheet/cut_pattern.h"
-#include "render/sheet/planar_files.h"
+#include "render/export/flat_sheet.h"
 #include "sim/base/error.h"
-#include "sim/model/tessellation.h"
+#include "sim/model/lattice.h"
 
 namespace kirireel {
 namespace {

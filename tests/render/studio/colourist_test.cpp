@@ -1,12 +1,10 @@
-#include "render/studio/colourist.h"
-
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "render/studio/studio.h"
+#include "render/picture/studio.h"
 #include "sim/base/error.h"
-#include "sim/model/tessellation.h"
+#include "sim/model/lattice.h"
 
 namespace kirireel {
 namespace {

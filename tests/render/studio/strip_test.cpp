@@ -1,6 +1,6 @@
-#include "render/studio/strip.h"
-
 #include <gtest/gtest.h>
+
+#include "render/picture/studio.h"
 
 namespace kirireel {
 namespace {

@@ -1,4 +1,4 @@
-#include "render/studio/studio.h"
+#include "render/picture/studio.h"
 
 #include <algorithm>
 #include <functional>
@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
-#include "sim/model/tessellation.h"
+#include "sim/model/lattice.h"
 
 namespace kirireel {
 namespace {

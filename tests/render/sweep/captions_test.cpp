@@ -1,7 +1,7 @@
-#include "render/sweep/captions.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "render/sweep/collect.h"
 
 namespace kirireel {
 namespace {

@@ -5,7 +5,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render/sweep/run_folder.h"
 #include "sim/base/error.h"
 #include "sim/trajectory/array_file.h"
 #include "tests/support/files.h"

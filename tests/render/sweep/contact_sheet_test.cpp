@@ -1,11 +1,10 @@
-#include "render/sweep/contact_sheet.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render/studio/studio.h"
+#include "render/picture/studio.h"
+#include "render/sweep/collect.h"
 #include "sim/base/error.h"
-#include "sim/model/folder.h"
+#include "sim/model/read_model.h"
 #include "tests/support/files.h"
 
 namespace kirireel {

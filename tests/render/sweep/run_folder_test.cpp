@@ -1,8 +1,7 @@
-#include "render/sweep/run_folder.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "render/sweep/collect.h"
 #include "sim/base/error.h"
 #include "tests/support/files.h"
 

@@ -1,8 +1,7 @@
-#include "render/sweep/sweep_file.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "render/sweep/sweep_plan.h"
 #include "tests/support/files.h"
 
 namespace kirireel {

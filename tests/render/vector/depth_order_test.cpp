@@ -1,10 +1,9 @@
-#include "render/vector/depth_order.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
+#include "render/picture/canvas.h"
 #include "tests/render/picture/sample_bricks.h"
 
 namespace kirireel {

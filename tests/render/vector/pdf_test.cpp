@@ -2,9 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render/vector/cairo_canvas.h"
-#include "render/vector/svg.h"
-#include "sim/base/pending_file.h"
+#include "render/picture/canvas.h"
+#include "sim/base/files.h"
 #include "tests/support/files.h"
 #include "tests/support/program.h"
 

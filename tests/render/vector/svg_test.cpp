@@ -1,13 +1,11 @@
-#include "render/vector/svg.h"
-
 #include <cstdlib>
 
 #include <gtest/gtest.h>
 
+#include "render/picture/canvas.h"
 #include "render/picture/painter.h"
-#include "render/png/png.h"
-#include "render/vector/drawing.h"
-#include "sim/base/pending_file.h"
+#include "render/picture/png.h"
+#include "sim/base/files.h"
 #include "tests/render/picture/sample_bricks.h"
 #include "tests/sim/model/polygons.h"
 #include "tests/support/files.h"

@@ -1,5 +1,3 @@
-#include "render/video/video_colours.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,6 +5,8 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "render/video/video.h"
 
 namespace kirireel {
 namespace {

@@ -1,4 +1,4 @@
-#include "render/vtk/vtk.h"
+#include "render/export/vtk.h"
 
 #include <numbers>
 #include <sstream>
@@ -6,8 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sim/base/pending_file.h"
-#include "sim/model/tessellation.h"
+#include "sim/base/files.h"
+#include "sim/model/lattice.h"
 #include "tests/support/files.h"
 #include "tests/support/program.h"
 

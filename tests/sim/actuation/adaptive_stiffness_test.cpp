@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "sim/actuation/target_springs.h"
+#include "sim/deploy/forces.h"
 
 namespace kirireel {
 namespace {

@@ -1,11 +1,9 @@
 // Expansion, boundary springs and point springs, against closed forms and differences.
 #include <gtest/gtest.h>
 
-#include "sim/actuation/boundary_springs.h"
-#include "sim/actuation/expansion.h"
-#include "sim/actuation/point_spring.h"
-#include "sim/model/hull.h"
-#include "sim/model/tessellation.h"
+#include "sim/deploy/forces.h"
+#include "sim/model/lattice.h"
+#include "sim/model/model.h"
 
 namespace kirireel {
 namespace {

@@ -1,6 +1,6 @@
-#include "sim/actuation/environment_load.h"
-
 #include <gtest/gtest.h>
+
+#include "sim/deploy/forces.h"
 
 namespace kirireel {
 namespace {

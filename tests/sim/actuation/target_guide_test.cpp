@@ -1,8 +1,7 @@
-#include "sim/actuation/target_guide.h"
-
 #include <gtest/gtest.h>
 
-#include "sim/model/tessellation.h"
+#include "sim/deploy/forces.h"
+#include "sim/model/lattice.h"
 
 namespace kirireel {
 namespace {

@@ -1,9 +1,8 @@
-#include "sim/actuation/target_springs.h"
-
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
-#include "sim/model/tessellation.h"
+#include "sim/deploy/forces.h"
+#include "sim/model/lattice.h"
 
 namespace kirireel {
 namespace {

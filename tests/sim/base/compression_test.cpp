@@ -1,6 +1,6 @@
-#include "sim/base/compression.h"
-
 #include <gtest/gtest.h>
+
+#include "sim/base/files.h"
 
 namespace kirireel {
 namespace {

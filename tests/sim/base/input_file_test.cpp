@@ -1,11 +1,10 @@
-#include "sim/base/input_file.h"
-
 #include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
+#include "sim/base/files.h"
 #include "tests/support/files.h"
 
 namespace kirireel {

@@ -6,8 +6,6 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/base/cpu_time.h"
-
 namespace kirireel {
 namespace {
 

@@ -1,5 +1,3 @@
-#include "sim/base/pending_file.h"
-
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -11,6 +9,7 @@
 #include <unistd.h>
 
 #include "sim/base/error.h"
+#include "sim/base/files.h"
 
 namespace kirireel {
 namespace {

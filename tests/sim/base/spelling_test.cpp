@@ -1,6 +1,6 @@
-#include "sim/base/spelling.h"
-
 #include <gtest/gtest.h>
+
+#include "sim/base/error.h"
 
 namespace kirireel {
 namespace {

@@ -1,4 +1,4 @@
-#include "sim/brick/brick.h"
+#include "sim/model/brick.h"
 
 #include <filesystem>
 #include <numbers>
@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/model/folder.h"
-#include "sim/model/tessellation.h"
+#include "sim/model/lattice.h"
+#include "sim/model/read_model.h"
 
 namespace kirireel {
 namespace {

@@ -1,8 +1,8 @@
 // Concave bricks: mass and inertia by closed forms, one body of several convex pieces.
 #include <gtest/gtest.h>
 
-#include "sim/brick/brick.h"
-#include "sim/brick/shared_corners.h"
+#include "sim/model/brick.h"
+#include "sim/model/contact.h"
 #include "tests/sim/model/polygons.h"
 
 namespace kirireel {

@@ -1,12 +1,12 @@
 // Hinges, their angles, and what springs there hold.
-#include "sim/brick/hinge.h"
+#include "sim/model/hinge.h"
 
 #include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
-#include "sim/model/tessellation.h"
+#include "sim/model/lattice.h"
 
 namespace kirireel {
 namespace {

@@ -1,8 +1,7 @@
-#include "sim/brick/shared_corners.h"
-
 #include <gtest/gtest.h>
 
-#include "sim/model/tessellation.h"
+#include "sim/model/contact.h"
+#include "sim/model/lattice.h"
 
 namespace kirireel {
 namespace {

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/deploy/deployment.h"
-#include "sim/model/tessellation.h"
+#include "sim/model/lattice.h"
 #include "tests/support/files.h"
 
 namespace kirireel {

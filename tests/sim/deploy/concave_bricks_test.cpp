@@ -4,8 +4,8 @@
 
 #include "sim/deploy/deployment.h"
 #include "sim/generate/families.h"
-#include "sim/model/alignment.h"
-#include "sim/model/split_tiles.h"
+#include "sim/model/convex_parts.h"
+#include "sim/model/isometry.h"
 #include "tests/sim/deploy/moving.h"
 #include "tests/sim/model/polygons.h"
 

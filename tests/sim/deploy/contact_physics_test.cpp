@@ -5,8 +5,8 @@
 
 #include "sim/deploy/dynamics.h"
 #include "sim/measure/measures.h"
-#include "sim/model/folder.h"
-#include "sim/model/tessellation.h"
+#include "sim/model/lattice.h"
+#include "sim/model/read_model.h"
 #include "sim/study/stepped_scene.h"
 #include "tests/sim/deploy/moving.h"
 

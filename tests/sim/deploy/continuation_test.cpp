@@ -12,10 +12,9 @@
 #include "sim/deploy/geometric_path.h"
 #include "sim/generate/families.h"
 #include "sim/generate/shells.h"
-#include "sim/measure/brick_measures.h"
-#include "sim/model/alignment.h"
-#include "sim/model/symmetry.h"
-#include "sim/model/tessellation.h"
+#include "sim/measure/run_curves.h"
+#include "sim/model/isometry.h"
+#include "sim/model/lattice.h"
 #include "tests/support/drawn_models.h"
 
 namespace kirireel {

@@ -3,7 +3,7 @@
 
 #include "sim/deploy/deployment.h"
 #include "sim/measure/measures.h"
-#include "sim/model/tessellation.h"
+#include "sim/model/lattice.h"
 #include "sim/trajectory/trajectory_file.h"
 #include "tests/support/files.h"
 

@@ -1,5 +1,3 @@
-#include "sim/deploy/interpolation.h"
-
 #include <algorithm>
 #include <cmath>
 
@@ -7,7 +5,7 @@
 
 #include "sim/deploy/continuation.h"
 #include "sim/measure/measures.h"
-#include "sim/model/tessellation.h"
+#include "sim/model/lattice.h"
 
 namespace kirireel {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "sim/base/error.h"
 #include "sim/measure/measures.h"
-#include "sim/model/tessellation.h"
+#include "sim/model/lattice.h"
 
 namespace kirireel {
 namespace {

@@ -7,8 +7,8 @@
 #include "sim/base/error.h"
 #include "sim/deploy/deployment.h"
 #include "sim/deploy/dynamics.h"
-#include "sim/model/tessellation.h"
-#include "sim/world/sphere_pair.h"
+#include "sim/model/lattice.h"
+#include "sim/world/contact_finder.h"
 #include "tests/sim/deploy/moving.h"
 
 namespace kirireel {

@@ -10,8 +10,8 @@
 #include "sim/deploy/deployment.h"
 #include "sim/deploy/path_choice.h"
 #include "sim/generate/shells.h"
-#include "sim/model/alignment.h"
-#include "sim/model/tessellation.h"
+#include "sim/model/isometry.h"
+#include "sim/model/lattice.h"
 
 namespace kirireel {
 namespace {

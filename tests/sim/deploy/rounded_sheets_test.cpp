@@ -3,9 +3,9 @@
 
 #include "sim/deploy/deployment.h"
 #include "sim/generate/families.h"
-#include "sim/measure/mobility.h"
-#include "sim/model/alignment.h"
-#include "sim/model/rounding.h"
+#include "sim/measure/sheet.h"
+#include "sim/model/isometry.h"
+#include "sim/model/model_checks.h"
 
 namespace kirireel {
 namespace {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/deploy/deployment.h"
-#include "sim/model/tessellation.h"
+#include "sim/model/lattice.h"
 
 namespace kirireel {
 namespace {

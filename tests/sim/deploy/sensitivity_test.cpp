@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "sim/deploy/deployment.h"
-#include "sim/model/folder.h"
-#include "sim/model/tessellation.h"
+#include "sim/model/lattice.h"
+#include "sim/model/read_model.h"
 
 namespace kirireel {
 namespace {

@@ -1,13 +1,12 @@
 // Detours cut out of paths: oracles are the direct way, and mechanisms that have no other.
-#include "sim/deploy/shortcuts.h"
-
 #include <algorithm>
 
 #include <gtest/gtest.h>
 
-#include "sim/actuation/target_guide.h"
+#include "sim/deploy/continuation.h"
+#include "sim/deploy/forces.h"
 #include "sim/measure/measures.h"
-#include "sim/model/tessellation.h"
+#include "sim/model/lattice.h"
 
 namespace kirireel {
 namespace {

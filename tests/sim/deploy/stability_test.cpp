@@ -6,10 +6,9 @@
 #include <gtest/gtest.h>
 
 #include "sim/generate/shells.h"
-#include "sim/model/alignment.h"
-#include "sim/model/folder.h"
-#include "sim/model/tessellation.h"
-#include "sim/study/engines.h"
+#include "sim/model/isometry.h"
+#include "sim/model/lattice.h"
+#include "sim/model/read_model.h"
 #include "sim/study/stepped_scene.h"
 #include "tests/sim/deploy/moving.h"
 

@@ -1,11 +1,10 @@
-#include "sim/deploy/target_warnings.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "sim/deploy/deployment.h"
-#include "sim/model/alignment.h"
-#include "sim/model/tessellation.h"
+#include "sim/deploy/path_choice.h"
+#include "sim/model/isometry.h"
+#include "sim/model/lattice.h"
 
 namespace kirireel {
 namespace {

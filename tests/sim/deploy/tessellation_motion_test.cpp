@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "sim/deploy/deployment.h"
-#include "sim/model/alignment.h"
-#include "sim/model/tessellation.h"
+#include "sim/model/isometry.h"
+#include "sim/model/lattice.h"
 
 namespace kirireel {
 namespace {

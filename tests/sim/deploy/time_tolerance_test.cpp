@@ -6,7 +6,7 @@
 #include "sim/deploy/deployment.h"
 #include "sim/generate/families.h"
 #include "sim/measure/measures.h"
-#include "sim/model/tessellation.h"
+#include "sim/model/lattice.h"
 
 namespace kirireel {
 namespace {

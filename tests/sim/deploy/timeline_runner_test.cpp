@@ -1,9 +1,8 @@
-#include "sim/deploy/timeline_runner.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sim/model/tessellation.h"
+#include "sim/deploy/run.h"
+#include "sim/model/lattice.h"
 
 namespace kirireel {
 namespace {

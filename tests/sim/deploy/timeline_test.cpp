@@ -4,7 +4,7 @@
 
 #include "sim/base/error.h"
 #include "sim/deploy/deployment.h"
-#include "sim/model/tessellation.h"
+#include "sim/model/lattice.h"
 
 namespace kirireel {
 namespace {

@@ -1,6 +1,4 @@
 // Ligaments: derivatives, large turns, beam theory, and sheets of them.
-#include "sim/brick/ligament.h"
-
 #include <array>
 #include <cmath>
 #include <complex>
@@ -9,7 +7,8 @@
 
 #include "sim/equilibrium/elastic_sheet.h"
 #include "sim/equilibrium/load_path.h"
-#include "sim/model/tessellation.h"
+#include "sim/model/hinge.h"
+#include "sim/model/lattice.h"
 
 namespace kirireel {
 namespace {

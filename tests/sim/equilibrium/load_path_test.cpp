@@ -10,7 +10,7 @@
 
 #include "sim/base/error.h"
 #include "sim/equilibrium/elastic_sheet.h"
-#include "sim/model/tessellation.h"
+#include "sim/model/lattice.h"
 
 namespace kirireel {
 namespace {

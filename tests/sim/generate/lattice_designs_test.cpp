@@ -5,8 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/generate/lattice_equations.h"
-
 namespace kirireel {
 namespace {
 

@@ -1,10 +1,9 @@
-#include "sim/joints/elimination.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
+#include "sim/joints/block_cholesky.h"
 #include "tests/sim/joints/graphs.h"
 
 namespace kirireel {

@@ -3,11 +3,10 @@
 
 #include <random>
 
-#include "sim/actuation/environment_load.h"
-#include "sim/actuation/target_springs.h"
-#include "sim/brick/brick.h"
+#include "sim/deploy/forces.h"
 #include "sim/joints/joint_solver.h"
-#include "sim/model/tessellation.h"
+#include "sim/model/brick.h"
+#include "sim/model/lattice.h"
 
 namespace kirireel::test {
 

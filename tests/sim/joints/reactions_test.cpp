@@ -6,7 +6,7 @@
 #include <Eigen/SVD>
 #include <gtest/gtest.h>
 
-#include "sim/actuation/point_spring.h"
+#include "sim/deploy/forces.h"
 #include "tests/sim/joints/joined_bricks.h"
 
 namespace kirireel {

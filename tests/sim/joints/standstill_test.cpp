@@ -1,6 +1,6 @@
-#include "sim/joints/standstill.h"
-
 #include <gtest/gtest.h>
+
+#include "sim/joints/joint_solver.h"
 
 namespace kirireel {
 namespace {

@@ -1,12 +1,11 @@
-#include "sim/measure/brick_measures.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "sim/measure/measures.h"
-#include "sim/model/tessellation.h"
+#include "sim/measure/run_curves.h"
+#include "sim/model/lattice.h"
 
 namespace kirireel {
 namespace {

@@ -1,12 +1,11 @@
-#include "sim/measure/mobility.h"
-
 #include <filesystem>
 
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
-#include "sim/model/folder.h"
-#include "sim/model/tessellation.h"
+#include "sim/measure/sheet.h"
+#include "sim/model/lattice.h"
+#include "sim/model/read_model.h"
 
 namespace kirireel {
 namespace {

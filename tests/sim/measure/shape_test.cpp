@@ -1,12 +1,10 @@
-#include "sim/measure/shape.h"
-
 #include <cmath>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "sim/measure/run_curves.h"
-#include "sim/model/tessellation.h"
+#include "sim/model/lattice.h"
 #include "sim/trajectory/array_file.h"
 #include "tests/support/files.h"
 #include "tests/support/layouts.h"

@@ -1,10 +1,9 @@
-#include "sim/model/alignment.h"
-
 #include <random>
 
 #include <gtest/gtest.h>
 
-#include "sim/model/tessellation.h"
+#include "sim/model/isometry.h"
+#include "sim/model/lattice.h"
 
 namespace kirireel {
 namespace {

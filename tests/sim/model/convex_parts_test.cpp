@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
-#include "sim/model/split_tiles.h"
 #include "tests/sim/model/polygons.h"
 
 namespace kirireel {

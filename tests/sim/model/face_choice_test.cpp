@@ -1,11 +1,10 @@
-#include "sim/model/face_choice.h"
-
 #include <algorithm>
 
 #include <gtest/gtest.h>
 
-#include "sim/model/folder.h"
-#include "sim/model/tessellation.h"
+#include "sim/model/lattice.h"
+#include "sim/model/model_checks.h"
+#include "sim/model/read_model.h"
 
 namespace kirireel {
 namespace {

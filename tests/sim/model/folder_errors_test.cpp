@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
-#include "sim/model/folder.h"
+#include "sim/model/read_model.h"
 #include "tests/sim/model/temporary_folder.h"
 
 namespace kirireel {

@@ -1,11 +1,10 @@
-#include "sim/model/folder.h"
-
 #include <random>
 
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
-#include "sim/model/tessellation.h"
+#include "sim/model/lattice.h"
+#include "sim/model/read_model.h"
 #include "tests/sim/model/temporary_folder.h"
 
 namespace kirireel {

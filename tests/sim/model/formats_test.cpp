@@ -9,12 +9,11 @@
 
 #include "sim/base/error.h"
 #include "sim/model/fold_file.h"
-#include "sim/model/folder.h"
-#include "sim/model/obj_pair.h"
+#include "sim/model/lattice.h"
+#include "sim/model/mesh_files.h"
+#include "sim/model/model_checks.h"
 #include "sim/model/planar_files.h"
 #include "sim/model/read_model.h"
-#include "sim/model/shared_corners.h"
-#include "sim/model/tessellation.h"
 #include "tests/sim/model/temporary_folder.h"
 
 namespace kirireel {

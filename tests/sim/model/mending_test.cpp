@@ -1,6 +1,4 @@
 // Files with slips: each is read as what was meant, told in one line, refused by --strict.
-#include "sim/model/mending.h"
-
 #include <cmath>
 #include <functional>
 #include <map>
@@ -10,10 +8,9 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
-#include "sim/model/folder.h"
+#include "sim/model/lattice.h"
+#include "sim/model/model_checks.h"
 #include "sim/model/read_model.h"
-#include "sim/model/rounding.h"
-#include "sim/model/tessellation.h"
 #include "tests/sim/model/temporary_folder.h"
 
 namespace kirireel {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/model/tessellation.h"
+#include "sim/model/lattice.h"
 
 namespace kirireel {
 namespace {

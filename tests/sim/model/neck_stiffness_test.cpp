@@ -1,6 +1,6 @@
-#include "sim/model/neck_stiffness.h"
-
 #include <gtest/gtest.h>
+
+#include "sim/model/stiffness.h"
 
 namespace kirireel {
 namespace {

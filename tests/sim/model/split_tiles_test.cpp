@@ -1,11 +1,10 @@
-#include "sim/model/split_tiles.h"
-
 #include <numeric>
 
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
-#include "sim/model/tessellation.h"
+#include "sim/model/convex_parts.h"
+#include "sim/model/lattice.h"
 
 namespace kirireel {
 namespace {

@@ -1,6 +1,4 @@
 // Symmetry groups against closed forms, and the means of states under them.
-#include "sim/model/symmetry.h"
-
 #include <map>
 #include <random>
 #include <string>
@@ -8,7 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sim/model/tessellation.h"
+#include "sim/model/isometry.h"
+#include "sim/model/lattice.h"
 
 namespace kirireel {
 namespace {

@@ -1,12 +1,11 @@
-#include "sim/model/tessellation.h"
-
 #include <numbers>
 #include <set>
 
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
-#include "sim/model/folder.h"
+#include "sim/model/lattice.h"
+#include "sim/model/read_model.h"
 #include "tests/sim/model/temporary_folder.h"
 
 namespace kirireel {

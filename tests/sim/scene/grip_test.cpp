@@ -1,12 +1,11 @@
-#include "sim/scene/grip.h"
-
 #include <fstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "sim/base/geometry.h"
-#include "sim/model/tessellation.h"
+#include "sim/model/lattice.h"
+#include "sim/scene/conditions.h"
 #include "sim/scene/scene_file.h"
 #include "tests/support/files.h"
 

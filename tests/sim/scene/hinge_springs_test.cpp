@@ -1,12 +1,10 @@
-#include "sim/scene/hinge_springs.h"
-
 #include <fstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sim/model/neck_stiffness.h"
-#include "sim/model/tessellation.h"
+#include "sim/model/lattice.h"
+#include "sim/model/stiffness.h"
 #include "sim/scene/scene_parts.h"
 #include "tests/support/files.h"
 

@@ -1,10 +1,9 @@
-#include "sim/scene/initial_velocity.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "sim/generate/families.h"
-#include "sim/model/tessellation.h"
+#include "sim/model/lattice.h"
+#include "sim/scene/conditions.h"
 
 namespace kirireel {
 namespace {

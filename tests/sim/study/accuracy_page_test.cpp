@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "sim/study/run_study.h"
+#include "sim/study/study.h"
 #include "tests/support/files.h"
 
 namespace kirireel {

@@ -1,12 +1,10 @@
 // The path of a sheet of squares is known in closed form.
-#include "sim/study/closure_path.h"
-
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
-#include "sim/model/tessellation.h"
+#include "sim/model/lattice.h"
 #include "sim/study/exact_sheet.h"
 
 namespace kirireel {

@@ -1,6 +1,4 @@
 // Every engine is judged by closed forms and by the direct solver at short steps.
-#include "sim/study/engines.h"
-
 #include <cmath>
 
 #include <gtest/gtest.h>

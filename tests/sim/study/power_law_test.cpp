@@ -1,8 +1,8 @@
-#include "sim/study/power_law.h"
-
 #include <cmath>
 
 #include <gtest/gtest.h>
+
+#include "sim/study/scaling.h"
 
 namespace kirireel {
 namespace {

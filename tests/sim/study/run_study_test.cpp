@@ -1,10 +1,9 @@
-#include "sim/study/run_study.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "sim/base/error.h"
+#include "sim/study/study.h"
 #include "tests/support/files.h"
 
 namespace kirireel {

@@ -1,11 +1,10 @@
-#include "sim/study/table.h"
-
 #include <cmath>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
+#include "sim/study/study.h"
 #include "tests/support/files.h"
 
 namespace kirireel {

@@ -1,5 +1,3 @@
-#include "sim/trajectory/sample_table.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

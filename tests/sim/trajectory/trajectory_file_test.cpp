@@ -9,9 +9,8 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
-#include "sim/model/tessellation.h"
+#include "sim/model/lattice.h"
 #include "sim/trajectory/array_file.h"
-#include "sim/trajectory/trajectory_layout.h"
 #include "tests/support/files.h"
 #include "tests/support/program.h"
 

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/measure/measures.h"
-#include "sim/model/tessellation.h"
+#include "sim/model/lattice.h"
 #include "tests/sim/world/prisms.h"
 
 namespace kirireel {

@@ -1,10 +1,10 @@
-#include "sim/world/inset_hull.h"
-
 #include <algorithm>
 #include <limits>
 #include <random>
 
 #include <gtest/gtest.h>
+
+#include "sim/world/bullet_world.h"
 
 namespace kirireel {
 namespace {

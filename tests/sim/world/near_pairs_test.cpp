@@ -1,9 +1,8 @@
-#include "sim/world/near_pairs.h"
-
 #include <algorithm>
 
 #include <gtest/gtest.h>
 
+#include "sim/world/contact_finder.h"
 #include "tests/sim/world/prisms.h"
 
 namespace kirireel {

@@ -1,6 +1,6 @@
-#include "sim/world/pivot_zones.h"
-
 #include <gtest/gtest.h>
+
+#include "sim/world/bullet_world.h"
 
 namespace kirireel {
 namespace {

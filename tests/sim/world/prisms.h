@@ -4,7 +4,7 @@
 #include <numbers>
 #include <random>
 
-#include "sim/brick/brick.h"
+#include "sim/model/brick.h"
 
 namespace kirireel::test {
 

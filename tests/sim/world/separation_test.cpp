@@ -1,15 +1,14 @@
 /// Separating planes against brute-force projection, the independent measure of penetration, and
 /// finite differences.
-#include "sim/world/separation.h"
-
 #include <algorithm>
 #include <limits>
 #include <memory>
 
 #include <gtest/gtest.h>
 
-#include "sim/joints/contact_rows.h"
+#include "sim/joints/step_system.h"
 #include "sim/measure/measures.h"
+#include "sim/world/contact_finder.h"
 #include "tests/sim/world/prisms.h"
 
 namespace kirireel {

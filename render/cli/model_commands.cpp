@@ -1,0 +1,317 @@
+// One command a family of models (sim/generate/families.h), made from the family's list of
+// parameters: name, range, default, unit. A new family needs no line here.
+#include "render/cli/model_commands.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/ranges.h>
+#include <unistd.h>
+
+#include "render/cli/option_group.h"
+#include "render/cli/report.h"
+#include "render/cli/scene_options.h"
+#include "render/picture/png.h"
+#include "render/record/inspection.h"
+#include "render/record/summary.h"
+#include "sim/generate/families.h"
+#include "sim/model/isometry.h"
+#include "sim/model/model_checks.h"
+#include "sim/model/read_model.h"
+#include "sim/study/stepped_scene.h"
+
+namespace kirireel {
+namespace {
+
+/// Values are kept by name; what was not given is absent, and the family has its own default.
+void addParameter(OptionGroup& group, const FamilyParameter& parameter, GenerateOrder& order) {
+  const Range range{parameter.least, parameter.most};
+  const auto read = [&order, range, name = parameter.name,
+                     whole = parameter.whole](const TypedValue& typed) {
+    order.values[name] =
+        // Whole numbers are kept as doubles, which hold them exactly up to 2^53.
+        whole ? static_cast<double>(parseInteger(typed, range)) : parseNumber(typed, range);
+  };
+  const auto write = [&order, parameter] {
+    const auto given = order.values.find(parameter.name);
+    return numberText(given == order.values.end() ? parameter.usual : given->second);
+  };
+  group
+      .value("--" + parameter.name, parameter.unit, fmt::format("{:.6g}", parameter.usual),
+             parameter.help, read)
+      .saidAs(write);
+}
+
+}  // namespace
+
+CLI::App* addFamily(CLI::App& generate, const Family& family, GenerateOrder& order) {
+  CLI::App* command = generate.add_subcommand(family.name, family.help);
+  addPlace(*command, "FOLDER", order.folder, "where the model goes");
+  OptionGroup shape(*command, kShapeGroup);
+  for (const FamilyParameter& parameter : family.parameters) addParameter(shape, parameter, order);
+  shape.choice<std::optional<JointFace>>("--face", order.face,
+                                         {{"auto", std::nullopt},
+                                          {"both", JointFace::Both},
+                                          {"bottom", JointFace::Bottom},
+                                          {"top", JointFace::Top}},
+                                         "faces that joints lie on");
+  // Called for the family that was given alone, so the order learns its name.
+  command->parse_complete_callback([&order, name = family.name] { order.family = name; });
+  command->footer(fmt::format("Example:\n  kirireel generate {} my_model", family.name));
+  return command;
+}
+
+CLI::App* addGenerateCommand(CLI::App& program, GenerateOrder& order) {
+  CLI::App* generate = program.add_subcommand("generate", "make a model folder from parameters");
+  for (const Family& family : families()) addFamily(*generate, family, order);
+  generate->footer("kirireel generate FAMILY --help explains a family.");
+  return generate;
+}
+
+void completeOrder(const CLI::App& generate, GenerateOrder& order) {
+  if (generate.get_subcommands().empty()) {
+    throw InputError(
+        "error: no family given, as in kirireel generate tessellation FOLDER; see kirireel "
+        "generate --help");
+  }
+  requireGiven(order.folder, "FOLDER", chosenCommand(generate));
+}
+
+Model makeModel(const GenerateOrder& order) {
+  Model model = generateModel(familyNamed(order.family), order.values);
+  if (order.face) {
+    for (Joint& joint : model.joints) joint.face = *order.face;
+  }
+  return model;
+}
+
+int carryOut(const GenerateOrder& order) {
+  const Model model = makeModel(order);
+  writeModelFolder(model, order.folder);
+  fmt::print("{}: {} tiles, {} joints\n", order.folder.string(), model.tiles.size(),
+             model.joints.size());
+  return kExitDone;
+}
+
+// ------------------------------------------------------------------------------------------------
+// Reads a model in any format that readModel() knows and writes it in the one that the ending of
+// OUT names. Positions are written to the last bit; what a format cannot hold (a .fold file has no
+// faces of joints in thick bricks, for example) is for writeModel() to say.
+
+CLI::App* addConvertCommand(CLI::App& program, ConvertOrder& order) {
+  CLI::App* command = program.add_subcommand("convert", "write a model in another format");
+  addPlace(*command, "IN", order.input, kModelHelp);
+  addPlace(*command, "OUT", order.output,
+           "a .fold file, an .obj file (the target goes to NAME_deployed.obj), NAME_vertices.txt "
+           "for the planar files of the quasicrystal simulator, or a folder");
+  OptionGroup group(*command, "Model");
+  addTargetOption(group, order.target);
+  addReadOptions(group, order.reading);
+  command->footer(
+      "Examples:\n  kirireel convert data/tessellation_4x4 sheet.fold\n"
+      "  kirireel convert NAME_contracted.obj my_model\n"
+      "  kirireel convert data/penrose_30 penrose_vertices.txt");
+  return command;
+}
+
+void completeOrder(const CLI::App& command, ConvertOrder& order) {
+  requireGiven(order.input, "IN", command);
+  requireGiven(order.output, "OUT", command);
+}
+
+int carryOut(const ConvertOrder& order) {
+  const Model model = readModelAt(order.input, order.target, order.reading);
+  writeModel(model, order.output);
+  fmt::print("{}: {} tiles, {} joints{}\n", order.output.string(), model.tiles.size(),
+             model.joints.size(), model.target ? ", a target" : "");
+  return kExitDone;
+}
+
+// ------------------------------------------------------------------------------------------------
+// Reads a model as `record` would, aligns its start to its target, and prints counts, mobility, and
+// what does not fit. Nothing runs.
+
+namespace {
+
+// Pixels of each of the two states.
+constexpr FrameSize kStateSize{1200, 1200};
+
+/// The rank of the constraints takes long in large sheets, so the line says what is at work.
+Inspection inspectWithProgress(const Scene& scene) {
+  ProgressLine line;
+  return inspect(scene, [&line](const char* what) { line.show(what); });
+}
+
+/// Reads the model; of a tile that cannot be meant a picture is left before the error goes on.
+Model readOrDraw(const InspectOrder& order) {
+  try {
+    return readModelAt(order.model, order.target, order.reading);
+  } catch (const CrossedTile& error) {
+    if (!order.picture.empty()) {
+      writePng(crossingPicture(error.tile(), error.place(), kStateSize), order.picture);
+    }
+    throw;
+  }
+}
+
+}  // namespace
+
+CLI::App* addInspectCommand(CLI::App& program, InspectOrder& order) {
+  CLI::App* command = program.add_subcommand(
+      "inspect", "tell what a model is: tiles, joints, mobility, what fits and what does not");
+  addPlace(*command, "MODEL", order.model, kModelHelp);
+  OptionGroup group(*command, "Model");
+  addTargetOption(group, order.target);
+  addReadOptions(group, order.reading);
+  // The default has to stand in the scene before the option is added, which shows it in the help.
+  order.scene.brick.thickness = openScene().brick.thickness;
+  group.setting(sceneSetting("thickness"), order.scene);
+  OptionGroup output(*command, "Output");
+  output.flag("--json", "print as JSON", [&order] { order.printJson = true; });
+  output.value("--picture", "FILE", "",
+               "paint both states with numbers into a PNG file, what was mended marked; or a tile "
+               "that crosses itself",
+               [&order](const TypedValue& typed) { order.picture = typed.text; });
+  command->footer("Example:\n  kirireel inspect data/tessellation_4x4 --picture numbers.png");
+  return command;
+}
+
+void completeOrder(const CLI::App& command, InspectOrder& order) {
+  requireGiven(order.model, "MODEL", command);
+}
+
+int carryOut(const InspectOrder& order) {
+  Scene scene = order.scene;
+  scene.model = readOrDraw(order);
+  fillFromModel(scene);
+  // What a run needs depends on where its start stands.
+  alignStartToTarget(scene.model);
+  const Inspection inspection = inspectWithProgress(scene);
+  fmt::print("{}", order.printJson ? inspectionJson(inspection) : inspectionText(inspection));
+  if (!order.picture.empty()) writePng(numberedPicture(scene, kStateSize), order.picture);
+  return kExitDone;
+}
+
+// ------------------------------------------------------------------------------------------------
+// Studies measure this machine: seconds of CPU time against error, of our solver and of engines
+// that were found when the program was built. Rows are kept as they are finished, so an interrupted
+// study goes on with --resume.
+
+namespace {
+
+constexpr const char* kAll = "all";
+
+std::string studyList() {
+  std::string text;
+  for (const Study& study : studies()) text += fmt::format("{:<16}{}\n", study.name, study.help);
+  return text + fmt::format("{:<16}{}\n", kAll, "these one after the other");
+}
+
+/// Throws InputError for a name that no study has.
+std::vector<const Study*> chosenStudies(const std::string& name) {
+  std::vector<const Study*> chosen;
+  if (name != kAll) return {&studyNamed(name)};
+  for (const Study& study : studies()) chosen.push_back(&study);
+  return chosen;
+}
+
+/// As it could be typed again; --resume changes no result. It stands in the caption of NAME.csv and
+/// NAME.json.
+std::string commandText(const StudyOrder& order) {
+  return fmt::format("kirireel study {}{}", order.name.string(),
+                     order.settings.extent == Extent::Quick ? " --quick" : "");
+}
+
+/// What a timing depends on: program, compiler, Eigen.
+std::string ownVersions() {
+  std::vector<std::string> parts;
+  for (const auto& [name, version] : allVersions()) {
+    if (name == "kirireel" || name == "compiler" || name == "eigen") {
+      parts.push_back(fmt::format("{} {}", name, version));
+    }
+  }
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+/// Engines are found when the program is built; a study leaves out those that were not.
+void sayWhatIsMissing() {
+  const std::vector<std::pair<Engine, const char*>> packages = {
+      {Engine::Chipmunk, "libchipmunk-dev"},
+      {Engine::Box2d, "libbox2d-dev"},
+      {Engine::Mujoco, "libmujoco-dev"}};
+  for (const auto& [engine, package] : packages) {
+    if (isAvailable(engine)) continue;
+    fmt::print(stderr,
+               "kirireel: built without {0}, which is left out; install {1} and build again to "
+               "compare with it\n",
+               toString(engine), package);
+  }
+}
+
+/// Returns whether the study came to its end.
+bool runOne(const Study& study, const StudySettings& settings) {
+  const bool isTerminal = isatty(STDERR_FILENO) != 0;
+  bool stopped = false;
+  const Table table =
+      runStudy(study, settings, [&](const std::string& name, std::size_t done, std::size_t total) {
+        if (isTerminal) {
+          fmt::print(stderr, "\r\033[K{} {}/{}: {}", study.name, done, total, name);
+        }
+        // Asked after each case.
+        stopped = takeInterrupt().has_value();
+        return !stopped;
+      });
+  // Takes the line of progress away before results are printed.
+  if (isTerminal) fmt::print(stderr, "\r\033[K");
+  if (stopped) return false;
+  const std::filesystem::path file = settings.folder / (study.name + ".csv");
+  fmt::print("{}: {} rows in {}\n", study.name, table.rows.size(), file.string());
+  for (const Finding& finding : study.findings(table)) {
+    fmt::print("  {:<40} {:<12.4g} {}\n", finding.name, finding.value, finding.meaning);
+  }
+  std::fflush(stdout);
+  return true;
+}
+
+}  // namespace
+
+CLI::App* addStudyCommand(CLI::App& program, StudyOrder& order) {
+  order.settings.folder = "out/study";
+  CLI::App* command = program.add_subcommand(
+      "study", "measure speed against error, beside other engines, on this machine");
+  addPlace(*command, "NAME", order.name, "a study, or all; see --list");
+  OptionGroup group(*command, "Study");
+  group.flag("--list", "say which studies there are", [&order] { order.list = true; });
+  group.flag("--quick", "fewer and smaller cases: all studies within five minutes",
+             [&order] { order.settings.extent = Extent::Quick; });
+  group.flag("--resume", "keep the rows that an earlier, interrupted run has finished",
+             [&order] { order.settings.resume = true; });
+  group.value("--out", "FOLDER", order.settings.folder.string(),
+              "where NAME.csv and NAME.json go; scripts/plot-study draws them",
+              [&order](const TypedValue& typed) { order.settings.folder = typed.text; });
+  command->footer("Example:\n  kirireel study work-precision --quick");
+  return command;
+}
+
+void completeOrder(const CLI::App& command, StudyOrder& order) {
+  if (!order.list) requireGiven(order.name, "NAME", command);
+}
+
+int carryOut(const StudyOrder& order) {
+  if (order.list) {
+    fmt::print("{}", studyList());
+    return kExitDone;
+  }
+  const std::vector<const Study*> chosen = chosenStudies(order.name.string());
+  StudySettings settings = order.settings;
+  settings.command = commandText(order);
+  settings.versions = ownVersions();
+  sayWhatIsMissing();
+  noteSignals();
+  for (const Study* study : chosen) {
+    if (runOne(*study, settings)) continue;
+    fmt::print(stderr, "kirireel: interrupted; --resume goes on after the finished rows\n");
+    return kExitInterrupted;
+  }
+  return kExitDone;
+}
+
+}  // namespace kirireel

@@ -1,0 +1,119 @@
+/// Commands about models: generate, convert, inspect and study.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "sim/generate/families.h"
+#include "sim/model/model.h"
+#include "sim/model/model_checks.h"
+#include "sim/scene/scene.h"
+#include "sim/study/study.h"
+
+namespace CLI {
+class App;
+}
+
+namespace kirireel {
+
+// ------------------------------------------------------------------------------------------------
+// `kirireel generate FAMILY FOLDER`.
+
+/// A model to be made, and the place that it goes to. Lengths of parameters are metres, angles
+/// degrees, as the family's list says.
+struct GenerateOrder {
+  std::string family;
+  std::map<std::string, double> values;  ///< of the family's parameters, those that were given
+  std::optional<JointFace> face;         ///< of all joints; absent: chosen from the deployed shape
+  std::filesystem::path folder;
+};
+
+/// Adds `generate` with its families. The order must outlive the parsing.
+CLI::App* addGenerateCommand(CLI::App& program, GenerateOrder& order);
+
+/// The group of a family's parameters in its help.
+inline constexpr const char* kShapeGroup = "Shape";
+
+/// Adds one family with its parameters. The order must outlive the parsing. Returns its command.
+CLI::App* addFamily(CLI::App& generate, const Family& family, GenerateOrder& order);
+
+/// Throws InputError when no family or no folder was given. To be called after parsing.
+void completeOrder(const CLI::App& generate, GenerateOrder& order);
+
+/// Makes the model; the order needs no folder. Throws as generateModel().
+Model makeModel(const GenerateOrder& order);
+
+/// Makes the model and writes its folder. Returns the exit code. Prints how many tiles and joints
+/// it has. Throws OutputError where the folder cannot be written.
+int carryOut(const GenerateOrder& order);
+
+// ------------------------------------------------------------------------------------------------
+// `kirireel convert IN OUT`.
+
+/// A model to be written in another format. The formats of both are told by their names.
+struct ConvertOrder {
+  std::filesystem::path input;
+  ReadSettings reading;
+  std::filesystem::path target;  ///< another model whose start is the target; empty for none
+  std::filesystem::path output;  ///< its ending says the format
+};
+
+/// Adds `convert`. The order must outlive the parsing.
+CLI::App* addConvertCommand(CLI::App& program, ConvertOrder& order);
+
+/// Throws InputError where something is missing. To be called after parsing.
+void completeOrder(const CLI::App& command, ConvertOrder& order);
+
+/// Reads and writes. Returns the exit code. Throws InputError for a model that cannot be read,
+/// OutputError for a file that cannot be written.
+int carryOut(const ConvertOrder& order);
+
+// ------------------------------------------------------------------------------------------------
+// `kirireel inspect MODEL`.
+
+/// A model to be looked at. The scene's thickness is an option, since mobility and needs depend on
+/// it.
+struct InspectOrder {
+  std::filesystem::path model;
+  ReadSettings reading;
+  std::filesystem::path target;   ///< another model whose start is the target; empty for none
+  std::filesystem::path picture;  ///< where a numbered picture goes; empty for none
+  Scene scene;                    ///< everything but the model
+  bool printJson = false;
+};
+
+/// Adds `inspect`. The order must outlive the parsing.
+CLI::App* addInspectCommand(CLI::App& program, InspectOrder& order);
+
+/// Throws InputError where something is missing. To be called after parsing.
+void completeOrder(const CLI::App& command, InspectOrder& order);
+
+/// Reads the model, prints what it is, paints it if asked. Returns the exit code. Throws InputError
+/// for a model that cannot be read; for one with a tile that crosses itself the picture is written
+/// first.
+int carryOut(const InspectOrder& order);
+
+// ------------------------------------------------------------------------------------------------
+// `kirireel study NAME`.
+
+/// A study to be run. The name is a text; it is a path only because it stands as an argument like
+/// other commands'.
+struct StudyOrder {
+  std::filesystem::path name;  ///< of a study, or "all"
+  StudySettings settings;      ///< everything but the caption's texts
+  bool list = false;           ///< say which studies there are instead
+};
+
+/// Adds `study`. The order must outlive the parsing.
+CLI::App* addStudyCommand(CLI::App& program, StudyOrder& order);
+
+/// Throws InputError where something is missing. To be called after parsing.
+void completeOrder(const CLI::App& command, StudyOrder& order);
+
+/// Runs one study or all, and prints what they come down to. Returns the exit code. Takes minutes
+/// to hours. 4 when a signal ended it.
+int carryOut(const StudyOrder& order);
+
+}  // namespace kirireel

@@ -1,0 +1,540 @@
+// Paints a recorded run again from trajectory.h5. The trajectory holds poses at samples; nothing is
+// simulated, so that another camera, size or colour costs the painting alone. Several trajectories
+// make one grid with a row each and the same camera and scale.
+#include "render/cli/run_commands.h"
+
+#include <algorithm>
+#include <memory>
+#include <sstream>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "render/cli/option_group.h"
+#include "render/cli/picture_options.h"
+#include "render/cli/report.h"
+#include "render/export/export.h"
+#include "render/folder/output_folder.h"
+#include "render/record/verify.h"
+#include "sim/base/error.h"
+
+namespace kirireel {
+
+CLI::App* addRenderCommand(CLI::App& program, RenderOrder& order) {
+  CLI::App* command = program.add_subcommand(
+      "render", "make pictures and video of a recorded run again, without simulating");
+  command
+      ->add_option("TRAJECTORY", order.trajectories,
+                   "a trajectory.h5 as record and simulate leave it, or the folder it is in; of "
+                   "several one grid is made, a row of states each, with one camera and scale")
+      ->type_name("")
+      ->expected(1, -1);
+  OptionGroup output(*command, "Output");
+  output.value("--out", "FOLDER", "that of TRAJECTORY", "where the files go",
+               [&order](const TypedValue& typed) { order.settings.folder = typed.text; });
+  output.integer("--fps", order.settings.framesPerSecond, {1, 240}, "COUNT",
+                 "frames in a second of video");
+  addPictureOptions(*command, order.settings);
+  addVideoOptions(*command, order.settings);
+  command->footer(
+      "States between two samples are interpolated, with their joints closed.\n\n"
+      "Examples:\n"
+      "  kirireel render out/tessellation_4x4 --view iso --out out/again\n"
+      "  kirireel render out/tessellation_4x4 --format gif --fps 25 --speed 0.5\n"
+      "  kirireel render out/cylinder out/cap --grid 1x4 --width 180mm --font-size 7pt --out "
+      "figure");
+  return command;
+}
+
+void completeOrder(const CLI::App& command, RenderOrder& order) {
+  requireGiven(order.trajectories.empty() ? "" : order.trajectories.front(), "TRAJECTORY", command);
+  // A folder stands for the trajectory.h5 in it.
+  for (std::filesystem::path& trajectory : order.trajectories) {
+    if (std::filesystem::is_directory(trajectory)) trajectory /= output::kTrajectory;
+  }
+  requireConsistentPace(command);
+  if (order.trajectories.size() > 1 && order.settings.folder.empty()) {
+    throw InputError(
+        "error: a figure of several runs belongs to none of their folders; give its own with "
+        "--out");
+  }
+}
+
+int carryOut(const RenderOrder& order) {
+  noteSignals();
+  PictureSettings settings = order.settings;
+  // A figure has no video, so there is no progress to show.
+  if (order.trajectories.size() > 1) {
+    fmt::print("{}", describePictures(settings, renderFigure(order.trajectories, settings)));
+    return kExitDone;
+  }
+  const std::filesystem::path& trajectory = order.trajectories.front();
+  if (settings.folder.empty()) settings.folder = trajectory.parent_path();
+  if (settings.folder.empty()) settings.folder = ".";
+  PictureReport report;
+  {
+    ProgressLine line;
+    report = render(trajectory, settings, [&line](const Progress& progress) {
+      line.show(progress);
+      return takeInterrupt();
+    });
+  }
+  fmt::print("{}", describePictures(settings, report));
+  return report.stoppedAt ? kExitInterrupted : kExitDone;
+}
+
+// ------------------------------------------------------------------------------------------------
+// Options of states, elements and decks, which `record` and `simulate` have too (behind --export),
+// and the command that exports a finished run. Every value that decides the bytes of a file says
+// itself by saidAs(), so that the fingerprint of a run holds it; aliases (--states beside --state,
+// --quadratic beside --linear) decide nothing.
+
+namespace {
+
+/// One word more than there are commas; empty ones stay, and are refused by those who read them.
+std::vector<std::string> splitAtCommas(const TypedValue& value) {
+  std::vector<std::string> words;
+  std::size_t begin = 0;
+  while (begin <= value.text.size()) {
+    const std::size_t end = std::min(value.text.find(',', begin), value.text.size());
+    words.push_back(value.text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return words;
+}
+
+void addStateOptions(OptionGroup& group, ExportSettings& settings) {
+  // What is typed takes the place of the default.
+  // The default is two states. The first state that is typed empties the list, later ones add to
+  // it; the flag is shared by both options and outlives this function.
+  const auto isTyped = std::make_shared<bool>(false);
+  const auto append = [&settings, isTyped](const std::string& name) {
+    requireStateName(name);
+    if (!*isTyped) settings.states.clear();
+    *isTyped = true;
+    settings.states.push_back(name);
+  };
+  group
+      .values("--states", "LIST",
+              "initial, final, all, shares (25%), times (1.5s), angles that some tile has turned "
+              "(30deg), separated by commas (initial,final)",
+              [append](const TypedValue& typed) {
+                for (const std::string& name : splitAtCommas(typed)) append(name);
+              })
+      .decidesNothing();  // --state says it
+  group
+      .values("--state", "NAME", "one of them, or event:TEXT",
+              [append](const TypedValue& typed) { append(typed.text); })
+      .saidAs([&settings] {
+        std::vector<std::string> names;
+        for (const std::string& name : settings.states) names.push_back(quotedText(name));
+        return quotedList(names);
+      });
+}
+
+void addElementOptions(CLI::App& command, ElementRule& elements) {
+  OptionGroup group(command, "Elements (inp, msh)", "recording");
+  // Lengths of 0 mean "as usual" in the rule, so a typed one starts above it.
+  const auto length = [&group](const char* name, const char* usual, const char* help,
+                               double& target) {
+    group
+        .value(name, "METRES", usual, help,
+               [&target](const TypedValue& typed) {
+                 target = parseNumber(typed, {1e-12, 1e9});
+               })
+        .saidAs([&target] { return target > 0 ? numberText(target) : ""; });
+  };
+  group
+      .value("--elements-per-edge", "COUNT", "8", "along each edge of a tile",
+             [&elements](const TypedValue& typed) {
+               elements.perEdge = static_cast<int>(parseInteger(typed, {1, 64}));
+             })
+      .saidAs([&elements] { return elements.perEdge > 0 ? numberText(elements.perEdge) : ""; });
+  // Empty words for the default: the count per edge is in force then.
+  length("--element-size", "", "the longest element edge, in place of the count", elements.size);
+  group.integer("--elements-through", elements.through, {1, 64}, "COUNT", "through the thickness");
+  group.flag("--linear", elements.quadratic,
+             "8 nodes an element (C3D8I); needs twice as many for the same accuracy", false);
+  group
+      .flag("--quadratic", "20 nodes an element (C3D20R); the default",
+            [&elements] { elements.quadratic = true; })
+      .decidesNothing();
+  // The first word is the default.
+  group.choice<JointStyle>("--joints", elements.joints,
+                           {{"shared", JointStyle::Shared},
+                            {"equation", JointStyle::Equation},
+                            {"patch", JointStyle::Patch},
+                            {"neck", JointStyle::Neck}},
+                           "shared nodes, *EQUATION, rigid patches, or one sheet with necks");
+  // Lengths of necks and patches are metres of the model, whatever the deck's unit.
+  length("--patch-radius", "a quarter of the shortest edge",
+         "of rigid patches; below half of an edge", elements.patchRadius);
+  length("--neck-width", "", "of necks: the material that stays at a joint", elements.neck.width);
+  length("--neck-length", "the kerf", "of necks, from tile to tile", elements.neck.length);
+  length("--neck-radius", "0", "of the fillets at the ends of necks", elements.neck.radius);
+  length("--kerf", "0", "width of the cuts of a sheet with necks", elements.neck.kerf);
+  // --shells and --plane-stress exclude each other with some joints; the element rule says so.
+  group.flag("--shells", "shells (S8R, S4), offset where joints lie on one face",
+             [&elements] { elements.family = ElementFamily::Shell; });
+  group.flag("--plane-stress", "plane elements of a sheet with necks (CPS8R, CPS4)",
+             [&elements] { elements.family = ElementFamily::Plane; });
+}
+
+/// "all", "edge", or numbers with commas; whether the model has such tiles is seen when it is read.
+DriveChoice parseDrive(const TypedValue& typed) {
+  if (typed.text == "all") return {DriveChoice::All, {}};
+  if (typed.text == "edge") return {DriveChoice::Edge, {}};
+  DriveChoice drive{DriveChoice::Some, {}};
+  for (const std::string& word : splitAtCommas(typed)) {
+    drive.tiles.push_back(parseInteger({typed.name, word}, {0, 1e9}));
+  }
+  return drive;
+}
+
+/// `isAlone` tells the command whose options are these alone: names may be short there.
+void addDeckOptions(CLI::App& command, DeckSettings& decks, bool isAlone) {
+  OptionGroup group(command, "Decks (inp)", "recording");
+  // Within `record` the names --solver and --density belong to the simulation, so a deck's have a
+  // prefix there.
+  group.choice<Solver>(isAlone ? "--solver,--deck-solver" : "--deck-solver", decks.solver,
+                       {{"calculix", Solver::Calculix}, {"abaqus", Solver::Abaqus}},
+                       "whose keywords are written where they differ");
+  group.value(
+      "--sets", "WORD", "all up to 1000 tiles",
+      "named sets of each tile and joint: none, joints, all", [&decks](const TypedValue& typed) {
+        decks.sets = parseChoice<SetChoice>(
+            typed,
+            {{"none", SetChoice::None}, {"joints", SetChoice::Joints}, {"all", SetChoice::All}});
+      });
+  // SI units here whatever --deck-unit says; the deck is what is scaled.
+  group.number("--youngs", decks.material.youngs, {1e-12, 1e18}, "PASCAL", "Young's modulus");
+  // The limits of isotropic material are -1 and 0.5; at either, stiffness is singular.
+  group.number("--poisson", decks.material.poisson, {-0.99, 0.499}, "", "Poisson's ratio");
+  group.number(isAlone ? "--density,--deck-density" : "--deck-density", decks.material.density,
+               {1e-12, 1e9}, "KG/M3", "of the material");
+  group.choice<DeckUnit>("--deck-unit", decks.unit,
+                         {{"m", DeckUnit::Model}, {"mm-N", DeckUnit::MillimetresNewtons}},
+                         "metres with Pa and kg/m3, or millimetres with MPa and t/mm3");
+  group.value("--drive", "TILES", "",
+              "a second job whose tiles move as in the trajectory: all, edge, or tiles (0,5,12), "
+              "numbered as in the model's file, planar ones from 1",
+              [&decks](const TypedValue& typed) { decks.drive = parseDrive(typed); });
+  group.flag("--buckle", "a further job, for buckling loads", [&decks] { decks.buckling = true; });
+  group.flag("--periodic",
+             "a further job on a sheet that repeats: opposite ends tied to control nodes",
+             [&decks] { decks.periodic = true; });
+  group
+      .value("--deck-contacts", "FRICTION", "",
+             "contact between flanks beside joints, with this coefficient of friction (0: none)",
+             [&decks](const TypedValue& typed) {
+               decks.contactFriction = parseNumber(typed, {0, 10});
+             })
+      // Absent contact is no contact; a coefficient of 0 is contact without friction.
+      .saidAs([&decks] {
+        return decks.contactFriction ? numberText(*decks.contactFriction) : std::string();
+      });
+  group.flag("--state-map",
+             "jobs that move the first state's mesh to the other states, without stress",
+             [&decks] { decks.stateMap = true; });
+}
+
+/// A folder stands for the trajectory.h5 in it.
+std::filesystem::path trajectoryFile(const std::filesystem::path& given) {
+  return std::filesystem::is_directory(given) ? given / output::kTrajectory : given;
+}
+
+}  // namespace
+
+void addExportOptions(CLI::App& command, const std::string& formatOption,
+                      ExportSettings& settings) {
+  OptionGroup group(command, "Export", "recording");
+  // The list follows the enum, so a new format shows up in the help by itself.
+  std::string help = "formats, separated by commas: " + listWords(choiceNames(exportFormatNames()));
+  group
+      .value(formatOption, "LIST", "", help,
+             [&settings](const TypedValue& typed) {
+               for (const std::string& word : splitAtCommas(typed)) {
+                 settings.formats.push_back(parseChoice({typed.name, word}, exportFormatNames()));
+               }
+             })
+      .saidAs([&settings] {
+        std::vector<std::string> names;
+        for (const ExportFormat format : settings.formats) {
+          names.push_back(nameOfChoice(exportFormatNames(), format));
+        }
+        return quotedText(fmt::format("{}", fmt::join(names, ",")));
+      });
+  addStateOptions(group, settings);
+  group
+      .value("--hinge-width", "METRES", "tile size / 20", "of the necks in cut patterns (svg, dxf)",
+             [&settings](const TypedValue& typed) {
+               settings.hingeWidth = parseNumber(typed, {1e-12, 1e9});
+             })
+      .saidAs(
+          [&settings] { return settings.hingeWidth > 0 ? numberText(settings.hingeWidth) : ""; });
+  addElementOptions(command, settings.elements);
+  addDeckOptions(command, settings.decks, formatOption == "--format");
+}
+
+CLI::App* addExportCommand(CLI::App& program, ExportOrder& order) {
+  CLI::App* command = program.add_subcommand(
+      "export", "write states of a trajectory as meshes, finite element decks and drawings");
+  addPlace(*command, "TRAJECTORY", order.trajectory, "a trajectory.h5, or the folder it is in");
+  OptionGroup group(*command, "Output");
+  group.value("--out", "FOLDER", "where the trajectory is", "where the files go",
+              [&order](const TypedValue& typed) { order.folder = typed.text; });
+  addExportOptions(*command, "--format", order.settings);
+  OptionGroup(*command, "Check (inp)")
+      .flag(
+          "--check",
+          "runs the job of each deck in CalculiX, which must be installed, and again with elements "
+          "half as long, and says what changes",
+          [&order] { order.isChecked = true; });
+  command->footer(
+      "Examples:\n"
+      "  kirireel export out/tessellation_4x4 --format obj,stl --states 0%,25%,50%,100%\n"
+      "  kirireel export out/tessellation_4x4 --format inp --state final --joints patch\n"
+      "  kirireel export out/tessellation_4x4 --format inp --joints neck --neck-width 0.1\n"
+      "  kirireel export out/tessellation_4x4 --format vtu --states all\n"
+      "  kirireel export out/tessellation_4x4 --format glb,svg --hinge-width 0.03\n\n"
+      "Lengths are metres, times simulated seconds.");
+  return command;
+}
+
+void completeOrder(const CLI::App& command, ExportOrder& order) {
+  requireGiven(order.trajectory, "TRAJECTORY", command);
+  if (!order.settings.formats.empty()) return;
+  throw InputError(
+      "error: --format is missing, as in kirireel export TRAJECTORY --format obj,inp; "
+      "see kirireel export --help");
+}
+
+int carryOut(const ExportOrder& order) {
+  const std::filesystem::path file = trajectoryFile(order.trajectory);
+  const TrajectoryReader trajectory(file);
+  const std::filesystem::path folder = order.folder.empty() ? file.parent_path() : order.folder;
+  // Warnings come before the files, which may take long.
+  for (const std::string& line : exportWarnings(trajectory, order.settings)) {
+    fmt::print(stderr, "kirireel: {}\n", line);
+  }
+  for (const std::string& name : exportStates(trajectory, order.settings, folder)) {
+    fmt::print("{}\n", (folder / name).string());
+  }
+  // The check solves every deck twice and may take far longer than the export.
+  if (!order.isChecked) return kExitDone;
+  for (const std::string& line : meshSensitivity(trajectory, order.settings)) {
+    fmt::print("{}\n", line);
+  }
+  return kExitDone;
+}
+
+// ------------------------------------------------------------------------------------------------
+// The command reads trajectory.h5 alone: everything that curves show is measured from the samples,
+// or was stored with them. Options of figures are in print sizes (mm, points); see curves/plot.h
+// for what follows from them.
+
+namespace {
+
+/// "svg,png": each format once, in the order of their first naming.
+std::vector<PageFormat> parsePlots(const TypedValue& typed) {
+  std::vector<PageFormat> plots;
+  std::istringstream words(typed.text);
+  for (std::string word; std::getline(words, word, ',');) {
+    const auto format = parseChoice<PageFormat>(
+        {typed.name, word},
+        {{"png", PageFormat::Png}, {"svg", PageFormat::Svg}, {"pdf", PageFormat::Pdf}});
+    if (std::ranges::find(plots, format) == plots.end()) plots.push_back(format);
+  }
+  return plots;
+}
+
+}  // namespace
+
+CLI::App* addCurvesCommand(CLI::App& program, CurvesOrder& order) {
+  CLI::App* command = program.add_subcommand(
+      "curves", "table and plot what a run measures over its time: sizes, areas, openings, ...");
+  addPlace(*command, "RUN", order.run, "a trajectory.h5, or the folder it is in");
+  OptionGroup output(*command, "Output");
+  output.value("--out", "FOLDER", "that of RUN", "where the files go",
+               [&order](const TypedValue& typed) { order.settings.folder = typed.text; });
+  OptionGroup figures(*command, "Figures");
+  figures.value("--plot", "LIST", "none", "the curves as figures: png, svg, pdf",
+                [&order](const TypedValue& typed) { order.settings.plots = parsePlots(typed); });
+  figures.choice<CurvesAgainst>("--against", order.settings.against,
+                                {{"time", CurvesAgainst::Time},
+                                 {"progress", CurvesAgainst::Progress},
+                                 {"opening", CurvesAgainst::Opening}},
+                                "what lies along the horizontal axes");
+  // Millimetres and points are those of print; --dpi turns them into pixels of a PNG alone.
+  PlotSettings& plot = order.settings.plot;
+  figures.number("--width", plot.width, {30, 1000}, "MM", "of the figure in print");
+  figures.number("--font-size", plot.fontPoints, {3, 50}, "PT", "of its text in print");
+  figures.number("--dpi", plot.dotsPerInch, {30, 2400}, "COUNT", "pixels per inch of a PNG");
+  command->footer(
+      "curves.csv has a row for each sample: width, height and depth of the sheet (along x, y, "
+      "z),\n"
+      "area and perimeter of its convex outline and the area that tiles cover (seen along z),\n"
+      "porosity, Poisson's ratio since the start, the least, mean and largest opening of the "
+      "joints,\n"
+      "kinetic energy, target error, joint gap and overlap, and each joint's opening. Runs with\n"
+      "dynamics also have the energy in springs, the work of the drives, what dampers, contacts "
+      "and\n"
+      "the integrator took, and the forces of joints, pins, grips and contacts; a path of the\n"
+      "mechanism is geometry and has none. Fields are empty where there is no value.\n\n"
+      "Examples:\n"
+      "  kirireel curves out/tessellation_4x4 --plot pdf\n"
+      "  kirireel curves out/tessellation_4x4 --plot svg,png --against opening --width 85");
+  return command;
+}
+
+void completeOrder(const CLI::App& command, CurvesOrder& order) {
+  requireGiven(order.run, "RUN", command);
+  if (std::filesystem::is_directory(order.run)) order.run /= output::kTrajectory;
+}
+
+int carryOut(const CurvesOrder& order) {
+  CurvesSettings settings = order.settings;
+  // Beside the trajectory; a bare file name has no parent, so the current folder.
+  if (settings.folder.empty()) settings.folder = order.run.parent_path();
+  if (settings.folder.empty()) settings.folder = ".";
+  const TrajectoryReader run(order.run);
+  for (const std::string& name : writeCurves(run, settings)) {
+    fmt::print("{}\n", (settings.folder / name).string());
+  }
+  if (!run.hasMechanics()) fmt::print(stderr, "note: {}\n", kNoMechanics);
+  return kExitDone;
+}
+
+// ------------------------------------------------------------------------------------------------
+// Options of a page and the command `page`. A page is made of one run or of two side by side;
+// `record --page` makes one of the run that has just ended, with the same settings' look.
+
+namespace {
+
+/// 0 stands for all samples of the trajectory.
+int parseSamples(const TypedValue& typed) {
+  return typed.text == "all" ? 0 : static_cast<int>(parseInteger(typed, {2, 1e6}));
+}
+
+/// The trajectory of a run that was named by its folder or its file. A file is taken as it is; a
+/// folder without a trajectory is refused with what to do.
+std::filesystem::path trajectoryOf(const std::filesystem::path& run) {
+  if (!std::filesystem::is_directory(run)) return run;
+  const std::filesystem::path file = run / output::kTrajectory;
+  if (std::filesystem::exists(file)) return file;
+  throw InputError(
+      fmt::format("{}: error: this folder has no {}, which a page is made from; record its "
+                  "model again",
+                  run.string(), output::kTrajectory));
+}
+
+}  // namespace
+
+void addPageOptions(CLI::App& command, WebPageSettings& settings) {
+  OptionGroup group(command, "Page");
+  group
+      .value(
+          "--samples", "COUNT", "201",
+          "states that the page has, at equal steps of motion, or all: those of trajectory.h5",
+          [&settings](const TypedValue& typed) { settings.states.samples = parseSamples(typed); })
+      .decidesNothing();
+  group
+      .flag("--exact", settings.states.exact,
+            "poses as they are, to the last bit; else to a fraction of a pixel")
+      .decidesNothing();
+  group
+      .value("--embed", "LIST", "none",
+             "files of the run that go into the page: videos play, pictures show, others can be "
+             "saved from it, such as deployment.mp4,final.obj",
+             [&settings](const TypedValue& typed) {
+               // Names are looked for beside the trajectory when the page is made.
+               std::istringstream names(typed.text);
+               for (std::string name; std::getline(names, name, ',');) {
+                 settings.embedded.push_back(name);
+               }
+             })
+      .decidesNothing();
+  group
+      .value("--most-size", "MB", "25", "of a page; a larger one is refused",
+             [&settings](const TypedValue& typed) {
+               settings.mostMegabytes = parseNumber(typed, {0.1, 1e5});
+             })
+      .decidesNothing();
+}
+
+CLI::App* addPageCommand(CLI::App& program, PageOrder& order) {
+  CLI::App* command = program.add_subcommand(
+      "page", "write one HTML file that shows a run in 3-D, in any browser, without a network");
+  command
+      ->add_option("RUN", order.runs,
+                   "a trajectory.h5, or the folder it is in; two stand side by side")
+      ->type_name("")
+      ->expected(1, -1);
+  OptionGroup output(*command, "Output");
+  output.value("--out", "FOLDER", "that of the first RUN", "where page.html goes",
+               [&order](const TypedValue& typed) { order.settings.folder = typed.text; });
+  addPageOptions(*command, order.settings);
+  command->footer(
+      "The page has the model in 3-D with a slider, its curves, and the summary in words. It "
+      "needs\n"
+      "no network and may be sent as it is.\n\n"
+      "Examples:\n"
+      "  kirireel page out/tessellation_4x4\n"
+      "  kirireel page out/first out/second --out out/both --samples 101");
+  return command;
+}
+
+void completeOrder(const CLI::App& command, PageOrder& order) {
+  // CLI11 is told to expect one at least, but --help and our own message come before its error.
+  requireGiven(order.runs.empty() ? "" : order.runs.front(), "RUN", command);
+  if (order.runs.size() > kMostPageRuns) {
+    throw InputError(
+        fmt::format("error: {} runs are given, and a page shows {} at most; make "
+                    "several pages",
+                    order.runs.size(), kMostPageRuns));
+  }
+}
+
+int carryOut(const PageOrder& order) {
+  WebPageSettings settings = order.settings;
+  std::vector<std::filesystem::path> trajectories;
+  for (const std::filesystem::path& run : order.runs) trajectories.push_back(trajectoryOf(run));
+  if (settings.folder.empty()) settings.folder = trajectories.front().parent_path();
+  if (settings.folder.empty()) settings.folder = ".";
+  writePage(trajectories, settings);
+  const std::filesystem::path page = settings.folder / kPageFile;
+  fmt::print("{}: {:.2f} MB\n", page.string(),
+             static_cast<double>(std::filesystem::file_size(page)) / 1e6);
+  return kExitDone;
+}
+
+// ------------------------------------------------------------------------------------------------
+// Prints what does not agree, one line each, on standard output, because that is the result; exit
+// code 1 then.
+
+CLI::App* addVerifyCommand(CLI::App& program, VerifyOrder& order) {
+  CLI::App* command = program.add_subcommand(
+      "verify", "check that a finished run's files are those it left and bear its figures out");
+  addPlace(*command, "FOLDER", order.folder, "that of a finished run");
+  command->footer(
+      "Compares every file with its size and SHA-256 in summary.json, and computes the figures of\n"
+      "trajectory.h5 again from its poses. Exit code 1 when something does not agree.\n\n"
+      "Example:\n  kirireel verify out/tessellation_4x4");
+  return command;
+}
+
+void completeOrder(const CLI::App& command, VerifyOrder& order) {
+  requireGiven(order.folder, "FOLDER", command);
+}
+
+int carryOut(const VerifyOrder& order) {
+  const VerifyReport report = verifyRun(order.folder);
+  for (const std::string& complaint : report.complaints) fmt::print("{}\n", complaint);
+  if (!report.complaints.empty()) return kExitFailed;
+  fmt::print("{}: {} files and the figures of {} samples agree with the summary\n",
+             order.folder.string(), report.files, report.samples);
+  return kExitDone;
+}
+
+}  // namespace kirireel

@@ -1,0 +1,127 @@
+/// Commands about runs that are there: render, export, curves, page and verify.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "render/export/export.h"
+#include "render/page/page.h"
+#include "render/record/curves.h"
+#include "render/record/record.h"
+
+namespace CLI {
+class App;
+}
+
+namespace kirireel {
+
+// ------------------------------------------------------------------------------------------------
+// `kirireel render TRAJECTORY`.
+
+/// Which recorded runs are to be painted again, and how. completeOrder() puts the file of each
+/// folder in its place.
+struct RenderOrder {
+  std::vector<std::filesystem::path> trajectories;  ///< several: one grid with a row of each
+  PictureSettings settings;  ///< the folder is empty when --out was not given
+};
+
+/// Adds `render`. The order must outlive the parsing.
+CLI::App* addRenderCommand(CLI::App& program, RenderOrder& order);
+
+/// Throws InputError where something is missing. To be called after parsing.
+void completeOrder(const CLI::App& command, RenderOrder& order);
+
+/// Paints, and prints what was written. Returns the exit code. 4 when a signal ended the video
+/// early. Throws InputError for a trajectory that cannot be read, OutputError for files.
+int carryOut(const RenderOrder& order);
+
+// ------------------------------------------------------------------------------------------------
+// `kirireel export TRAJECTORY`.
+
+/// A trajectory and what is made of it. Defaults of the settings are those of the help.
+struct ExportOrder {
+  std::filesystem::path trajectory;  ///< a trajectory.h5, or the folder that it is in
+  std::filesystem::path folder;      ///< empty for the trajectory's own
+  ExportSettings settings;
+  bool isChecked = false;  ///< whether jobs are run with two sizes of elements
+};
+
+/// Adds the options that say which states are exported as what; `formatOption` is the name of the
+/// one for the formats. The settings must outlive the parsing. "--format" in `export`, where
+/// options may also have short names, "--export" in `record`.
+void addExportOptions(CLI::App& command, const std::string& formatOption, ExportSettings& settings);
+
+/// Adds `export`. The order must outlive the parsing.
+CLI::App* addExportCommand(CLI::App& program, ExportOrder& order);
+
+/// Throws InputError where something is missing. To be called after parsing.
+void completeOrder(const CLI::App& command, ExportOrder& order);
+
+/// Reads the trajectory, writes the files, prints their names. Returns the exit code. With --check
+/// also runs CalculiX, and prints what a mesh twice as fine changes. Throws InputError for states,
+/// formats and models that do not fit, OutputError for files.
+int carryOut(const ExportOrder& order);
+
+// ------------------------------------------------------------------------------------------------
+// `kirireel curves RUN`.
+
+/// Which run's curves are wanted, and as what. completeOrder() puts the file of a folder in its
+/// place.
+struct CurvesOrder {
+  std::filesystem::path run;  ///< a trajectory.h5, or the folder that it is in
+  CurvesSettings settings;    ///< the folder is empty when --out was not given
+};
+
+/// Adds `curves`. The order must outlive the parsing.
+CLI::App* addCurvesCommand(CLI::App& program, CurvesOrder& order);
+
+/// Throws InputError where something is missing. To be called after parsing.
+void completeOrder(const CLI::App& command, CurvesOrder& order);
+
+/// Writes the files, prints their names. Returns the exit code. A run without dynamics has no
+/// energies and forces: a note on standard error says so. Throws what TrajectoryReader and
+/// writeCurves throw.
+int carryOut(const CurvesOrder& order);
+
+// ------------------------------------------------------------------------------------------------
+// `kirireel page RUN...`.
+
+/// Which runs go on a page, and how. At least one run, at most kMostPageRuns.
+struct PageOrder {
+  std::vector<std::filesystem::path> runs;  ///< each a trajectory.h5, or the folder that it is in
+  WebPageSettings settings;                 ///< the folder is empty when --out was not given
+};
+
+/// Adds the options that say what a page has. The settings must outlive the parsing.
+void addPageOptions(CLI::App& command, WebPageSettings& settings);
+
+/// Adds `page`. The order must outlive the parsing.
+CLI::App* addPageCommand(CLI::App& program, PageOrder& order);
+
+/// Throws InputError where something is missing or too much. To be called after parsing.
+void completeOrder(const CLI::App& command, PageOrder& order);
+
+/// Writes the page, and prints its name. Returns the exit code. The size is in megabytes of 10^6
+/// bytes. Throws InputError for a folder without a trajectory or a page above --most-size, and what
+/// writePage throws.
+int carryOut(const PageOrder& order);
+
+// ------------------------------------------------------------------------------------------------
+// `kirireel verify FOLDER`.
+
+/// Which run is to be checked. The folder is the one that was given to --out.
+struct VerifyOrder {
+  std::filesystem::path folder;
+};
+
+/// Adds `verify`. The order must outlive the parsing.
+CLI::App* addVerifyCommand(CLI::App& program, VerifyOrder& order);
+
+/// Throws InputError where something is missing. To be called after parsing.
+void completeOrder(const CLI::App& command, VerifyOrder& order);
+
+/// Checks, and prints what does not agree. Returns the exit code. Reads every file of the run and
+/// the whole trajectory. Throws InputError for a folder without a finished run.
+int carryOut(const VerifyOrder& order);
+
+}  // namespace kirireel

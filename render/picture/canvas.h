@@ -1,0 +1,163 @@
+/// Vector graphics: pages as SVG, PDF and PNG, and sketches drawn on them with hidden surfaces
+/// removed. No Cairo header is needed to make them.
+#pragma once
+
+#include <algorithm>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "render/picture/camera.h"
+#include "render/picture/label.h"
+#include "render/picture/sketch.h"
+#include "sim/base/geometry.h"
+
+namespace kirireel {
+
+// ------------------------------------------------------------------------------------------------
+// Pages of vector graphics.
+
+/// How a page is made. The page's unit is a pixel; at 96 of them an inch a page is as large as a
+/// browser shows it.
+struct PageSettings {
+  FrameSize size;  ///< in its own unit, the pixels of a picture of the same layout
+  double pixelsPerInch = 96;
+  Colour background = {255, 255, 255};
+  Colour outline;           ///< of bricks
+  Colour paleOutline;       ///< of dark bricks
+  double outlineWidth = 1;  ///< pixels
+  std::string fontFamily;   ///< of all text
+  std::string description;  ///< who made it from what, one line
+};
+
+/// Width of the lines in a polygon's own colour that close the gaps which antialiasing leaves
+/// between polygons side by side, pixels.
+inline double seamWidth(const PageSettings& settings) {
+  return std::max(0.3, 0.4 * settings.outlineWidth);
+}
+
+/// The same where one face was cut in two.
+inline double cutSeamWidth(const PageSettings& settings) {
+  return 3 * seamWidth(settings);
+}
+
+/// A page that is drawn on from back to front. Lengths are pixels of PageSettings::size. Calls come
+/// in painting order: what is drawn later covers what is there.
+class Canvas : public Surface {
+ public:
+  using Points = std::vector<Eigen::Vector2d>;
+
+  /// What follows belongs to a named part of the page, up to the matching end(); parts may hold
+  /// others. opacity: of the part as a whole, 0 to 1. Every begin() needs its end() before
+  /// finish().
+  virtual void begin(const std::string& name, double opacity = 1) = 0;
+  /// The same, cut off at a rectangle.
+  virtual void beginWithin(const std::string& name, double left, double upper, double width,
+                           double height) = 0;
+  /// Closes the part that was begun last.
+  virtual void end() = 0;
+
+  /// A filled polygon, its sides closed against those of its neighbours. Three corners or more;
+  /// alpha counts.
+  virtual void polygon(const Points& corners, Colour colour) = 0;
+
+  /// Lines in a polygon's own colour where it was cut from another.
+  virtual void seams(const std::vector<Points>& lines, Colour colour) = 0;
+
+  /// Lines in the settings' outline, or the pale one, each through two points or more. A line whose
+  /// first and last points are the same is closed without a gap.
+  virtual void outlines(const std::vector<Points>& lines, bool pale = false) = 0;
+
+  /// Lines of a width in pixels, each through two points or more.
+  virtual void lines(const std::vector<Points>& lines, double width, Colour colour) = 0;
+
+  /// The whole file; call it once, when everything is drawn. Throws OutputError.
+  virtual std::string finish() = 0;
+};
+
+/// What pages are written as.
+enum class PageFormat { Svg, Pdf, Png };
+
+// ------------------------------------------------------------------------------------------------
+// Pages as SVG, for print and for editing.
+
+/// Writes SVG 1.1 that every program reads: filled paths, lines and text, named groups that editors
+/// show as layers, and one style sheet that says how faces, outlines and text look. The same page
+/// gives the same bytes. The text grows in memory.
+std::unique_ptr<Canvas> makeSvgCanvas(const PageSettings& settings);
+
+// ------------------------------------------------------------------------------------------------
+// Pages as PDF and as PNG, by Cairo. No Cairo header is needed to make them.
+
+/// Writes a PDF of one page, as large as the settings' pixels are at their resolution: shapes are
+/// shapes, text is text, and its font is embedded. The same page gives the same bytes. finish()
+/// throws OutputError.
+std::unique_ptr<Canvas> makePdfCanvas(const PageSettings& settings);
+
+/// Writes a PNG with as many pixels as the settings say, and notes their resolution. The same page
+/// gives the same bytes. Throws OutputError when there is too little memory.
+std::unique_ptr<Canvas> makePngCanvas(const PageSettings& settings);
+
+/// A page of any format. The settings' size must be valid, see requireValidSize().
+std::unique_ptr<Canvas> makeCanvas(PageFormat format, const PageSettings& settings);
+
+// ------------------------------------------------------------------------------------------------
+// Sketches on pages, hidden surfaces removed.
+
+/// Draws what the camera sees of the sketch, from back to front, in parts called `name`_ground,
+/// _shadow, _bricks, _outlines and _overlay as far as there are such (without `name`_ when that is
+/// empty). size: of the picture, pixels; its upper left corner stands at `corner` of the canvas.
+/// Names must be unique on a page: they become ids in SVG.
+void drawSketch(const Sketch& sketch, const Camera& camera, FrameSize size,
+                const Eigen::Vector2d& corner, const std::string& name, Canvas& canvas);
+
+// ------------------------------------------------------------------------------------------------
+// Hidden surfaces for drawings that can only paint one thing over another.
+
+/// A convex polygon that remembers which of its sides came from cutting. `isCut` has an entry for
+/// each corner. Sides from cutting get no outline.
+struct CutPolygon {
+  std::vector<Vector3> corners;  ///< anticlockwise in the picture
+  std::vector<char> isCut;       ///< for the side from corner k to corner k + 1
+};
+
+/// A facet or a part of one. Pieces of one facet share its plane, so that cutting never moves a
+/// face.
+struct Piece {
+  CutPolygon outer;       ///< with its outline
+  CutPolygon inner;       ///< within its outline; empty where the part has none of it
+  bool outlined = false;  ///< else both are the same
+  bool pale = false;      ///< whether its outline is the pale one
+  Colour colour;
+  Vector3 normal;     ///< of the facet's plane, unit, towards the camera's side
+  double offset = 0;  ///< normal . point for the points of the plane
+};
+
+/// The pieces of a layer of facets, in the order in which they stand. Parts nearer to the camera
+/// than its near plane are cut away. In order of the facets, not sorted.
+std::vector<Piece> makePieces(const Sketch& sketch, const std::vector<Facet>& facets,
+                              const Camera& camera);
+
+/// The lines of a facet's outline that nothing hides, each through two points or more, world axes;
+/// a closed line ends where it began.
+struct SeenOutline {
+  std::vector<std::vector<Vector3>> lines;
+  bool pale = false;
+};
+
+/// What shows of the outlines of whole facets, as makePieces() gives them, in their order. A side
+/// is hidden where it lies behind another facet's plane and within that facet's outline as the
+/// camera sees it. Drawn over all faces they stay whole: drawn face by face, the half of a line
+/// that lies beyond its face would be covered by the neighbour, and lines along a cut by the seam
+/// that closes it.
+std::vector<SeenOutline> seenOutlines(const std::vector<Piece>& pieces, const Camera& camera);
+
+/// Puts facets that all look at the camera into an order in which each hides those before it, by
+/// cutting those that lie on both sides of another's plane (binary space partition; Fuchs, Kedem
+/// and Naylor 1980). Right for facets that cross, too. A facet's plane has the camera on its front,
+/// so that what lies behind the plane comes first. Cutting may give more pieces than there were.
+/// Throws Interrupted when the user ends the program.
+std::vector<Piece> farthestFirst(std::vector<Piece> pieces);
+
+}  // namespace kirireel

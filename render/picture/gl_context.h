@@ -1,0 +1,143 @@
+/// OpenGL without a screen: its context, frames to draw into, and shaders.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+namespace kirireel {
+
+// ------------------------------------------------------------------------------------------------
+// An OpenGL 3.3 core context that needs no screen.
+
+/// The libraries that contexts come from. Both run the same software renderer on a machine without
+/// a graphics card.
+enum class GraphicsLibrary {
+  Osmesa,  ///< Mesa's own; gone from Mesa 25.1 on
+  Egl,     ///< EGL on Mesa's surfaceless platform; may use a graphics card where there is one
+};
+
+/// The libraries that the program was built with, at least one; the first is used unless told
+/// otherwise.
+std::vector<GraphicsLibrary> builtGraphicsLibraries();
+
+/// Chooses the library of all contexts made later. One process uses one library: call it before the
+/// first context is made. Throws InputError when the program was built without it.
+void setGraphicsLibrary(GraphicsLibrary library);
+
+/// Sets how many extra threads the software renderer uses, for contexts made later; 0 draws on the
+/// calling thread, one context at a time. Changes the
+/// environment of the process: call it before other threads start. A value that the user has set
+/// (LP_NUM_THREADS) stays.
+void setRasterThreads(int count);
+
+class Backend;
+
+/// The graphics context of one thread. Every use must be on the thread that made it. Making one
+/// costs time and memory, so that callers keep theirs.
+class Context {
+ public:
+  /// Makes the context and makes it current. Throws OutputError when the system offers none.
+  Context();
+  ~Context();
+  Context(const Context&) = delete;
+  Context& operator=(const Context&) = delete;
+
+  /// Directs the thread's OpenGL calls to this context. Throws OutputError when the library
+  /// refuses.
+  void makeCurrent();
+
+ private:
+  std::unique_ptr<Backend> backend_;
+};
+
+/// OpenGL's version and its maker's, of the context that is current on this thread. For example
+/// "4.5 (Core Profile) Mesa 22.3.6".
+std::string graphicsVersion();
+
+// ------------------------------------------------------------------------------------------------
+// A library that makes OpenGL contexts without a screen; each is known to one source alone.
+
+/// One OpenGL 3.3 core context. Made, used and destroyed on one thread.
+class Backend {
+ public:
+  using Function = void (*)();
+
+  Backend() = default;
+  virtual ~Backend() = default;
+  Backend(const Backend&) = delete;
+  Backend& operator=(const Backend&) = delete;
+
+  /// Directs the thread's OpenGL calls to this context. False when the library refuses.
+  virtual bool makeCurrent() = 0;
+
+  /// The address of an OpenGL function. Null where the library does not have it. OpenGL functions
+  /// may be looked up once a context is current.
+  virtual Function address(const char* name) const = 0;
+};
+
+/// The context of each library; null when the program was built without the library or the library
+/// cannot make one. The context is not current yet.
+std::unique_ptr<Backend> makeOsmesaBackend();
+std::unique_ptr<Backend> makeEglBackend();
+
+// ------------------------------------------------------------------------------------------------
+// A picture in the graphics context to draw into.
+
+/// A framebuffer object with RGBA8 colours and depth. Belongs to the context current when made.
+class Framebuffer {
+ public:
+  /// Throws OutputError when the driver refuses the size or lacks the memory. Both sides in pixels,
+  /// at least 1.
+  Framebuffer(int width, int height);
+  ~Framebuffer();
+  Framebuffer(const Framebuffer&) = delete;
+  Framebuffer& operator=(const Framebuffer&) = delete;
+
+  /// Width and height, pixels.
+  const Eigen::Vector2i& sides() const { return sides_; }
+
+  /// Draws go to this framebuffer from now on.
+  void drawInto() const;
+
+  /// Copies a box of pixels out as RGBA, rows in OpenGL's order (row 0 is where y is 0). The box's
+  /// right and last row are not in it. rowPixels: pixels from one row's start to the next in the
+  /// destination. Waits for all drawing to end. Throws OutputError when the driver ran out of
+  /// memory on the way. `pixels` has room for rowPixels x height of the box x 4 bytes, less what
+  /// follows the last row.
+  void read(const Eigen::AlignedBox2i& box, int rowPixels, std::uint8_t* pixels) const;
+
+ private:
+  Eigen::Vector2i sides_;
+  unsigned int framebuffer_ = 0;
+  unsigned int colour_ = 0;
+  unsigned int depth_ = 0;
+};
+
+// ------------------------------------------------------------------------------------------------
+// A linked pair of shaders.
+
+/// A vertex and a fragment shader in GLSL 3.30, linked. Belongs to the context current when made.
+class Program {
+ public:
+  /// Throws OutputError with the compiler's words when the sources do not compile or link.
+  Program(const char* vertexSource, const char* fragmentSource);
+  ~Program();
+  Program(const Program&) = delete;
+  Program& operator=(const Program&) = delete;
+
+  /// Makes the program the one that draws. Until another program is.
+  void use() const;
+
+  /// Sets a uniform of the program in use. `name` as in the shader's source; a name that no shader
+  /// uses is ignored. Floats, as in GLSL's vec4.
+  void set(const char* name, float x, float y, float z, float w) const;
+
+ private:
+  unsigned int handle_ = 0;
+};
+
+}  // namespace kirireel

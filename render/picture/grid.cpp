@@ -1,0 +1,358 @@
+// The sheet from the top: gap, heads of columns, then for each row letters, pictures, captions and
+// a gap, at last one strip for each scale. Every height follows from the em of the text, which is a
+// share of a picture's height, or is given. So a grid is laid out without any picture (layOutGrid),
+// and the same layout serves pixels (composeGrid) and vector graphics.
+//
+// Where the em is given (for print), captions are broken into lines; where it is not, all text
+// shrinks until the widest caption fits.
+//
+// Trimming: the box of pixels that differ from the background is found over all pictures, so that
+// all are cut alike and keep one scale.
+#include "render/picture/grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+#include "render/picture/label.h"
+#include "sim/base/error.h"
+#include "sim/base/geometry.h"
+
+namespace kirireel {
+namespace {
+
+/// Text smaller than this cannot be read, whatever the size of the pictures.
+constexpr int kSmallestText = 9;
+
+/// Height of the strip under a picture, in ems of its text; the baseline's place in it.
+constexpr double kStripEms = 1.6;
+constexpr double kBaselineEms = 1.25;
+/// From line to line of a caption; the strip over a picture with its letter, and its baseline; ems.
+constexpr double kLineEms = 1.25;
+constexpr double kLetterEms = 1.4;
+constexpr double kLetterBaselineEms = 1;
+/// Strip over the columns with their heads, and its baseline; ems.
+constexpr double kHeadEms = 1.6;
+constexpr double kHeadBaselineEms = 1.1;
+
+/// Em of an arrow between two pictures, in ems of the text; and the gap that it has room in, in
+/// heights of a picture.
+constexpr double kArrowEms = 1.5;
+constexpr double kArrowGap = 0.14;
+
+/// Height of the strip of a scale below the pictures, in ems of its text; and the longest bar of
+/// length, in widths of a picture.
+constexpr double kScaleEms = 2;
+constexpr double kLongestBar = 0.5;
+
+/// What stays around the models when pictures are trimmed, in heights of the trimmed picture.
+constexpr double kTrimMargin = 0.05;
+/// Least width of a trimmed picture, in its heights: room for a caption like "t = 12.34 s".
+constexpr double kLeastAspect = 0.45;
+
+/// Pixels from the top left corner; max is in the box.
+using PixelBox = Eigen::AlignedBox2i;
+
+/// Empty where all pixels are alike.
+PixelBox filledBox(const Frame& frame, Colour empty) {
+  PixelBox box;
+  for (int y = 0; y < frame.size.height; ++y) {
+    for (int x = 0; x < frame.size.width; ++x) {
+      if (frame.at(x, y) != empty) box.extend(Eigen::Vector2i(x, y));
+    }
+  }
+  return box;
+}
+
+/// The box with its margin and at least the width of a caption, within the picture. Grown evenly on
+/// both sides, cut off at the picture's borders.
+PixelBox withMargin(const PixelBox& box, FrameSize size) {
+  const int height = box.sizes().y() + 1;
+  const int margin = static_cast<int>(std::lround(kTrimMargin * height));
+  const int width = box.sizes().x() + 1;
+  const int missing = static_cast<int>(std::lround(kLeastAspect * height)) - width;
+  const Eigen::Vector2i growth(std::max(margin, (missing + 1) / 2), margin);
+  const PixelBox picture(Eigen::Vector2i(0, 0), Eigen::Vector2i(size.width - 1, size.height - 1));
+  return PixelBox(box.min() - growth, box.max() + growth).intersection(picture);
+}
+
+/// The part lies within the picture.
+Frame cutOut(const Frame& frame, const PictureBox& part) {
+  const std::ptrdiff_t first = std::ptrdiff_t{4} * part.left;
+  const std::ptrdiff_t end = std::ptrdiff_t{4} * (part.left + part.size.width);
+  Frame cut{part.size, {}};
+  for (int y = part.upper; y < part.upper + part.size.height; ++y) {
+    const auto row = frame.pixels.begin() + static_cast<std::ptrdiff_t>(frame.rowStart(y));
+    cut.pixels.insert(cut.pixels.end(), row + first, row + end);
+  }
+  return cut;
+}
+
+/// The size at which the widest caption or head fits at its picture, at most the layout's. Never
+/// below the least size that can be read.
+int captionSize(const std::vector<std::string>& captions, const GridLayout& layout,
+                const GridStyle& style) {
+  const LabelWriter writer(layout.textSize);
+  int widest = 1;
+  for (const std::string& caption : captions) widest = std::max(widest, writer.width(caption));
+  for (const std::string& head : style.heads) widest = std::max(widest, writer.width(head));
+  const double share = std::min(1.0, static_cast<double>(layout.picture.width) / widest);
+  return std::max(kSmallestText, static_cast<int>(share * layout.textSize));
+}
+
+/// The lines of a caption under its picture.
+std::vector<std::string> captionLines(const std::string& caption, const LabelWriter& writer,
+                                      int width) {
+  return wrapText(
+      caption, [&writer](const std::string& line) { return double(writer.width(line)); }, width);
+}
+
+/// "(a)" to "(z)", then "(aa)", "(ab)" and so on.
+std::string panelLetter(int number) {
+  std::string letters;
+  for (int rest = number; rest >= 0; rest = rest / 26 - 1) {
+    letters.insert(letters.begin(), static_cast<char>('a' + rest % 26));
+  }
+  return '(' + letters + ')';
+}
+
+/// One line in the middle of `width` pixels.
+void drawCentred(Surface& sheet, const std::string& line, int left, int width, double baseline,
+                 int em, Colour colour) {
+  sheet.text(line, left + (width - LabelWriter(em).width(line)) / 2, baseline, em, colour);
+}
+
+void drawHeads(Surface& sheet, const GridLayout& layout, const GridStyle& style, int em) {
+  const double baseline = layout.gap + std::round(kHeadBaselineEms * layout.textSize);
+  for (int column = 0; column < static_cast<int>(style.heads.size()); ++column) {
+    drawCentred(sheet, style.heads[column], layout.left(column), layout.picture.width, baseline, em,
+                style.text);
+  }
+}
+
+/// Between pictures side by side, at half their height. None after the last picture of a row.
+void drawArrows(Surface& sheet, const GridLayout& layout, const GridStyle& style, int cells,
+                int columns) {
+  const int em = std::max(
+      1, std::min(layout.columnGap, static_cast<int>(std::lround(kArrowEms * layout.textSize))));
+  for (int cell = 0; cell + 1 < cells; ++cell) {
+    if (cell % columns == columns - 1) continue;
+    // The middle of the arrow stands about a third of an em above the baseline.
+    const double baseline = layout.upper(cell / columns) + layout.picture.height / 2 + em / 3;
+    drawCentred(sheet, kArrow, layout.left(cell % columns) + layout.picture.width, layout.columnGap,
+                baseline, em, style.text);
+  }
+}
+
+/// Draws the scales that all pictures share, one below the other at the lower end of the sheet. Bar
+/// of length, bar of colours, legend, from above.
+void drawScales(Surface& sheet, const GridLayout& layout, const GridStyle& style) {
+  if (layout.scales == 0) return;
+  const ScaleDrawer drawer(layout.textSize, style.text);
+  const int middle = layout.sheet.width / 2;
+  int y = layout.sheet.height - layout.gap / 2 - layout.scales * layout.scaleHeight +
+          layout.scaleHeight / 2;
+  if (style.metresPerPixel) {
+    const ScaleLength length =
+        roundLength(kLongestBar * layout.picture.width * *style.metresPerPixel);
+    const int pixels = static_cast<int>(std::lround(length.metres / *style.metresPerPixel));
+    drawer.drawScaleBar(sheet, length.text, pixels, middle, y);
+    y += layout.scaleHeight;
+  }
+  if (style.colourScale) {
+    drawer.drawColourBar(sheet, *style.colourScale, middle, y, layout.sheet.width - 2 * layout.gap);
+    y += layout.scaleHeight;
+  }
+  if (!style.legend.empty()) {
+    drawer.drawLegend(sheet, style.legend, middle, y, layout.sheet.width - 2 * layout.gap);
+  }
+}
+
+void requireFitting(const std::vector<GridPicture>& pictures, GridShape shape) {
+  const int count = static_cast<int>(pictures.size());
+  if (count > shape.cells()) {
+    throw InputError(
+        fmt::format("error: a grid of {} x {} has room for {} pictures, not {}; change --grid",
+                    shape.rows, shape.columns, shape.cells(), count));
+  }
+  const FrameSize first = pictures.front().frame.size;
+  for (const GridPicture& picture : pictures) {
+    const FrameSize size = picture.frame.size;
+    if (size == first) continue;
+    throw InputError(fmt::format(
+        "error: pictures of one grid must have one size, not {} x {} beside {} x {} pixels",
+        size.width, size.height, first.width, first.height));
+  }
+}
+
+/// Throws InputError.
+void requireShape(GridShape shape, const GridStyle& style) {
+  if (shape.rows < 1 || shape.columns < 1) {
+    throw InputError(
+        fmt::format("error: a grid cannot have {} x {} cells; give at least one row and one "
+                    "column, for example --grid 3x3",
+                    shape.rows, shape.columns));
+  }
+  const std::size_t heads = style.heads.size();
+  if (heads == 0 || heads == static_cast<std::size_t>(shape.columns)) return;
+  throw InputError(
+      fmt::format("error: {} columns have {} heads; give --column-heads one for each, with commas "
+                  "between them, or change --grid",
+                  shape.columns, heads));
+}
+
+}  // namespace
+
+double columnGap(const GridStyle& style) {
+  return style.arrows ? kArrowGap : style.gap;
+}
+
+GridLayout layOutGrid(FrameSize picture, GridShape shape, const GridStyle& style, int lines) {
+  requireShape(shape, style);
+  GridLayout layout;
+  layout.picture = picture;
+  layout.gap = static_cast<int>(std::lround(style.gap * picture.height));
+  layout.columnGap = static_cast<int>(std::lround(columnGap(style) * picture.height));
+  layout.textSize =
+      std::max(kSmallestText, static_cast<int>(std::lround(style.captionSize * picture.height)));
+  if (style.textSize) layout.textSize = *style.textSize;
+  layout.captionHeight =
+      static_cast<int>(std::lround((kStripEms + (lines - 1) * kLineEms) * layout.textSize));
+  if (style.letters) {
+    layout.letterHeight = static_cast<int>(std::lround(kLetterEms * layout.textSize));
+  }
+  if (!style.heads.empty()) {
+    layout.headHeight = static_cast<int>(std::lround(kHeadEms * layout.textSize));
+  }
+  const double scaleEms = kScaleEms + (style.colourScale ? kColourBarHeight - 1 : 0);
+  layout.scaleHeight = static_cast<int>(std::lround(scaleEms * layout.textSize));
+  layout.scales =
+      (style.colourScale ? 1 : 0) + (style.legend.empty() ? 0 : 1) + (style.metresPerPixel ? 1 : 0);
+  // In 64 bits: rows and columns may be anything that a person typed.
+  const long long width = 2LL * layout.gap + shape.columns * static_cast<long long>(picture.width) +
+                          (shape.columns - 1) * static_cast<long long>(layout.columnGap);
+  const long long height =
+      layout.gap + layout.headHeight +
+      shape.rows * static_cast<long long>(layout.letterHeight + picture.height +
+                                          layout.captionHeight + layout.gap) +
+      static_cast<long long>(layout.scales) * layout.scaleHeight;
+  if (width > kMaxFrameSide || height > kMaxFrameSide) {
+    throw InputError(fmt::format(
+        "error: a grid of {} x {} pictures of {} x {} pixels needs {} x {} pixels and "
+        "may have {} a side; choose fewer or smaller pictures with --grid or --size",
+        shape.rows, shape.columns, picture.width, picture.height, width, height, kMaxFrameSide));
+  }
+  layout.sheet = {static_cast<int>(width), static_cast<int>(height)};
+  return layout;
+}
+
+GridLayout layOutGrid(FrameSize picture, GridShape shape, const GridStyle& style,
+                      const std::vector<std::string>& captions) {
+  if (!style.textSize) return layOutGrid(picture, shape, style);
+  const LabelWriter writer(*style.textSize);
+  std::size_t most = 1;
+  for (const std::string& caption : captions) {
+    most = std::max(most, captionLines(caption, writer, picture.width).size());
+  }
+  return layOutGrid(picture, shape, style, static_cast<int>(most));
+}
+
+void drawGridText(Surface& surface, const GridLayout& layout, const GridStyle& style,
+                  const std::vector<std::string>& captions, int columns) {
+  const int em = style.textSize ? *style.textSize : captionSize(captions, layout, style);
+  const LabelWriter writer(em);
+  drawHeads(surface, layout, style, em);
+  if (style.arrows) {
+    drawArrows(surface, layout, style, static_cast<int>(captions.size()), columns);
+  }
+  for (int cell = 0; cell < static_cast<int>(captions.size()); ++cell) {
+    const int left = layout.left(cell % columns), upper = layout.upper(cell / columns);
+    if (style.letters) {
+      const double baseline = upper - (kLetterEms - kLetterBaselineEms) * layout.textSize;
+      surface.text(panelLetter(cell), left, std::round(baseline), em, style.text);
+    }
+    double baseline = upper + layout.picture.height + std::lround(kBaselineEms * layout.textSize);
+    const int width = style.textSize ? layout.picture.width : std::numeric_limits<int>::max();
+    for (const std::string& line : captionLines(captions[cell], writer, width)) {
+      drawCentred(surface, line, left, layout.picture.width, baseline, em, style.text);
+      baseline += std::round(kLineEms * layout.textSize);
+    }
+  }
+  drawScales(surface, layout, style);
+}
+
+std::vector<std::string> captionsOf(const std::vector<GridPicture>& pictures) {
+  std::vector<std::string> captions;
+  for (const GridPicture& picture : pictures) captions.push_back(picture.caption);
+  return captions;
+}
+
+Frame composeGrid(const std::vector<GridPicture>& pictures, GridShape shape,
+                  const GridStyle& style) {
+  if (pictures.empty()) throw InputError("error: a grid needs at least one picture; give it some");
+  const std::vector<std::string> captions = captionsOf(pictures);
+  const GridLayout layout = layOutGrid(pictures.front().frame.size, shape, style, captions);
+  requireFitting(pictures, shape);
+  Frame sheet = makeFrame(layout.sheet, style.background);
+  for (int cell = 0; cell < static_cast<int>(pictures.size()); ++cell) {
+    pasteFrame(sheet, pictures[cell].frame, layout.left(cell % shape.columns),
+               layout.upper(cell / shape.columns));
+  }
+  FrameSurface surface(sheet);
+  drawGridText(surface, layout, style, captions, shape.columns);
+  return sheet;
+}
+
+PictureBox PictureBox::scaled(double scale) const {
+  const auto pixels = [scale](int length) { return static_cast<int>(std::lround(scale * length)); };
+  return {pixels(left),
+          pixels(upper),
+          {std::max(1, pixels(left + size.width) - pixels(left)),
+           std::max(1, pixels(upper + size.height) - pixels(upper))}};
+}
+
+PictureBox filledPart(const std::vector<GridPicture>& pictures) {
+  const Frame& first = pictures.front().frame;
+  PixelBox filled;
+  for (const GridPicture& picture : pictures) {
+    filled.extend(filledBox(picture.frame, first.at(0, 0)));
+  }
+  if (filled.isEmpty()) return {0, 0, first.size};
+  const PixelBox box = withMargin(filled, first.size);
+  return {box.min().x(), box.min().y(), {box.sizes().x() + 1, box.sizes().y() + 1}};
+}
+
+void cutAlike(std::vector<GridPicture>& pictures, const PictureBox& part) {
+  for (GridPicture& picture : pictures) picture.frame = cutOut(picture.frame, part);
+}
+
+namespace {
+
+/// Two significant digits, so that figures side by side are alike: "2.0", "0.00012", "12".
+std::string twoDigits(double value) {
+  return value < 10 ? fmt::format("{:#.2g}", value) : fmt::format("{:.2g}", value);
+}
+
+/// Per cent to a tenth, without a zero at its end: "12.5%", "25%".
+std::string progressText(double progress) {
+  return fmt::format("{}%", std::round(1000 * progress) / 10);
+}
+
+}  // namespace
+
+std::string captionText(const CaptionParts& parts, const CaptionValues& values) {
+  std::vector<std::string> texts;
+  if (parts.progress) texts.push_back(progressText(values.progress));
+  if (parts.time) texts.push_back(fmt::format("t = {:.2f} s", values.time));
+  if (parts.angle) texts.push_back(fmt::format("turned {:.1f}°", values.angle / kDegree));
+  if (parts.error && values.error)
+    texts.push_back(fmt::format("error {} m", twoDigits(*values.error)));
+  if (parts.gap) texts.push_back(fmt::format("gap {} m", twoDigits(values.gap)));
+  return fmt::format("{}", fmt::join(texts, ", "));
+}
+
+}  // namespace kirireel

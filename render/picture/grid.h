@@ -1,0 +1,139 @@
+/// Snapshot grids: several pictures on one sheet with a caption under each.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "render/picture/frame.h"
+#include "render/picture/label.h"
+
+namespace kirireel {
+
+/// Drawn from a picture to the next one.
+inline constexpr const char* kArrow = "\u2192";
+
+/// Rows and columns of a grid, each at least 1.
+struct GridShape {
+  int rows = 3;
+  int columns = 3;
+
+  int cells() const { return rows * columns; }
+  bool operator==(const GridShape&) const = default;
+};
+
+/// One cell of a grid.
+struct GridPicture {
+  Frame frame;
+  std::string caption;  ///< printed centred under the picture, UTF-8; may be empty
+};
+
+/// A part of a picture, pixels from its upper left corner.
+struct PictureBox {
+  int left = 0;
+  int upper = 0;
+  FrameSize size;
+
+  /// The same part of a picture that is `scale` times as large.
+  PictureBox scaled(double scale) const;
+};
+
+/// The part without the empty margins that all pictures share, so that models fill the sheet; a
+/// small margin stays, and a caption's width. Empty is what looks like the first picture's upper
+/// left pixel. The pictures, one or more, must have one size.
+PictureBox filledPart(const std::vector<GridPicture>& pictures);
+
+/// Leaves of each picture that part alone, which must lie within it.
+void cutAlike(std::vector<GridPicture>& pictures, const PictureBox& part);
+
+/// The look of a grid. Lengths are in heights of one picture, so that grids of any size look alike.
+struct GridStyle {
+  Colour background = {255, 255, 255};
+  Colour text = {30, 30, 30};
+  double captionSize = 0.065;  ///< height of the text (its em); captions that need less get less
+  double gap = 0.04;           ///< between cells and around the sheet
+  /// Em of all text, pixels, whatever the pictures' size; captions that need more room get lines.
+  std::optional<int> textSize;
+  bool letters = false;  ///< (a), (b), ... over the pictures
+  bool arrows = false;   ///< from each picture to the next one in its row
+  /// Over the columns, one for each; none when empty.
+  std::vector<std::string> heads;
+  /// What the colours of all pictures mean: drawn below them when given.
+  std::optional<ColourScale> colourScale;
+  /// The same where colours stand for kinds of bricks.
+  std::vector<LegendEntry> legend;
+  /// Of all pictures: a bar of a round length is drawn below them when given.
+  std::optional<double> metresPerPixel;
+};
+
+/// Where the cells of a grid stand, pixels.
+struct GridLayout {
+  FrameSize sheet;        ///< the whole grid
+  FrameSize picture;      ///< one picture
+  int gap = 0;            ///< around every cell
+  int columnGap = 0;      ///< from one column to the next
+  int headHeight = 0;     ///< strip over the first row with the heads of the columns
+  int letterHeight = 0;   ///< strip over each picture
+  int captionHeight = 0;  ///< strip under each picture
+  int textSize = 0;       ///< em of the caption
+  int scaleHeight = 0;    ///< strip for each scale below all pictures, and for a legend
+  int scales = 0;         ///< strips below all pictures
+
+  /// Left edge of a column of pictures.
+  int left(int column) const { return gap + column * (picture.width + columnGap); }
+  /// Upper edge of a row of pictures.
+  int upper(int row) const {
+    return gap + headHeight + letterHeight +
+           row * (letterHeight + picture.height + captionHeight + gap);
+  }
+};
+
+/// The gap between columns, in heights of a picture. Wider where arrows stand in it.
+double columnGap(const GridStyle& style);
+
+/// The layout of a grid of pictures of one size, with so many lines of caption under each. Throws
+/// InputError when the shape is empty, the columns have another number of heads, or the sheet would
+/// be larger than kMaxFrameSide.
+GridLayout layOutGrid(FrameSize picture, GridShape shape, const GridStyle& style = {},
+                      int captionLines = 1);
+
+/// The same with as many lines as the widest of the captions needs.
+GridLayout layOutGrid(FrameSize picture, GridShape shape, const GridStyle& style,
+                      const std::vector<std::string>& captions);
+
+/// Draws everything on the sheet but the pictures and the background. `columns` of the grid;
+/// captions in the order of cells. Throws OutputError when the font is missing.
+void drawGridText(Surface& surface, const GridLayout& layout, const GridStyle& style,
+                  const std::vector<std::string>& captions, int columns);
+
+/// The captions of pictures.
+std::vector<std::string> captionsOf(const std::vector<GridPicture>& pictures);
+
+/// The sheet: pictures fill rows from the left, top row first; cells without a picture stay blank.
+/// Throws InputError when there is no picture, more pictures than cells, or their sizes differ;
+/// OutputError when the font is missing.
+Frame composeGrid(const std::vector<GridPicture>& pictures, GridShape shape,
+                  const GridStyle& style = {});
+
+/// What the caption of a picture says.
+struct CaptionParts {
+  bool progress = false;  ///< share of the motion
+  bool time = false;
+  bool angle = false;  ///< by which the brick that has turned most is turned from its start
+  bool error = false;  ///< target error; left out where there is no target
+  bool gap = false;    ///< largest joint gap
+};
+
+/// The state that a caption describes.
+struct CaptionValues {
+  double progress = 0;          ///< share of the motion, 0 to 1
+  double time = 0;              ///< simulated seconds
+  double angle = 0;             ///< radians
+  std::optional<double> error;  ///< metres
+  double gap = 0;               ///< metres
+};
+
+/// For example "12.5%, t = 1.25 s, turned 45.0°, error 0.0012 m"; empty when it has no parts.
+std::string captionText(const CaptionParts& parts, const CaptionValues& values);
+
+}  // namespace kirireel

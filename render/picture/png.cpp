@@ -1,0 +1,194 @@
+// A PNG (W3C Recommendation, "Portable Network Graphics (PNG) Specification") by libpng. Chunks
+// that are written:
+//
+//     IHDR   width, height, 8 bits a channel, RGB or RGBA
+//     sRGB   the colours' space, so that viewers need not guess
+//     pHYs   pixels by metre (dots per inch / 0.0254), when a resolution was asked for
+//     iTXt   Description: who made it from what, UTF-8
+//     IDAT   rows from the top, compressed by zlib
+//     IEND
+//
+// No time is written, so that the same picture gives the same bytes.
+#include "render/picture/png.h"
+
+#include <cerrno>
+#include <cmath>
+#include <csetjmp>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+#include <png.h>
+
+#include "sim/base/error.h"
+#include "sim/base/files.h"
+#include "sim/base/interruption.h"
+
+namespace kirireel {
+namespace {
+
+constexpr double kMetresPerInch = 0.0254;
+
+OutputError writeError(const std::filesystem::path& path, const std::string& reason) {
+  return OutputError(
+      fmt::format("{}: error: cannot be written ({}); free some space or choose another folder "
+                  "with --out",
+                  path.string(), reason));
+}
+
+/// libpng reports errors by a long jump, which must not pass over anything with a destructor: the
+/// message is left here, and encode() holds plain values alone.
+struct Failure {
+  std::string message;
+};
+
+/// Must not return: libpng goes on as if nothing had happened otherwise.
+void keepMessageAndJump(png_structp png, png_const_charp message) {
+  // A failed write says only "Write Error"; the system knows more.
+  const bool system = errno != 0;
+  static_cast<Failure*>(png_get_error_ptr(png))->message = system ? std::strerror(errno) : message;
+  png_longjmp(png, 1);
+}
+
+void ignoreWarning(png_structp /*png*/, png_const_charp /*message*/) {}
+
+/// The writer that libpng works with, freed at the end of its scope.
+class Encoder {
+ public:
+  explicit Encoder(Failure& failure)
+      : png_(png_create_write_struct(PNG_LIBPNG_VER_STRING, &failure, keepMessageAndJump,
+                                     ignoreWarning)),
+        info_(png_ != nullptr ? png_create_info_struct(png_) : nullptr) {}
+  ~Encoder() { png_destroy_write_struct(&png_, &info_); }
+  Encoder(const Encoder&) = delete;
+  Encoder& operator=(const Encoder&) = delete;
+
+  bool ready() const { return info_ != nullptr; }
+  png_structp png() const { return png_; }
+  png_infop info() const { return info_; }
+
+ private:
+  png_structp png_;
+  png_infop info_;
+};
+
+/// Everything before the rows. With an opaque picture the alpha bytes stay in the frame, and libpng
+/// leaves them out.
+void writeHeader(png_structp png, png_infop info, const Frame& frame, bool opaque,
+                 const PngSettings& settings) {
+  png_set_IHDR(png, info, frame.size.width, frame.size.height, 8,
+               opaque ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_RGBA, PNG_INTERLACE_NONE,
+               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
+  if (settings.dotsPerInch.has_value()) {
+    // Whole numbers only: 300 dots per inch are 11811 by metre.
+    const auto dotsPerMetre =
+        static_cast<png_uint_32>(std::lround(*settings.dotsPerInch / kMetresPerInch));
+    png_set_pHYs(png, info, dotsPerMetre, dotsPerMetre, PNG_RESOLUTION_METER);
+  }
+  if (!settings.description.empty()) {
+    std::string key = "Description", text = settings.description;
+    png_text note{};
+    note.compression = PNG_ITXT_COMPRESSION_NONE;
+    note.key = key.data();
+    note.text = text.data();
+    png_set_text(png, info, &note, 1);
+  }
+  png_set_compression_level(png, settings.compressionLevel);
+  png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_NONE);
+  png_write_info(png, info);
+  if (opaque) png_set_filler(png, 0, PNG_FILLER_AFTER);  // leaves every alpha byte out
+}
+
+/// False when libpng failed; the message is then in the encoder's failure.
+bool encode(png_structp png, png_infop info, std::FILE* file, const Frame& frame, bool opaque,
+            const PngSettings& settings) {
+  // libpng comes back here when anything below fails.
+  if (setjmp(png_jmpbuf(png)) != 0) return false;
+  png_init_io(png, file);
+  writeHeader(png, info, frame, opaque, settings);
+  for (int y = 0; y < frame.size.height; ++y) {
+    // It may throw; the libpng structures belong to the Encoder and are freed all the same.
+    checkInterruption();
+    png_write_row(png, frame.pixels.data() + frame.rowStart(y));
+  }
+  png_write_end(png, info);
+  return true;
+}
+
+struct FileCloser {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+
+/// `path` is for messages.
+void encodeInto(std::FILE* file, const Frame& frame, const PngSettings& settings,
+                const std::filesystem::path& path) {
+  Failure failure;
+  const Encoder encoder(failure);
+  if (!encoder.ready()) throw writeError(path, "out of memory");
+  errno = 0;
+  if (!encode(encoder.png(), encoder.info(), file, frame, isOpaque(frame), settings)) {
+    throw writeError(path, failure.message);
+  }
+}
+
+}  // namespace
+
+void writePng(const Frame& frame, const std::filesystem::path& path, const PngSettings& settings) {
+  PendingFile pending(path);
+  std::unique_ptr<std::FILE, FileCloser> file(std::fopen(pending.path().c_str(), "wb"));
+  if (file == nullptr) throw writeError(path, std::strerror(errno));
+
+  encodeInto(file.get(), frame, settings, path);
+  // The last bytes reach the disk here, so this can fail where all the writing went well.
+  if (std::fclose(file.release()) != 0) throw writeError(path, std::strerror(errno));
+  pending.commit();
+}
+
+std::string pngBytes(const Frame& frame, const PngSettings& settings) {
+  char* bytes = nullptr;
+  std::size_t size = 0;
+  // A stream that grows in memory (POSIX.1-2008), so that both functions share one encoder.
+  std::unique_ptr<std::FILE, FileCloser> file(open_memstream(&bytes, &size));
+  if (file == nullptr) throw writeError("a picture in memory", std::strerror(errno));
+  // The buffer is final once the stream is closed, and then the caller's.
+  try {
+    encodeInto(file.get(), frame, settings, "a picture in memory");
+  } catch (...) {
+    file.reset();
+    std::free(bytes);  // NOLINT(cppcoreguidelines-no-malloc)
+    throw;
+  }
+  file.reset();
+  const std::string text(bytes, size);
+  std::free(bytes);  // NOLINT(cppcoreguidelines-no-malloc)
+  return text;
+}
+
+Frame readPng(const std::filesystem::path& path) {
+  png_image image = {};
+  image.version = PNG_IMAGE_VERSION;
+  Frame frame;
+  // The simplified interface of libpng, which converts any PNG to the format that is asked for.
+  bool read = png_image_begin_read_from_file(&image, path.c_str()) != 0;
+  if (read) {
+    image.format = PNG_FORMAT_RGBA;
+    frame.size = {static_cast<int>(image.width), static_cast<int>(image.height)};
+    frame.pixels.resize(PNG_IMAGE_SIZE(image));
+    read = png_image_finish_read(&image, nullptr, frame.pixels.data(), 0, nullptr) != 0;
+  }
+  const std::string reason = image.message;
+  png_image_free(&image);
+  if (read) return frame;
+  throw InputError(fmt::format("{}: error: cannot be read as a picture ({}); give a PNG file",
+                               path.string(), reason));
+}
+
+std::string pngLibraryVersion() {
+  return png_get_libpng_ver(nullptr);
+}
+
+}  // namespace kirireel

@@ -1,0 +1,679 @@
+// A Stage decides what a picture shows (style, colours, camera, shot) and needs no graphics; a
+// Studio adds a painter and the strip. Several studios share one stage, each with a painter on its
+// own thread.
+//
+// Where colours stand for values, lights are weakened: ambient 0.84 and 38% of the directed lights,
+// so that a colour can be found on the scale from every face and faces still stand apart.
+//
+// Bricks that fly off (a joint that gives, a bad step) would shrink all others to a dot if the
+// camera held them in sight: those farther from their start than 20 model sizes are left out of the
+// fit.
+#include "render/picture/studio.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+#include "sim/base/error.h"
+#include "sim/base/geometry.h"
+#include "sim/measure/run_curves.h"
+
+namespace kirireel {
+namespace {
+
+/// Light where colours stand for values: brightness of a face in the dark, and the part of the
+/// usual lights that is left.
+constexpr double kMeasureAmbient = 0.84;
+constexpr double kMeasureShade = 0.38;
+
+void append(std::vector<Vector3>& points, const std::vector<Vector3>& more) {
+  points.insert(points.end(), more.begin(), more.end());
+}
+
+/// Where a ground that the scene does not have is drawn: under everything in sight.
+double groundHeight(const Motif& motif) {
+  if (motif.groundHeight) return *motif.groundHeight;
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const Vector3& point : motif.points) lowest = std::min(lowest, point.z());
+  return lowest;
+}
+
+/// None where nothing is to be seen, either.
+std::optional<GroundPlate> plateFor(const Look& look, const Motif& motif) {
+  const bool wanted = look.ground == GroundLook::Auto ? motif.groundHeight.has_value()
+                                                      : look.ground != GroundLook::None;
+  if (!wanted || motif.points.empty()) return std::nullopt;
+  GroundPlate plate = groundUnder(motif.points, groundHeight(motif));
+  plate.visible = look.ground != GroundLook::Shadow;
+  return plate;
+}
+
+/// The colours of a page.
+Style pageStyle(const Look& look) {
+  Style style = look.theme == Theme::Dark ? darkStyle() : Style();
+  if (look.background) style.background = *look.background;
+  if (look.transparent) {
+    style.background.alpha = 0;
+    style.shadow = {0, 0, 0, 56};
+  }
+  return style;
+}
+
+/// The size decides how thin lines may become.
+Style styleFor(const Look& look, const Motif& motif, FrameSize size) {
+  Style style = pageStyle(look);
+  style.brick = plainColours(look);
+  if (look.outlineColour) style.edge = style.paleEdge = *look.outlineColour;
+  if (look.occlusion) style.occlusion = *look.occlusion;
+  // Thinner lines would break up into dashes.
+  style.edgeWidth = look.outlines
+                        ? std::max(look.outlineWidth * style.edgeWidth, kThinnestEdge / size.height)
+                        : 0;
+  style.overlayWidth = std::max(style.overlayWidth, kThinnestOverlay / size.height);
+  if (isMeasure(look.colouring)) {
+    // Hardly any shade, so that colours can be read off the scale from every face.
+    style.ambient = kMeasureAmbient;
+    style.key.strength *= kMeasureShade;
+    style.fill.strength *= kMeasureShade;
+    style.occlusion *= kMeasureShade;
+  }
+  style.plate = plateFor(look, motif);
+  return style;
+}
+
+/// What cameras must hold in sight: the motif's points and, where they cast one, their shadow.
+/// Twice as many with a shadow.
+std::vector<Vector3> pointsInSight(const Motif& motif, const Style& style) {
+  std::vector<Vector3> points = motif.points;
+  if (!style.plate || !style.plate->shadow) return points;
+  for (const Vector3& point : motif.points) points.push_back(shadowOf(point, style));
+  return points;
+}
+
+/// Refuses a bad size before anything is made of it.
+FrameSize validated(FrameSize size) {
+  requireValidSize(size);
+  return size;
+}
+
+}  // namespace
+
+/// Cameras hold the start and, where there is one, the target in sight.
+Motif makeMotif(const Model& model, const BrickRule& rule, const std::optional<Ground>& ground) {
+  Motif motif;
+  motif.size = modelSize(model);
+  motif.bricks = makeBricks(model.tiles, rule);
+  motif.start = startPoses(model.tiles, motif.bricks);
+  motif.pivots = makePivots(model.joints, motif.bricks);
+  motif.target = model.target;
+  if (ground) motif.groundHeight = ground->height;
+  keepInSight(motif, motif.start);
+  if (motif.target) {
+    const std::vector<Brick> atTarget = makeBricks(*motif.target, rule);
+    append(motif.points, brickCorners(atTarget, startPoses(*motif.target, atTarget)));
+  }
+  return motif;
+}
+
+void keepInSight(Motif& motif, const Poses& poses) {
+  append(motif.points, shownCorners(motif, poses));
+}
+
+bool isShown(const Motif& motif, std::size_t brick, const Pose& pose) {
+  const double moved = (pose.position - motif.start[brick].position).norm();
+  return moved <= kFarthestShown * motif.size;
+}
+
+bool showsAllBricks(const Motif& motif, const Poses& poses) {
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (!isShown(motif, i, poses[i])) return false;
+  }
+  return true;
+}
+
+std::vector<Vector3> shownCorners(const Motif& motif, const Poses& poses) {
+  std::vector<Vector3> corners;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (!isShown(motif, i, poses[i])) continue;
+    for (const Vector3& point : motif.bricks[i].bottom) corners.push_back(poses[i].apply(point));
+    for (const Vector3& point : motif.bricks[i].top) corners.push_back(poses[i].apply(point));
+  }
+  return corners;
+}
+
+Stage::Stage(const Look& look, Motif motif, FrameSize size)
+    : motif_(std::move(motif)),
+      style_(styleFor(look, motif_, validated(size))),
+      colourist_(look, motif_),
+      size_(size),
+      cameras_(look.camera, pointsInSight(motif_, style_), size.aspect()),
+      jointMarks_(look.jointMarks),
+      targetLines_(look.targetLines) {
+  if (!targetLines_ || motif_.target) return;
+  throw InputError(
+      "error: the model has no target to draw; leave --target-lines away or add target.txt");
+}
+
+Shot Stage::shot(const Moment& moment) const {
+  Shot shot{moment.poses, colourist_.colours(moment.poses), moment.pinned, {}, {}, {}};
+  if (jointMarks_) {
+    for (const Pivot& pivot : motif_.pivots) {
+      shot.marks.push_back(moment.poses[pivot.brickA].apply(pivot.pointA));
+    }
+  }
+  if (targetLines_) shot.overlay = *motif_.target;
+  shot.scenery = motif_.obstacles;
+  return shot;
+}
+
+/// From within a brick a picture shows nothing but its inside.
+Camera Stage::camera(const Moment& moment) const {
+  const Camera camera = cameras_.at(moment.time, moment.turn);
+  if (camera.orthographic) return camera;
+  if (const auto brick = brickAround(motif_.bricks, moment.poses, camera.eye)) {
+    throw InputError(
+        fmt::format("error: at {:.4g} s the camera stands within brick {}; move it away with "
+                    "--distance, or choose --projection parallel",
+                    moment.time, *brick));
+  }
+  return camera;
+}
+
+Sketch Stage::sketch(const Moment& moment) const {
+  Sketch sketch;
+  Sketcher(motif_.bricks, style_).draw(shot(moment), camera(moment), sketch);
+  return sketch;
+}
+
+std::optional<double> Stage::sharedHeight() const {
+  const Camera camera = cameras_.at(0, 0);
+  if (!cameras_.isStill() || !camera.orthographic) return std::nullopt;
+  return camera.viewHeight;
+}
+
+/// For scale bars.
+double Stage::metresPerPixel() const {
+  const std::optional<double> height = sharedHeight();
+  if (height) return *height / size_.height;
+  throw InputError(
+      "error: one scale bar cannot hold all over a picture in perspective or from a moving camera; "
+      "add --projection parallel, or leave --scale-bar away");
+}
+
+Studio::Studio(FrameSize size, const Look& look, Motif motif, const StripParts& parts,
+               Smoothness smoothness)
+    : size_(size), parts_(parts), smoothness_(smoothness) {
+  show(look, std::move(motif));
+}
+
+Studio::Studio(const Studio& other, Smoothness smoothness)
+    : size_(other.size_),
+      parts_(other.parts_),
+      smoothness_(smoothness),
+      stage_(other.stage_),
+      metresPerPixel_(other.metresPerPixel_) {
+  makeStrip(stage_->style(), stage_->colouring());
+  makePainter();
+}
+
+/// A legend and a colour bar exclude each other: colours stand for kinds or for values.
+void Studio::makeStrip(const Style& style, Colouring colouring) {
+  StripParts parts = parts_;
+  parts.colours = parts.colours && isMeasure(colouring);
+  parts.legend = parts_.colours && !isMeasure(colouring) && colouring != Colouring::Plain;
+  strip_.emplace(validated(size_), parts, style);
+}
+
+/// Keeps the graphics context where the picture's size stays.
+void Studio::makePainter() {
+  if (painter_ && painter_->size() == strip_->picture()) {
+    painter_->show(stage_->motif().bricks, stage_->style());
+  } else {
+    painter_.reset();
+    painter_.emplace(strip_->picture(), stage_->motif().bricks, stage_->style(), smoothness_);
+  }
+}
+
+void Studio::show(const Look& look, Motif motif) {
+  makeStrip(pageStyle(look), look.colouring);
+  stage_ = std::make_shared<const Stage>(look, std::move(motif), strip_->picture());
+  metresPerPixel_.reset();
+  if (parts_.scaleBar) metresPerPixel_ = stage_->metresPerPixel();
+  makePainter();
+}
+
+Frame Studio::take(const Moment& moment, const StripText& text, Frame storage) {
+  const Camera camera = stage_->camera(moment);
+  Frame frame = painter_->paint(stage_->shot(moment), camera, std::move(storage));
+  strip_->append(frame, text, stage_->colourScale(), stage_->legend(), metresPerPixel_);
+  return frame;
+}
+
+// ------------------------------------------------------------------------------------------------
+// The strip stands below the picture and takes its height off it: the frame keeps its size. From
+// the top: a line with the caption (1.5 em), a line with scales (1.8 em, more with ticks), the bar
+// of progress (1.2 em). The em is 3.4% of the frame's height, at least 9 pixels, smaller where the
+// longest caption would not fit; it is found once, so that text does not change its size in a
+// video.
+
+namespace {
+
+/// Em of the text, in heights of the frame; and the smallest that can be read, pixels.
+constexpr double kTextShare = 0.034;
+constexpr int kLeastText = 9;
+/// Heights in ems: of a line of text with its baseline in it, of a line of scales, of the bar of
+/// progress with the room around it, and of that bar alone.
+constexpr double kLineEms = 1.5;
+constexpr double kLineBaselineEms = 1.1;
+constexpr double kScalesEms = 1.8;
+constexpr double kProgressEms = 1.2;
+constexpr double kProgressBarEms = 0.35;
+/// What captions, and a bar of progress, may take of the frame's width; and the longest length.
+constexpr double kUsedWidth = 0.94;
+constexpr double kLongestLength = 0.25;
+/// How much of the text's colour shows in what is left of a bar of progress.
+constexpr double kFaint = 0.2;
+
+/// Half away from zero.
+int rounded(double pixels) {
+  return static_cast<int>(std::lround(pixels));
+}
+
+Colour between(Colour from, Colour to, double share) {
+  const auto mix = [share](std::uint8_t a, std::uint8_t b) {
+    return static_cast<std::uint8_t>(std::lround(a + share * (b - a)));
+  };
+  return {mix(from.red, to.red), mix(from.green, to.green), mix(from.blue, to.blue),
+          mix(from.alpha, to.alpha)};
+}
+
+/// The size at which the widest caption fits.
+int textSize(FrameSize whole, const std::string& longest) {
+  const int wanted = std::max(kLeastText, rounded(kTextShare * whole.height));
+  if (longest.empty()) return wanted;
+  const double width = LabelWriter(wanted).width(longest);
+  const double fitting = wanted * std::min(1.0, kUsedWidth * whole.width / width);
+  return std::max(kLeastText, static_cast<int>(fitting));
+}
+
+}  // namespace
+
+Strip::Strip(FrameSize whole, const StripParts& parts, const Style& style)
+    : whole_(whole), parts_(parts), background_(style.background), text_(style.text) {
+  const bool hasCaption = !parts.longestCaption.empty();
+  const bool hasScales = scalesEms() > 0;
+  if (!hasCaption && !hasScales && !parts.progressBar) return;
+  em_ = textSize(whole, parts.longestCaption);
+  height_ = rounded(
+      em_ * ((hasCaption ? kLineEms : 0) + scalesEms() + (parts.progressBar ? kProgressEms : 0)));
+  height_ = std::min(height_, whole.height - 1);
+  if (hasScales) scales_.emplace(em_, text_);
+  if (!hasCaption) return;
+  writer_.emplace(em_);
+  captionLeft_ = std::max(0, (whole.width - writer_->width(parts.longestCaption)) / 2);
+}
+
+/// Height of the line of scales, ems.
+double Strip::scalesEms() const {
+  if (parts_.colours) return kScalesEms + kColourBarHeight - 1;
+  return parts_.legend || parts_.scaleBar ? kScalesEms : 0;
+}
+
+void Strip::append(Frame& picture, const StripText& text, const std::optional<ColourScale>& colours,
+                   const std::vector<LegendEntry>& legend,
+                   const std::optional<double>& metresPerPixel) const {
+  if (height_ == 0) return;
+  int upper = picture.size.height;
+  const Frame strip = makeFrame({whole_.width, height_}, background_);
+  picture.pixels.insert(picture.pixels.end(), strip.pixels.begin(), strip.pixels.end());
+  picture.size = whole_;
+  if (writer_) {
+    // From the same place in every frame, so that letters do not jump.
+    writer_->draw(picture, text.caption, captionLeft_, upper + rounded(kLineBaselineEms * em_),
+                  text_);
+    upper += rounded(kLineEms * em_);
+  }
+  if (scales_) {
+    drawScales(picture, upper, colours, legend, metresPerPixel);
+    upper += rounded(scalesEms() * em_);
+  }
+  if (parts_.progressBar) drawProgress(picture, upper, text.progress);
+}
+
+/// One beside the other where there are both.
+void Strip::drawScales(Frame& frame, int upper, const std::optional<ColourScale>& colours,
+                       const std::vector<LegendEntry>& legend,
+                       const std::optional<double>& metresPerPixel) const {
+  FrameSurface surface(frame);
+  const int y = upper + rounded(0.5 * scalesEms() * em_);
+  const bool both = (parts_.colours || parts_.legend) && metresPerPixel;
+  const int width = frame.size.width;
+  const int middle = both ? width / 3 : width / 2, room = both ? 2 * width / 3 : width;
+  if (parts_.colours && colours) scales_->drawColourBar(surface, *colours, middle, y, room);
+  if (parts_.legend) {
+    scales_->drawLegend(surface, legend, middle, y, static_cast<int>(kUsedWidth * room));
+  }
+  if (!metresPerPixel) return;
+  const ScaleLength length = roundLength(kLongestLength * width * *metresPerPixel);
+  scales_->drawScaleBar(surface, length.text, rounded(length.metres / *metresPerPixel),
+                        both ? 5 * width / 6 : width / 2, y);
+}
+
+void Strip::drawProgress(Frame& frame, int upper, double progress) const {
+  const int margin = rounded(0.5 * (1 - kUsedWidth) * frame.size.width);
+  const int length = frame.size.width - 2 * margin;
+  const int height = std::max(2, rounded(kProgressBarEms * em_));
+  const int top = upper + (rounded(kProgressEms * em_) - height) / 2;
+  const int done = margin + rounded(std::clamp(progress, 0.0, 1.0) * length);
+  FrameSurface surface(frame);
+  surface.box(margin, top, length, height, between(background_, text_, kFaint));
+  surface.box(margin, top, done - margin, height, text_);
+}
+
+// ------------------------------------------------------------------------------------------------
+// Three ways to colour bricks:
+//
+// - kinds: a number for each shape of tile. Two tiles are congruent when their sorted sides and
+//   sorted shortest diagonals agree to 1e-4. Mirror images have the same lengths. (Different
+//   polygons of many corners may agree by chance; for colours that does not matter.)
+// - states: at its start, on its way, at its target, within 1% of a tile's mean edge.
+// - measures: a value for each brick and a scale from 0 to the largest of the run, the same for all
+//   pictures. Before a run, as for the first frame of a live one, the largest is guessed.
+
+namespace {
+
+/// Lengths of congruent tiles may differ by this part.
+constexpr double kCongruence = 1e-4;
+
+/// Shapes that colours can tell apart.
+constexpr int kMostKinds = 7;
+
+/// A brick is at its start or its target within this part of a tile's mean edge.
+constexpr double kArrival = 0.01;
+
+constexpr Colour kAtStart = {168, 178, 192};
+constexpr Colour kMoving = {246, 184, 96};
+constexpr Colour kAtTarget = {110, 186, 150};
+
+/// Sides and shortest diagonals in order of length: equal for congruent polygons. Twice as many
+/// numbers as corners, metres.
+std::vector<double> signature(const std::vector<Vector3>& corners) {
+  const std::size_t count = corners.size();
+  std::vector<double> sides, diagonals;
+  for (std::size_t k = 0; k < count; ++k) {
+    sides.push_back((corners[(k + 1) % count] - corners[k]).norm());
+    diagonals.push_back((corners[(k + 2) % count] - corners[k]).norm());
+  }
+  std::sort(sides.begin(), sides.end());
+  std::sort(diagonals.begin(), diagonals.end());
+  sides.insert(sides.end(), diagonals.begin(), diagonals.end());
+  return sides;
+}
+
+bool alike(const std::vector<double>& a, const std::vector<double>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](double x, double y) {
+    return std::abs(x - y) <= kCongruence * std::max(x, y);
+  });
+}
+
+/// The number of each entry in the list of entries that differ, in order of appearance.
+template <typename T, typename Same>
+/// Compares each entry with all kinds so far; there are few.
+std::vector<int> numbered(const std::vector<T>& entries, const Same& same) {
+  std::vector<T> known;
+  std::vector<int> numbers;
+  for (const T& entry : entries) {
+    const auto found = std::find_if(known.begin(), known.end(),
+                                    [&](const T& other) { return same(entry, other); });
+    numbers.push_back(static_cast<int>(found - known.begin()));
+    if (found == known.end()) known.push_back(entry);
+  }
+  return numbers;
+}
+
+/// Metres; 1 where there are no bricks.
+double meanEdge(const std::vector<Brick>& bricks) {
+  double sum = 0;
+  int count = 0;
+  for (const Brick& brick : bricks) {
+    for (std::size_t k = 0; k < brick.bottom.size(); ++k) {
+      sum += (brick.bottom[(k + 1) % brick.bottom.size()] - brick.bottom[k]).norm();
+      ++count;
+    }
+  }
+  return count > 0 ? sum / count : 1;
+}
+
+/// For the legend: "concave hexagon", "12-gon".
+std::string shapeName(const Brick& brick) {
+  const std::size_t corners = brick.bottom.size();
+  const std::string concave = brick.parts.empty() ? "" : "concave ";
+  constexpr std::array<const char*, 6> kNames = {"triangle", "quadrilateral", "pentagon",
+                                                 "hexagon",  "heptagon",      "octagon"};
+  if (corners >= 3 && corners - 3 < kNames.size()) return concave + kNames[corners - 3];
+  return fmt::format("{}{}-gon", concave, corners);
+}
+
+const char* titleOf(Colouring colouring) {
+  switch (colouring) {
+    case Colouring::TargetError:
+      return "target error, m";
+    case Colouring::Displacement:
+      return "displacement, m";
+    case Colouring::Rotation:
+      return "rotation, degrees";
+    case Colouring::Moment:
+      return "moment, N m";
+    case Colouring::Energy:
+      return "energy, J";
+    default:
+      return "joint gap, m";
+  }
+}
+
+/// 0 for none.
+double largest(const std::vector<double>& values) {
+  return values.empty() ? 0 : *std::max_element(values.begin(), values.end());
+}
+
+/// Of the points' bounding box.
+double diagonal(const std::vector<Vector3>& points) {
+  Eigen::AlignedBox3d box;
+  for (const Vector3& point : points) box.extend(point);
+  return box.diagonal().norm();
+}
+
+}  // namespace
+
+bool isMeasure(Colouring colouring) {
+  return colouring != Colouring::Plain && colouring != Colouring::Shape &&
+         colouring != Colouring::State;
+}
+
+BrickColours evenShades(Colour colour) {
+  BrickColours shades = shadesOf(colour);
+  shades.bottom = colour;
+  return shades;
+}
+
+BrickColours plainColours(const Look& look) {
+  BrickColours colours = look.brickColour ? shadesOf(*look.brickColour) : BrickColours();
+  if (look.backColour) colours.bottom = *look.backColour;
+  return colours;
+}
+
+std::vector<int> shapeKinds(const std::vector<Brick>& bricks) {
+  std::vector<std::vector<double>> signatures;
+  std::vector<std::size_t> corners;
+  for (const Brick& brick : bricks) {
+    signatures.push_back(signature(brick.bottom));
+    corners.push_back(brick.bottom.size());
+  }
+  std::vector<int> kinds = numbered(signatures, alike);
+  const bool many = std::any_of(kinds.begin(), kinds.end(), [](int k) { return k >= kMostKinds; });
+  return many ? numbered(corners, std::equal_to<>()) : kinds;
+}
+
+Colourist::Colourist(const Look& look, const Motif& motif)
+    : colouring_(look.colouring), motif_(motif) {
+  if (colouring_ == Colouring::TargetError && !motif.target) {
+    throw InputError(
+        "error: the model has no target, so there is no target error to show; give another "
+        "--colour or add target.txt");
+  }
+  if ((colouring_ == Colouring::Moment || colouring_ == Colouring::Energy) &&
+      motif.hingeSprings.empty()) {
+    throw InputError(
+        "error: the hinges have no springs, so there is no moment or energy to show; give another "
+        "--colour or add --hinge-stiffness or --hinge-neck");
+  }
+  if (colouring_ == Colouring::Shape) colourShapes();
+  if (colouring_ == Colouring::State) {
+    legend_ = {{kAtStart, "at its start"}, {kMoving, "on its way"}};
+    if (motif.target) legend_.push_back({kAtTarget, "at its target"});
+  }
+  if (!look.tileColours.empty()) colourTiles(look);
+  if (isMeasure(colouring_)) makeScale(look);
+}
+
+void Colourist::makeScale(const Look& look) {
+  const double found = largestOfRun();
+  const double most = look.colourMost.value_or(found > 0 ? found : largestExpected());
+  const double least = look.colourLeast.value_or(0);
+  if (least >= most) {
+    throw InputError(
+        fmt::format("error: --colour-least {:g} is not below {:g}, the scale's other end; give a "
+                    "smaller one, or a larger --colour-most",
+                    least, most));
+  }
+  scale_ = ColourScale{look.map, least, most, titleOf(colouring_)};
+}
+
+void Colourist::colourTiles(const Look& look) {
+  if (isMeasure(colouring_)) {
+    throw InputError(
+        "error: --tile-colour works with --colour plain, shape or state alone, as other colours "
+        "stand for values; give one of these, or leave --tile-colour away");
+  }
+  own_.resize(motif_.bricks.size());
+  for (const auto& [tiles, colour] : look.tileColours) {
+    for (const int tile : tiles) {
+      if (tile >= static_cast<int>(own_.size())) {
+        throw InputError(
+            fmt::format("error: --tile-colour: there is no tile {}; the model's are numbered 0 to "
+                        "{}",
+                        tile, own_.size() - 1));
+      }
+      own_[tile] = evenShades(colour);
+    }
+  }
+  if (kinds_.empty()) kinds_.assign(own_.size(), plainColours(look));
+}
+
+/// Fills colours and legend; kinds are in order of appearance, so a new one is always the next
+/// number.
+void Colourist::colourShapes() {
+  const std::vector<int> kinds = shapeKinds(motif_.bricks);
+  std::vector<int> counts;
+  std::vector<std::string> names;
+  for (std::size_t brick = 0; brick < kinds.size(); ++brick) {
+    const int kind = kinds[brick];
+    kinds_.push_back(shadesOf(kindColour(kind)));
+    if (kind == static_cast<int>(counts.size())) {
+      counts.push_back(0);
+      names.push_back(shapeName(motif_.bricks[brick]));
+    }
+    ++counts[kind];
+  }
+  for (std::size_t kind = 0; kind < counts.size(); ++kind) {
+    legend_.push_back(
+        {kindColour(static_cast<int>(kind)),
+         fmt::format("{} {}{}", counts[kind], names[kind], counts[kind] == 1 ? "" : "s")});
+  }
+}
+
+/// The largest value in the states of the run; 0 before it.
+double Colourist::largestOfRun() const {
+  double most = 0;
+  for (const Poses& poses : motif_.states) most = std::max(most, largest(values(poses)));
+  return most;
+}
+
+/// What is to be expected before the run, in the scale's unit.
+double Colourist::largestExpected() const {
+  switch (colouring_) {
+    case Colouring::TargetError:
+    case Colouring::Displacement:
+      // All the way to the target, or without one half of what is in sight.
+      return motif_.target ? largest(brickTargetErrors(*motif_.target, motif_.bricks, motif_.start))
+                           : 0.5 * diagonal(motif_.points);
+    case Colouring::Rotation:
+      return 90;
+    case Colouring::Moment:
+    case Colouring::Energy:
+      return 1;
+    default:
+      // Exact joints stay far below this, a baseline solver's do not.
+      return 1e-6 * meanEdge(motif_.bricks);
+  }
+}
+
+/// One a brick, in the unit of titleOf().
+std::vector<double> Colourist::values(const Poses& poses) const {
+  switch (colouring_) {
+    case Colouring::TargetError:
+      return brickTargetErrors(*motif_.target, motif_.bricks, poses);
+    case Colouring::Displacement:
+      return brickDisplacements(motif_.start, poses);
+    case Colouring::Rotation: {
+      std::vector<double> degrees = brickRotations(motif_.start, poses);
+      for (double& angle : degrees) angle /= kDegree;
+      return degrees;
+    }
+    case Colouring::Moment:
+      return brickMoments(motif_.hingeSprings, poses);
+    case Colouring::Energy:
+      return brickElasticEnergies(motif_.hingeSprings, poses);
+    default:
+      return brickJointGaps(motif_.pivots, poses);
+  }
+}
+
+/// At the target counts before at the start, so that a sheet whose target is its start shows as
+/// arrived.
+std::vector<BrickColours> Colourist::stateColours(const Poses& poses) const {
+  const double near = kArrival * meanEdge(motif_.bricks);
+  const std::vector<double> moved = brickDisplacements(motif_.start, poses);
+  const std::vector<double> turned = brickRotations(motif_.start, poses);
+  std::vector<double> away(poses.size(), near + 1);
+  if (motif_.target) away = brickTargetErrors(*motif_.target, motif_.bricks, poses);
+  std::vector<BrickColours> colours;
+  for (std::size_t brick = 0; brick < poses.size(); ++brick) {
+    const bool atStart = moved[brick] < near && turned[brick] < kArrival;
+    const Colour colour = away[brick] < near ? kAtTarget : atStart ? kAtStart : kMoving;
+    colours.push_back(shadesOf(colour));
+  }
+  return colours;
+}
+
+std::vector<BrickColours> Colourist::colours(const Poses& poses) const {
+  std::vector<BrickColours> colours;
+  if (!scale_) {
+    colours = colouring_ == Colouring::State ? stateColours(poses) : kinds_;
+    for (std::size_t brick = 0; brick < own_.size(); ++brick) {
+      colours[brick] = own_[brick].value_or(colours[brick]);
+    }
+    return colours;
+  }
+  for (const double value : values(poses)) {
+    colours.push_back(evenShades(mapColour(scale_->map, shareOf(*scale_, value))));
+  }
+  return colours;
+}
+
+}  // namespace kirireel

@@ -1,0 +1,341 @@
+/// Photographs a run: what is asked of its pictures, their colours, the strip under them, and one
+/// camera for them all.
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "render/picture/camera.h"
+#include "render/picture/frame.h"
+#include "render/picture/label.h"
+#include "render/picture/painter.h"
+#include "render/picture/sketch.h"
+#include "render/picture/style.h"
+#include "sim/model/brick.h"
+#include "sim/model/hinge.h"
+#include "sim/model/model.h"
+#include "sim/scene/scene.h"
+
+namespace kirireel {
+
+// ------------------------------------------------------------------------------------------------
+// What is asked of the pictures of a run.
+//
+// Plain values; what each needs of a run is checked by Stage.
+
+/// Page that the pictures are meant for.
+enum class Theme { Light, Dark };
+
+/// What the colours of the bricks say.
+enum class Colouring {
+  Plain,         ///< nothing: one set of colours
+  Shape,         ///< which tiles are congruent; by their number of corners when many shapes differ
+  State,         ///< whether a brick is at its start, on its way, or at its target
+  TargetError,   ///< largest distance of a vertex from its target
+  Displacement,  ///< distance from the start
+  Rotation,      ///< angle from the start
+  JointGap,      ///< largest gap of the brick's joints
+  Moment,        ///< largest moment of the springs at the brick's hinges
+  Energy,        ///< half of what these springs hold
+};
+
+/// What lies under the bricks.
+enum class GroundLook {
+  Auto,    ///< a plate and a shadow when the scene has a ground, else nothing
+  Plate,   ///< a plate and a shadow
+  Shadow,  ///< a shadow on the page
+  None,    ///< nothing
+};
+
+/// What the camera must hold in sight.
+enum class FitScope {
+  Auto,  ///< as Ends; as Run when there is no target or something would be cut off
+  Run,   ///< the start, the target and everything in between
+  Ends,  ///< the start and the target; what leaves them on the way is cut off
+};
+
+/// A colour for some tiles.
+struct TileColour {
+  std::vector<int> tiles;  ///< numbers, from 0
+  Colour colour;
+};
+
+/// The look of all pictures of a run. Defaults give the pictures that a run leaves without any
+/// option.
+struct Look {
+  Theme theme = Theme::Light;
+  bool transparent = false;  ///< no background
+  Colouring colouring = Colouring::Plain;
+  ColourMap map = ColourMap::Viridis;  ///< of colours by a measure
+  /// Values at the ends of the scale, in the unit of the measure; absent: 0, and the largest to be
+  /// expected.
+  std::optional<double> colourLeast, colourMost;
+  std::optional<Colour> brickColour;  ///< of all bricks, where the colouring is plain
+  std::optional<Colour> backColour;   ///< of the tile's own side, likewise
+  /// Of single tiles, where colours stand for no measure; of two for one tile the later counts.
+  std::vector<TileColour> tileColours;
+  std::optional<Colour> outlineColour;  ///< absent: the theme's, as is the next
+  std::optional<Colour> background;
+  bool outlines = true;     ///< lines on the edges of tiles
+  double outlineWidth = 1;  ///< of these lines, times the style's, positive
+  /// Brightness that a face loses from which other bricks keep all light away, 0 to 1; absent: the
+  /// style's.
+  std::optional<double> occlusion;
+  bool jointMarks = false;   ///< a dot on each joint
+  bool targetLines = false;  ///< the target's tiles as lines, dashed where bricks hide them
+  GroundLook ground = GroundLook::Auto;
+  CameraChoice camera;
+  FitScope fit = FitScope::Auto;
+};
+
+// ------------------------------------------------------------------------------------------------
+// What a video says of its frames: on a strip under the picture, so that it never lies over the
+// bricks or their shadow.
+
+/// What stands on the strip of all frames of a video. Fixed for a whole video, since it decides the
+/// height of the picture above.
+struct StripParts {
+  std::string longestCaption;  ///< a caption as wide as any will be; empty: there are none
+  bool progressBar = false;    ///< a bar that fills from left to right
+  bool scaleBar = false;       ///< a length; needs one scale all over the picture
+  bool colours = false;        ///< what colours mean, where they stand for values
+  bool legend = false;         ///< the same, where they stand for kinds of bricks
+};
+
+/// What it says under one frame.
+struct StripText {
+  std::string caption;  ///< one line, UTF-8
+  double progress = 0;  ///< 0 to 1
+};
+
+/// A strip under pictures of one size. It is as high as its parts need, and its text as large as
+/// the widest caption allows.
+class Strip {
+ public:
+  /// whole: the frame with its strip. Throws OutputError when the font is missing.
+  Strip(FrameSize whole, const StripParts& parts, const Style& style);
+
+  /// The frame without its strip.
+  FrameSize picture() const { return {whole_.width, whole_.height - height_}; }
+
+  /// Puts the strip under a picture. colours: none where the bricks' colours stand for no values;
+  /// legend: empty where they stand for no kinds; metresPerPixel: absent where no scale bar is
+  /// asked for. The picture has the size of picture(); it gets that of the whole frame.
+  void append(Frame& picture, const StripText& text, const std::optional<ColourScale>& colours,
+              const std::vector<LegendEntry>& legend,
+              const std::optional<double>& metresPerPixel) const;
+
+ private:
+  double scalesEms() const;
+  void drawScales(Frame& frame, int upper, const std::optional<ColourScale>& colours,
+                  const std::vector<LegendEntry>& legend,
+                  const std::optional<double>& metresPerPixel) const;
+  void drawProgress(Frame& frame, int upper, double progress) const;
+
+  FrameSize whole_;
+  StripParts parts_;
+  Colour background_;
+  Colour text_;
+  int em_ = 0;      ///< of all text, pixels
+  int height_ = 0;  ///< pixels
+  int captionLeft_ = 0;
+  std::optional<LabelWriter> writer_;  ///< absent where nothing is written
+  std::optional<ScaleDrawer> scales_;
+};
+
+// ------------------------------------------------------------------------------------------------
+// Chooses the colours of bricks by what they are or do.
+
+/// A run as a studio sees it. Made once for all pictures of a run. Lengths in metres; a motif of a
+/// trajectory in another unit has all of them in that unit.
+struct Motif {
+  std::vector<Brick> bricks;
+  Poses start;                              ///< one a brick
+  std::vector<Pivot> pivots;                ///< of all joints
+  std::vector<HingeSpring> hingeSprings;    ///< of the bricks' hinges
+  std::optional<std::vector<Tile>> target;  ///< one tile a brick, world axes
+  std::optional<double> groundHeight;       ///< z of the scene's ground, if it has one, metres
+  std::vector<Tile> obstacles;              ///< faces of what stays where it is, world axes
+  /// Of the model, metres; infinity where bricks are to be shown however far they are.
+  double size = std::numeric_limits<double>::infinity();
+  std::vector<Vector3> points;  ///< what cameras must hold in sight, world axes
+  /// Of the run, one pose a brick: what colours stand for ranges over them; none before the run.
+  std::vector<Poses> states;
+};
+
+/// Whether the colours stand for values.
+bool isMeasure(Colouring colouring);
+
+/// One colour on both faces, so that it means the same from both sides.
+BrickColours evenShades(Colour colour);
+
+/// The colours of bricks that have none of their own.
+BrickColours plainColours(const Look& look);
+
+/// Numbers the shapes of tiles: congruent tiles (mirror images too) have one number, from 0 in
+/// order of appearance. More than seven shapes are numbered by their count of corners instead. One
+/// a brick.
+std::vector<int> shapeKinds(const std::vector<Brick>& bricks);
+
+/// Decides the colours of all bricks in every picture of one run.
+class Colourist {
+ public:
+  /// Throws InputError when the colouring needs a target or springs at hinges and there are none,
+  /// when the scale's ends are in the wrong order, and when tiles get colours that are not there or
+  /// whose colours stand for values.
+  /// The motif must outlive the colourist.
+  Colourist(const Look& look, const Motif& motif);
+
+  /// One entry a brick; none when all bricks have the style's colours. `poses` has one pose a
+  /// brick. Cheap beside painting.
+  std::vector<BrickColours> colours(const Poses& poses) const;
+
+  /// What the colours mean, when they are those of a measure. The same for the whole run.
+  const std::optional<ColourScale>& scale() const { return scale_; }
+  /// What they mean, when they are those of kinds of bricks: shapes or states.
+  const std::vector<LegendEntry>& legend() const { return legend_; }
+  /// As the look asks for.
+  Colouring colouring() const { return colouring_; }
+
+ private:
+  std::vector<double> values(const Poses& poses) const;
+  std::vector<BrickColours> stateColours(const Poses& poses) const;
+  void colourShapes();
+  void colourTiles(const Look& look);
+  void makeScale(const Look& look);
+  double largestExpected() const;
+  double largestOfRun() const;
+
+  Colouring colouring_;
+  const Motif& motif_;
+  std::vector<BrickColours> kinds_;  ///< one a brick, when coloured by shape or tile by tile
+  std::vector<std::optional<BrickColours>> own_;  ///< of single tiles, one a brick; or none
+  std::optional<ColourScale> scale_;
+  std::vector<LegendEntry> legend_;
+};
+
+// ------------------------------------------------------------------------------------------------
+// Photographs a run: one look and one camera for all its pictures.
+
+/// Widths of lines in small pictures, pixels: between two flush tiles, and of lines laid over.
+inline constexpr double kThinnestEdge = 2;
+inline constexpr double kThinnestOverlay = 1.2;
+
+/// One moment of a run.
+struct Moment {
+  double time = 0;          ///< simulated seconds
+  const Poses& poses;       ///< one a brick
+  std::vector<int> pinned;  ///< bricks that are held
+  double turn = 0;          ///< share of the camera's orbit that is behind, 0 to 1
+};
+
+/// The motif of a model whose bricks are made by the rule, on the scene's ground if it has one.
+/// Cameras hold the start and the target in sight; add to its points what else they should.
+/// `ground`: of the scene; absent: none.
+Motif makeMotif(const Model& model, const BrickRule& rule, const std::optional<Ground>& ground);
+
+/// A brick farther from its start than this many model sizes is not held in sight: the others would
+/// shrink to a dot.
+inline constexpr double kFarthestShown = 20;
+
+/// Whether a brick at a pose is near enough to be held in sight.
+bool isShown(const Motif& motif, std::size_t brick, const Pose& pose);
+
+/// Whether all bricks are near enough to be held in sight. `poses` has one pose a brick.
+bool showsAllBricks(const Motif& motif, const Poses& poses);
+
+/// The corners of the motif's bricks at these poses, metres, but for those too far away.
+std::vector<Vector3> shownCorners(const Motif& motif, const Poses& poses);
+
+/// Adds the same corners to what cameras must hold in sight.
+void keepInSight(Motif& motif, const Poses& poses);
+
+/// Everything that decides a picture but the painter: shots, style and cameras. Needs no graphics
+/// context.
+class Stage {
+ public:
+  /// Throws InputError when the look asks for what the motif lacks.
+  Stage(const Look& look, Motif motif, FrameSize size);
+  Stage(const Stage&) = delete;
+  Stage& operator=(const Stage&) = delete;
+
+  /// What the picture of a moment shows. The poses are copied.
+  Shot shot(const Moment& moment) const;
+
+  /// The camera of a moment. Throws InputError when it stands within a brick.
+  Camera camera(const Moment& moment) const;
+
+  /// The same as polygons in space, for vector graphics. Throws as camera().
+  Sketch sketch(const Moment& moment) const;
+
+  const Motif& motif() const { return motif_; }
+  const Style& style() const { return style_; }
+  FrameSize pictureSize() const { return size_; }
+
+  /// What the bricks' colours mean, when they are those of a measure.
+  const std::optional<ColourScale>& colourScale() const { return colourist_.scale(); }
+  /// The same where they are those of kinds of bricks; empty where they mean nothing.
+  const std::vector<LegendEntry>& legend() const { return colourist_.legend(); }
+  Colouring colouring() const { return colourist_.colouring(); }
+
+  /// Height of every picture, metres, when one scale holds all over all of them: the camera stands
+  /// still and projects in parallel. Absent in perspective and for cameras that move.
+  std::optional<double> sharedHeight() const;
+
+  /// The same for one pixel. Throws InputError when no one scale holds.
+  double metresPerPixel() const;
+
+ private:
+  Motif motif_;
+  Style style_;
+  Colourist colourist_;
+  FrameSize size_;
+  CameraPath cameras_;
+  bool jointMarks_;
+  bool targetLines_;
+};
+
+/// A stage with a painter. Belongs to the thread that makes it.
+class Studio {
+ public:
+  /// size: of the pictures, with a strip under them where there are parts of one; colours stand on
+  /// it only where they are those of a measure. Throws as Stage and Painter do, and OutputError
+  /// when the font is missing.
+  Studio(FrameSize size, const Look& look, Motif motif, const StripParts& parts = {},
+         Smoothness smoothness = Smoothness::Still);
+
+  /// Another studio with the same stage, for the thread that makes it. A moment's picture is the
+  /// same from both. Throws OutputError when no graphics context can be made.
+  explicit Studio(const Studio& other) : Studio(other, other.smoothness_) {}
+  /// The same with pictures of another smoothness.
+  Studio(const Studio& other, Smoothness smoothness);
+  Studio& operator=(const Studio&) = delete;
+
+  /// Photographs this motif from now on, in pictures of the same size; quicker than a new studio.
+  /// Throws as Stage does.
+  void show(const Look& look, Motif motif);
+
+  /// The picture of a moment with its strip. storage: a frame that is needed no more, whose memory
+  /// the picture gets. Throws InputError when the camera stands within a brick. Throws as
+  /// Painter::paint(), too.
+  Frame take(const Moment& moment, const StripText& text = {}, Frame storage = {});
+
+  const Stage& stage() const { return *stage_; }
+
+ private:
+  void makeStrip(const Style& style, Colouring colouring);
+  void makePainter();
+
+  FrameSize size_;
+  StripParts parts_;
+  Smoothness smoothness_;
+  std::optional<Strip> strip_;  ///< made anew for each motif, as is the stage; always there
+  std::shared_ptr<const Stage> stage_;
+  std::optional<Painter> painter_;        ///< made anew when the strip's height changes
+  std::optional<double> metresPerPixel_;  ///< where a bar of length is drawn
+};
+
+}  // namespace kirireel

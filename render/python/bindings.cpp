@@ -1,0 +1,606 @@
+// Python's handler of SIGINT only sets a flag, which the interpreter looks at between its own
+// instructions; a run of minutes in C++ would not see it. While a watch lives, our handler stands
+// before Python's: it counts, then calls Python's, which sets its flag as ever. check() compares
+// the count with that at the watch's beginning, from whichever thread works.
+//
+// Several watches may live at the same time, on several threads; the first puts the handler in and
+// the last takes it out.
+#include "render/python/bindings.h"
+
+#include <algorithm>
+#include <atomic>
+#include <csignal>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+
+#include <fmt/format.h>
+#include <pybind11/functional.h>
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include "render/cli/command_line.h"
+#include "render/folder/output_folder.h"
+#include "render/manual/manual.h"
+#include "render/picture/studio.h"
+#include "render/record/album.h"
+#include "render/record/pace.h"
+#include "render/record/summary.h"
+#include "sim/base/error.h"
+#include "sim/model/read_model.h"
+#include "sim/trajectory/trajectory_file.h"
+
+namespace py = pybind11;
+
+using namespace py::literals;
+
+namespace kirireel::python {
+namespace {
+
+std::atomic<int> interruptions = 0;
+static_assert(std::atomic<int>::is_always_lock_free, "a signal handler may not wait for a lock");
+
+std::mutex handlerMutex;
+int watches = 0;                     // that live
+struct sigaction pythonAction = {};  // before the first of them
+
+extern "C" void noteAndPassOn(int signal) {
+  ++interruptions;
+  pythonAction.sa_handler(signal);
+}
+
+/// Neither ignored nor left to the system, and of the kind that takes a signal's number alone.
+bool isHandled(const struct sigaction& action) {
+  return action.sa_handler != SIG_DFL && action.sa_handler != SIG_IGN &&
+         (action.sa_flags & SA_SIGINFO) == 0;
+}
+
+}  // namespace
+
+InterruptionWatch::InterruptionWatch() : before_(interruptions) {
+  const std::lock_guard lock(handlerMutex);
+  if (watches++ > 0) return;
+  ::sigaction(SIGINT, nullptr, &pythonAction);
+  if (!isHandled(pythonAction)) return;
+  // Flags and mask stay Python's.
+  struct sigaction ours = pythonAction;
+  ours.sa_handler = noteAndPassOn;
+  ::sigaction(SIGINT, &ours, nullptr);
+}
+
+InterruptionWatch::~InterruptionWatch() {
+  const std::lock_guard lock(handlerMutex);
+  if (--watches == 0 && isHandled(pythonAction)) ::sigaction(SIGINT, &pythonAction, nullptr);
+}
+
+void InterruptionWatch::check() const {
+  if (interruptions != before_) throw CtrlC();
+}
+
+void InterruptionWatch::raise() {
+  // On the main thread this runs Python's handler, which raises; other threads end in the same way.
+  if (PyErr_CheckSignals() == 0) PyErr_SetNone(PyExc_KeyboardInterrupt);
+  throw pybind11::error_already_set();
+}
+
+// ------------------------------------------------------------------------------------------------
+// Keyword arguments become the words of a command line and are parsed by the program's own parser.
+// So every option of the program works in Python with the same checks and messages, and none has to
+// be written twice; the price is that numbers pass through text, which is exact, for str() of a
+// float reads back to the same double.
+
+namespace {
+
+/// NumPy arrays are no lists here; their text would be refused by the option.
+bool isList(const py::handle& value) {
+  return py::isinstance<py::list>(value) || py::isinstance<py::tuple>(value);
+}
+
+/// As Python writes it, which for a float is the shortest text that reads back as the same.
+std::string textOf(const py::handle& value) {
+  return py::str(value);
+}
+
+bool holdsNumbers(const py::handle& list) {
+  const auto entries = py::reinterpret_borrow<py::sequence>(list);
+  return std::all_of(entries.begin(), entries.end(), [](const auto& entry) {
+    return !isList(entry) && !py::isinstance<py::str>(entry);
+  });
+}
+
+/// "3,0,7". No spaces, as the command line wants it.
+std::string joinedText(const py::handle& list) {
+  std::string text;
+  for (const auto& entry : py::reinterpret_borrow<py::sequence>(list)) {
+    if (!text.empty()) text += ',';
+    text += textOf(entry);
+  }
+  return text;
+}
+
+/// Name and value are one word, joined by "=", so that a value may begin with a hyphen.
+void appendWords(const std::string& name, const py::handle& value,
+                 std::vector<std::string>& words) {
+  if (value.is_none()) return;
+  // True and False before numbers: in Python bool is a kind of int.
+  if (py::isinstance<py::bool_>(value)) {
+    if (value.cast<bool>()) words.push_back(name);
+  } else if (!isList(value)) {
+    words.push_back(fmt::format("{}={}", name, textOf(value)));
+  } else if (holdsNumbers(value)) {
+    words.push_back(fmt::format("{}={}", name, joinedText(value)));
+  } else {
+    for (const auto& entry : py::reinterpret_borrow<py::sequence>(value)) {
+      appendWords(name, entry, words);
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> optionWords(const py::kwargs& options,
+                                     const std::vector<std::string>& notHere) {
+  std::vector<std::string> words;
+  for (const auto& [key, value] : options) {
+    std::string name = textOf(key);
+    if (std::ranges::find(notHere, name) != notHere.end()) {
+      throw InputError(fmt::format("error: {} is no option of this call; leave it away", name));
+    }
+    std::replace(name.begin(), name.end(), '_', '-');
+    appendWords("--" + name, value, words);
+  }
+  return words;
+}
+
+void warn(const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings) {
+    if (PyErr_WarnEx(PyExc_UserWarning, warning.c_str(), 1) != 0) throw py::error_already_set();
+  }
+}
+
+// ------------------------------------------------------------------------------------------------
+// Model in Python is a LoadedModel, with the options that it was read with, so that deploy() knows
+// what `kirireel record` would. Tiles, targets and joints are copied into arrays when they are
+// asked for; a model does not change.
+
+namespace {
+
+/// points x 3, C order.
+py::array_t<double> pointArray(const std::vector<Vector3>& points) {
+  py::array_t<double> array({points.size(), std::size_t{3}});
+  auto entries = array.mutable_unchecked<2>();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (int k = 0; k < 3; ++k) entries(static_cast<py::ssize_t>(i), k) = points[i][k];
+  }
+  return array;
+}
+
+/// One array a tile, since tiles have different numbers of corners.
+py::list tileList(const std::vector<Tile>& tiles) {
+  py::list list;
+  for (const Tile& tile : tiles) list.append(pointArray(tile.vertices));
+  return list;
+}
+
+/// The columns of constraints.txt, counted from 0.
+py::array_t<int> jointArray(const Model& model) {
+  py::array_t<int> array({model.joints.size(), std::size_t{5}});
+  auto entries = array.mutable_unchecked<2>();
+  py::ssize_t row = 0;
+  for (const Joint& joint : model.joints) {
+    const int columns[] = {joint.a.tile, joint.a.vertex, joint.b.tile, joint.b.vertex,
+                           static_cast<int>(joint.face)};
+    for (int k = 0; k < 5; ++k) entries(row, k) = columns[k];
+    ++row;
+  }
+  return array;
+}
+
+/// Options are `record`'s own, joints_file and strict. Warnings are told once the interpreter is
+/// held again.
+LoadedModel read(const std::filesystem::path& path, const py::kwargs& options) {
+  const std::vector<std::string> words = optionWords(options, {});
+  LoadedModel loaded = withoutInterpreter([&] { return loadModel(path, words); });
+  warn(loaded.warnings);
+  return loaded;
+}
+
+/// The words of `kirireel generate FAMILY FOLDER`; the folder is not used, but the command line
+/// asks for one.
+LoadedModel generate(std::string family, const py::kwargs& parameters) {
+  std::replace(family.begin(), family.end(), '_', '-');
+  std::vector<std::string> words = {"generate", family, "nowhere"};
+  for (const std::string& word : optionWords(parameters, {"help"})) words.push_back(word);
+  LoadedModel loaded;
+  const auto order = std::get<GenerateOrder>(parseCommandLine(words));
+  loaded.model = withoutInterpreter([&] { return makeModel(order); });
+  return loaded;
+}
+
+/// What the interpreter shows of a model.
+std::string describeModel(const LoadedModel& loaded) {
+  return fmt::format("<kirireel.Model {}: {} tiles, {} joints{}>", loaded.model.name,
+                     loaded.model.tiles.size(), loaded.model.joints.size(),
+                     loaded.model.target ? ", a target" : "");
+}
+
+}  // namespace
+
+void addModels(py::module_& module) {
+  py::class_<LoadedModel>(module, "Model", "A sheet of rigid tiles joined at their corners.")
+      .def_property_readonly("name", [](const LoadedModel& loaded) { return loaded.model.name; })
+      .def_property_readonly(
+          "tiles", [](const LoadedModel& loaded) { return tileList(loaded.model.tiles); },
+          "The start: of each tile an array corners x 3, metres, anticlockwise.")
+      .def_property_readonly(
+          "target",
+          [](const LoadedModel& loaded) -> py::object {
+            if (!loaded.model.target) return py::none();
+            return tileList(*loaded.model.target);
+          },
+          "Where the corners should go, as tiles; None where the model has no target.")
+      .def_property_readonly(
+          "joints", [](const LoadedModel& loaded) { return jointArray(loaded.model); },
+          "joints x 5: tile, vertex, tile, vertex, from 0; face 1 bottom, 2 top, 3 both.")
+      .def(
+          "write",
+          [](const LoadedModel& loaded, const std::filesystem::path& path) {
+            withoutInterpreter([&] { writeModel(loaded.model, path); });
+          },
+          "path"_a, "Writes the model, in the format of the path's ending: none for a folder.")
+      .def("__repr__", &describeModel);
+  module.def("read", &read, "path"_a,
+             "Reads a model: a folder, a .fold file, or whatever `kirireel record` takes.\n\n"
+             "joints_file and strict are its options. What was mended is told as a UserWarning.");
+  module.def("generate", &generate, "family"_a, generateDoc(describeProgram()).c_str());
+}
+
+// ------------------------------------------------------------------------------------------------
+// A run keeps its samples in arrays, which NumPy sees as they stand in memory: the arrays keep the
+// run alive, and nobody may write to them. Deploying, painting and saving leave the interpreter to
+// other threads.
+
+namespace {
+
+using Column = const std::vector<double>& (SampleTable::*)() const;
+
+/// A run in memory, deployed here or read from a file. `reader` reads the samples in memory as it
+/// would those of a file, so that painting and saving need no other code.
+struct MemoryRun {
+  MemoryRun(const Subject& subject, const TrajectoryEnd& end,
+            std::shared_ptr<const SampleTable> table)
+      : samples(std::move(table)), reader(subject, end, samples) {}
+  virtual ~MemoryRun() = default;
+
+  std::shared_ptr<const SampleTable> samples;
+  TrajectoryReader reader;
+  std::vector<double> velocities;  ///< see SampleTable; empty until they are asked for
+};
+
+/// A run that was deployed here. It keeps the order too, which save() needs.
+struct DeployedRun : MemoryRun {
+  DeployedRun(RecordResult prepared, DeploymentResult ended,
+              std::shared_ptr<const SampleTable> table)
+      : MemoryRun(subjectOf(prepared.scene), ended.trajectory, std::move(table)),
+        order(std::move(prepared)),
+        result(std::move(ended)) {
+    order.summary = summaryOf(result, samples->times().back());
+  }
+
+  RecordResult order;
+  DeploymentResult result;
+};
+
+// ---- arrays
+
+/// Numbers as they stand in memory that `owner` keeps.
+template <typename T>
+/// NumPy's `base` is the owner: as long as an array lives, the run lives.
+py::array view(const T* data, const std::vector<py::ssize_t>& shape,
+               const std::vector<py::ssize_t>& strides, const py::object& owner) {
+  py::array array(py::dtype::of<T>(), shape, strides, data, owner);
+  array.attr("setflags")("write"_a = false);
+  return array;
+}
+
+/// samples x bricks x `shown` of the `stored` numbers of each brick, from `first` on. Strides are
+/// in bytes.
+py::array brickView(const std::vector<double>& data, const SampleTable& samples, int stored,
+                    int shown, int first, const py::object& owner) {
+  const auto count = static_cast<py::ssize_t>(samples.size());
+  const auto bricks = static_cast<py::ssize_t>(samples.brickCount());
+  constexpr py::ssize_t kBytes = sizeof(double);
+  return view(data.data() + first, {count, bricks, shown},
+              {bricks * stored * kBytes, stored * kBytes, kBytes}, owner);
+}
+
+/// One number a sample.
+py::array column(const py::object& self, Column entries) {
+  const std::vector<double>& data = (*self.cast<const MemoryRun&>().samples.*entries)();
+  return view(data.data(), {static_cast<py::ssize_t>(data.size())}, {sizeof(double)}, self);
+}
+
+/// A view of the run's memory; nothing is copied.
+py::array position(const py::object& self) {
+  const SampleTable& samples = *self.cast<const MemoryRun&>().samples;
+  return brickView(samples.positions(), samples, 3, 3, 0, self);
+}
+
+/// w, x, y, z, as SampleTable stores them.
+py::array rotation(const py::object& self) {
+  const SampleTable& samples = *self.cast<const MemoryRun&>().samples;
+  return brickView(samples.rotations(), samples, 4, 4, 0, self);
+}
+
+/// `first` is 0 for velocities (m/s), 3 for angular velocities (rad/s), of six numbers a brick.
+py::array velocity(const py::object& self, int first) {
+  auto& run = self.cast<MemoryRun&>();
+  if (run.velocities.empty()) run.velocities = run.samples->velocities();
+  return brickView(run.velocities, *run.samples, 6, 3, first, self);
+}
+
+/// bricks x `width`, of one sample.
+template <typename Write>
+py::array_t<double> poseArray(const Sample& sample, std::size_t width, Write write) {
+  py::array_t<double> array({sample.poses.size(), width});
+  double* at = array.mutable_data();
+  for (const Pose& pose : sample.poses) at = write(pose, at);
+  return array;
+}
+
+/// A copy, because the sample given to on_sample lives for the call alone.
+py::array_t<double> samplePositions(const Sample& sample) {
+  return poseArray(sample, 3, [](const Pose& pose, double* at) {
+    return std::copy_n(pose.position.data(), 3, at);
+  });
+}
+
+py::array_t<double> sampleRotations(const Sample& sample) {
+  return poseArray(sample, 4, [](const Pose& pose, double* at) {
+    const Quaternion& turn = pose.rotation;
+    return std::ranges::copy(std::array{turn.w(), turn.x(), turn.y(), turn.z()}, at).out;
+  });
+}
+
+// ---- deploying
+
+/// Tells Python each sample, and remembers what it threw. The first exception of on_sample ends the
+/// run and is thrown again when the run has ended.
+class SampleTeller {
+ public:
+  explicit SampleTeller(py::object tell) : tell_(std::move(tell)) {}
+
+  /// False ends the run. To be called without the interpreter.
+  bool operator()(const Sample& sample) {
+    if (tell_.is_none()) return true;
+    // The run goes on without the interpreter, so that other threads of Python work meanwhile; it
+    // is held for the call alone.
+    const py::gil_scoped_acquire acquire;
+    if (thrown_) return false;
+    try {
+      // None, which a function without return gives, goes on.
+      return !tell_(sample).is(py::bool_(false));
+    } catch (...) {
+      thrown_ = std::current_exception();
+      return false;
+    }
+  }
+
+  void rethrow() const {
+    if (thrown_) std::rethrow_exception(thrown_);
+  }
+
+ private:
+  py::object tell_;
+  std::exception_ptr thrown_;
+};
+
+/// The whole run; nothing is written to disk.
+std::shared_ptr<DeployedRun> deployModel(const LoadedModel& loaded, const py::object& onSample,
+                                         const py::kwargs& options) {
+  const RecordOrder order = parseRunOptions(loaded, optionWords(options, optionsNotForRuns()));
+  std::vector<std::string> warnings;
+  std::shared_ptr<DeployedRun> run;
+  SampleTeller tell(onSample);
+  withoutInterpreter([&] {
+    RecordResult prepared = prepareOrder(order, warnings);
+    const auto samples = std::make_shared<SampleTable>();
+    const SampleObserver keep = [&](const Sample& sample) {
+      samples->append(sample);
+      return tell(sample);
+    };
+    // Warnings are collected, since they may come from threads that do not hold the interpreter.
+    const TrialObserver search = [&](const SearchNews& news) {
+      if (!news.warning.empty()) {
+        warnings.push_back(fmt::format("{}: warning: {}", loaded.model.name, news.warning));
+      }
+      return true;
+    };
+    DeploymentResult result =
+        deployUnkept(prepared.scene, prepared.settings.sampleInterval(), keep, search);
+    run = std::make_shared<DeployedRun>(std::move(prepared), std::move(result), samples);
+  });
+  tell.rethrow();
+  warn(warnings);
+  return run;
+}
+
+// ---- what a run does
+
+/// The index of the sample nearest to a time, the last where none is given. Of two that are equally
+/// near, the earlier.
+std::size_t nearestSample(const std::vector<double>& times, std::optional<double> time) {
+  if (!time) return times.size() - 1;
+  const auto nearest = std::ranges::min_element(
+      times, {}, [&](double sampled) { return std::abs(sampled - *time); });
+  return static_cast<std::size_t>(nearest - times.begin());
+}
+
+/// How much of the camera's orbit is behind at a time, as in a video at an even pace, 0 to 1. The
+/// whole run is looked at only where there is an orbit.
+double orbitBehind(const MemoryRun& run, const PictureSettings& settings, double time) {
+  if (settings.look.camera.orbit == 0) return 0;
+  return momentAt(motionOf(run.reader), Pace::Even, time).turn;
+}
+
+py::array render(const MemoryRun& run, std::optional<double> time, const py::kwargs& options) {
+  std::vector<std::string> words = {"render", output::kTrajectory};
+  for (const std::string& word : optionWords(options, optionsNotForPictures(describeProgram()))) {
+    words.push_back(word);
+  }
+  const PictureSettings settings = std::get<RenderOrder>(parseCommandLine(words)).settings;
+  auto frame = std::make_unique<Frame>();
+  withoutInterpreter([&] {
+    if (settings.graphics) setGraphicsLibrary(*settings.graphics);
+    const Sample sample = run.reader.sample(nearestSample(run.reader.times(), time));
+    // As frames are: where colours stand for values, a bar under the picture says which.
+    Studio studio(settings.size, settings.look, motifOf(run.reader, settings), {.colours = true});
+    *frame = studio.take(
+        {sample.time, sample.poses, sample.pinned, orbitBehind(run, settings, sample.time)});
+  });
+  const py::ssize_t width = frame->size.width;
+  const py::ssize_t height = frame->size.height;
+  const std::uint8_t* pixels = frame->pixels.data();
+  // The array takes the frame's pixels over; the capsule deletes the frame with the array.
+  const py::capsule owner(frame.release(), [](void* kept) { delete static_cast<Frame*>(kept); });
+  return py::array(py::dtype::of<std::uint8_t>(), {height, width, py::ssize_t{4}},
+                   {4 * width, py::ssize_t{4}, py::ssize_t{1}}, pixels, owner);
+}
+
+/// Writes what `kirireel record` would, from the samples that are there. An interruption leaves the
+/// folder as it was.
+std::vector<std::string> save(const DeployedRun& run, const std::filesystem::path& folder) {
+  return withoutInterpreter([&] {
+    RecordSettings settings = run.order.settings;
+    settings.folder = folder;
+    // Stands in for the deployment: it plays the samples to record()'s observer and gives the
+    // result that is known.
+    const Deployer again = [&run](const Scene&, double, const SampleObserver& observer,
+                                  const TrialObserver&, Checkpoints*) {
+      for (std::size_t i = 0; i < run.samples->size(); ++i) observer(run.samples->sample(i));
+      return run.result;
+    };
+    const ProgressObserver progress = [](const Progress&) -> Interruption { return std::nullopt; };
+    return record(run.order.scene, settings, progress, again).files;
+  });
+}
+
+/// A dict as json.loads gives it.
+py::object summary(const DeployedRun& run) {
+  const RecordResult& order = run.order;
+  return py::module_::import("json").attr("loads")(
+      summaryJson(order.scene, order.settings, order.summary));
+}
+
+/// Reads all samples into memory, so the file may vanish afterwards.
+std::shared_ptr<MemoryRun> openTrajectory(const std::filesystem::path& path) {
+  return withoutInterpreter([&] {
+    const bool isFolder = std::filesystem::is_directory(path);
+    const TrajectoryReader file(isFolder ? path / output::kTrajectory : path);
+    return std::make_shared<MemoryRun>(file.subject(), file.end(),
+                                       std::make_shared<SampleTable>(readSamples(file)));
+  });
+}
+
+std::vector<std::pair<double, std::string>> events(const MemoryRun& run) {
+  std::vector<std::pair<double, std::string>> list;
+  for (const Event& event : run.reader.end().events) list.emplace_back(event.time, event.text);
+  return list;
+}
+
+std::string describe(const MemoryRun& run) {
+  return fmt::format("<kirireel trajectory of {}: {} samples, {} tiles, {:g} s>",
+                     run.reader.subject().model.name, run.samples->size(),
+                     run.samples->brickCount(), run.samples->times().back());
+}
+
+// ---- the module
+
+/// Measures are attributes, poses are arrays made when asked for.
+void addSample(py::module_& module) {
+  py::class_<Sample>(module, "Sample", "The state at one time, with its measures.")
+      .def_readonly("time", &Sample::time, "simulated seconds")
+      .def_readonly("joint_gap", &Sample::jointGap, "largest gap of any joint, metres")
+      .def_readonly("target_error", &Sample::targetError,
+                    "largest distance of a corner from its target, metres; 0 without a target")
+      .def_readonly("penetration", &Sample::penetration, "deepest, metres")
+      .def_property_readonly("position", &samplePositions,
+                             "tiles x 3, metres, of the centres of mass (a copy)")
+      .def_property_readonly("rotation", &sampleRotations,
+                             "tiles x 4, unit quaternions w x y z, brick axes to world (a copy)");
+}
+
+void addCurves(py::class_<MemoryRun, std::shared_ptr<MemoryRun>>& trajectory) {
+  const auto add = [&trajectory](const char* name, Column entries, const char* doc) {
+    trajectory.def_property_readonly(
+        name, [entries](const py::object& self) { return column(self, entries); }, doc);
+  };
+  add("time", &SampleTable::times, "samples; simulated seconds");
+  add("joint_gap", &SampleTable::jointGaps, "samples; largest gap of any joint, metres");
+  add("target_error", &SampleTable::targetErrors,
+      "samples; largest distance of a corner from its target, metres; 0 without a target");
+  add("penetration", &SampleTable::penetrations, "samples; deepest overlap of two bricks, metres");
+}
+
+/// Docstrings say shapes and units.
+void addTrajectory(py::module_& module) {
+  py::class_<MemoryRun, std::shared_ptr<MemoryRun>> trajectory(
+      module, "Trajectory",
+      "The states of a run by time. Arrays are views of its memory: nothing is copied, and nobody "
+      "may write to them.");
+  addCurves(trajectory);
+  trajectory
+      .def_property_readonly("position", &position,
+                             "samples x tiles x 3, metres, of the centres of mass")
+      .def_property_readonly("rotation", &rotation,
+                             "samples x tiles x 4, unit quaternions w x y z, brick axes to world")
+      .def_property_readonly(
+          "velocity", [](const py::object& self) { return velocity(self, 0); },
+          "samples x tiles x 3, m/s, of the centres of mass: central differences of the samples")
+      .def_property_readonly(
+          "angular_velocity", [](const py::object& self) { return velocity(self, 3); },
+          "samples x tiles x 3, rad/s, world axes: central differences of the samples")
+      .def_property_readonly("events", &events, "What happened: simulated seconds and one line.")
+      .def_property_readonly(
+          "model",
+          [](const MemoryRun& run) {
+            return LoadedModel{run.reader.subject().model, {}, {}, {}, {}};
+          },
+          "The model as it was deployed, moved onto its target.")
+      .def("render", &render, "time"_a = py::none(), renderDoc(describeProgram()).c_str())
+      .def("__repr__", &describe);
+}
+
+/// What only a deployment knows: how it ended, and how to save it.
+void addRun(py::module_& module) {
+  py::class_<DeployedRun, MemoryRun, std::shared_ptr<DeployedRun>>(
+      module, "Run", "A deployment that deploy() made.")
+      .def_property_readonly(
+          "outcome", [](const DeployedRun& run) { return toString(run.result.outcome); },
+          "settled, locked, out_of_time, diverged or interrupted")
+      .def_property_readonly(
+          "reason", [](const DeployedRun& run) { return run.result.reason; }, "one line: why")
+      .def_property_readonly(
+          "at_target", [](const DeployedRun& run) { return run.result.atTarget; },
+          "whether it ended at its target; None where nothing pulls to one")
+      .def_property_readonly("summary", &summary,
+                             "The summary as summary.json has it, no files written yet.")
+      .def("save", &save, "folder"_a,
+           "Writes the files that `kirireel record` leaves, the same bytes (but for cost and hash "
+           "in summary.json). Returns their names.");
+}
+
+}  // namespace
+
+void addRuns(py::module_& module) {
+  addSample(module);
+  addTrajectory(module);
+  addRun(module);
+  module.def("deploy", &deployModel, "model"_a, "on_sample"_a = py::none(),
+             deployDoc(describeProgram()).c_str());
+  module.def("open", &openTrajectory, "path"_a,
+             "Reads a trajectory.h5, or the one in a folder. Returns a Trajectory.");
+}
+
+}  // namespace kirireel::python

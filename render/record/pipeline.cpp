@@ -1,0 +1,79 @@
+// Exceptions do not leave a thread by themselves: run() keeps the first and stops the others,
+// finish() joins all and throws it on the thread of the caller. Checks for interruption belong to a
+// thread, so a new one takes over those of the thread that starts it.
+#include "render/record/pipeline.h"
+
+#include <sys/resource.h>
+
+#include "sim/base/interruption.h"
+#include "sim/measure/run_curves.h"
+
+namespace kirireel {
+
+Crew::~Crew() {
+  if (threads_.empty()) return;
+  stopAll_();
+  threads_.clear();
+}
+
+void Crew::start(std::function<void()> stage) {
+  threads_.emplace_back([this, stage = std::move(stage), checks = presentChecks()] {
+    const InterruptionScope scope(checks);
+    run(stage);
+  });
+}
+
+void Crew::run(const std::function<void()>& stage) {
+  try {
+    stage();
+  } catch (...) {
+    // Carried to the thread that waits in finish().
+    {
+      const std::lock_guard lock(mutex_);
+      if (!error_) error_ = std::current_exception();
+    }
+    stopAll_();
+  }
+}
+
+void Crew::finish() {
+  for (std::jthread& thread : threads_) thread.join();
+  threads_.clear();
+  if (error_) std::rethrow_exception(error_);
+}
+
+// ------------------------------------------------------------------------------------------------
+// Writing and compressing samples takes time: on a thread of its own it costs the deployment
+// nothing as long as there is a core for it. Sixteen samples may wait; then the deployment waits.
+
+Scribe::Scribe(const std::filesystem::path& path, const Subject& subject)
+    : writer_(path, subject, makeCurveMeter(subject)),
+      samples_(kWaitingSamples),
+      crew_([this] { samples_.stop(); }) {
+  crew_.start([this] { writeAll(); });
+}
+
+bool Scribe::take(const SharedSample& sample) {
+  return samples_.push(sample);
+}
+
+void Scribe::writeAll() {
+  while (const std::optional<SharedSample> sample = samples_.pop()) writer_.append(**sample);
+}
+
+void Scribe::finish(const TrajectoryEnd& end) {
+  samples_.close();
+  crew_.finish();
+  writer_.finish(end);
+}
+
+// ------------------------------------------------------------------------------------------------
+// What parts of a run cost.
+
+std::int64_t peakMemoryBytes() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::int64_t>(usage.ru_maxrss) * 1024;  // Linux counts kibibytes
+}
+
+}  // namespace kirireel

@@ -1,0 +1,344 @@
+// Checks a finished run in two steps.
+//
+// Files: every name in "contents" of summary.json and of contents.json must have the noted size and
+// SHA-256, and the records must be sealed (output_folder.h).
+//
+// Figures: trajectory.h5 holds the poses of all samples, one record for each step, and the states
+// in which the extreme figures of the run were found ("figure states"). From these the figures are
+// computed again by the functions of sim/measure and compared with what the summary says:
+//
+//     per sample   joint_gap, penetration, target_error
+//     all steps    joint_gap_mean = sum of means / steps, joint_gap_max, target_error_min, counts
+//     one state    penetration_max and others, each at its own state; rigid_bound; elasticity
+//
+// Two figures a and b agree when |a - b| <= 1e-12 max(|a|, |b|).
+//
+// So a summary that was edited, or a figure that the program computed wrongly in passing, shows; a
+// wrong simulation does not.
+#include "render/record/verify.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <memory>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "render/folder/output_folder.h"
+#include "render/video/video.h"
+#include "sim/base/error.h"
+#include "sim/base/files.h"
+#include "sim/measure/measures.h"
+#include "sim/trajectory/trajectory_file.h"
+
+namespace kirireel {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kSummary = "summary.json";
+constexpr const char* kTrajectory = "trajectory.h5";
+// Figures are computed again from the same numbers by the same arithmetic, so they agree to the
+// last bit. This part of a figure is left to compilers that add in another order.
+constexpr double kRounding = 1e-12;
+
+/// Throws InputError where there is none.
+std::string readSummary(const fs::path& folder) {
+  if (fs::exists(folder / kSummary)) {
+    return readTextFile(folder / kSummary, "give the folder that a run left");
+  }
+  throw InputError(fmt::format(
+      "{}: error: there is no {} here; give the folder that a run of kirireel record or "
+      "simulate left",
+      folder.string(), kSummary));
+}
+
+/// A text as summary.json has it: bytes that are not UTF-8 are U+FFFD there. Names of models may
+/// hold any bytes.
+std::string asInJson(const std::string& text) {
+  return Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
+FileDigest digestIn(const std::string& name, const Json& noted) {
+  return {name, noted.at("bytes").get<std::uintmax_t>(), noted.at("sha256").get<std::string>()};
+}
+
+/// A figure of the summary that a single state decides, computed again from that state.
+struct StateFigure {
+  const char* name;
+  std::function<double(const Poses&)> compute;
+};
+
+/// Goes on after a complaint, as far as what follows can still be read.
+class Verifier {
+ public:
+  explicit Verifier(fs::path folder) : folder_(std::move(folder)) {}
+
+  VerifyReport run() {
+    const std::string text = readSummary(folder_);
+    if (!isSealed(text)) complain(kSummary, "this is not the text that the run wrote");
+    const Json summary = Json::parse(text, nullptr, false);
+    if (!summary.is_object() || !summary.contains("contents")) {
+      complain(kSummary, "it names no files to compare with; record the run again");
+      return report_;
+    }
+    try {
+      compareFiles(summary.at("contents"));
+      // A damaged trajectory would only repeat the complaint in many words.
+      if (report_.complaints.empty()) compareFigures(summary);
+    } catch (const Json::exception&) {
+      complain(kSummary, "its entries are not those of a run");
+    }
+    return report_;
+  }
+
+ private:
+  void complain(const std::string& place, const std::string& what) {
+    report_.complaints.push_back(fmt::format("{}: {}", (folder_ / place).string(), what));
+  }
+
+  /// What was exported or painted again since counts as contents.json has it.
+  void compareFiles(const Json& contents) {
+    FileList files = listedFiles(folder_ / output::kContents);
+    if (files.empty() && fs::exists(folder_ / output::kContents)) {
+      complain(output::kContents, "this is not the text that export or render wrote");
+    }
+    for (const auto& [name, noted] : contents.items())
+      files.try_emplace(name, digestIn(name, noted));
+    for (const auto& [name, noted] : files) {
+      ++report_.files;
+      const std::string found = difference(folder_, noted);
+      if (!found.empty()) complain(name, found);
+    }
+  }
+
+  /// `place` is the file that states the figure.
+  void compare(const std::string& place, const std::string& figure, double stated,
+               double computed) {
+    const double larger = std::max(std::abs(stated), std::abs(computed));
+    if (std::abs(stated - computed) <= kRounding * larger) return;
+    complain(place,
+             fmt::format("{} is {:.17g}, yet the poses give {:.17g}", figure, stated, computed));
+  }
+
+  /// An entry of the summary of which trajectory.h5 has a copy.
+  void compareCopy(const std::string& entry, const Json& stated, const Json& copy) {
+    if (stated != copy) complain(kSummary, fmt::format("{} differs from trajectory.h5", entry));
+  }
+
+  /// One sample.
+  void recompute(const TrajectoryReader& run, const std::vector<Pivot>& pivots, std::size_t index) {
+    const Subject& subject = run.subject();
+    const Sample stored = run.sample(index);
+    const std::string at = fmt::format(" at {:.4g} s", stored.time);
+    compare(kTrajectory, "joint_gap" + at, stored.jointGap, jointGap(pivots, stored.poses).max);
+    compare(kTrajectory, "penetration" + at, stored.penetration,
+            deepestPenetration(subject.bricks, stored.poses).depth);
+    if (subject.model.target) {
+      compare(kTrajectory, "target_error" + at, stored.targetError,
+              targetError(*subject.model.target, subject.bricks, stored.poses));
+    }
+    ++report_.samples;
+  }
+
+  /// Files agree already, so what differs here was wrong when it was written.
+  void compareFigures(const Json& summary) {
+    const TrajectoryReader run(folder_ / kTrajectory);
+    const std::vector<Pivot> pivots = makePivots(run.subject().model.joints, run.subject().bricks);
+    for (std::size_t i = 0; i < run.times().size(); ++i) recompute(run, pivots, i);
+    if (run.steps().empty()) {
+      complain(kTrajectory,
+               "an earlier version of the program left it, without the states that "
+               "the summary's figures stand for; record the run again");
+      return;
+    }
+    compareEnd(summary, run);
+    compareModel(summary.at("model"), run.subject().model);
+    compareCopy("events", summary.at("events"), eventsOf(run));
+    compareCopy("settings", summary.at("settings"), Json::parse(run.subject().settings));
+    const Json findings = Json::parse(run.end().findings);
+    for (const auto& [entry, found] : findings.items())
+      compareCopy(entry, summary.at(entry), found);
+    compareSteps(summary, run);
+    compareStates(summary, run, pivots);
+    compareVideo(summary);
+  }
+
+  /// As summary.json has them.
+  static Json eventsOf(const TrajectoryReader& run) {
+    Json events = Json::array();
+    for (const Event& event : run.end().events) {
+      events.push_back({{"time", event.time}, {"what", event.text}});
+    }
+    return events;
+  }
+
+  /// The last event of a run repeats its outcome and reason.
+  void compareEnd(const Json& summary, const TrajectoryReader& run) {
+    compare(kSummary, "end_time", summary.at("end_time"), run.times().back());
+    const std::string outcome = summary.at("outcome");
+    const std::string stated = fmt::format("{}: {}", outcome, summary.at("reason"));
+    // What interrupts the painting comes after the run.
+    if (outcome == "interrupted" || run.end().events.empty()) return;
+    if (run.end().events.back().text != stated) {
+      complain(kSummary, "outcome or reason differ from the last event of trajectory.h5");
+    }
+  }
+
+  /// Counts and sizes follow from the model that trajectory.h5 holds.
+  void compareModel(const Json& stated, const Model& model) {
+    compareCopy("model.name", stated.at("name"), asInJson(model.name));
+    compareCopy("model.has_target", stated.at("has_target"), model.target.has_value());
+    compare(kSummary, "model.tiles", stated.at("tiles"), static_cast<double>(model.tiles.size()));
+    compare(kSummary, "model.joints", stated.at("joints"),
+            static_cast<double>(model.joints.size()));
+    compare(kSummary, "model.size", stated.at("size"), modelSize(model));
+    compare(kSummary, "model.tile_size", stated.at("tile_size"), tileSize(model));
+  }
+
+  /// The figures that all steps decide together.
+  void compareSteps(const Json& summary, const TrajectoryReader& run) {
+    StepReport took;
+    double gapSum = 0;
+    double largestGap = 0;
+    double leastError = std::numeric_limits<double>::infinity();
+    for (const StepRecord& step : run.steps()) {
+      took += step.took;
+      gapSum += step.jointGapMean;
+      largestGap = std::max(largestGap, step.jointGap);
+      leastError = std::min(leastError, step.targetError);
+    }
+    const Json& accuracy = summary.at("accuracy");
+    compare(kSummary, "joint_gap_mean", accuracy.at("joint_gap_mean"),
+            gapSum / static_cast<double>(run.steps().size()));
+    compare(kSummary, "joint_gap_max", accuracy.at("joint_gap_max"), largestGap);
+    if (run.subject().model.target)
+      compare(kSummary, "target_error_min", accuracy.at("target_error_min"), leastError);
+    // Counts of steps: figures without a part are not in the summary.
+    for (const StepFigure& figure : kStepFigures) {
+      if (!figure.part) continue;
+      compare(kSummary, figure.partName, summary.at(figure.part).value(figure.partName, 0.0),
+              figure.get(took));
+    }
+  }
+
+  /// The figures that one state decides: the start, the end, or the one stored for it.
+  void compareStates(const Json& summary, const TrajectoryReader& run,
+                     const std::vector<Pivot>& pivots) {
+    const Subject& subject = run.subject();
+    const Json& stated = summary.at("accuracy");
+    const Sample first = run.sample(0);
+    const Sample last = run.sample(run.times().size() - 1);
+    const Poses asRead = startPoses(subject.model.tiles, subject.bricks);
+    compare(kSummary, "assembly_move", stated.at("assembly_move"),
+            targetError(bottomTiles(subject.bricks, asRead), subject.bricks, first.poses));
+    compare(kSummary, "joint_gap_end", stated.at("joint_gap_end"), last.jointGap);
+    if (subject.model.target) {
+      compare(kSummary, "target_error_start", stated.at("target_error_start"), first.targetError);
+      compare(kSummary, "target_error_end", stated.at("target_error_end"), last.targetError);
+      compare(kSummary, "rigid_bound", stated.at("rigid_bound"),
+              rigidBound(subject.model.tiles, *subject.model.target));
+    }
+    compareElasticity(summary, subject.hingeSprings, first.poses, last.poses);
+    // A run that ended among the samples of an earlier process does not know these states.
+    if (summary.at("outcome") == "interrupted" && run.end().figureStates.empty()) return;
+    for (const StateFigure& figure : stateFigures(summary, subject, pivots, asRead)) {
+      const auto state =
+          std::ranges::find(run.end().figureStates, figure.name, &FigureState::figure);
+      if (state != run.end().figureStates.end()) {
+        compare(kSummary, figure.name, stated.at(figure.name), figure.compute(state->poses));
+      } else if (stated.at(figure.name) != 0 && !stated.at(figure.name).is_null()) {
+        complain(kSummary, fmt::format("{} has no state in trajectory.h5", figure.name));
+      }
+    }
+  }
+
+  void compareElasticity(const Json& summary, const std::vector<HingeSpring>& springs,
+                         const Poses& start, const Poses& end) {
+    const Json stated = summary.value("elasticity", Json());
+    if (springs.empty() != stated.is_null()) {
+      complain(kSummary, "elasticity and the springs in trajectory.h5 do not go together");
+    }
+    if (springs.empty() || stated.is_null()) return;
+    const Elasticity found = elasticityOf(springs, start, end);
+    compare(kSummary, "elasticity.springs", stated.at("springs"), found.springs);
+    compare(kSummary, "elasticity.energy_start", stated.at("energy_start"), found.energyStart);
+    compare(kSummary, "elasticity.energy_end", stated.at("energy_end"), found.energyEnd);
+    compare(kSummary, "elasticity.moment_end", stated.at("moment_end"), found.momentEnd);
+  }
+
+  /// How each figure is computed from its state. What is passed must outlive the list.
+  static std::vector<StateFigure> stateFigures(const Json& summary, const Subject& subject,
+                                               const std::vector<Pivot>& pivots,
+                                               const Poses& asRead) {
+    // As the run had it: overlaps in the corners that joined bricks share do not count as
+    // "outside".
+    const double zone = summary.at("settings").at("environment").at("pivot_zone");
+    const double least = kRoundingOverlap * tileSize(subject.model);
+    const auto overlaps =
+        std::make_shared<PenetrationMeter>(subject.bricks, pivots, zone, asRead, least);
+    const auto gap = [&](const Poses& poses) { return jointGap(pivots, poses).max; };
+    const auto error = [&](const Poses& poses) {
+      return targetError(*subject.model.target, subject.bricks, poses);
+    };
+    std::vector<StateFigure> figures = {
+        {"joint_gap_max", gap},
+        {"joint_opening_max", gap},
+        {"penetration_max", [overlaps](const Poses& poses) { return overlaps->at(poses).whole; }},
+        {"penetration_outside_pivots_max",
+         [overlaps](const Poses& poses) { return overlaps->at(poses).outsidePivots; }},
+        {"penetration_grown_max",
+         [overlaps](const Poses& poses) { return overlaps->at(poses).grown; }}};
+    if (!subject.model.target) return figures;
+    figures.push_back({"target_error_min", error});
+    figures.push_back({"assembled_error", error});
+    figures.push_back({"springs_rest_error", error});
+    return figures;
+  }
+
+  /// Counts the packets of the first video in the list.
+  void compareVideo(const Json& summary) {
+    for (const std::string name : summary.at("files")) {
+      // A GIF leaves out what its players could not show.
+      if (!isVideo(name) || fs::path(name).extension() == ".gif") continue;
+      // One that was painted again since is not the run's.
+      if (listedFiles(folder_ / output::kContents).contains(name)) return;
+      compare(kSummary, "video_frames", summary.at("video_frames"),
+              countVideoFrames(folder_ / name));
+      return;
+    }
+    compare(kSummary, "video_frames", summary.at("video_frames"), 0);
+  }
+
+  fs::path folder_;
+  VerifyReport report_;
+};
+
+}  // namespace
+
+std::optional<FinishedRun> findFinishedRun(const fs::path& folder, const std::string& order) {
+  if (!fs::is_regular_file(folder / kSummary)) return std::nullopt;
+  const std::string text = readSummary(folder);
+  const Json summary = Json::parse(text, nullptr, false);
+  if (!isSealed(text) || !summary.is_object()) return std::nullopt;
+  try {
+    if (summary.at("order") != order || summary.at("outcome") == "interrupted") return std::nullopt;
+    for (const auto& [name, noted] : summary.at("contents").items()) {
+      if (!difference(folder, digestIn(name, noted)).empty()) return std::nullopt;
+    }
+    const Json& atTarget = summary.at("at_target");
+    return FinishedRun{summary.at("outcome"),
+                       atTarget.is_null() ? std::optional<bool>() : atTarget.get<bool>(), text};
+  } catch (const Json::exception&) {
+    return std::nullopt;  // sealed, but no run's
+  }
+}
+
+VerifyReport verifyRun(const fs::path& folder) {
+  return Verifier(folder).run();
+}
+
+}  // namespace kirireel

@@ -1,0 +1,253 @@
+// Files that are read, each noted with its hash. A file that is read whole is hashed from the text
+// that was read, so that the hash belongs to just these bytes; one that is read piece by piece is
+// hashed first and read again.
+//
+// Records of one thread form a chain through `outer_`, the innermost first. The pointer to it is
+// thread-local, so that runs on several threads do not note each other's files.
+#include "sim/base/files.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <new>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <openssl/evp.h>
+#include <unistd.h>
+#include <zlib.h>
+
+#include "sim/base/error.h"
+#include "sim/base/interruption.h"
+
+namespace kirireel {
+namespace {
+
+thread_local InputRecord* innermost = nullptr;
+
+std::string digestOf(std::istream& stream) {
+  Sha256 hash;
+  std::array<char, 1 << 16> bytes{};
+  // The last read fails for lack of bytes, but has some.
+  while (stream.read(bytes.data(), bytes.size()), stream.gcount() > 0) {
+    hash.add({bytes.data(), static_cast<std::size_t>(stream.gcount())});
+  }
+  return hash.finish();
+}
+
+void requireReadable(const std::filesystem::path& file, const std::string& purpose,
+                     std::uintmax_t mostBytes) {
+  std::error_code ignored;
+  const auto status = std::filesystem::status(file, ignored);
+  if (!std::filesystem::exists(status)) {
+    throw inputErrorAt({file}, fmt::format("there is no such file; {}", purpose));
+  }
+  // A device or a pipe has no size and may never end.
+  if (!std::filesystem::is_regular_file(status)) {
+    throw inputErrorAt({file}, fmt::format("this is not a text file; {}", purpose));
+  }
+  const std::uintmax_t size = std::filesystem::file_size(file, ignored);
+  if (size > mostBytes) {
+    throw inputErrorAt({file}, fmt::format("the file has {} bytes, at most {} are read; {}", size,
+                                           mostBytes, purpose));
+  }
+}
+
+}  // namespace
+
+InputRecord::InputRecord(std::vector<InputFile>& files) : files_(files), outer_(innermost) {
+  innermost = this;
+}
+
+InputRecord::~InputRecord() {
+  innermost = outer_;
+}
+
+void noteInput(const InputFile& file) {
+  for (InputRecord* record = innermost; record; record = record->outer_) {
+    record->files_.push_back(file);
+  }
+}
+
+std::ifstream openInputFile(const std::filesystem::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  // Where nobody asks, nothing is hashed.
+  if (innermost && stream) {
+    noteInput({path, digestOf(stream)});
+    stream.clear();
+    stream.seekg(0);
+  }
+  return stream;
+}
+
+std::string readTextFile(const std::filesystem::path& file, const std::string& purpose,
+                         std::uintmax_t mostBytes) {
+  requireReadable(file, purpose, mostBytes);
+  std::ifstream stream(file, std::ios::binary);
+  std::string text(std::filesystem::file_size(file), '\0');
+  if (!stream.read(text.data(), static_cast<std::streamsize>(text.size()))) {
+    throw inputErrorAt({file}, fmt::format("the file cannot be read ({}); check its permissions",
+                                           std::strerror(errno)));
+  }
+  if (innermost) noteInput({file, sha256(text)});
+  return text;
+}
+
+// ------------------------------------------------------------------------------------------------
+// Files that appear whole or not at all. They are written beside their final place and renamed,
+// which replaces an existing file at once (POSIX rename is atomic within one file system). The name
+// beside is one that nothing has yet, as a file of that name may be the user's own.
+
+namespace {
+
+/// "deployment.part.mp4", or "deployment.part2.mp4" and so on where something of that name is: it
+/// may be anybody's.
+std::filesystem::path pendingName(const std::filesystem::path& finalPath) {
+  std::string number;
+  for (int k = 2;; ++k) {
+    std::filesystem::path name = finalPath.stem();
+    name += ".part" + number;
+    name += finalPath.extension();
+    name = finalPath.parent_path() / name;
+    std::error_code ignored;
+    if (!std::filesystem::exists(std::filesystem::symlink_status(name, ignored))) return name;
+    number = std::to_string(k);
+  }
+}
+
+}  // namespace
+
+void requireWritableFolder(const std::filesystem::path& folder) {
+  if (::access(folder.c_str(), W_OK | X_OK) == 0) return;
+  throw OutputError(
+      fmt::format("{}: error: cannot write in this folder ({}); choose another with --out",
+                  folder.string(), std::strerror(errno)));
+}
+
+PendingFile::PendingFile(std::filesystem::path finalPath)
+    : finalPath_(std::move(finalPath)), path_(pendingName(finalPath_)) {
+  requireWritableFolder(finalPath_.has_parent_path() ? finalPath_.parent_path() : ".");
+}
+
+PendingFile::~PendingFile() {
+  if (committed_) return;
+  std::error_code ignored;
+  // A destructor must not throw, and what cannot be removed harms nobody.
+  std::filesystem::remove(path_, ignored);
+}
+
+void PendingFile::commit() {
+  std::error_code error;
+  std::filesystem::rename(path_, finalPath_, error);
+  if (error) {
+    throw OutputError(fmt::format("{}: error: cannot be put in place ({})", finalPath_.string(),
+                                  error.message()));
+  }
+  committed_ = true;
+}
+
+void makeFolder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (!error && std::filesystem::is_directory(folder)) return;
+  const std::string reason = error ? error.message() : "a file of that name is there";
+  throw OutputError(fmt::format("{}: error: the folder cannot be made ({}); choose another",
+                                folder.string(), reason));
+}
+
+void writeTextFile(const std::filesystem::path& finalPath, const std::string& text) {
+  PendingFile pending(finalPath);
+  std::ofstream stream(pending.path(), std::ios::binary);
+  stream << text;
+  // Closing writes what is pending: a full disk shows here at the latest.
+  stream.close();
+  if (!stream) {
+    throw OutputError(
+        fmt::format("{}: error: cannot be written ({}); free some space or choose "
+                    "another folder with --out",
+                    finalPath.string(), std::strerror(errno)));
+  }
+  pending.commit();
+}
+
+// ------------------------------------------------------------------------------------------------
+// SHA-256 by OpenSSL, which uses the processor's instructions for it where there are any. Only this
+// file includes OpenSSL.
+
+struct Sha256::State {
+  EVP_MD_CTX* context = EVP_MD_CTX_new();
+};
+
+Sha256::Sha256() : state_(std::make_unique<State>()) {
+  EVP_DigestInit_ex(state_->context, EVP_sha256(), nullptr);
+}
+
+Sha256::~Sha256() {
+  EVP_MD_CTX_free(state_->context);
+}
+
+void Sha256::add(std::span<const char> bytes) {
+  checkInterruption();
+  EVP_DigestUpdate(state_->context, bytes.data(), bytes.size());
+}
+
+std::string Sha256::finish() {
+  std::array<unsigned char, EVP_MAX_MD_SIZE> bytes{};
+  unsigned int count = 0;
+  EVP_DigestFinal_ex(state_->context, bytes.data(), &count);
+  std::string digits;
+  for (unsigned int k = 0; k < count; ++k) digits += fmt::format("{:02x}", bytes[k]);
+  return digits;
+}
+
+std::string sha256(std::string_view text) {
+  Sha256 hash;
+  hash.add(text);
+  return hash.finish();
+}
+
+// ------------------------------------------------------------------------------------------------
+// zlib's checksums and compression, and base64. Only this file includes zlib, so that another
+// library could take its place.
+
+std::uint32_t checksumOf(std::span<const std::byte> bytes) {
+  return static_cast<std::uint32_t>(
+      crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+}
+
+std::string compressed(std::span<const std::byte> bytes, int level) {
+  uLongf size = compressBound(bytes.size());
+  std::string packed(size, '\0');
+  // With room for the worst case and a valid level, memory is all that can lack.
+  if (compress2(reinterpret_cast<Bytef*>(packed.data()), &size,
+                reinterpret_cast<const Bytef*>(bytes.data()), bytes.size(), level) != Z_OK) {
+    throw std::bad_alloc();
+  }
+  // The bound was an upper one.
+  packed.resize(size);
+  return packed;
+}
+
+std::string base64(std::span<const std::byte> bytes) {
+  constexpr const char* kLetters =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  // Three bytes are 24 bits, which are four characters of 6 bits. What lacks at the end is filled
+  // with zeros and shown by '='.
+  for (std::size_t k = 0; k < bytes.size(); k += 3) {
+    const std::size_t count = std::min<std::size_t>(3, bytes.size() - k);
+    std::uint32_t group = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      group = group << 8 | (i < count ? std::to_integer<std::uint32_t>(bytes[k + i]) : 0);
+    }
+    for (std::size_t i = 0; i < 4; ++i) {
+      text += i <= count ? kLetters[group >> (18 - 6 * i) & 63] : '=';
+    }
+  }
+  return text;
+}
+
+}  // namespace kirireel

@@ -1,0 +1,400 @@
+// The choice of a drive. Springs to a target are not made here: a run moves their target on,
+// stiffens them and switches them, so that it keeps them itself.
+#include "sim/deploy/forces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Eigenvalues>
+
+#include "sim/base/error.h"
+#include "sim/model/isometry.h"
+#include "sim/model/model.h"
+
+namespace kirireel {
+
+std::unique_ptr<DriveForce> makeDriveForce(const Scene& scene, const std::vector<Brick>& bricks) {
+  const TargetSpringSettings strength = springsOf(scene);
+  switch (scene.actuation.drive) {
+    case Drive::Expansion:
+      return std::make_unique<Expansion>(bricks, strength);
+    case Drive::Boundary:
+      return std::make_unique<BoundarySprings>(scene.model, bricks, strength,
+                                               scene.actuation.boundary);
+    case Drive::Auto:
+    case Drive::Target:
+    case Drive::None:
+      break;
+  }
+  return nullptr;
+}
+
+// ------------------------------------------------------------------------------------------------
+// Springs from the hull's corners to an ellipse. With the middle m of the hull's corners and the
+// half axes a (along x) and b (along y), the ray from m through a corner leaves the ellipse at
+//   m + (x, y) / sqrt((x / a)^2 + (y / b)^2),      (x, y) = corner - m
+// which is the corner's anchor, at the corner's own height. b is the wanted size times the radius
+// of the smallest circle about m that holds all corners, a is b times the aspect. Anchors stay
+// where they are: the sheet grows towards them.
+
+namespace {
+
+/// Where the ray from the middle of an ellipse through a point leaves it; the height stays.
+Vector3 ellipsePoint(const Vector3& middle, double halfLength, double halfWidth,
+                     const Vector3& point) {
+  const double x = point.x() - middle.x();
+  const double y = point.y() - middle.y();
+  const double scale = 1 / std::hypot(x / halfLength, y / halfWidth);
+  return {middle.x() + scale * x, middle.y() + scale * y, point.z()};
+}
+
+}  // namespace
+
+BoundarySprings::BoundarySprings(const Model& model, const std::vector<Brick>& bricks,
+                                 const TargetSpringSettings& settings, const BoundaryCurve& curve)
+    : settings_(settings), springs_(bricks.size()) {
+  // The model named a hull that could not be read. Only this drive needs one, so that only it
+  // refuses.
+  if (!model.hullFault.empty()) {
+    throw InputError(model.hullFault + "; or remove it, and the convex outline is pulled instead");
+  }
+  const std::vector<Corner> hull = model.hull ? *model.hull : outlineCorners(model.tiles);
+  std::vector<Vector3> corners;
+  for (const Corner& corner : hull) {
+    corners.push_back(model.tiles[corner.tile].vertices[corner.vertex]);
+  }
+  const Vector3 middle = meanPoint(corners);
+  double radius = 0;
+  for (const Vector3& corner : corners) {
+    radius = std::max(radius, (corner - middle).head<2>().norm());
+  }
+  const double halfWidth = curve.size * radius;
+  for (std::size_t k = 0; k < hull.size(); ++k) {
+    anchors_.push_back(ellipsePoint(middle, curve.aspect * halfWidth, halfWidth, corners[k]));
+    const int tile = hull[k].tile;
+    springs_[tile].push_back(
+        {bricks[tile].bottom[hull[k].vertex], anchors_.back(), settings.springStiffness, 0});
+  }
+}
+
+void BoundarySprings::addLoads(const Poses& poses, std::vector<Load>& loads) const {
+  Vector6 damping;
+  damping << Vector3::Constant(settings_.forceDamping), Vector3::Constant(settings_.torqueDamping);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    // Every brick is damped, also those without a spring.
+    loads[i].damping.diagonal() += damping;
+    for (const PointSpring& spring : springs_[i]) addPointSpring(spring, poses[i], loads[i]);
+  }
+}
+
+double BoundarySprings::energy(const Poses& poses) const {
+  double sum = 0;
+  for (std::size_t i = 0; i < springs_.size(); ++i) {
+    for (const PointSpring& spring : springs_[i]) sum += pointSpringEnergy(spring, poses[i]);
+  }
+  return sum;
+}
+
+// ------------------------------------------------------------------------------------------------
+// Expansion: F = k (x - c) - mu v away from the centre of mass c of all bricks (N, with k in N/m).
+// Its derivative by x is +k, which is not the stiffness of a spring but the opposite; an implicit
+// step would need a matrix that is not positive definite. The push is therefore taken at the step's
+// start, and only its damping is implicit. All pushes together have no resultant where all masses
+// are equal.
+
+void Expansion::addLoads(const Poses& poses, std::vector<Load>& loads) const {
+  const Vector3 centre = centreOf(poses);
+  Vector6 damping;
+  damping << Vector3::Constant(settings_.forceDamping), Vector3::Constant(settings_.torqueDamping);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    loads[i].force.head<3>() += settings_.springStiffness * (poses[i].position - centre);
+    loads[i].damping.diagonal() += damping;
+  }
+}
+
+void Expansion::addFreeForces(const Poses& poses, std::vector<Vector3>& forces) const {
+  const Vector3 centre = centreOf(poses);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    forces[i] += settings_.springStiffness * (poses[i].position - centre);
+  }
+}
+
+/// The centre of mass of all bricks, metres.
+Vector3 Expansion::centreOf(const Poses& poses) const {
+  Vector3 sum = Vector3::Zero();
+  double mass = 0;
+  for (std::size_t i = 0; i < bricks_.size(); ++i) {
+    sum += bricks_[i].mass * poses[i].position;
+    mass += bricks_[i].mass;
+  }
+  return sum / mass;
+}
+
+// ------------------------------------------------------------------------------------------------
+// A spring between a point r of a brick (brick axes) and an anchor a: with the arm s = R r, the
+// force is f = k (a - x - s), the torque s x f. The point moves by G dq = dx - s x dtheta for a
+// small displacement dq = (dx, dtheta), G = [1, -[s]x]. The Gauss-Newton part k G^T G of the
+// stiffness is positive semidefinite, and so is the damping c G^T G, which acts on the point's
+// velocity.
+
+void addPointSpring(const PointSpring& spring, const Pose& pose, Load& load) {
+  const Vector3 arm = pose.rotation * spring.point;
+  const Vector3 force = spring.stiffness * (spring.anchor - pose.position - arm);
+  load.force.head<3>() += force;
+  load.force.tail<3>() += arm.cross(force);
+  // The point moves by G (dx, dtheta); how the arm's turn changes the torque is left out, since it
+  // may be indefinite.
+  Eigen::Matrix<double, 3, 6> G;
+  G << Matrix3::Identity(), -crossMatrix(arm);
+  const Matrix6 outer = G.transpose() * G;
+  load.stiffness += spring.stiffness * outer;
+  load.damping += spring.damping * outer;
+}
+
+double pointSpringEnergy(const PointSpring& spring, const Pose& pose) {
+  return 0.5 * spring.stiffness * (spring.anchor - pose.apply(spring.point)).squaredNorm();
+}
+
+// ------------------------------------------------------------------------------------------------
+// Gravity m g at the centre of mass, and viscous damping. A velocity that loses the part p of
+// itself in a second obeys v(t) = v(0) (1 - p)^t, thus dv/dt = -c v with c = -ln(1 - p) (1/s); the
+// force is -c m v and the torque -c I w with the inertia I turned into world axes. Damping enters
+// as a matrix, so that the implicit step takes it without a bound on its length.
+
+void addEnvironmentLoads(const Environment& environment, std::span<const Brick> bricks,
+                         const Poses& poses, std::vector<Load>& loads) {
+  // exp(-rate) is the part of the velocity that is left after a second.
+  const double linearRate = -std::log1p(-environment.linearDamping);
+  const double angularRate = -std::log1p(-environment.angularDamping);
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    const Brick& brick = bricks[i];
+    Load& load = loads[i];
+    load.force.head<3>() += brick.mass * environment.gravity;
+    load.damping.topLeftCorner<3, 3>().diagonal().array() += linearRate * brick.mass;
+    if (angularRate == 0) continue;
+    // The inertia in world axes: R I R^T.
+    const Matrix3 R = poses[i].rotation.toRotationMatrix();
+    load.damping.bottomRightCorner<3, 3>() += angularRate * R * brick.inertia * R.transpose();
+  }
+}
+
+// ------------------------------------------------------------------------------------------------
+// Springs to a target, with the derivatives that an implicit step needs.
+//
+// With p_k the bottom vertices and t_k their targets in world axes, primes for differences from
+// their means, n vertices, s the arm from the centre of mass x to the mean of the p_k, and g = mean
+// t - x - s:
+//   F = k_f n g                                          N
+//   T = k_tau sum p'_k x t'_k + s x F                    N m about x
+// Both follow from the energy E = k_f n |g|^2 / 2 + k_tau / 2 sum |p'_k - t'_k|^2. A turn dtheta
+// moves p'_k by dtheta x p'_k; the second derivative of -sum p'_k . t'_k by dtheta is tr(C) 1 - (C
+// + C^T) / 2 with C = sum p'_k t'_k^T, and the arm s, pulled by F, contributes in the same way with
+// C = k_f n s g^T. The stiffness by (dx, dtheta) is then
+//   [ k_f n 1        -k_f n [s]x                      ]
+//   [ k_f n [s]x      k_f n [s]x^T [s]x + tr(C) 1 - sym(C) ]
+// The last term becomes indefinite where a tile is turned by more than 90 degrees from its target,
+// so that only its positive semidefinite part is kept (the eigenvalues below 0 are set to 0). With
+// it no step length diverges; the force itself is exact.
+//
+// Jiang and Choi's PyKirigami holds the same forces constant over a step, which needs many short
+// steps when k is large.
+
+namespace {
+
+// The paper's 60 steps of 1/240 s, as a time, so that the length of steps does not matter.
+constexpr double kStallTime = 60.0 / 240.0;  // seconds without improvement
+constexpr double kSameTime = 1e-9;           // seconds
+constexpr double kLargestFactor = 16;        // of the stiffness
+constexpr double kImprovement = 1 - 0.005;   // of the error, to count as one
+
+bool isPositiveDefinite(const Matrix3& K) {
+  // Sylvester's criterion: the leading minors are positive. It spares most steps the eigenvalues.
+  return K(0, 0) > 0 && K(0, 0) * K(1, 1) - K(0, 1) * K(0, 1) > 0 && K.determinant() > 0;
+}
+
+/// The nearest positive semidefinite matrix; springs far from their target lose the part that would
+/// drive an implicit step away from it.
+Matrix3 positivePart(const Matrix3& K) {
+  if (isPositiveDefinite(K)) return K;
+  const Eigen::SelfAdjointEigenSolver<Matrix3> solver(K);
+  return solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).asDiagonal() *
+         solver.eigenvectors().transpose();
+}
+
+/// Minus the second derivative of sum_k p_k . t_k by a rotation of the p_k: tr(C) 1 - sym(C) for
+/// C = sum_k p_k t_k^T.
+Matrix3 rotationalStiffness(const Matrix3& C) {
+  return C.trace() * Matrix3::Identity() - 0.5 * (C + C.transpose());
+}
+
+/// sum_k p_k x t_k for C = sum_k p_k t_k^T.
+Vector3 crossSum(const Matrix3& C) {
+  return {C(1, 2) - C(2, 1), C(2, 0) - C(0, 2), C(0, 1) - C(1, 0)};
+}
+
+}  // namespace
+
+TargetSprings::TargetSprings(const std::vector<Brick>& bricks, const std::vector<Tile>& target,
+                             const std::optional<std::vector<int>>& pulled,
+                             const TargetSpringSettings& settings)
+    : bricks_(bricks), springs_(bricks.size()), settings_(settings) {
+  setTarget(target);
+  if (!pulled) return;
+  for (Spring& spring : springs_) spring.pulled = false;
+  for (const int brick : *pulled) springs_[brick].pulled = true;
+}
+
+void TargetSprings::setTarget(const std::vector<Tile>& target) {
+  for (std::size_t i = 0; i < springs_.size(); ++i) {
+    const std::vector<Vector3>& bottom = bricks_[i].bottom;
+    Spring& spring = springs_[i];
+    spring.vertexCount = static_cast<int>(bottom.size());
+    spring.bottomMean = meanPoint(bottom);
+    spring.targetMean = meanPoint(target[i].vertices);
+    spring.moment.setZero();
+    spring.spread = 0;
+    for (std::size_t k = 0; k < bottom.size(); ++k) {
+      const Vector3 p = bottom[k] - spring.bottomMean;
+      const Vector3 t = target[i].vertices[k] - spring.targetMean;
+      // The sum over the vertices is taken once: in each step one product with the rotation gives
+      // C.
+      spring.moment += p * t.transpose();
+      spring.spread += p.squaredNorm() + t.squaredNorm();
+    }
+  }
+}
+
+Load TargetSprings::load(int brick, const Pose& pose, double stiffening) const {
+  Load load;
+  load.damping.diagonal() << Vector3::Constant(settings_.forceDamping),
+      Vector3::Constant(settings_.torqueDamping);
+  const Spring& spring = springs_[brick];
+  if (!spring.pulled) return load;
+
+  // The force at the mean of the bottom, seen from the centre of mass through the arm s.
+  const Matrix3 R = pose.rotation.toRotationMatrix();
+  const double kf = stiffening * settings_.springStiffness * spring.vertexCount;
+  const double kt = stiffening * settings_.torqueStiffness;
+  const Vector3 s = R * spring.bottomMean;
+  const Vector3 gap = spring.targetMean - pose.position - s;
+  const Matrix3 S = crossMatrix(s);
+
+  // Both the torque springs and the turning arm have the same kind of second derivative.
+  const Matrix3 C = kt * R * spring.moment + kf * s * gap.transpose();
+  load.force << kf * gap, crossSum(C);
+  load.stiffness.topLeftCorner<3, 3>().diagonal().setConstant(kf);
+  load.stiffness.topRightCorner<3, 3>() = -kf * S;
+  load.stiffness.bottomLeftCorner<3, 3>() = kf * S;
+  load.stiffness.bottomRightCorner<3, 3>() =
+      kf * S.transpose() * S + positivePart(rotationalStiffness(C));
+  return load;
+}
+
+double TargetSprings::energy(const Poses& poses, double stiffening) const {
+  double sum = 0;
+  for (std::size_t i = 0; i < springs_.size(); ++i) {
+    const Spring& spring = springs_[i];
+    if (!spring.pulled) continue;
+    const Vector3 gap = spring.targetMean - poses[i].apply(spring.bottomMean);
+    // sum |p' - t'|^2 = sum |p'|^2 + |t'|^2 - 2 sum p' . t'.
+    const double turned = (poses[i].rotation.toRotationMatrix() * spring.moment).trace();
+    sum += 0.5 * settings_.springStiffness * spring.vertexCount * gap.squaredNorm() +
+           0.5 * settings_.torqueStiffness * (spring.spread - 2 * turned);
+  }
+  return stiffening * sum;
+}
+
+// An error e improves on the best one, b, where it passes 0.995 b. While it falls steadily it
+// passes b 0.995^k, k = 1, 2, ...; the last of these before the step's end is the new best, and the
+// moment of passing it is taken as if log e were linear in the step.
+bool AdaptiveStiffness::observe(double targetError, double time, double step) {
+  const double from = time - step;
+  const bool isFirst = bestError_ < 0;
+  if (isFirst) {
+    bestError_ = lastError_ = targetError;
+    improvedAt_ = time;
+  } else {
+    improvedAt_ += from - lastTime_;
+  }
+  if (targetError > 0 && targetError < kImprovement * bestError_) {
+    const double passed = std::floor(std::log(targetError / bestError_) / std::log(kImprovement));
+    bestError_ *= std::pow(kImprovement, passed);
+    const double share = std::log(bestError_ / targetError) / std::log(lastError_ / targetError);
+    improvedAt_ = time - std::clamp(share, 0.0, 1.0) * step;
+  }
+  lastError_ = targetError;
+  lastTime_ = time;
+  if (time < nextMoment() - kSameTime) return false;
+  stiffen();
+  return true;
+}
+
+double AdaptiveStiffness::nextMoment() const {
+  if (exhausted() || bestError_ < 0) return std::numeric_limits<double>::infinity();
+  return improvedAt_ + kStallTime;
+}
+
+bool AdaptiveStiffness::exhausted() const {
+  return !enabled_ || factor_ >= kLargestFactor;
+}
+
+void AdaptiveStiffness::stiffen() {
+  improvedAt_ = lastTime_;
+  if (!exhausted()) factor_ *= 2;
+}
+
+// ------------------------------------------------------------------------------------------------
+// Each tile's own way from start to target: its mean goes straight, its rotation is exp(s theta)
+// with theta the rotation vector of the best fit (isometry.cpp) and s the progress, and what the
+// best fit leaves over, in the axes of the start, is added in proportion to s. At s = 1 every
+// vertex is exactly at its target.
+
+namespace {
+
+Vector3 rotationVector(const Matrix3& rotation) {
+  const Eigen::AngleAxisd turn(rotation);
+  // The angle is at most pi. A tile that turns by exactly pi has two such ways, of which rounding
+  // chooses one.
+  return turn.angle() * turn.axis();
+}
+
+}  // namespace
+
+TargetGuide::TargetGuide(const std::vector<Tile>& start, const std::vector<Tile>& target) {
+  for (std::size_t i = 0; i < start.size(); ++i) {
+    const std::vector<Vector3>& from = start[i].vertices;
+    const std::vector<Vector3>& to = target[i].vertices;
+    const Matrix3 R = bestRigidMotion(from, to).rotation;
+    Way way{meanPoint(from), meanPoint(to), rotationVector(R), {}, {}};
+    for (std::size_t k = 0; k < from.size(); ++k) {
+      way.vertices.push_back(from[k] - way.startMean);
+      way.unfit.push_back(R.transpose() * (to[k] - way.targetMean) - way.vertices.back());
+    }
+    ways_.push_back(std::move(way));
+  }
+}
+
+std::vector<Tile> TargetGuide::at(double progress) const {
+  std::vector<Tile> tiles(ways_.size());
+  for (std::size_t i = 0; i < ways_.size(); ++i) {
+    const Way& way = ways_[i];
+    const Quaternion turn = rotationFromVector(progress * way.turn);
+    const Vector3 middle = way.startMean + progress * (way.targetMean - way.startMean);
+    for (std::size_t k = 0; k < way.vertices.size(); ++k) {
+      tiles[i].vertices.push_back(middle + turn * (way.vertices[k] + progress * way.unfit[k]));
+    }
+  }
+  return tiles;
+}
+
+Poses bestFitPoses(const std::vector<Brick>& bricks, const std::vector<Tile>& target) {
+  Poses poses(bricks.size());
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    const RigidMotion motion = bestRigidMotion(bricks[i].bottom, target[i].vertices);
+    poses[i] = {motion.translation, Quaternion(motion.rotation)};
+  }
+  return poses;
+}
+
+}  // namespace kirireel

@@ -1,0 +1,236 @@
+// Tiles thickened to prisms: shape, mass, inertia, pivots.
+//
+// A prism over a polygon with the area S (m^2) and the thickness t (m) has, for the mass 1, the
+// covariance
+//   C = (1/S) integral of x x^T over the area + t^2 / 12 n n^T          m^2
+// about its centre of mass, n the unit normal; the second term is that of a rod along n. The
+// inertia is I = trace(C) 1 - C, times the mass. The integral over the polygon is the sum over the
+// triangles between its centroid and its edges, each exact, with signs, so that concave polygons
+// need no triangulation.
+//
+// A fixed joint becomes three point joints. Three points that are not on one line take all six
+// relative freedoms; the nine rows that they make repeat each other, which the solver takes without
+// harm.
+#include "sim/model/brick.h"
+
+#include <cmath>
+#include <iterator>
+#include <numeric>
+
+#include "sim/model/model_checks.h"
+
+namespace kirireel {
+namespace {
+
+Vector3 centreOfMass(const Tile& tile, double thickness) {
+  return tileCentroid(tile) + 0.5 * thickness * tileNormal(tile);
+}
+
+/// The mean of x x^T over the tile's area, x from the tile's centroid. Exact for each triangle
+/// (0, a, b): the integral of x x^T is area / 12 (a a^T + b b^T + (a + b) (a + b)^T).
+Matrix3 areaCovariance(const Tile& tile) {
+  const Vector3 centroid = tileCentroid(tile);
+  const Vector3 normal = tileNormal(tile);
+  Matrix3 sum = Matrix3::Zero();
+  double doubledArea = 0;
+  for (size_t k = 0; k < tile.vertices.size(); ++k) {
+    const Vector3 a = tile.vertices[k] - centroid;
+    const Vector3 b = tile.vertices[(k + 1) % tile.vertices.size()] - centroid;
+    // Twice the triangle's signed area.
+    const double weight = a.cross(b).dot(normal);
+    const Vector3 c = a + b;
+    sum += weight / 12.0 * (a * a.transpose() + b * b.transpose() + c * c.transpose());
+    doubledArea += weight;
+  }
+  return sum / doubledArea;
+}
+
+/// The inertia of a prism of mass 1: its covariance is the tile's plus thickness^2 / 12 along the
+/// normal, and inertia = trace(covariance) - covariance.
+Matrix3 unitInertia(const Tile& tile, double thickness) {
+  const Vector3 normal = tileNormal(tile);
+  const Matrix3 covariance =
+      areaCovariance(tile) + thickness * thickness / 12.0 * normal * normal.transpose();
+  return covariance.trace() * Matrix3::Identity() - covariance;
+}
+
+Pivot makePivot(const Joint& joint, int jointIndex, JointFace face,
+                const std::vector<Brick>& bricks) {
+  const auto point = [&](const Corner& corner) {
+    const Brick& brick = bricks[corner.tile];
+    return face == JointFace::Top ? brick.top[corner.vertex] : brick.bottom[corner.vertex];
+  };
+  // A joint on the top alone is no second pivot of anything.
+  const bool isUpper = joint.face == JointFace::Both && face == JointFace::Top;
+  return {joint.a.tile, joint.b.tile,   point(joint.a), point(joint.b), jointIndex, 0,
+          isUpper,      joint.a.vertex, joint.b.vertex};
+}
+
+Pivot makeLinkPivot(const Joint& joint, int jointIndex, const std::vector<Brick>& bricks) {
+  Pivot pivot = makePivot(joint, jointIndex, JointFace::Bottom, bricks);
+  pivot.distance = joint.apart.norm();
+  // Linked bricks share no corner, so that nothing is cut off where they meet.
+  pivot.cornerA = pivot.cornerB = kNoCorner;
+  return pivot;
+}
+
+/// The corner farthest from the line through the first edge.
+std::size_t cornerAcrossFirstEdge(const std::vector<Vector3>& corners) {
+  const Vector3 edge = corners[1] - corners[0];
+  std::size_t farthest = 2;
+  for (std::size_t k = 3; k < corners.size(); ++k) {
+    const auto distance = [&](std::size_t i) { return edge.cross(corners[i] - corners[0]).norm(); };
+    if (distance(k) > distance(farthest)) farthest = k;
+  }
+  return farthest;
+}
+
+/// Three shared points that are not in line hold two bricks together: three corners of A, which B
+/// carries along.
+void appendFixedPivots(const Joint& joint, int jointIndex, const std::vector<Brick>& bricks,
+                       std::vector<Pivot>& pivots) {
+  const std::vector<Vector3>& corners = bricks[joint.a.tile].bottom;
+  // From the centre of brick B to that of brick A at the start. Axes are parallel then, so that a
+  // point r of A is the point r plus this vector, with its sign, of B.
+  const Vector3 betweenCentres =
+      corners[joint.a.vertex] - joint.apart - bricks[joint.b.tile].bottom[joint.b.vertex];
+  for (const std::size_t k : {std::size_t{0}, std::size_t{1}, cornerAcrossFirstEdge(corners)}) {
+    pivots.push_back(
+        {joint.a.tile, joint.b.tile, corners[k], corners[k] - betweenCentres, jointIndex});
+  }
+}
+
+}  // namespace
+
+Brick makeBrick(const Tile& tile, const BrickRule& rule) {
+  Brick brick;
+  brick.normal = tileNormal(tile);
+  brick.thickness = rule.thickness;
+  brick.volume = tileArea(tile) * rule.thickness;
+  brick.mass = rule.mass == MassRule::Unit ? 1.0 : rule.density * brick.volume;
+  brick.inertia = brick.mass * unitInertia(tile, rule.thickness);
+  const Vector3 centre = centreOfMass(tile, rule.thickness);
+  for (const Vector3& vertex : tile.vertices) {
+    // Brick axes are the world's at the start: only the origin moves.
+    brick.bottom.push_back(vertex - centre);
+    brick.top.push_back(brick.bottom.back() + rule.thickness * brick.normal);
+  }
+  brick.parts = partsOfBottom(brick.bottom, brick.normal);
+  return brick;
+}
+
+std::vector<PolygonPart> partsOfBottom(const std::vector<Vector3>& bottom, const Vector3& normal) {
+  // What readers refuse can only come from a damaged trajectory, and would take long.
+  if (bottom.size() > kMostTileVertices || isConvexPolygon(bottom, normal)) return {};
+  return convexParts(bottom, normal);
+}
+
+std::vector<BrickPiece> convexPieces(const Brick& brick, int number) {
+  std::vector<BrickPiece> pieces;
+  if (brick.parts.empty()) {
+    PolygonPart all(brick.bottom.size());
+    std::iota(all.begin(), all.end(), 0);
+    pieces.push_back({brick, number, 0, std::move(all)});
+  }
+  for (std::size_t k = 0; k < brick.parts.size(); ++k) {
+    BrickPiece& piece =
+        pieces.emplace_back(BrickPiece{brick, number, static_cast<int>(k), brick.parts[k]});
+    piece.shape.parts.clear();
+    piece.shape.bottom.clear();
+    piece.shape.top.clear();
+    for (const int corner : brick.parts[k]) {
+      piece.shape.bottom.push_back(brick.bottom[corner]);
+      piece.shape.top.push_back(brick.top[corner]);
+    }
+  }
+  return pieces;
+}
+
+std::vector<BrickPiece> convexPieces(const std::vector<Brick>& bricks) {
+  std::vector<BrickPiece> pieces;
+  pieces.reserve(bricks.size());
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    std::vector<BrickPiece> own = convexPieces(bricks[i], static_cast<int>(i));
+    std::move(own.begin(), own.end(), std::back_inserter(pieces));
+  }
+  return pieces;
+}
+
+std::vector<Brick> makeBricks(const std::vector<Tile>& tiles, const BrickRule& rule) {
+  std::vector<Brick> bricks;
+  bricks.reserve(tiles.size());
+  for (const Tile& tile : tiles) bricks.push_back(makeBrick(tile, rule));
+  return bricks;
+}
+
+Poses startPoses(const std::vector<Tile>& tiles, const std::vector<Brick>& bricks) {
+  Poses poses(tiles.size());
+  for (size_t i = 0; i < tiles.size(); ++i) {
+    poses[i].position = centreOfMass(tiles[i], bricks[i].thickness);
+  }
+  return poses;
+}
+
+std::vector<std::vector<Vector3>> brickFaces(const Brick& brick) {
+  const size_t count = brick.bottom.size();
+  std::vector<std::vector<Vector3>> faces;
+  faces.reserve(count + 2);
+  // The bottom looks against the normal, so its vertices run the other way round.
+  faces.emplace_back(brick.bottom.rbegin(), brick.bottom.rend());
+  faces.push_back(brick.top);
+  for (size_t k = 0; k < count; ++k) {
+    const size_t next = (k + 1) % count;
+    faces.push_back({brick.bottom[k], brick.bottom[next], brick.top[next], brick.top[k]});
+  }
+  return faces;
+}
+
+std::vector<Tile> bottomTiles(const std::vector<Brick>& bricks, const Poses& poses) {
+  std::vector<Tile> tiles(bricks.size());
+  for (size_t i = 0; i < bricks.size(); ++i) {
+    for (const Vector3& point : bricks[i].bottom) {
+      tiles[i].vertices.push_back(poses[i].apply(point));
+    }
+  }
+  return tiles;
+}
+
+double pivotGap(const Pivot& pivot, const Poses& poses) {
+  const Vector3 a = poses[pivot.brickA].apply(pivot.pointA);
+  const Vector3 b = poses[pivot.brickB].apply(pivot.pointB);
+  return std::abs((a - b).norm() - pivot.distance);
+}
+
+std::vector<Pivot> makePivots(const std::vector<Joint>& joints, const std::vector<Brick>& bricks) {
+  std::vector<Pivot> pivots;
+  for (size_t i = 0; i < joints.size(); ++i) {
+    const int index = static_cast<int>(i);
+    if (joints[i].kind == JointKind::Fixed) {
+      appendFixedPivots(joints[i], index, bricks, pivots);
+      continue;
+    }
+    if (joints[i].kind == JointKind::Link) {
+      pivots.push_back(makeLinkPivot(joints[i], index, bricks));
+      continue;
+    }
+    // The bottom pivot comes before the top one, which planar scenes leave out.
+    if (joints[i].face != JointFace::Top) {
+      pivots.push_back(makePivot(joints[i], index, JointFace::Bottom, bricks));
+    }
+    if (joints[i].face != JointFace::Bottom) {
+      pivots.push_back(makePivot(joints[i], index, JointFace::Top, bricks));
+    }
+  }
+  return pivots;
+}
+
+double meanEdge(const Brick& brick) {
+  double sum = 0;
+  const size_t count = brick.bottom.size();
+  for (size_t k = 0; k < count; ++k) {
+    sum += (brick.bottom[(k + 1) % count] - brick.bottom[k]).norm();
+  }
+  return sum / static_cast<double>(count);
+}
+
+}  // namespace kirireel

@@ -1,0 +1,138 @@
+/// What pushes bricks: loads, contacts, and where joined bricks do not touch.
+#pragma once
+
+#include <map>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "sim/base/geometry.h"
+#include "sim/base/state_tape.h"
+#include "sim/model/brick.h"
+
+namespace kirireel {
+
+// ------------------------------------------------------------------------------------------------
+// What pushes a brick, in the form that both an explicit and an implicit solver can use.
+
+/// Force and torque on one brick about its centre of mass, world axes, with their derivatives:
+///   load(q + dq, u) = force - stiffness dq - damping u,
+/// where dq and u stack a translation and a rotation vector. Stiffness and damping are symmetric
+/// and positive semidefinite, so that an implicit step never diverges.
+/// Loads of several sources add up, field by field.
+struct Load {
+  Vector6 force = Vector6::Zero();      ///< (N, N m) at zero velocity
+  Matrix6 stiffness = Matrix6::Zero();  ///< minus the derivative by position, indefinite part cut
+  Matrix6 damping = Matrix6::Zero();    ///< minus the derivative by velocity
+
+  void transfer(StateTape& tape) { tape.transfer(force, stiffness, damping); }
+};
+
+// ------------------------------------------------------------------------------------------------
+// A place where a brick may touch another brick or something that does not move.
+
+/// Index of "something that does not move" (the ground) in a contact.
+inline constexpr int kFixed = -1;
+
+/// A point of brick A that may not pass a plane of brick B, or an edge of A that may not pass an
+/// edge of B. All is kept in the bricks' axes, so that the gap is exact at any later pose, not only
+/// where the contact was found.
+/// The gap (metres) of a point p_A against a plane through p_B with the normal n is n . (p_A - p_B)
+/// + slack, and that of two edges the same with n = e_A x e_B / |e_A x e_B|. It may not become
+/// negative.
+struct Contact {
+  int brickA = 0;
+  int brickB = kFixed;  ///< or kFixed
+  Vector3 pointA;       ///< on brick A, in its axes
+  Vector3 pointB;       ///< on the plane or edge, in the axes of brick B, or of the world
+  Vector3 normal;  ///< of the plane, unit, towards A, in the axes of B, or of the world; or the
+                   ///< direction of B's edge
+  bool isEdge = false;
+  Vector3 edgeA = Vector3::Zero();  ///< direction of A's edge, in its axes: edgeA x B's edge points
+                                    ///< from B towards A
+  double friction = 0;              ///< Coulomb coefficient of the pair
+  double slack = 0;                 ///< overlap that the pair had at the start and may keep, metres
+  int partA = 0;                    ///< which convex part of a concave brick A
+  int partB = 0;                    ///< likewise of B
+
+  bool operator==(const Contact&) const = default;
+
+  void transfer(StateTape& tape) {
+    tape.transfer(brickA, brickB, pointA, pointB, normal, isEdge, edgeA, friction, slack, partA,
+                  partB);
+  }
+};
+
+/// Whether two contacts hold points of one brick against the same plane of another, or points of
+/// two bricks along the normal of the same two edges.
+inline bool onOnePlane(const Contact& x, const Contact& y) {
+  return x.brickA == y.brickA && x.brickB == y.brickB && x.partA == y.partA && x.partB == y.partB &&
+         x.isEdge == y.isEdge && x.normal == y.normal && x.edgeA == y.edgeA;
+}
+
+/// The contact's unit normal from B towards A at the given poses, world axes.
+inline Vector3 contactNormal(const Contact& contact, const Poses& poses) {
+  if (contact.brickB == kFixed) return contact.normal;
+  const Vector3 ofB = poses[contact.brickB].rotation * contact.normal;
+  if (!contact.isEdge) return ofB;
+  return (poses[contact.brickA].rotation * contact.edgeA).cross(ofB).normalized();
+}
+
+/// Signed distance of the point from the plane, or of the edges, at the given poses plus the slack,
+/// metres; negative where the contact is violated.
+inline double contactGap(const Contact& contact, const Poses& poses) {
+  const Vector3 pointA = poses[contact.brickA].apply(contact.pointA);
+  const Vector3 pointB =
+      contact.brickB == kFixed ? contact.pointB : poses[contact.brickB].apply(contact.pointB);
+  return contactNormal(contact, poses).dot(pointA - pointB) + contact.slack;
+}
+
+/// Tells a solver what its bricks run into.
+class ContactSource {
+ public:
+  virtual ~ContactSource() = default;
+
+  /// Tells where a step starts. The bricks do not overlap there beyond rounding (or beyond the
+  /// overlap that they began with).
+  virtual void startStep(const Poses& start) = 0;
+
+  /// Appends contacts that the move from the start to `end` violates and that were not given since
+  /// the step started. Returns the largest overlap at `end`, metres.
+  virtual double appendViolated(const Poses& end, std::vector<Contact>& contacts) = 0;
+
+  /// Whether a contact that carried load in the last step still is in force at the start of the
+  /// step, so that the step may begin with it: its point touches the other brick, or nothing else
+  /// keeps the bricks apart.
+  virtual bool isCurrent(const Contact& contact) const = 0;
+
+  /// How many pairs of bricks were looked at closely so far; counts what the contacts cost.
+  virtual double pairsExamined() const { return 0; }
+};
+
+// ------------------------------------------------------------------------------------------------
+// Joined bricks as they meet each other: without the corners that they share.
+
+/// The shape of a brick without some of its corners: each edge that leads to one ends `length`
+/// metres earlier, or at two fifths of its own length if that is less. Mass and axes stay. The
+/// brick is convex, or a piece of one that is not.
+Brick withoutCorners(const Brick& brick, const std::vector<int>& corners, double length);
+
+/// The same of a piece, `corners` being those of the whole brick.
+Brick withoutCorners(const BrickPiece& piece, const std::vector<int>& corners, double length);
+
+/// The corners at which two bricks are joined, as vertices of their tiles, each once.
+struct SharedCorners {
+  std::vector<int> ofA;
+  std::vector<int> ofB;
+};
+
+/// The shared corners of all joined pairs, none where bricks are linked or fixed; keys have the
+/// smaller brick number first.
+std::map<std::pair<int, int>, SharedCorners> sharedCorners(std::span<const Pivot> pivots);
+
+/// The length that is cut off each edge at a corner that two bricks share, metres: thick bricks
+/// that are joined on one face would be stopped there by the least fold towards the other face.
+/// `zone` is the part of both bricks' mean edge, from 0 (nothing) to 0.4.
+double cutLength(const Brick& a, const Brick& b, double zone);
+
+}  // namespace kirireel

@@ -1,0 +1,349 @@
+// Hinges are found from the points that two bricks share. Their angle is that of the start and the
+// twist since then: of the rotation q from brick A to brick B, identity at the start, the part
+//   turn = 2 atan2(axis . Im q, Re q)
+// about the axis. It is defined up to 2 pi; the one is taken that is nearest to the middle of the
+// angles that bricks can reach, from which the others are as far away as bricks can be within each
+// other.
+#include "sim/model/hinge.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+namespace kirireel {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+// Points closer than this part of a brick's edge are one.
+constexpr double kSamePoint = 1e-6;
+// Angles closer than this are equal, radians.
+constexpr double kSameAngle = 1e-6;
+
+/// What two bricks share: points in the axes of the first.
+struct PivotPoints {
+  const Pivot* first = nullptr;
+  std::vector<Vector3> points;
+  bool isTied = false;  // fixed, or held by a link too
+};
+
+/// The shared points of all pairs of bricks, in the order of their first pivots.
+std::vector<PivotPoints> sharedPoints(std::span<const Pivot> pivots, bool planar) {
+  std::vector<PivotPoints> pairs;
+  std::map<std::pair<int, int>, std::size_t> known;
+  for (const Pivot& pivot : pivots) {
+    if (planar && pivot.isUpper) continue;
+    const std::pair<int, int> key = std::minmax(pivot.brickA, pivot.brickB);
+    const auto [place, isNew] = known.try_emplace(key, pairs.size());
+    if (isNew) pairs.push_back({&pivot, {}, false});
+    PivotPoints& shared = pairs[place->second];
+    // All points of a pair are kept in the axes of one of the two bricks.
+    const bool isSwapped = pivot.brickA != shared.first->brickA;
+    shared.points.push_back(isSwapped ? pivot.pointB : pivot.pointA);
+    shared.isTied = shared.isTied || pivot.cornerA == kNoCorner;
+  }
+  return pairs;
+}
+
+/// The direction of the line through all points, unit; zero where they are one, or on no line.
+struct CommonLine {
+  Vector3 direction = Vector3::Zero();
+  bool isPoint = false;
+};
+
+CommonLine commonLine(const std::vector<Vector3>& points, double same) {
+  const auto fromFirst = [&](const Vector3& point) { return (point - points[0]).norm(); };
+  const Vector3 farthest = *std::ranges::max_element(points, {}, fromFirst);
+  // All points are one: a corner.
+  if (fromFirst(farthest) <= same) return {Vector3::Zero(), true};
+  const Vector3 along = (farthest - points[0]).normalized();
+  const bool isLine = std::ranges::all_of(
+      points, [&](const Vector3& point) { return along.cross(point - points[0]).norm() <= same; });
+  return {isLine ? along : Vector3::Zero(), false};
+}
+
+/// What a brick takes of the turn about an axis through one of its corners.
+struct Sector {
+  double begin = 0;  // radians from a common direction
+  double width = 0;
+};
+
+Sector sectorAt(const Brick& brick, int corner, const Vector3& axis, const Vector3& zero) {
+  const std::size_t count = brick.bottom.size();
+  const auto k = static_cast<std::size_t>(corner);
+  const auto angleOf = [&](const Vector3& edge) {
+    return std::atan2(axis.dot(zero.cross(edge)), zero.dot(edge));
+  };
+  double begin = angleOf(brick.bottom[(k + 1) % count] - brick.bottom[k]);
+  double end = angleOf(brick.bottom[(k + count - 1) % count] - brick.bottom[k]);
+  // Seen against the normal a tile runs clockwise.
+  if (brick.normal.dot(axis) < 0) std::swap(begin, end);
+  return {begin, end > begin ? end - begin : end - begin + 2 * kPi};
+}
+
+/// Of the angles that differ by turns, the one nearest to the middle.
+double nearest(double angle, double middle) {
+  return middle + std::remainder(angle - middle, 2 * kPi);
+}
+
+Hinge cornerHinge(const std::vector<Brick>& bricks, const Pivot& pivot) {
+  const Brick& brickA = bricks[static_cast<std::size_t>(pivot.brickA)];
+  const Brick& brickB = bricks[static_cast<std::size_t>(pivot.brickB)];
+  const Vector3 axis = brickA.normal;
+  const Vector3 zero = axis.unitOrthogonal();
+  const Sector a = sectorAt(brickA, pivot.cornerA, axis, zero);
+  const Sector b = sectorAt(brickB, pivot.cornerB, axis, zero);
+  // What both tiles leave of the full turn about the corner is shared by the gaps on their two
+  // sides.
+  const double free = std::max(0.0, 2 * kPi - a.width - b.width);
+  const double left = nearest(b.begin - a.begin - a.width, 0.5 * free);
+  // The gap on the other side is the smaller one: the hinge is counted there, with its axis
+  // reversed.
+  if (free - left < left - kSameAngle) {
+    return {pivot.brickA, pivot.brickB, -axis, free - left, 0, free};
+  }
+  return {pivot.brickA, pivot.brickB, axis, left, 0, free};
+}
+
+/// The direction from an axis through a point into the brick, along its tile.
+Vector3 inward(const Brick& brick, const Vector3& point, const Vector3& axis) {
+  Vector3 direction = meanPoint(brick.bottom) - point;
+  // Only the part across the axis and in the tile says on which side of the axis the tile lies.
+  direction -= brick.normal.dot(direction) * brick.normal;
+  direction -= axis.dot(direction) * axis;
+  return direction.normalized();
+}
+
+Hinge foldHinge(const std::vector<Brick>& bricks, const Pivot& pivot, const Vector3& line) {
+  const Brick& brickA = bricks[static_cast<std::size_t>(pivot.brickA)];
+  const Brick& brickB = bricks[static_cast<std::size_t>(pivot.brickB)];
+  const Vector3 a = inward(brickA, pivot.pointA, line);
+  const Vector3 b = inward(brickB, pivot.pointB, line);
+  // The axis has the first tile on its right, so that a positive turn of B lifts it to A's upper
+  // side.
+  const Vector3 axis = line.dot(brickA.normal.cross(a)) < 0 ? Vector3(-line) : line;
+  const double start = std::atan2(axis.dot(b.cross(a)), -a.dot(b));
+  return {pivot.brickA, pivot.brickB, axis, start, -kPi, kPi};
+}
+
+}  // namespace
+
+FoundHinges findHinges(const std::vector<Brick>& bricks, std::span<const Pivot> pivots,
+                       bool planar) {
+  FoundHinges found;
+  for (PivotPoints& shared : sharedPoints(pivots, planar)) {
+    if (shared.isTied) continue;
+    const Pivot& pivot = *shared.first;
+    const Brick& brick = bricks[static_cast<std::size_t>(pivot.brickA)];
+    const CommonLine line = commonLine(shared.points, kSamePoint * meanEdge(brick));
+    if (planar) {
+      if (line.isPoint) found.hinges.push_back(cornerHinge(bricks, pivot));
+    } else if (line.isPoint) {
+      found.ballJoints.emplace_back(pivot.brickA, pivot.brickB);
+    } else if (!line.direction.isZero()) {
+      // A line along the thickness is a corner with both faces joined, one in the tile an edge.
+      const bool isAcross = std::abs(line.direction.dot(brick.normal)) > std::sqrt(0.5);
+      found.hinges.push_back(isAcross ? cornerHinge(bricks, pivot)
+                                      : foldHinge(bricks, pivot, line.direction));
+    }
+  }
+  return found;
+}
+
+double hingeAngle(const Hinge& hinge, const Poses& poses) {
+  const Quaternion& a = poses[static_cast<std::size_t>(hinge.brickA)].rotation;
+  const Quaternion& b = poses[static_cast<std::size_t>(hinge.brickB)].rotation;
+  // The twist about the axis, as the header of this file says; Re and Im of the quaternion are w
+  // and vec().
+  const Quaternion between = a.conjugate() * b;
+  const double turn = 2 * std::atan2(hinge.axis.dot(between.vec()), between.w());
+  return nearest(hinge.start + turn, 0.5 * (hinge.least + hinge.most));
+}
+
+double hingeRate(const Hinge& hinge, const Motion& motion) {
+  const auto a = static_cast<std::size_t>(hinge.brickA), b = static_cast<std::size_t>(hinge.brickB);
+  const Vector3 axis = motion.poses[a].rotation * hinge.axis;
+  return axis.dot(motion.velocities[b].angular - motion.velocities[a].angular);
+}
+
+std::vector<double> hingeMoments(std::span<const HingeSpring> springs, const Poses& poses) {
+  std::vector<double> moments;
+  for (const HingeSpring& spring : springs) {
+    moments.push_back(spring.stiffness * (spring.rest - hingeAngle(spring.hinge, poses)));
+  }
+  return moments;
+}
+
+double elasticEnergy(std::span<const HingeSpring> springs, const Poses& poses) {
+  double sum = 0;
+  for (const HingeSpring& spring : springs) {
+    const double turn = hingeAngle(spring.hinge, poses) - spring.rest;
+    sum += 0.5 * spring.stiffness * turn * turn;
+  }
+  return sum;
+}
+
+Elasticity elasticityOf(std::span<const HingeSpring> springs, const Poses& start,
+                        const Poses& end) {
+  Elasticity found{static_cast<int>(springs.size()), elasticEnergy(springs, start),
+                   elasticEnergy(springs, end)};
+  for (const double moment : hingeMoments(springs, end)) {
+    found.momentEnd = std::max(found.momentEnd, std::abs(moment));
+  }
+  return found;
+}
+
+// ------------------------------------------------------------------------------------------------
+// With l the vector from point A to point B, l0 that of the start and phi the turns of the bricks,
+//   E = k_l (|l| - |l0|)^2 / 2 + k_s gamma^2 / 2,   gamma = angle(l0, l) - (phi_A + phi_B) / 2,
+// which is exact for large turns: neither part changes as the whole is turned. Together with a
+// torsional spring on phi_B - phi_A this is the rigid unit's ligament of Deng, Raney, Tournat and
+// Bertoldi, Elastic vector solitons in soft architected materials, Phys. Rev. Lett. 118, 2017, with
+// the strains of Bordiga, Medina, Jafarzadeh et al., Automated discovery of reprogrammable
+// nonlinear dynamic metamaterials, Nat. Mater. 23, 2024. A beam whose ends turn by a and b against
+// its chord has E I / L (2 a^2 + 2 a b + 2 b^2) = 12 E I / L gamma^2 / 2 + E I / L (b - a)^2 / 2.
+//
+// A pin parts by d from point A to point B. With n and t the directions across and along its slit,
+// turned by the mean m of both bricks' turns since the start, of which dn/dm = t and dt/dm = -n,
+//   E = k_l (n . d)^2 / 2 + k_s (t . d)^2 / 2,
+//   d(n . d) = n . dd + (t . d) dm,   d(t . d) = t . dd - (n . d) dm,
+// and what opening costs beyond a linear spring, b a^3 / 3 + c a^4 / 4 with a = phi_B - phi_A.
+
+namespace {
+
+using Row2 = Eigen::Matrix<double, 2, 6>;
+
+/// The derivative of l by the six coordinates.
+Row2 slopeOf(const Vector3& armA, const Vector3& armB) {
+  Row2 slope;
+  slope << -1, 0, armA.y(), 1, 0, -armB.y(), 0, -1, -armA.x(), 0, 1, armB.x();
+  return slope;
+}
+
+/// The second derivative of l along a direction, which is by the turns alone.
+Matrix6 bendOf(const Vector3& armA, const Vector3& armB, const Eigen::Vector2d& direction) {
+  Matrix6 bend = Matrix6::Zero();
+  bend(2, 2) = direction.dot(armA.head<2>());
+  bend(5, 5) = -direction.dot(armB.head<2>());
+  return bend;
+}
+
+/// A component of d, its derivatives by the coordinates of both bricks.
+struct PinComponent {
+  double value = 0;
+  Vector6 slope = Vector6::Zero();
+  Matrix6 bend = Matrix6::Zero();
+};
+
+/// The component along a direction that turns with the mean; `turned`: its derivative by that.
+PinComponent componentAlong(const Eigen::Vector2d& d, const Eigen::Vector2d& direction,
+                            const Eigen::Vector2d& turned, const Eigen::Vector2d& armA,
+                            const Eigen::Vector2d& armB) {
+  const auto slopeAlong = [&](const Eigen::Vector2d& along) {
+    Vector6 slope;
+    slope << -along, along.x() * armA.y() - along.y() * armA.x(), along,
+        along.y() * armB.x() - along.x() * armB.y();
+    return slope;
+  };
+  Vector6 mean = Vector6::Zero();
+  mean[2] = mean[5] = 0.5;
+  PinComponent found{direction.dot(d), slopeAlong(direction) + turned.dot(d) * mean};
+  const Matrix6 mixed = slopeAlong(turned) * mean.transpose();
+  found.bend = mixed + mixed.transpose() - found.value * mean * mean.transpose();
+  found.bend(2, 2) += direction.dot(armA);
+  found.bend(5, 5) -= direction.dot(armB);
+  return found;
+}
+
+void addPinSpring(double stiffness, const PinComponent& of, LigamentEnergy& sum) {
+  sum.energy += 0.5 * stiffness * of.value * of.value;
+  sum.gradient += stiffness * of.value * of.slope;
+  sum.hessian += stiffness * (of.slope * of.slope.transpose() + of.value * of.bend);
+}
+
+LigamentEnergy pinEnergy(const Ligament& pin, const Vector3& between, const Vector3& armA,
+                         const Vector3& armB, double turnA, double turnB) {
+  const Eigen::Vector2d d = (between + armB - armA).head<2>();
+  const Vector3 across = rotationFromVector(Vector3(0, 0, 0.5 * (turnA + turnB))) * pin.across;
+  const Eigen::Vector2d n = across.head<2>(), t(-n.y(), n.x());
+  LigamentEnergy sum;
+  addPinSpring(pin.stretchStiffness, componentAlong(d, n, t, armA.head<2>(), armB.head<2>()), sum);
+  addPinSpring(pin.shearStiffness, componentAlong(d, t, -n, armA.head<2>(), armB.head<2>()), sum);
+  const double a = turnB - turnA;
+  const auto [square, cube] = pin.opening;
+  Vector6 turning = Vector6::Zero();
+  turning[2] = -1;
+  turning[5] = 1;
+  // The moment square a^2 + cube a^3, integrated over a.
+  sum.energy += a * a * a * (square / 3 + cube * a / 4);
+  sum.gradient += a * a * (square + cube * a) * turning;
+  sum.hessian += a * (2 * square + 3 * cube * a) * turning * turning.transpose();
+  return sum;
+}
+
+}  // namespace
+
+void setNeckStiffness(double youngs, double poisson, double thickness, double width, double length,
+                      Ligament& ligament) {
+  // Of a rectangle: S. P. Timoshenko's shear coefficient in its usual approximation.
+  constexpr double kShearFactor = 5.0 / 6;
+  const double area = width * thickness;
+  const double bending = youngs * thickness * width * width * width / 12;
+  const double shearing = kShearFactor * youngs / (2 * (1 + poisson)) * area;
+  ligament.stretchStiffness = youngs * area / length;
+  ligament.shearStiffness = 1 / (length / (12 * bending) + 1 / (shearing * length));
+}
+
+LigamentEnergy ligamentEnergy(const Ligament& ligament, const Vector3& between, const Vector3& armA,
+                              const Vector3& armB, double turnA, double turnB) {
+  if (ligament.isPin()) return pinEnergy(ligament, between, armA, armB, turnA, turnB);
+  const Eigen::Vector2d l = (between + armB - armA).head<2>();
+  const Eigen::Vector2d l0 = ligament.start.head<2>();
+  // The ligament's length and direction now, and the direction across it.
+  const double length = l.norm();
+  const Eigen::Vector2d n = l / length, t(-n.y(), n.x());
+  const double stretch = length - l0.norm();
+  const double turn = std::atan2(l0.x() * l.y() - l0.y() * l.x(), l0.dot(l));
+  const double shear = std::remainder(turn - 0.5 * (turnA + turnB), 2 * std::numbers::pi);
+
+  // d|l| = n . dl, and the angle of l changes by t . dl / |l|.
+  const Row2 slope = slopeOf(armA, armB);
+  const Vector6 ofStretch = slope.transpose() * n;
+  Vector6 ofShear = slope.transpose() * t / length;
+  ofShear[2] -= 0.5;
+  ofShear[5] -= 0.5;
+  const Vector6 across = slope.transpose() * t;
+  // The second derivative of |l| is t t^T / |l| along l's own changes, and n . d2l; that of the
+  // angle is -(n t^T + t n^T) / |l|^2, and t . d2l / |l|.
+  const Matrix6 stretchBend = across * across.transpose() / length + bendOf(armA, armB, n);
+  const Matrix6 mixed = ofStretch * across.transpose();
+  const Matrix6 shearBend =
+      -(mixed + mixed.transpose()) / (length * length) + bendOf(armA, armB, t) / length;
+
+  const double kl = ligament.stretchStiffness, ks = ligament.shearStiffness;
+  return {0.5 * kl * stretch * stretch + 0.5 * ks * shear * shear,
+          kl * stretch * ofStretch + ks * shear * ofShear,
+          kl * (ofStretch * ofStretch.transpose() + stretch * stretchBend) +
+              ks * (ofShear * ofShear.transpose() + shear * shearBend)};
+}
+
+LigamentEnergy ligamentEnergy(const Ligament& ligament, const Poses& poses) {
+  const Pose& a = poses[static_cast<std::size_t>(ligament.brickA)];
+  const Pose& b = poses[static_cast<std::size_t>(ligament.brickB)];
+  const auto turnOf = [](const Quaternion& rotation) {
+    return 2 * std::atan2(rotation.z(), rotation.w());
+  };
+  const double turnA = turnOf(a.rotation);
+  // The turn of B is taken near that of A, since each is known to whole turns alone.
+  const double turnB = turnA + std::remainder(turnOf(b.rotation) - turnA, 2 * std::numbers::pi);
+  return ligamentEnergy(ligament, b.position - a.position, a.rotation * ligament.pointA,
+                        b.rotation * ligament.pointB, turnA, turnB);
+}
+
+double elasticEnergy(std::span<const Ligament> ligaments, const Poses& poses) {
+  double sum = 0;
+  for (const Ligament& ligament : ligaments) sum += ligamentEnergy(ligament, poses).energy;
+  return sum;
+}
+
+}  // namespace kirireel

@@ -1,0 +1,136 @@
+/// What joins two bricks: hinges with their springs, and elastic ligaments.
+#pragma once
+
+#include <array>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "sim/base/geometry.h"
+#include "sim/model/brick.h"
+
+namespace kirireel {
+
+// ------------------------------------------------------------------------------------------------
+// Hinges: where two bricks turn about one axis, and the torsional springs that may be there.
+
+/// Two bricks that turn against each other about one axis, by an angle:
+///
+///   at a corner   the axis goes through the thickness; the angle is that between the two tiles'
+///                 edges on the side where they are nearer at the start (on both alike: on the left
+///                 of the first tile's corner), 0 where they lie flush;
+///   at a fold     the axis lies in the tiles, as where two corners of an edge are joined; the
+///                 angle is FOLD's: 0 where the tiles are flat, positive where the first tile's
+///                 face, seen along its normal, is within (a valley).
+///
+/// The angle is told apart from its turns by 2 pi by what bricks can reach without passing through
+/// each other, so that it is a function of the poses alone.
+struct Hinge {
+  int brickA = 0;
+  int brickB = 0;
+  Vector3 axis = Vector3::UnitZ();  ///< unit, in the axes of brick A: B turns by it as angles grow
+  double start = 0;                 ///< the angle at the start, radians
+  double least = 0;                 ///< below this, bricks without thickness lie in each other
+  double most = 0;                  ///< and above this
+};
+
+/// A linear torsional spring with a dashpot beside it, which pull with
+///   moment = stiffness (rest - angle) - damping d(angle)/dt.
+struct HingeSpring {
+  Hinge hinge;
+  double stiffness = 0;  ///< N m/rad, from 0
+  double rest = 0;       ///< radians
+  double damping = 0;    ///< N m s/rad, from 0
+};
+
+/// What was found of the joints of bricks.
+struct FoundHinges {
+  std::vector<Hinge> hinges;                    ///< in the order of their first pivots
+  std::vector<std::pair<int, int>> ballJoints;  ///< bricks that share one point alone, in space
+};
+
+/// The hinges among bricks at their start poses: each pair that shares the points of one line, or
+/// in a planar scene one point. Pairs that share more are rigid, and links turn about no axis.
+/// O(pivots log pivots). `bricks` stand as at the start, when all axes are parallel.
+FoundHinges findHinges(const std::vector<Brick>& bricks, std::span<const Pivot> pivots,
+                       bool planar);
+
+/// The hinge's angle at these poses, radians.
+double hingeAngle(const Hinge& hinge, const Poses& poses);
+
+/// The rate at which the hinge's angle grows while the bricks move so, rad/s.
+double hingeRate(const Hinge& hinge, const Motion& motion);
+
+/// The moment of each spring at rest at these poses, N m: above 0 where it pulls to larger angles.
+/// One a spring, in their order. Dampers are not in it.
+std::vector<double> hingeMoments(std::span<const HingeSpring> springs, const Poses& poses);
+
+/// What the springs hold at these poses, joules: the sum of stiffness (angle - rest)^2 / 2.
+double elasticEnergy(std::span<const HingeSpring> springs, const Poses& poses);
+
+/// What springs hold at the two ends of a run.
+struct Elasticity {
+  int springs = 0;         ///< how many
+  double energyStart = 0;  ///< joules
+  double energyEnd = 0;    ///< joules
+  double momentEnd = 0;    ///< the largest of all springs in size at the end, N m
+};
+
+Elasticity elasticityOf(std::span<const HingeSpring> springs, const Poses& start, const Poses& end);
+
+// ------------------------------------------------------------------------------------------------
+// Elastic ligaments in place of exact joints: what stretching and shearing a neck costs. Its
+// bending is that of the spring at its hinge. In the plane.
+
+/// A straight neck between a point of one brick and a point of another; without a length a pin that
+/// gives: two points that are one at the start, and part across a slit or slide along it.
+struct Ligament {
+  int brickA = 0;
+  int brickB = 0;
+  int joint = 0;                     ///< of the model, see Pivot
+  Vector3 pointA = Vector3::Zero();  ///< in the axes of brick A
+  Vector3 pointB = Vector3::Zero();  ///< in the axes of brick B
+  /// From point A to point B at the start, world axes, metres; zero for a pin.
+  Vector3 start = Vector3::UnitX();
+  Vector3 across = Vector3::UnitX();  ///< of a pin: unit, where its points part, at the start
+  double stretchStiffness = 0;        ///< N/m
+  double shearStiffness = 0;          ///< N m/rad; of a pin N/m
+  /// Of a pin, what the moment is beyond its hinge's spring: opening[0] a^2 + opening[1] a^3 with a
+  /// the turn of brick B against A since the start, about z; N m/rad^2, N m/rad^3.
+  std::array<double, 2> opening = {};
+
+  bool isPin() const { return start.isZero(); }
+};
+
+/// The stiffnesses of a neck as a beam of Timoshenko's: with A = w t, I = t w^3 / 12, G = E / (2 (1
+/// + nu)) and the shear factor 5/6
+///   stretch = E A / L,   1 / shear = L / (12 E I) + 1 / (5/6 G A L).
+/// Metres, Pa; all positive. The tiles at its ends are taken for rigid in this.
+void setNeckStiffness(double youngs, double poisson, double thickness, double width, double length,
+                      Ligament& ligament);
+
+/// The energy of a ligament in the plane with its derivatives by x, y and turn of brick A, then of
+/// brick B; metres, radians, joules.
+struct LigamentEnergy {
+  double energy = 0;
+  Vector6 gradient = Vector6::Zero();
+  Matrix6 hessian = Matrix6::Zero();
+};
+
+/// At the places of both bricks' centres of mass and their turns since the start. `armA`, `armB`:
+/// the points from there, turned with the bricks; world axes.
+/// `between`: from the centre of brick A to that of B, metres. The Hessian is symmetric and may be
+/// indefinite.
+LigamentEnergy ligamentEnergy(const Ligament& ligament, const Vector3& between, const Vector3& armA,
+                              const Vector3& armB, double turnA, double turnB);
+
+/// At poses whose rotations are turns about z since the start. Bricks turn by less than half a turn
+/// against each other.
+LigamentEnergy ligamentEnergy(const Ligament& ligament, const Poses& poses);
+
+/// What ligaments hold at these poses, joules.
+double elasticEnergy(std::span<const Ligament> ligaments, const Poses& poses);
+
+}  // namespace kirireel

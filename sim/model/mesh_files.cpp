@@ -1,0 +1,541 @@
+// Pairs of OBJ files as inverse design programs leave them: one file for the contracted and one for
+// the deployed sheet, with the same faces.
+//
+// OBJ knows vertices, faces and comments. Joints are vertex numbers that faces share, on the
+// bottom. What that cannot say (the face of a joint, joints whose corners differ by rounding,
+// pulled tiles) stands in comments that other programs pass over: "# joint A a B b FACE" and "#
+// pull TILE", numbered from 0. A file with such comments is read by them alone, so that writing and
+// reading give the same model. G. P. T. Choi, L. H. Dudte, L. Mahadevan, Programming shape using
+// kirigami tessellations, Nature Materials 18, 2019, is where such pairs come from.
+#include "sim/model/mesh_files.h"
+
+#include <algorithm>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/base/error.h"
+#include "sim/base/files.h"
+#include "sim/model/model_checks.h"
+#include "sim/model/text_table.h"
+
+namespace kirireel {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kPurpose = "give a Wavefront OBJ file with one face a tile";
+
+/// One OBJ file.
+struct ObjSheet {
+  TileTable tiles;
+  CornerNumbers numbers;
+  JointTable joints;        ///< of the comments
+  std::vector<int> pulled;  ///< of the comments
+};
+
+/// Reads one file statement by statement.
+class ObjReader {
+ public:
+  explicit ObjReader(const fs::path& file) : text_(file, kPurpose, TextTable::Comments::Keep) {
+    sheet_.tiles.file = sheet_.joints.file = file;
+  }
+
+  ObjSheet read() {
+    TextLine line;
+    while (text_.next(line)) {
+      const std::string_view word = line.fields[0].text;
+      // All other statements of the format describe looks.
+      if (word == "v") readVertex(line);
+      if (word == "f") readFace(line);
+      if (word == "#") readComment(line);
+    }
+    if (sheet_.tiles.tiles.empty()) {
+      throw inputErrorAt({text_.file()}, fmt::format("the file holds no face; {}", kPurpose));
+    }
+    requirePulledTiles();
+    return std::move(sheet_);
+  }
+
+ private:
+  FileLocation at(const TextLine& line, std::size_t field) const {
+    return text_.at(line, line.fields[field]);
+  }
+
+  // The first three numbers, metres.
+  void readVertex(const TextLine& line) {
+    // Numbers beyond the third (a weight, colours) are passed over.
+    if (line.fields.size() < 4) {
+      throw inputErrorAt({text_.file(), line.number},
+                         fmt::format("a vertex has x, y and z, not {} numbers; complete it",
+                                     line.fields.size() - 1));
+    }
+    Vector3& vertex = vertices_.emplace_back();
+    for (int axis = 0; axis < 3; ++axis) {
+      vertex[axis] = parseCoordinate(line.fields[axis + 1], at(line, axis + 1));
+    }
+  }
+
+  /// The vertex number of "7", "7/1", "7//" or, counted from the end, "-1"; from 0.
+  int vertexNumber(const TextLine& line, std::size_t field) const {
+    TextField number = line.fields[field];
+    number.text = number.text.substr(0, number.text.find('/'));
+    const int count = static_cast<int>(vertices_.size());
+    const int value = parseWholeNumber(number, at(line, field), "a vertex number");
+    // Negative numbers count backwards from the last vertex so far.
+    const int fromZero = value < 0 ? count + value : value - 1;
+    if (fromZero >= 0 && fromZero < count) return fromZero;
+    throw inputErrorAt(at(line, field),
+                       fmt::format("there are vertices 1-{} so far, not {}; {}", count, value,
+                                   value == 0 ? "OBJ counts from 1: add 1 to all vertex numbers"
+                                              : "correct this number"));
+  }
+
+  // A face takes vertices that stand before it, as OBJ has it.
+  void readFace(const TextLine& line) {
+    const std::size_t tile = sheet_.tiles.tiles.size();
+    if (line.fields.size() < 4) {
+      throw inputErrorAt({text_.file(), line.number},
+                         fmt::format("face {} has {} vertices; a tile has at least 3: complete it "
+                                     "or delete the line",
+                                     tile, line.fields.size() - 1));
+    }
+    Tile& polygon = sheet_.tiles.tiles.emplace_back();
+    TileSource& source = sheet_.tiles.sources.emplace_back();
+    std::vector<int>& numbers = sheet_.numbers.emplace_back();
+    source.line = line.number;
+    for (std::size_t k = 1; k < line.fields.size(); ++k) {
+      numbers.push_back(vertexNumber(line, k));
+      polygon.vertices.push_back(vertices_[numbers.back()]);
+      source.columns.push_back(line.fields[k].column);
+    }
+  }
+
+  // The two comments that this program writes; all others are passed over.
+  void readComment(const TextLine& line) {
+    const bool isJoint = line.fields.size() == 7 && line.fields[1].text == "joint";
+    if (isJoint) {
+      JointRow& row = sheet_.joints.rows.emplace_back();
+      row.line = line.number;
+      for (std::size_t k = 0; k < 5; ++k) {
+        row.values[k] = parseWholeNumber(line.fields[k + 2], at(line, k + 2), "a whole number");
+        row.columns[k] = line.fields[k + 2].column;
+      }
+    }
+    const bool isPull = line.fields.size() == 3 && line.fields[1].text == "pull";
+    if (isPull) {
+      sheet_.pulled.push_back(parseWholeNumber(line.fields[2], at(line, 2), "a tile number"));
+      pulledPlaces_.push_back(at(line, 2));
+    }
+  }
+
+  /// Comments may stand before the faces that they name.
+  void requirePulledTiles() const {
+    const int count = static_cast<int>(sheet_.tiles.tiles.size());
+    for (std::size_t k = 0; k < sheet_.pulled.size(); ++k) {
+      const int tile = sheet_.pulled[k];
+      if (tile >= 0 && tile < count) continue;
+      throw inputErrorAt(
+          pulledPlaces_[k],
+          fmt::format("there are faces 0-{}, not {}; correct this number", count - 1, tile));
+    }
+  }
+
+  TextTable text_;
+  std::vector<Vector3> vertices_;
+  std::vector<FileLocation> pulledPlaces_;
+  ObjSheet sheet_;
+};
+
+void requireSameFaces(const ObjSheet& start, const ObjSheet& target) {
+  // Where each face has vertices of its own, their numbers say nothing about joints, and the
+  // programs that write such files number them as they like.
+  if (!sharesNumbers(start.numbers)) return;
+  const std::size_t common = std::min(start.numbers.size(), target.numbers.size());
+  for (std::size_t i = 0; i < common; ++i) {
+    if (start.numbers[i] == target.numbers[i]) continue;
+    const int tile = static_cast<int>(i);
+    throw inputErrorAt(target.tiles.at(tile),
+                       fmt::format("face {} has other vertex numbers than at {}; write the same "
+                                   "faces in the same order in both files",
+                                   tile, start.tiles.shortName(tile)));
+  }
+}
+
+/// NAME_contracted and NAME are the same model.
+std::string modelName(const fs::path& file) {
+  const std::string stem = file.stem().string();
+  const std::string ending = "_contracted";
+  return stem.ends_with(ending) ? stem.substr(0, stem.size() - ending.size()) : stem;
+}
+
+fs::path deployedName(const fs::path& contracted) {
+  return contracted.parent_path() / (modelName(contracted) + "_deployed.obj");
+}
+
+// All vertices first, then a face for each tile.
+std::string objText(const std::vector<Tile>& tiles, const CornerNumbers& numbers) {
+  int count = 0;
+  std::string vertices, faces;
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    faces += "f";
+    for (std::size_t k = 0; k < numbers[i].size(); ++k) {
+      // Numbers rise in the order of their first corners.
+      if (numbers[i][k] == count) {
+        const Vector3& vertex = tiles[i].vertices[k];
+        vertices += fmt::format("v {} {} {}\n", vertex.x(), vertex.y(), vertex.z());
+        ++count;
+      }
+      faces += fmt::format(" {}", numbers[i][k] + 1);
+    }
+    faces += '\n';
+  }
+  return vertices + faces;
+}
+
+}  // namespace
+
+std::optional<fs::path> deployedSibling(const fs::path& contracted) {
+  const fs::path sibling = deployedName(contracted);
+  if (sibling == contracted || !fs::exists(sibling)) return std::nullopt;
+  return sibling;
+}
+
+Model readObjPair(const fs::path& start, const std::optional<fs::path>& target,
+                  std::vector<std::string>& warnings) {
+  ObjSheet sheet = ObjReader(start).read();
+  checkTiles(sheet.tiles);
+  Model model;
+  model.name = modelName(start);
+  model.tiles = sheet.tiles.tiles;
+  std::vector<const std::vector<Tile>*> states = {&model.tiles};
+  if (target) {
+    const ObjSheet deployed = ObjReader(*target).read();
+    // Shapes are compared before numbers: a target of other tiles is the likelier mistake.
+    checkTarget(deployed.tiles, model, sheet.tiles, warnings);
+    requireSameFaces(sheet, deployed);
+    model.target = deployed.tiles.tiles;
+    states.push_back(&*model.target);
+  }
+  if (!sheet.joints.rows.empty()) {
+    dropRepeatedJoints(sheet.joints, model, warnings);
+    model.joints = checkedJoints(sheet.joints, sheet.tiles);
+    checkClosed(sheet.joints, model, sheet.tiles, warnings);
+  } else {
+    model.joints = jointsOfMesh(sheet.numbers, states, start);
+  }
+  if (!sheet.pulled.empty()) model.pulledTiles = sheet.pulled;
+  turnClockwiseTiles(sheet.tiles, model, warnings);
+  return model;
+}
+
+void writeObjPair(const Model& inOrder, const fs::path& file) {
+  const Model model = inFileOrder(inOrder);
+  std::string comments;
+  for (const Joint& joint : model.joints) {
+    if (joint.kind != JointKind::Pivot) {
+      throw InputError(
+          fmt::format("{}: error: OBJ holds joints at shared vertices, not the link between tiles "
+                      "{} and {}; convert to a .fold file",
+                      file.string(), joint.a.tile, joint.b.tile));
+    }
+    comments += fmt::format("# joint {} {} {} {} {}\n", joint.a.tile, joint.a.vertex, joint.b.tile,
+                            joint.b.vertex, static_cast<int>(joint.face));
+  }
+  for (const int tile : model.pulledTiles.value_or(std::vector<int>())) {
+    comments += fmt::format("# pull {}\n", tile);
+  }
+  const CornerNumbers numbers = sharedNumbers(model);
+  writeTextFile(file, objText(model.tiles, numbers) + comments);
+  if (model.target) writeTextFile(deployedName(file), objText(*model.target, numbers));
+}
+
+// ------------------------------------------------------------------------------------------------
+// PLY meshes, in the three encodings of the format.
+//
+// A file is a header of lines, which lists elements (how many there are, and the properties of
+// each), and the elements' values one after the other: as words (ASCII) or as bytes of the widths
+// that the header gives. Only vertices (x, y, z) and faces (vertex_indices or vertex_index) are
+// kept. Everything else has to be read too, as nothing but its width says where the next value
+// begins.
+//
+// The bytes are put together by shifts, so that the order of bytes of the machine does not matter.
+// Counts of the header are not trusted: nothing is reserved by them, a list may not be longer than
+// the file, and reading past the end is an error. G. Turk, The PLY polygon file format, 1994.
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kPlyPurpose = "give a PLY mesh with one face a tile";
+
+/// A number's type: its width in bytes, and what the bytes mean.
+struct PlyType {
+  int width = 4;
+  enum class NumberKind { Signed, Unsigned, Real } kind = NumberKind::Real;
+};
+
+struct PlyProperty {
+  std::string_view name;
+  PlyType type;  ///< of the number, or of a list's entries
+  bool isList = false;
+  PlyType count;  ///< of a list's length
+};
+
+struct PlyElement {
+  std::string_view name;
+  long count = 0;
+  std::vector<PlyProperty> properties;
+};
+
+enum class PlyFormat { Ascii, LittleEndian, BigEndian };
+
+/// Reads header and data from one text.
+class PlyReader {
+ public:
+  explicit PlyReader(const fs::path& file) : file_(file), text_(readTextFile(file, kPlyPurpose)) {
+    readHeader();
+    for (const PlyElement& element : elements_) readElement(element);
+    if (faces_.empty()) throw fault("the file holds no face");
+  }
+
+  const CornerNumbers& faces() const { return faces_; }
+
+  std::vector<Tile> tiles() const {
+    std::vector<Tile> tiles;
+    for (const std::vector<int>& face : faces_) {
+      Tile& tile = tiles.emplace_back();
+      for (const int number : face) {
+        if (number < 0 || number >= std::ssize(points_)) {
+          throw fault(
+              fmt::format("face {} has the vertex {}, but there are vertices 0-{}: PLY "
+                          "counts from 0",
+                          tiles.size() - 1, number, points_.size() - 1));
+        }
+        tile.vertices.push_back(points_[number]);
+      }
+    }
+    return tiles;
+  }
+
+ private:
+  InputError fault(const std::string& what) const {
+    return inputErrorAt({file_}, fmt::format("{}; {}", what, kPlyPurpose));
+  }
+
+  /// The next word of the header or of ASCII data; empty at the end.
+  std::string_view word() {
+    constexpr std::string_view kBlank = " \t\r\n";
+    const std::size_t begin = std::min(text_.find_first_not_of(kBlank, at_), text_.size());
+    const std::size_t end = std::min(text_.find_first_of(kBlank, begin), text_.size());
+    at_ = end;
+    return std::string_view(text_).substr(begin, end - begin);
+  }
+
+  void skipLine() { at_ = std::min(text_.find('\n', at_), text_.size() - 1) + 1; }
+
+  // The two spellings of each type that are in use.
+  PlyType typeNamed(std::string_view name) const {
+    using NumberKind = PlyType::NumberKind;
+    static constexpr std::pair<std::string_view, PlyType> kTypes[] = {
+        {"char", {1, NumberKind::Signed}},     {"int8", {1, NumberKind::Signed}},
+        {"uchar", {1, NumberKind::Unsigned}},  {"uint8", {1, NumberKind::Unsigned}},
+        {"short", {2, NumberKind::Signed}},    {"int16", {2, NumberKind::Signed}},
+        {"ushort", {2, NumberKind::Unsigned}}, {"uint16", {2, NumberKind::Unsigned}},
+        {"int", {4, NumberKind::Signed}},      {"int32", {4, NumberKind::Signed}},
+        {"uint", {4, NumberKind::Unsigned}},   {"uint32", {4, NumberKind::Unsigned}},
+        {"float", {4, NumberKind::Real}},      {"float32", {4, NumberKind::Real}},
+        {"double", {8, NumberKind::Real}},     {"float64", {8, NumberKind::Real}}};
+    for (const auto& [known, type] : kTypes) {
+      if (known == name) return type;
+    }
+    throw fault(fmt::format("there is no type '{}'", shown(name, 24)));
+  }
+
+  // Keys in any order; what is none of ours (comment, obj_info) is passed over with its line.
+  void readHeader() {
+    if (word() != "ply") throw fault("the file does not begin with \"ply\"");
+    bool hasFormat = false;
+    for (;;) {
+      const std::string_view key = word();
+      if (key.empty()) throw fault("its header has no end");
+      if (key == "end_header") break;
+      if (key == "format") {
+        const std::string_view name = word();
+        hasFormat = true;
+        if (name == "ascii")
+          format_ = PlyFormat::Ascii;
+        else if (name == "binary_little_endian")
+          format_ = PlyFormat::LittleEndian;
+        else if (name == "binary_big_endian")
+          format_ = PlyFormat::BigEndian;
+        else
+          throw fault(fmt::format("there is no format '{}'", shown(name, 24)));
+      } else if (key == "element") {
+        PlyElement& element = elements_.emplace_back();
+        element.name = word();
+        const std::string_view count = word();
+        const auto [end, error] =
+            std::from_chars(count.data(), count.data() + count.size(), element.count);
+        if (error != std::errc() || end != count.data() + count.size() || element.count < 0) {
+          throw fault(fmt::format("an element cannot be there '{}' times", shown(count, 24)));
+        }
+      } else if (key == "property") {
+        // A list has more words than a plain property; readProperty() takes exactly what it needs,
+        // and the next key follows.
+        readProperty();
+        continue;
+      }
+      skipLine();
+    }
+    skipLine();
+    if (!hasFormat) throw fault("its header names no format");
+  }
+
+  void readProperty() {
+    if (elements_.empty()) throw fault("a property stands before its element");
+    PlyProperty property;
+    std::string_view type = word();
+    property.isList = type == "list";
+    if (property.isList) {
+      property.count = typeNamed(word());
+      type = word();
+    }
+    property.type = typeNamed(type);
+    property.name = word();
+    elements_.back().properties.push_back(property);
+  }
+
+  // The next number of the data, in the format of the file.
+  double number(const PlyType& type) {
+    if (format_ == PlyFormat::Ascii) {
+      const std::string_view text = word();
+      double value = 0;
+      const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+      if (!text.empty() && error == std::errc() && end == text.data() + text.size()) return value;
+      throw fault(text.empty() ? "the file ends early"
+                               : fmt::format("'{}' is no number", shown(text, 24)));
+    }
+    const auto width = static_cast<std::size_t>(type.width);
+    if (text_.size() - at_ < width) throw fault("the file ends early");
+    std::uint64_t bits = 0;
+    for (std::size_t k = 0; k < width; ++k) {
+      // The most significant byte first.
+      const std::size_t place = format_ == PlyFormat::LittleEndian ? width - 1 - k : k;
+      bits = bits << 8 | static_cast<unsigned char>(text_[at_ + place]);
+    }
+    at_ += width;
+    if (type.kind == PlyType::NumberKind::Unsigned) return static_cast<double>(bits);
+    if (type.kind == PlyType::NumberKind::Real) {
+      return width == 8 ? std::bit_cast<double>(bits)
+                        : std::bit_cast<float>(static_cast<std::uint32_t>(bits));
+    }
+    // Shifting up and arithmetically down again copies the sign bit of a narrow number into the
+    // upper bits.
+    const int unused = 64 - 8 * type.width;
+    return static_cast<double>(static_cast<std::int64_t>(bits << unused) >> unused);
+  }
+
+  /// A whole number that fits an int.
+  int wholeNumber(const PlyType& type, const char* what) {
+    const double value = number(type);
+    if (value == std::floor(value) && std::abs(value) <= std::numeric_limits<int>::max()) {
+      return static_cast<int>(value);
+    }
+    throw fault(fmt::format("{:g} is no {}", value, what));
+  }
+
+  // A length and as many entries, which are vertex numbers where they are whole.
+  std::vector<int> list(const PlyProperty& property) {
+    const int count = wholeNumber(property.count, "length of a list");
+    if (count < 0 || count > std::ssize(text_)) {
+      throw fault(fmt::format("a list cannot be {} long", count));
+    }
+    std::vector<int> numbers;
+    for (int k = 0; k < count; ++k) {
+      // Entries that are real numbers are read over: a vertex number is whole.
+      numbers.push_back(property.type.kind == PlyType::NumberKind::Real
+                            ? (static_cast<void>(number(property.type)), 0)
+                            : wholeNumber(property.type, "vertex number"));
+    }
+    return numbers;
+  }
+
+  // Every property of every entry is read, since nothing else tells where the next one begins.
+  void readElement(const PlyElement& element) {
+    const bool areVertices = element.name == "vertex", areFaces = element.name == "face";
+    // What has no properties takes no bytes, however many there are.
+    const long count = element.properties.empty() ? 0 : element.count;
+    for (long k = 0; k < count; ++k) {
+      Vector3 point = Vector3::Zero();
+      bool isPolygon = false;
+      std::vector<int> corners;
+      for (const PlyProperty& property : element.properties) {
+        if (property.isList) {
+          std::vector<int> entries = list(property);
+          if (property.name != "vertex_indices" && property.name != "vertex_index") continue;
+          corners = std::move(entries);
+          isPolygon = true;
+          continue;
+        }
+        const double value = number(property.type);
+        const int axis = property.name == "x" ? 0 : property.name == "y" ? 1 : 2;
+        if (axis < 2 || property.name == "z") point[axis] = value;
+      }
+      if (areVertices) addPoint(point);
+      if (areFaces && isPolygon) addFace(std::move(corners));
+    }
+  }
+
+  void addPoint(const Vector3& point) {
+    const bool isWithin = point.allFinite() && point.cwiseAbs().maxCoeff() <= kMaxCoordinate;
+    if (!isWithin) {
+      throw fault(fmt::format("vertex {} is not within {:g} m", points_.size(), kMaxCoordinate));
+    }
+    points_.push_back(point);
+  }
+
+  void addFace(std::vector<int> corners) {
+    if (corners.size() < 3) {
+      throw fault(fmt::format("face {} has {} vertices, a tile has at least 3", faces_.size(),
+                              corners.size()));
+    }
+    faces_.push_back(std::move(corners));
+  }
+
+  fs::path file_;
+  std::string text_;
+  std::size_t at_ = 0;
+  PlyFormat format_ = PlyFormat::Ascii;
+  std::vector<PlyElement> elements_;
+  std::vector<Vector3> points_;
+  CornerNumbers faces_;
+};
+
+}  // namespace
+
+Model readPly(const fs::path& file, std::vector<std::string>& warnings) {
+  const PlyReader reader(file);
+  Model model;
+  model.name = file.stem().string();
+  model.tiles = reader.tiles();
+  TileTable table;
+  table.file = file;
+  table.tiles = model.tiles;
+  for (const Tile& tile : model.tiles) {
+    table.sources.push_back({0, std::vector<int>(tile.vertices.size(), 0)});
+  }
+  checkTiles(table);
+  model.joints = jointsOfMesh(reader.faces(), {&model.tiles}, file);
+  turnClockwiseTiles(table, model, warnings);
+  return model;
+}
+
+}  // namespace kirireel

@@ -1,0 +1,1052 @@
+// What a polygon needs to become a brick: vertices that differ, an area, a plane, sides that do not
+// cross; and what a target needs to be a target of these tiles.
+//
+// Every threshold is a part of the tile's diameter (its largest distance between vertices) or of
+// the model's size, and the largest or smallest value that real designs have stands beside it. The
+// checks run from the cheap and basic to those that build on them: the plane of a tile without
+// area, for one, is not defined.
+#include "sim/model/model_checks.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <numbers>
+#include <numeric>
+#include <optional>
+#include <set>
+#include <tuple>
+#include <unordered_map>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/base/error.h"
+#include "sim/model/convex_parts.h"
+
+namespace kirireel {
+namespace {
+
+// Vertices nearer than this part of a tile's diameter are one vertex typed twice.
+// Smallest met in the models at hand: 4e-3 (mobius).
+constexpr double kSameVertex = 1e-9;
+// Least area as a part of the squared diameter. Smallest met: 0.13 (stampfli24).
+constexpr double kLeastArea = 1e-6;
+// Largest distance of a vertex from its tile's plane as a part of the diameter, so that optimised
+// designs pass. Largest met: 1.4e-5 (sphere-to-saddle).
+constexpr double kFlatness = 1e-2;
+// A change of shape below this part of the model's size is rounding of the file. Largest met among
+// exact designs: 3e-7 (square2disk, written with 9 digits).
+constexpr double kSameShape = 1e-6;
+// A change of shape above this part of a tile is another model's target. Largest met: 7e-4
+// (sphere-to-saddle).
+constexpr double kOtherShape = 0.2;
+
+// All pairs: O(n^2) with at most 300 vertices.
+double diameter(const Tile& tile) {
+  double largest = 0;
+  for (std::size_t b = 0; b < tile.vertices.size(); ++b) {
+    for (std::size_t a = 0; a < b; ++a) {
+      largest = std::max(largest, (tile.vertices[a] - tile.vertices[b]).squaredNorm());
+    }
+  }
+  return std::sqrt(largest);
+}
+
+/// What follows compares all pairs of a tile's vertices.
+void checkVertexCount(const TileTable& table, int tile) {
+  const std::size_t count = table.tiles[tile].vertices.size();
+  if (count <= kMostTileVertices) return;
+  throw inputErrorAt(table.at(tile),
+                     fmt::format("tile {} has {} vertices, at most {} are allowed; "
+                                 "split it into convex tiles",
+                                 table.countsFrom + tile, count, kMostTileVertices));
+}
+
+/// Whether a tile's outline goes to a hole and back along one line at two vertices in one place.
+bool leadsToHole(const std::vector<Vector3>& vertices, std::size_t a, std::size_t b,
+                 double tolerance) {
+  const std::size_t count = vertices.size();
+  const auto isSame = [&](std::size_t first, std::size_t second) {
+    const bool areTwo =
+        first != second && (first != a || second != b) && (first != b || second != a);
+    return areTwo && (vertices[first] - vertices[second]).norm() <= tolerance;
+  };
+  return isSame((a + count - 1) % count, (b + 1) % count) ||
+         isSame((a + 1) % count, (b + count - 1) % count);
+}
+
+// All pairs: two vertices at one place need not follow each other.
+void checkDistinctVertices(const TileTable& table, int tile, double extent) {
+  const std::vector<Vector3>& vertices = table.tiles[tile].vertices;
+  const double tolerance = kSameVertex * extent;
+  for (size_t b = 0; b < vertices.size(); ++b) {
+    for (size_t a = 0; a < b; ++a) {
+      if ((vertices[a] - vertices[b]).norm() > tolerance) continue;
+      // Drawing programs cut a polygon with a hole open along a line, which gives two vertices at
+      // each end of it.
+      if (leadsToHole(vertices, a, b, tolerance)) {
+        throw inputErrorAt(
+            table.at(tile, static_cast<int>(b)),
+            fmt::format(
+                "tile {} has a hole, to which its outline leads and back at its vertices {} "
+                "and {}; tiles have none: divide it into tiles without holes, joined to "
+                "each other",
+                table.countsFrom + tile, table.countsFrom + a, table.countsFrom + b));
+      }
+      throw inputErrorAt(
+          table.at(tile, static_cast<int>(b)),
+          fmt::format("vertex {} of tile {} is where its vertex {} is; a tile's "
+                      "vertices are all different: correct it or delete it",
+                      table.countsFrom + b, table.countsFrom + tile, table.countsFrom + a));
+    }
+  }
+}
+
+// Against the square of the diameter, so that needles are refused whatever their size.
+void checkArea(const TileTable& table, int tile, double extent) {
+  if (tileArea(table.tiles[tile]) > kLeastArea * extent * extent) return;
+  throw inputErrorAt(table.at(tile),
+                     fmt::format("tile {} has no area; its vertices must enclose some: list them "
+                                 "in order round the tile, not all on one line",
+                                 table.countsFrom + tile));
+}
+
+// Against the plane of Newell's normal through the mean of the vertices.
+void checkFlatness(const TileTable& table, int tile, double extent) {
+  const std::vector<Vector3>& vertices = table.tiles[tile].vertices;
+  const Vector3 normal = tileNormal(table.tiles[tile]);
+  // The plane goes through the mean of the vertices, so that one bad vertex does not put all others
+  // off.
+  Vector3 middle = Vector3::Zero();
+  for (const Vector3& vertex : vertices) middle += vertex / static_cast<double>(vertices.size());
+  const double allowed = kFlatness * extent;
+  for (size_t k = 0; k < vertices.size(); ++k) {
+    const double height = std::abs((vertices[k] - middle).dot(normal));
+    if (height <= allowed) continue;
+    throw inputErrorAt(table.at(tile, static_cast<int>(k)),
+                       fmt::format("vertex {} of tile {} is {:.3g} m off the tile's plane, at most "
+                                   "{:.3g} is allowed; flatten the tile or split it into triangles",
+                                   table.countsFrom + k, table.countsFrom + tile, height, allowed));
+  }
+}
+
+/// Whether all corners turn left and the whole turns once: what most tiles do, and quick to see.
+bool isSurelySimple(const std::vector<Vector3>& vertices, const Vector3& normal) {
+  double turned = 0;
+  const std::size_t count = vertices.size();
+  for (std::size_t k = 0; k < count; ++k) {
+    const Vector3 before = vertices[k] - vertices[(k + count - 1) % count];
+    const Vector3 after = vertices[(k + 1) % count] - vertices[k];
+    const double area = before.cross(after).dot(normal);
+    if (area <= 0) return false;
+    // The exterior angles of a simple polygon add up to 2 pi; a star that winds twice gives 4 pi.
+    // Between them lies the limit.
+    turned += std::atan2(area, before.dot(after));
+  }
+  return turned < 3 * std::numbers::pi;
+}
+
+/// The point of the stretch a-b that is nearest to the line through c and d.
+Vector3 meetingPoint(const Vector3& a, const Vector3& b, const Vector3& c, const Vector3& d) {
+  const Vector3 along = (d - c).normalized();
+  const Vector3 side = b - a, towards = a - c;
+  const Vector3 across = side - along.dot(side) * along;
+  const Vector3 apart = towards - along.dot(towards) * along;
+  const double square = across.squaredNorm();
+  const double share = square > 0 ? std::clamp(-apart.dot(across) / square, 0.0, 1.0) : 0.5;
+  return a + share * side;
+}
+
+/// Sides meet nowhere but at their common corner, so that the tile has one inside in one piece.
+void checkSimple(const TileTable& table, int tile, double extent) {
+  const std::vector<Vector3>& vertices = table.tiles[tile].vertices;
+  const Vector3 normal = tileNormal(table.tiles[tile]);
+  // This takes O(n), the comparison of all sides O(n^2).
+  if (isSurelySimple(vertices, normal)) return;
+  const auto crossing = crossingSides(vertices, normal, kSameVertex * extent);
+  if (!crossing) return;
+  const auto [first, second] = *crossing;
+  const auto side = [&](int k) {
+    const int next = (k + 1) % static_cast<int>(vertices.size());
+    return fmt::format("from vertex {} to {}", table.countsFrom + k, table.countsFrom + next);
+  };
+  const InputError error = inputErrorAt(
+      table.at(tile, second),
+      fmt::format("tile {} crosses or touches itself: its side {} meets the one {}; list its "
+                  "vertices in order round the tile, and a tile in two pieces as two",
+                  table.countsFrom + tile, side(second), side(first)));
+  const std::size_t count = vertices.size();
+  throw CrossedTile(error, table.tiles[tile],
+                    meetingPoint(vertices[first], vertices[(first + 1) % count], vertices[second],
+                                 vertices[(second + 1) % count]));
+}
+
+void checkSameCounts(const TileTable& target, const TileTable& start) {
+  const size_t common = std::min(target.tiles.size(), start.tiles.size());
+  for (size_t i = 0; i < common; ++i) {
+    const int tile = static_cast<int>(i);
+    const size_t wanted = start.tiles[i].vertices.size();
+    const size_t found = target.tiles[i].vertices.size();
+    if (found == wanted) continue;
+    throw inputErrorAt(target.at(tile),
+                       fmt::format("target tile {} has {} vertices, the tile at {} has {}; write "
+                                   "the same tiles with the same vertices in the same order",
+                                   tile, found, start.shortName(tile), wanted));
+  }
+  if (target.tiles.size() == start.tiles.size()) return;
+  throw inputErrorAt(
+      {target.file},
+      fmt::format("the target has {} tiles, {} has {}; write one target tile for "
+                  "each tile, in the same order",
+                  target.tiles.size(), start.file.filename().string(), start.tiles.size()));
+}
+
+/// How much a tile's edges and diagonals change from start to target, the worst of them.
+struct ShapeChange {
+  int tile = 0;
+  int vertexA = 0;
+  int vertexB = 0;
+  double startDistance = 0;
+  double targetDistance = 0;
+
+  double size() const { return std::abs(targetDistance - startDistance); }
+};
+
+// Over all pairs of vertices: a rigid tile keeps all their distances.
+ShapeChange shapeChange(const Tile& start, const Tile& target, int tile) {
+  ShapeChange worst;
+  worst.tile = tile;
+  for (size_t b = 0; b < start.vertices.size(); ++b) {
+    for (size_t a = 0; a < b; ++a) {
+      const double before = (start.vertices[a] - start.vertices[b]).norm();
+      const double after = (target.vertices[a] - target.vertices[b]).norm();
+      if (std::abs(after - before) <= worst.size()) continue;
+      worst = {tile, static_cast<int>(a), static_cast<int>(b), before, after};
+    }
+  }
+  return worst;
+}
+
+}  // namespace
+
+std::string TileTable::shortName(int tile) const {
+  return toString({file.filename(), sources[tile].line});
+}
+
+void checkTiles(const TileTable& table) {
+  for (size_t i = 0; i < table.tiles.size(); ++i) {
+    const int tile = static_cast<int>(i);
+    checkVertexCount(table, tile);
+    const double extent = diameter(table.tiles[i]);
+    checkDistinctVertices(table, tile, extent);
+    checkArea(table, tile, extent);
+    checkFlatness(table, tile, extent);
+    checkSimple(table, tile, extent);
+  }
+}
+
+void checkTarget(const TileTable& target, const Model& start, const TileTable& table,
+                 std::vector<std::string>& warnings) {
+  checkSameCounts(target, table);
+  const double allowed = kOtherShape * tileSize(start);
+  const double rounding = kSameShape * modelSize(start);
+  ShapeChange worst;
+  int changed = 0;
+  for (size_t i = 0; i < start.tiles.size(); ++i) {
+    const int tile = static_cast<int>(i);
+    const ShapeChange change = shapeChange(start.tiles[i], target.tiles[i], tile);
+    if (change.size() > allowed) {
+      throw inputErrorAt(target.at(tile, change.vertexB),
+                         fmt::format("vertices {} and {} of target tile {} are {:.4g} m apart, at "
+                                     "{} {:.4g}; a target is the same rigid tiles moved: correct "
+                                     "it or give this model's own",
+                                     change.vertexA, change.vertexB, tile, change.targetDistance,
+                                     table.shortName(tile), change.startDistance));
+    }
+    changed += change.size() > rounding ? 1 : 0;
+    if (change.size() > worst.size()) worst = change;
+  }
+  if (changed == 0) return;
+  warnings.push_back(
+      fmt::format("{}: warning: {} target tiles are not quite their tiles' shape, "
+                  "this one least: a length differs by {:.2g} m; rigid tiles can "
+                  "only come near such a target",
+                  toString(target.at(worst.tile)), changed, worst.size()));
+}
+
+// ------------------------------------------------------------------------------------------------
+// How many digits a file was written with, as the header explains.
+//
+// std::to_chars gives the shortest decimal digits that read back as the same double (F. Loitsch,
+// Printing floating-point numbers quickly and accurately with integers, PLDI 2010, describes such
+// an algorithm). A coordinate that was written as 0.866 comes out as 866e-3 again: 3 digits, the
+// last at 10^-3. The finest last place of all coordinates is the place that the file was rounded
+// to, as zeros at the end hide it in some numbers but not in all.
+
+namespace {
+
+// Significant digits from which on a number was not rounded for writing: doubles have 15 to 17.
+constexpr int kAllDigits = 15;
+// Two roundings of one point differ by a unit along each axis at most: sqrt(3), and a bit for what
+// doubles cannot hold.
+constexpr double kAcross = 1.75;
+// Corners further apart than this part of an edge are two, however coarse the digits are.
+constexpr double kVisible = 0.05;
+// Finer places, metres, need no look at whether all numbers are multiples of something.
+constexpr double kFine = 1e-9;
+// Digits coarser than this part of an edge would change a tile's shape beyond use: the numbers are
+// those that were meant.
+constexpr double kCoarse = 0.01;
+// Numbers that are all multiples of so many last places, and at most so many of these steps, were
+// meant so. Others are by chance: 0.866 and 0.5 are even, 0.866025 is a multiple of 0.000025.
+constexpr std::int64_t kMeantStep = 5;
+constexpr std::int64_t kMeantSteps = 10'000;
+
+/// A number as its shortest text in scientific notation has it.
+struct Digits {
+  int count = 0;     ///< significant ones
+  int exponent = 0;  ///< of the first
+  int last() const { return exponent - count + 1; }
+};
+
+/// None for 0, which every rounding leaves as it is.
+Digits digitsOf(double value) {
+  Digits digits;
+  if (value == 0) return digits;
+  char buffer[40];
+  const char* const text = buffer;
+  const char* const end =
+      std::to_chars(buffer, buffer + sizeof buffer, std::abs(value), std::chars_format::scientific)
+          .ptr;
+  const char* const power = std::find(text, end, 'e');
+  digits.count = static_cast<int>(power - text - std::count(text, power, '.'));
+  const char* const sign = power + 1;
+  std::from_chars(*sign == '+' ? sign + 1 : sign, end, digits.exponent);
+  return digits;
+}
+
+template <typename Visit>
+void forEachCoordinate(const std::vector<Tile>& tiles, const Visit& visit) {
+  for (const Tile& tile : tiles) {
+    for (const Vector3& vertex : tile.vertices) {
+      for (const double value : vertex) visit(value);
+    }
+  }
+}
+
+/// Whether the numbers below the largest decade use as many significant digits as those in it,
+/// most of the time: decimals would be fewer there.
+bool countsSignificant(const std::vector<Digits>& all, int most, int highest) {
+  int lower = 0, full = 0;
+  for (const Digits& digits : all) {
+    if (digits.exponent >= highest) continue;
+    ++lower;
+    full += digits.count == most ? 1 : 0;
+  }
+  // Fewer numbers would let chance decide.
+  constexpr int kEnough = 8;
+  return lower >= kEnough && 2 * full > lower;
+}
+
+Model modelOf(const std::vector<Tile>& tiles) {
+  Model model;
+  model.tiles = tiles;
+  return model;
+}
+
+}  // namespace
+
+// A power of ten, or 0.
+double lastPlace(const std::vector<Tile>& tiles) {
+  std::vector<Digits> all;
+  int most = 0, finest = 0, highest = 0;
+  for (const Tile& tile : tiles) {
+    for (const Vector3& vertex : tile.vertices) {
+      for (const double value : vertex) {
+        const Digits digits = digitsOf(value);
+        if (digits.count == 0) continue;
+        // One number with all its digits shows that none was rounded.
+        if (digits.count >= kAllDigits) return 0;
+        finest = all.empty() ? digits.last() : std::min(finest, digits.last());
+        highest = all.empty() ? digits.exponent : std::max(highest, digits.exponent);
+        most = std::max(most, digits.count);
+        all.push_back(digits);
+      }
+    }
+  }
+  if (all.empty()) return 0;
+  // With so many significant digits everywhere, the largest numbers have the coarsest last place,
+  // which bounds the error of all.
+  const int place = countsSignificant(all, most, highest) ? highest + 1 - most : finest;
+  return std::pow(10.0, place);
+}
+
+// Whether that power of ten came from rounding, or is what was meant.
+double roundingOf(const std::vector<Tile>& tiles) {
+  const double place = lastPlace(tiles);
+  if (place == 0 || place > kCoarse * tileSize(modelOf(tiles))) return 0;
+  if (place < kFine) return place;
+  std::int64_t step = 0, largest = 0;
+  forEachCoordinate(tiles, [&](double value) {
+    const auto places = static_cast<std::int64_t>(std::llround(value / place));
+    step = std::gcd(step, places);
+    largest = std::max(largest, std::abs(places));
+  });
+  return step >= kMeantStep && largest <= kMeantSteps * step ? 0 : place;
+}
+
+double samePlaceTolerance(const std::vector<Tile>& tiles) {
+  const Model model = modelOf(tiles);
+  const double byDigits = std::min(kAcross * lastPlace(tiles), kVisible * tileSize(model));
+  return std::max(byDigits, kSamePlace * modelSize(model));
+}
+
+// ------------------------------------------------------------------------------------------------
+// Repairs of input that is odd but has one meaning only.
+//
+// The rule for each repair: it is made only where no other reading of the file makes sense, it is
+// noted with its place, and `--strict` refuses it. A repair is a `Mend` of the model and one line
+// among the warnings.
+
+namespace {
+
+// A sheet whose heights differ by less than this part of its size is flat.
+constexpr double kLevelStart = 1e-9;
+
+/// "1 joint is", "3 joints are".
+std::string countOf(std::size_t count, const char* what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? " is" : "s are");
+}
+
+bool isClockwise(const Tile& tile) {
+  return tileNormal(tile).z() < 0;
+}
+
+bool isFlat(const std::vector<Tile>& tiles, double size) {
+  // Numbers that were rounded may differ by their last digit; the factor leaves room for what a
+  // double cannot hold of it.
+  return liesFlat(tiles, std::max(kLevelStart * size, 1.01 * roundingOf(tiles)));
+}
+
+}  // namespace
+
+std::string toString(const Mend& mend) {
+  return fmt::format("{}: mended: {}; {}", mend.place, mend.found, mend.done);
+}
+
+void noteMend(Mend mend, Model& model, std::vector<std::string>& warnings) {
+  warnings.push_back(toString(mend));
+  model.mends.push_back(std::move(mend));
+}
+
+void refuseMends(const Model& model) {
+  if (model.mends.empty()) return;
+  const Mend& mend = model.mends.front();
+  throw InputError(fmt::format("{}: error: {}; {}, or leave --strict out to have it mended",
+                               mend.place, mend.found, mend.advice));
+}
+
+void noteNoJoints(const std::filesystem::path& file, Model& model,
+                  std::vector<std::string>& warnings) {
+  noteMend({file.string(),
+            "the file is empty",
+            "the tiles are taken as loose",
+            "write the line \"# no joints\" if they are",
+            {}},
+           model, warnings);
+}
+
+RoundedCorners::RoundedCorners(const Model& model)
+    : lastPlace_(lastPlace(model.tiles)), least_(0.5 * lastPlace_) {}
+
+// Only the first place is told; the others are counted.
+void RoundedCorners::add(const Joint& joint, double gap, const std::string& place) {
+  // Gaps below half a last digit cannot come from writing the digits down.
+  if (lastPlace_ == 0 || gap < least_) return;
+  if (mend_.corners.empty()) mend_.place = place;
+  mend_.corners.push_back(joint.a);
+  largest_ = std::max(largest_, gap);
+}
+
+void RoundedCorners::note(Model& model, std::vector<std::string>& warnings) {
+  if (mend_.corners.empty()) return;
+  const std::size_t count = mend_.corners.size();
+  mend_.found =
+      fmt::format("the corners of {} joint{} are {}{:.2g} m apart, by rounding to {:g} m", count,
+                  count == 1 ? "" : "s", count == 1 ? "" : "up to ", largest_, lastPlace_);
+  mend_.done = count == 1 ? "they are one corner" : "they are one corner each";
+  mend_.advice = "write the same numbers for both corners";
+  noteMend(std::move(mend_), model, warnings);
+}
+
+void dropRepeatedJoints(JointTable& table, Model& model, std::vector<std::string>& warnings) {
+  using CornerNumbers = std::pair<int, int>;
+  // Line of the first row that holds these two corners on this face (1 or 2).
+  std::map<std::tuple<CornerNumbers, CornerNumbers, int>, int> firstLine;
+  std::vector<JointRow> kept;
+  Mend mend;
+  int firstRepeated = 0;
+  for (JointRow& row : table.rows) {
+    CornerNumbers a{row.values[0], row.values[1]};
+    CornerNumbers b{row.values[2], row.values[3]};
+    // The order of the two ends does not change what a joint holds.
+    if (b < a) std::swap(a, b);
+    const bool hasFaces = row.kind == JointKind::Pivot && row.values[4] >= 1 && row.values[4] <= 3;
+    int newFaces = 0, line = 0;
+    // Faces are bits: 1 bottom, 2 top, 3 both. So rows "bottom" and "top" at one corner add up to
+    // "both", and a later "both" repeats them.
+    for (const int face : {1, 2}) {
+      if (!hasFaces || (row.values[4] & face) == 0) continue;
+      const auto [entry, isNew] = firstLine.try_emplace({a, b, face}, row.line);
+      if (isNew) newFaces |= face;
+      if (!isNew && line == 0) line = entry->second;
+    }
+    const bool repeats = hasFaces && newFaces != row.values[4];
+    if (repeats && mend.place.empty()) {
+      mend.place = toString({table.file, row.line});
+      firstRepeated = line;
+    }
+    if (repeats) mend.corners.push_back({row.values[0], row.values[1]});
+    // Nothing of the row is new. Where a part of it is new, only that part stays.
+    if (repeats && newFaces == 0) continue;
+    if (repeats) row.values[4] = newFaces;
+    kept.push_back(row);
+  }
+  if (mend.corners.empty()) return;
+  table.rows = std::move(kept);
+  const std::string earlier =
+      firstRepeated > 0 ? fmt::format(", here that of line {}", firstRepeated) : "";
+  mend.found = fmt::format("{} listed again{}", countOf(mend.corners.size(), "joint"), earlier);
+  mend.done = "each counts once, whichever end comes first";
+  mend.advice = "delete what is repeated";
+  noteMend(std::move(mend), model, warnings);
+}
+
+// The shift applies to all four numbers of every row alike.
+void mendBase(JointTable& table, const TileTable& tiles, Model& model,
+              std::vector<std::string>& warnings) {
+  // The rows hold numbers that count from 0, made with the base that the format has by default.
+  // Counted from the other base they are one lower, or one higher.
+  const int other = 1 - table.countsFrom;
+  const int shift = table.countsFrom - other;
+  // A file that fits the usual base is never changed, even where it would fit the other one too.
+  if (namesWhatIsThere(table, tiles.tiles, 0) || !namesWhatIsThere(table, tiles.tiles, shift)) {
+    return;
+  }
+  for (JointRow& row : table.rows) {
+    for (std::size_t entry = 0; entry < 4; ++entry) row.values[entry] += shift;
+  }
+  const int usual = std::exchange(table.countsFrom, other);
+  model.fileOrder.countsFrom = other;
+  Mend mend;
+  mend.place = table.file.string();
+  mend.found = fmt::format("tiles and vertices of all {} joints count from {}, not from {}",
+                           table.rows.size(), other, usual);
+  mend.done = fmt::format("they are taken as counted from {}", other);
+  mend.advice =
+      fmt::format("{} all tile and vertex numbers", usual > other ? "add 1 to" : "subtract 1 from");
+  noteMend(std::move(mend), model, warnings);
+}
+
+// Decided for the start alone: a tile keeps its vertices' order in every state.
+void turnClockwiseTiles(const TileTable& table, Model& model, std::vector<std::string>& warnings) {
+  const double size = modelSize(model);
+  if (!isFlat(model.tiles, size)) return;
+  std::vector<bool> clockwise(model.tiles.size());
+  std::transform(model.tiles.begin(), model.tiles.end(), clockwise.begin(), isClockwise);
+  const auto count = std::count(clockwise.begin(), clockwise.end(), true);
+  if (count == 0) return;
+  // In a sheet that leaves the plane, the side on which bricks grow decides which face a joint lies
+  // on. To turn all tiles round would swap top and bottom.
+  const bool isFolded = model.target && !isFlat(*model.target, size);
+  if (isFolded && count == std::ssize(model.tiles)) {
+    warnings.push_back(
+        fmt::format("{}: warning: all tiles run clockwise seen from above, so that bricks grow "
+                    "downwards; list their vertices anticlockwise to have them grow upwards",
+                    table.file.string()));
+    return;
+  }
+  const int first =
+      static_cast<int>(std::find(clockwise.begin(), clockwise.end(), true) - clockwise.begin());
+  Mend mend;
+  mend.place = toString(table.at(first));
+  mend.found = fmt::format("{} of {} tiles run{} clockwise seen from above", count,
+                           model.tiles.size(), count == 1 ? "s" : "");
+  mend.done = "turned round, and written in the file's own order again";
+  mend.advice = "list their vertices anticlockwise";
+  for (int tile = 0; tile < std::ssize(clockwise); ++tile) {
+    if (clockwise[tile]) mend.corners.push_back({tile, 0});
+  }
+  noteMend(std::move(mend), model, warnings);
+  // To reverse the vertices is its own inverse.
+  const int countsFrom = model.fileOrder.countsFrom;
+  model.fileOrder.isReversed = clockwise;
+  model = inFileOrder(std::move(model));
+  model.fileOrder = {countsFrom, std::move(clockwise)};
+}
+
+// ------------------------------------------------------------------------------------------------
+// Checks of a list of joints, in the order in which a reader runs them: numbers that exist, then
+// faces, then a joint of two tiles, and, once the joints are made, the distance of their corners.
+// Each message names the file's own line, column and numbers, which count from 0 or from 1.
+
+namespace {
+
+// Corners further apart than this part of a tile are a wrong index. Largest met: 3.5e-4
+// (cube2sphere_w3_h3).
+constexpr double kTooFar = 0.05;
+
+FileLocation locationOf(const JointTable& table, const JointRow& row, int entry) {
+  return {table.file, row.line, row.columns[entry]};
+}
+
+// Entry 0 or 2 of the row.
+void checkTileNumber(const JointTable& table, const TileTable& tiles, const JointRow& row,
+                     int entry) {
+  const int count = static_cast<int>(tiles.tiles.size());
+  const int tile = row.values[entry];
+  if (tile >= 0 && tile < count) return;
+  throw inputErrorAt(
+      locationOf(table, row, entry),
+      fmt::format("{} has tiles {}-{}, not {}; correct this column", tiles.file.filename().string(),
+                  table.countsFrom, table.countsFrom + count - 1, table.countsFrom + tile));
+}
+
+// Entry 1 or 3, of the tile in the entry before it.
+void checkVertexNumber(const JointTable& table, const TileTable& tiles, const JointRow& row,
+                       int entry) {
+  const int tile = row.values[entry - 1];
+  const int vertex = row.values[entry];
+  const int count = static_cast<int>(tiles.tiles[tile].vertices.size());
+  if (vertex >= 0 && vertex < count) return;
+  // A vertex number above the last may also mean that the tile lacks a vertex.
+  const std::string usual =
+      vertex < 0 ? "correct this column"
+                 : "correct this column or add the vertex at " + tiles.shortName(tile);
+  throw inputErrorAt(locationOf(table, row, entry),
+                     fmt::format("tile {} has vertices {}-{}, not {}; {}", table.countsFrom + tile,
+                                 table.countsFrom, table.countsFrom + count - 1,
+                                 table.countsFrom + vertex, usual));
+}
+
+void checkFace(const JointTable& table, const JointRow& row) {
+  if (row.values[4] >= 1 && row.values[4] <= 3) return;
+  throw inputErrorAt(
+      locationOf(table, row, 4),
+      fmt::format("there is no face {}; write 1 (bottom), 2 (top) or 3 (both)", row.values[4]));
+}
+
+void checkTwoTiles(const JointTable& table, const JointRow& row) {
+  if (row.values[0] != row.values[2]) return;
+  throw inputErrorAt(locationOf(table, row, 2),
+                     fmt::format("tile {} is joined to itself; correct this column or delete this "
+                                 "line",
+                                 table.countsFrom + row.values[0]));
+}
+
+Joint toJoint(const JointRow& row) {
+  return {{row.values[0], row.values[1]},
+          {row.values[2], row.values[3]},
+          static_cast<JointFace>(row.values[4])};
+}
+
+}  // namespace
+
+double startGap(const Model& model, const Joint& joint) {
+  const Vector3& a = model.tiles[joint.a.tile].vertices[joint.a.vertex];
+  const Vector3& b = model.tiles[joint.b.tile].vertices[joint.b.vertex];
+  return (a - b).norm();
+}
+
+bool namesWhatIsThere(const JointTable& table, const std::vector<Tile>& tiles, int shift) {
+  return std::all_of(table.rows.begin(), table.rows.end(), [&](const JointRow& row) {
+    // Entries 0 and 2 are tiles, the ones after them vertices. Everything is shifted alike, since a
+    // file counts both from 0 or both from 1.
+    for (const int entry : {0, 2}) {
+      const int tile = row.values[entry] + shift;
+      const int vertex = row.values[entry + 1] + shift;
+      if (tile < 0 || tile >= std::ssize(tiles) || vertex < 0) return false;
+      if (vertex >= std::ssize(tiles[tile].vertices)) return false;
+    }
+    return true;
+  });
+}
+
+std::vector<Joint> checkedJoints(const JointTable& table, const TileTable& tiles) {
+  std::vector<Joint> joints;
+  joints.reserve(table.rows.size());
+  for (const JointRow& row : table.rows) {
+    for (const int entry : {0, 2}) {
+      // The tile goes first: without it there is no count of vertices to compare with.
+      checkTileNumber(table, tiles, row, entry);
+      checkVertexNumber(table, tiles, row, entry + 1);
+    }
+    checkFace(table, row);
+    checkTwoTiles(table, row);
+    joints.push_back(toJoint(row));
+  }
+  return joints;
+}
+
+void checkClosed(const JointTable& table, Model& model, const TileTable& tiles,
+                 std::vector<std::string>& warnings) {
+  const double allowed = kTooFar * tileSize(model);
+  const double samePlace = samePlaceTolerance(model.tiles);
+  RoundedCorners rounded(model);
+  double worst = 0;
+  int worstLine = 0;
+  int open = 0;
+  for (size_t i = 0; i < model.joints.size(); ++i) {
+    const Joint& joint = model.joints[i];
+    const double gap = startGap(model, joint);
+    // A wrong number joins corners that are nowhere near each other.
+    if (gap > allowed) {
+      throw inputErrorAt(
+          {table.file, table.rows[i].line},
+          fmt::format("vertex {} of tile {} and vertex {} of tile {} are {:.3g} m "
+                      "apart at the start, at most {:.3g} is allowed; correct this "
+                      "joint or the vertices at {} and {}",
+                      table.countsFrom + joint.a.vertex, table.countsFrom + joint.a.tile,
+                      table.countsFrom + joint.b.vertex, table.countsFrom + joint.b.tile, gap,
+                      allowed, tiles.shortName(joint.a.tile), tiles.shortName(joint.b.tile)));
+    }
+    // The digits of the file explain the gap: the corners are one.
+    if (gap <= samePlace) {
+      rounded.add(joint, gap, toString({table.file, table.rows[i].line}));
+      continue;
+    }
+    // Everything between is an opening that the first steps of a run close.
+    ++open;
+    if (gap <= worst) continue;
+    worst = gap;
+    worstLine = table.rows[i].line;
+  }
+  rounded.note(model, warnings);
+  if (open == 0) return;
+  warnings.push_back(
+      fmt::format("{}: warning: {} joints are open at the start, this one most, by "
+                  "{:.2g} m; the run pulls them together",
+                  toString({table.file, worstLine}), open, worst));
+}
+
+// ------------------------------------------------------------------------------------------------
+// Corners that are one, found by their numbers or by their places.
+//
+// By place: corners coincide where they are within the tolerance of each other in every state. A
+// grid of cubic cells, as wide as the tolerance, holds one corner for each distinct place; a new
+// corner is compared with those in its own cell and the 26 around it, which hold everything within
+// the tolerance. So n corners cost O(n), not O(n^2). Corners that coincide are merged in a forest
+// of disjoint sets. Coincidence within a tolerance is not transitive: a chain of close places
+// merges into one vertex. Where that would make two corners of one tile the same, the file is
+// refused.
+
+namespace {
+
+// Corners at so many places within one tolerance cannot be told apart.
+constexpr std::size_t kMostInACell = 100;
+
+const Vector3& placeOf(const std::vector<Tile>& tiles, const Corner& corner) {
+  return tiles[corner.tile].vertices[corner.vertex];
+}
+
+std::vector<Corner> allCorners(const std::vector<Tile>& tiles) {
+  std::vector<Corner> corners;
+  for (int tile = 0; tile < std::ssize(tiles); ++tile) {
+    for (int vertex = 0; vertex < std::ssize(tiles[tile].vertices); ++vertex) {
+      corners.push_back({tile, vertex});
+    }
+  }
+  return corners;
+}
+
+/// Corners merged pair by pair into groups.
+class CornerGroups {
+ public:
+  // Every corner is a group of its own at first.
+  explicit CornerGroups(const std::vector<Tile>& tiles) : corners_(allCorners(tiles)) {
+    first_.push_back(0);
+    for (const Tile& tile : tiles) {
+      first_.push_back(first_.back() + static_cast<int>(tile.vertices.size()));
+    }
+    parents_.resize(corners_.size());
+    std::iota(parents_.begin(), parents_.end(), 0);
+  }
+
+  const std::vector<Corner>& corners() const { return corners_; }
+
+  void merge(const Corner& a, const Corner& b) {
+    const int rootA = root(indexOf(a)), rootB = root(indexOf(b));
+    // The lower number leads, so that groups do not depend on the order of merging.
+    parents_[std::max(rootA, rootB)] = std::min(rootA, rootB);
+  }
+
+  /// Numbers of the groups, from 0 in the order of their first corners.
+  CornerNumbers numbers() {
+    CornerNumbers result(first_.size() - 1);
+    std::map<int, int> known;
+    for (int k = 0; k < std::ssize(corners_); ++k) {
+      const int number = known.try_emplace(root(k), static_cast<int>(known.size())).first->second;
+      result[corners_[k].tile].push_back(number);
+    }
+    return result;
+  }
+
+ private:
+  int indexOf(const Corner& corner) const { return first_[corner.tile] + corner.vertex; }
+
+  // The lowest corner of a group.
+  int root(int index) {
+    while (parents_[index] != index) {
+      // Path halving keeps the trees flat.
+      parents_[index] = parents_[parents_[index]];
+      index = parents_[index];
+    }
+    return index;
+  }
+
+  std::vector<Corner> corners_;
+  std::vector<int> first_;
+  std::vector<int> parents_;
+};
+
+/// Finds corners that coincide in every state, in time that does not grow with the square of their
+/// number: a grid of cells as wide as the tolerance, in the first state.
+class NearCorners {
+ public:
+  NearCorners(const std::vector<const std::vector<Tile>*>& states, std::filesystem::path file)
+      : states_(states), file_(std::move(file)) {
+    for (const std::vector<Tile>* tiles : states) {
+      tolerance_ = std::max(tolerance_, samePlaceTolerance(*tiles));
+    }
+  }
+
+  /// Takes a corner up. Gives one corner taken up before for each place that coincides with it.
+  std::vector<Corner> add(const Corner& corner) {
+    const Cell home = cellOf(corner);
+    std::vector<Corner> found;
+    bool isNewPlace = true;
+    for (const Cell& cell : cellsAround(home)) {
+      const auto residents = cells_.find(cell);
+      if (residents == cells_.end()) continue;
+      for (const Corner& other : residents->second) {
+        const double apart = largestDistance(corner, other);
+        if (apart <= tolerance_) found.push_back(other);
+        // Most corners that are one agree to the last bit. They need no entry of their own, so that
+        // a cell stays small.
+        if (apart == 0) isNewPlace = false;
+      }
+    }
+    if (isNewPlace) settle(corner, cells_[home]);
+    return found;
+  }
+
+  /// Throws InputError when two corners of one tile have the same number.
+  void requireDistinctCorners(const CornerNumbers& numbers) const {
+    for (std::size_t tile = 0; tile < numbers.size(); ++tile) {
+      std::vector<int> sorted = numbers[tile];
+      std::sort(sorted.begin(), sorted.end());
+      if (std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end()) refuse(tile);
+    }
+  }
+
+ private:
+  // Cell numbers are whole numbers held as doubles: a coordinate over a tolerance may be larger
+  // than an int.
+  using Cell = std::array<double, 3>;
+  struct CellHash {
+    std::size_t operator()(const Cell& cell) const {
+      std::size_t hash = 0;
+      for (const double number : cell) hash = 1000003 * hash + std::hash<double>()(number);
+      return hash;
+    }
+  };
+
+  Cell cellOf(const Corner& corner) const {
+    const Vector3& place = placeOf(*states_.front(), corner);
+    return {std::floor(place.x() / tolerance_), std::floor(place.y() / tolerance_),
+            std::floor(place.z() / tolerance_)};
+  }
+
+  /// A cell and the 26 that touch it.
+  static std::vector<Cell> cellsAround(const Cell& home) {
+    std::vector<Cell> cells;
+    for (const int x : {-1, 0, 1}) {
+      for (const int y : {-1, 0, 1}) {
+        for (const int z : {-1, 0, 1}) cells.push_back({home[0] + x, home[1] + y, home[2] + z});
+      }
+    }
+    return cells;
+  }
+
+  // Over all states, metres.
+  double largestDistance(const Corner& a, const Corner& b) const {
+    double largest = 0;
+    for (const std::vector<Tile>* tiles : states_) {
+      largest = std::max(largest, (placeOf(*tiles, a) - placeOf(*tiles, b)).norm());
+    }
+    return largest;
+  }
+
+  // Too many places within one tolerance cannot be told apart, and would take long.
+  void settle(const Corner& corner, std::vector<Corner>& residents) const {
+    residents.push_back(corner);
+    if (residents.size() > kMostInACell) refuse(static_cast<std::size_t>(corner.tile));
+  }
+
+  [[noreturn]] void refuse(std::size_t tile) const {
+    throw inputErrorAt(
+        {file_}, fmt::format("corners at tile {} are within {:.2g} m, less than their digits can "
+                             "tell, without being one; give joined corners one vertex number",
+                             tile, tolerance_));
+  }
+
+  const std::vector<const std::vector<Tile>*>& states_;
+  std::filesystem::path file_;
+  double tolerance_ = 0;                                           ///< metres
+  std::unordered_map<Cell, std::vector<Corner>, CellHash> cells_;  ///< one corner a place
+};
+
+}  // namespace
+
+std::vector<Joint> jointsOfSharedNumbers(const CornerNumbers& numbers) {
+  std::map<int, std::vector<Corner>> holders;
+  for (int tile = 0; tile < std::ssize(numbers); ++tile) {
+    for (int vertex = 0; vertex < std::ssize(numbers[tile]); ++vertex) {
+      holders[numbers[tile][vertex]].push_back({tile, vertex});
+    }
+  }
+  std::vector<Joint> joints;
+  for (const auto& [number, corners] : holders) {
+    for (std::size_t k = 1; k < corners.size(); ++k) {
+      joints.push_back({corners[k - 1], corners[k], JointFace::Bottom});
+    }
+  }
+  return joints;
+}
+
+std::vector<Joint> jointsOfCoincidingCorners(const std::vector<const std::vector<Tile>*>& states,
+                                             const std::filesystem::path& file) {
+  CornerGroups groups(*states.front());
+  NearCorners near(states, file);
+  for (const Corner& corner : groups.corners()) {
+    for (const Corner& other : near.add(corner)) groups.merge(corner, other);
+  }
+  const CornerNumbers numbers = groups.numbers();
+  near.requireDistinctCorners(numbers);
+  return jointsOfSharedNumbers(numbers);
+}
+
+bool sharesNumbers(const CornerNumbers& numbers) {
+  std::set<int> seen;
+  for (const std::vector<int>& tile : numbers) {
+    for (const int number : tile) {
+      if (!seen.insert(number).second) return true;
+    }
+  }
+  return false;
+}
+
+std::vector<Joint> jointsOfMesh(const CornerNumbers& numbers,
+                                const std::vector<const std::vector<Tile>*>& states,
+                                const std::filesystem::path& file) {
+  return sharesNumbers(numbers) ? jointsOfSharedNumbers(numbers)
+                                : jointsOfCoincidingCorners(states, file);
+}
+
+// Exact equality, so that nothing is lost when a mesh is written and read.
+CornerNumbers sharedNumbers(const Model& model) {
+  CornerGroups groups(model.tiles);
+  for (const Joint& joint : model.joints) {
+    if (joint.kind != JointKind::Pivot) continue;
+    const bool atStart = placeOf(model.tiles, joint.a) == placeOf(model.tiles, joint.b);
+    const bool atTarget =
+        !model.target || placeOf(*model.target, joint.a) == placeOf(*model.target, joint.b);
+    if (atStart && atTarget) groups.merge(joint.a, joint.b);
+  }
+  return groups.numbers();
+}
+
+// ------------------------------------------------------------------------------------------------
+// Faces of joints from the shape of the deployed sheet.
+//
+// A brick is a tile thickened along its normal, so that two bricks that fold towards each other on
+// the side of their normals collide there, unless they are joined on that side. With normals n_a
+// and n_b and the unit direction e of the shared edge, the first tile on its left,
+//   s = (n_a x n_b) . e          the sine of the fold: s > 0 a mountain, s < 0 a valley
+// decides between top and bottom. Tiles that meet at one vertex only have no edge. There the
+// direction between the centroids stands for the normal of the edge: normals that converge along it
+// are a valley. PyKirigami takes the edge from its lower to its higher vertex number in place of
+// anticlockwise, so that its sign depends on the numbering: that rule is kept for files that were
+// made for it.
+
+namespace {
+
+// Below this sine between normals a fold is flat, and its sign is rounding.
+constexpr double kFlatFold = 1e-6;
+
+/// The edge of the first tile along which a joint's tiles lie side by side: two of its vertices,
+/// the joint's own first.
+using SharedEdge = std::pair<int, int>;
+
+// The vertex before (-1) or after (+1) one, round the tile.
+int neighbour(const Tile& tile, int vertex, int step) {
+  const int count = static_cast<int>(tile.vertices.size());
+  return (vertex + step + count) % count;
+}
+
+std::optional<SharedEdge> sharedEdge(const Joint& joint, const Tile& a, const Tile& b,
+                                     double tolerance) {
+  // The neighbours on either side of both corners: four pairs of edges can coincide.
+  for (const int stepA : {1, -1}) {
+    for (const int stepB : {1, -1}) {
+      const int endA = neighbour(a, joint.a.vertex, stepA);
+      const int endB = neighbour(b, joint.b.vertex, stepB);
+      const double gap = (a.vertices[endA] - b.vertices[endB]).norm();
+      if (gap <= tolerance) return SharedEdge{joint.a.vertex, endA};
+    }
+  }
+  return std::nullopt;
+}
+
+/// The edge's direction, anticlockwise round the tile or from the lower to the higher number.
+Vector3 edgeDirection(const Tile& tile, const SharedEdge& edge, FaceRule rule) {
+  const Vector3 away = tile.vertices[edge.second] - tile.vertices[edge.first];
+  const bool forward = rule == FaceRule::PyKirigami ? edge.first < edge.second
+                                                    : neighbour(tile, edge.first, 1) == edge.second;
+  return (forward ? away : Vector3(-away)).normalized();
+}
+
+// The face of one joint, from the fold about its edge or from how the normals converge.
+JointFace faceOf(const Joint& joint, const std::vector<Tile>& tiles, FaceRule rule,
+                 double tolerance) {
+  const Tile& a = tiles[joint.a.tile];
+  const Tile& b = tiles[joint.b.tile];
+  const Vector3 normalA = tileNormal(a);
+  const Vector3 normalB = tileNormal(b);
+  if (const std::optional<SharedEdge> edge = sharedEdge(joint, a, b, tolerance)) {
+    const double sine = normalA.cross(normalB).dot(edgeDirection(a, *edge, rule));
+    const bool top = rule == FaceRule::PyKirigami ? sine > kFlatFold : sine < -kFlatFold;
+    return top ? JointFace::Top : JointFace::Bottom;
+  }
+  const Vector3 across = (tileCentroid(b) - tileCentroid(a)).normalized();
+  const bool converging = (normalB - normalA).dot(across) < -kFlatFold;
+  return converging ? JointFace::Top : JointFace::Bottom;
+}
+
+}  // namespace
+
+void chooseJointFaces(Model& model, FaceRule rule) {
+  const double tolerance = samePlaceTolerance(model.tiles);
+  const std::vector<Tile>& deployed = model.target ? *model.target : model.tiles;
+  const bool planar = liesFlat(model.tiles, tolerance) && liesFlat(deployed, tolerance);
+  for (Joint& joint : model.joints) {
+    if (joint.kind != JointKind::Pivot) continue;
+    joint.face = planar ? JointFace::Both : faceOf(joint, deployed, rule, tolerance);
+  }
+}
+
+}  // namespace kirireel

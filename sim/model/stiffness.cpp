@@ -1,0 +1,127 @@
+// Stiffnesses of necks from tables of finite element runs.
+//
+// A neck of length L and width w (m) between two tiles in a sheet of thickness t (m) and Young's
+// modulus E (Pa) is a beam in series with the two places where it meets the tiles. The tiles' share
+// is said as a length: e widths that the neck seems longer, so that
+//   k = E t w^3 / (12 (L + e w))                                    N m/rad
+// is exact for pure bending of a long neck and for the measured table at any length. A table rather
+// than a closed formula stands here, because no closed formula is known for e between its limits;
+// the values change by 4% at most, so that straight lines between the rows err by far less than 1%.
+//
+// A neck without length has three stiffnesses about its own axis. With the table's flexibilities b,
+// s, h (no unit):
+//   bending = E t w^2 / b,   stretch = E t / s,   shear = E t / h   (N m/rad, N/m, N/m)
+// s and h grow with log(side / w), as the displacement under a force at a point does in the plane,
+// so that they are taken along straight lines of the logarithm.
+#include "sim/model/stiffness.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <numbers>
+
+#include "sim/model/neck_table.h"
+
+namespace kirireel {
+namespace {
+
+/// The table's ends at a length in widths, between rows along a straight line.
+double endsOf(double length) {
+  const auto above =
+      std::ranges::find_if(kNeckTable, [&](const NeckRow& row) { return row.length > length; });
+  if (above == kNeckTable.end()) return kNeckTable.back().ends;
+  const NeckRow& below = *std::prev(above);
+  const double share = (length - below.length) / (above->length - below.length);
+  return std::lerp(below.ends, above->ends, share);
+}
+
+/// The table's row at a width in sides: between rows, and before the first, what bends along a
+/// straight line of the width, what stretches and shears along one of its logarithm.
+CornerNeckRow cornerRow(double width) {
+  const auto& table = kCornerNeckTable;
+  // Beyond the last row the tiles are hardly more than the neck. Below the first row the first two
+  // rows are continued.
+  width = std::min(width, table.back().width);
+  const auto isWider = [&](const CornerNeckRow& row) { return row.width >= width; };
+  const auto above = std::find_if(std::next(table.begin()), table.end(), isWider);
+  const CornerNeckRow& a = *std::prev(above);
+  const CornerNeckRow& b = *above;
+  const double share = (width - a.width) / (b.width - a.width);
+  const double inLog = std::log(width / a.width) / std::log(b.width / a.width);
+  return {width, std::lerp(a.bend, b.bend, share), std::lerp(a.axis, b.axis, share),
+          std::lerp(a.stretch, b.stretch, inLog), std::lerp(a.shear, b.shear, inLog)};
+}
+
+}  // namespace
+
+double neckStiffness(double youngs, double thickness, double width, double length) {
+  const double widths = length / width;
+  return youngs * thickness * width * width / (12 * (widths + endsOf(widths)));
+}
+
+double neckAxis(double width, double length, double side) {
+  // The axis of a neck's own bending lies in its middle; that of its ends where cornerRow() says.
+  // Both weigh by the angle that they give under one moment: L / w against e.
+  constexpr double kOwn = 0.5;  ///< widths
+  const double widths = length / width, ends = endsOf(widths);
+  return width * (kOwn * widths + cornerRow(width / side).axis * ends) / (widths + ends);
+}
+
+CornerNeck cornerNeck(double youngs, double thickness, double width, double side) {
+  const CornerNeckRow row = cornerRow(width / side);
+  const double sheet = youngs * thickness;
+  return {sheet * width * width / row.bend, row.axis * width, sheet / row.stretch,
+          sheet / row.shear, kCornerNeckOpening};
+}
+
+// ------------------------------------------------------------------------------------------------
+// The stiffnesses of the bar and hinge model.
+//
+// Symbols: E Young's modulus (Pa), nu Poisson's ratio, t thickness (m), D = E t^3 / (12 (1 - nu^2))
+// the bending stiffness of a plate (N m).
+// - A bar's area follows from equal energy: a triangle under equal strain e in all directions
+//   stores E t S e^2 / (1 - nu) as a plate, and E A (a + b + c) e^2 / 2 as three bars.
+// - A panel that bends about its diagonal of length d: k = C D (d / t)^(1/3). The power 1/3 comes
+//   from the ridge into which a thin sheet with held edges bends (A. E. Lobkovsky, Boundary layer
+//   analysis of the ridge singularity in a thin plate, Phys. Rev. E 53, 1996). C was fitted to
+//   finite elements in the paper that the header names; it falls for skew panels.
+// - A fold of length l: k = D l / scale, the stiffness of a strip of panel as long as the fold and
+//   as wide as the length scale.
+
+namespace {
+
+double plateStiffness(double youngs, double poisson, double thickness) {
+  // D in N m.
+  return youngs * thickness * thickness * thickness / (12 * (1 - poisson * poisson));
+}
+
+}  // namespace
+
+double barArea(const std::array<Vector3, 3>& triangle, double thickness, double poisson) {
+  const auto& [a, b, c] = triangle;
+  const double area = 0.5 * (b - a).cross(c - a).norm();
+  const double round = (b - a).norm() + (c - b).norm() + (a - c).norm();
+  return 2 * area * thickness / ((1 - poisson) * round);
+}
+
+double bendStiffness(const std::array<Vector3, 4>& corners, double diagonal, double youngs,
+                     double poisson, double thickness) {
+  constexpr double kLeast = 0.05;
+  double skew = 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    // The angle at corner k between its two sides, by atan2 so that right and flat angles keep
+    // their digits.
+    const Vector3 next = corners[(k + 1) % 4] - corners[k],
+                  last = corners[(k + 3) % 4] - corners[k];
+    skew += std::abs(std::numbers::pi / 2 - std::atan2(next.cross(last).norm(), next.dot(last)));
+  }
+  // The fit would turn negative for very skew panels, and no panel has a negative stiffness.
+  const double share = std::max(kLeast, 0.55 - 0.42 * skew / std::numbers::pi);
+  return share * plateStiffness(youngs, poisson, thickness) * std::cbrt(diagonal / thickness);
+}
+
+double foldStiffness(double length, double scale, double youngs, double poisson, double thickness) {
+  return plateStiffness(youngs, poisson, thickness) * length / scale;
+}
+
+}  // namespace kirireel

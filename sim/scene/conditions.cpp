@@ -1,0 +1,404 @@
+// Numbers of tiles as people write them. An index of a file is a whole number from 0 on; whether
+// the model has such a tile, and counts from 0 or from 1, is known once the model is read.
+#include "sim/scene/conditions.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "sim/base/geometry.h"
+#include "sim/model/brick.h"
+
+namespace kirireel {
+
+// Throws InputError for anything but a whole number that an int holds, from 0.
+int readIndex(const TomlValue& value, const std::string& wanted) {
+  const std::int64_t* number = value.whole();
+  if (!number || *number < 0 || *number > std::numeric_limits<int>::max()) {
+    refuseValue(value, wanted);
+  }
+  return static_cast<int>(*number);
+}
+
+// An empty list is refused: elsewhere it means all tiles, which would be a surprise here.
+std::vector<int> readIndices(const TomlValue& value, const std::string& wanted,
+                             const std::string& wantedElement) {
+  const std::vector<TomlValue>* array = value.array();
+  if (!array || array->empty()) refuseValue(value, wanted);
+  std::vector<int> numbers;
+  for (const TomlValue& element : *array) numbers.push_back(readIndex(element, wantedElement));
+  return numbers;
+}
+
+// Throws InputError where the model has no such tile, with the numbers that it has.
+int tileOfModel(int number, const Model& model, const FileLocation& where) {
+  const int first = model.fileOrder.countsFrom;
+  const int end = first + static_cast<int>(model.tiles.size());
+  if (number >= first && number < end) return number - first;
+  throw inputErrorAt(where, fmt::format("the model has tiles {}-{}, not {}; correct this number",
+                                        first, end - 1, number));
+}
+
+// ------------------------------------------------------------------------------------------------
+// [[grip]] entries of a scene file: which parts of a sheet are held, moved or pushed while the load
+// grows from 0 to 1.
+//
+// An entry is read key by key, and what the keys mean together is checked afterwards: tiles are
+// given in one of two ways, a point of them in one of two ways or not at all, and the grip either
+// moves (metres, degrees) or pushes (newtons, N m). A coordinate that is not named stays free,
+// while one that is named as 0 holds still: x, y, z and turn are therefore optional values and not
+// zeros. Numbers of tiles and vertices stay those of the model's file until numberAsModel() has the
+// model to compare them with.
+
+namespace {
+
+// A bound against slips of the pen, and against products that overflow; no real load comes near it.
+constexpr double kMost = 1e12;  // of any amount
+const std::vector<std::string> kGripKeys = {"tile", "tiles", "vertex", "edge", "move", "force"};
+const std::vector<std::string> kAmountKeys = {"x", "y", "z", "turn"};
+
+// Metres and degrees, or newtons and N m.
+void readAmounts(const TomlEntry& entry, GripSetting& grip) {
+  const TomlTable* table = entry.value.table();
+  grip.isForce = entry.key == "force";
+  if (!table || table->empty()) {
+    refuseValue(entry.value, grip.isForce ? "newtons and N m, {x = 1.5, y = 0, turn = 0.1}"
+                                          : "metres and degrees, {x = 0.1, y = 0, turn = 5}");
+  }
+  for (const TomlEntry& amount : *table) {
+    const auto read = [&] {
+      return requireNumber(amount.value, -kMost, kMost, "a number, at most 1e12 in size");
+    };
+    if (amount.key == "x") {
+      grip.x = read();
+    } else if (amount.key == "y") {
+      grip.y = read();
+    } else if (amount.key == "z") {
+      grip.z = read();
+    } else if (amount.key == "turn") {
+      // A moment is in N m as it stands, a turn is typed in degrees.
+      grip.turn = read() * (grip.isForce ? 1 : kDegree);
+    } else {
+      refuseKey(amount, "key of a grip's " + entry.key, kAmountKeys);
+    }
+  }
+}
+
+// One key; what the keys mean together is checked by readGrip().
+void readGripKey(const TomlEntry& entry, GripSetting& grip) {
+  if (entry.key == "tile") {
+    grip.tiles = {readIndex(entry.value, "a tile number")};
+  } else if (entry.key == "tiles") {
+    grip.tiles = readIndices(entry.value, "a list of tile numbers, [0, 1]",
+                             "a list of tile numbers, [0, 1]");
+  } else if (entry.key == "vertex") {
+    grip.vertices = {readIndex(entry.value, "a vertex number")};
+  } else if (entry.key == "edge") {
+    grip.vertices =
+        readIndices(entry.value, "two vertex numbers, [0, 1]", "two vertex numbers, [0, 1]");
+    if (grip.vertices.size() != 2) refuseValue(entry.value, "two vertex numbers, [0, 1]");
+  } else if (entry.key == "move" || entry.key == "force") {
+    readAmounts(entry, grip);
+  } else {
+    refuseKey(entry, "key of a grip", kGripKeys);
+  }
+}
+
+GripSetting readGrip(const TomlValue& value) {
+  const TomlTable* table = value.table();
+  if (!table) refuseValue(value, "tables, each under [[grip]]");
+  GripSetting grip;
+  grip.where = value.where;
+  for (const TomlEntry& entry : *table) readGripKey(entry, grip);
+  // Keys are counted and not only looked for: one of two has to be there, and not both.
+  const auto has = [&](const char* key) { return find(*table, key) ? 1 : 0; };
+  if (has("tile") + has("tiles") != 1) {
+    throw inputErrorAt(value.where, "a grip holds tiles; give one of tile = 3 and tiles = [3, 4]");
+  }
+  if (has("vertex") + has("edge") > 1) {
+    throw inputErrorAt(value.where,
+                       "a grip holds a vertex, an edge or the whole tile; leave vertex "
+                       "or edge away");
+  }
+  if (has("move") + has("force") != 1) {
+    throw inputErrorAt(value.where,
+                       "a grip moves or pushes; give one of move = {x = 0.1} and force "
+                       "= {x = 1.5}");
+  }
+  // A point has no direction that could turn.
+  if (grip.turn && !grip.vertices.empty()) {
+    throw inputErrorAt(value.where, "points do not turn; leave turn away, or vertex and edge");
+  }
+  return grip;
+}
+
+[[noreturn]] void refuseNumber(const GripSetting& grip, const std::string& whose, int first,
+                               int count, int found) {
+  throw inputErrorAt(grip.where, fmt::format("{} {}-{}, not {}; correct this grip", whose, first,
+                                             first + count - 1, found));
+}
+
+}  // namespace
+
+std::vector<GripSetting> readGrips(const TomlValue& value) {
+  const std::vector<TomlValue>* array = value.array();
+  if (!array) refuseValue(value, "tables, each under [[grip]]");
+  std::vector<GripSetting> grips;
+  for (const TomlValue& element : *array) grips.push_back(readGrip(element));
+  return grips;
+}
+
+void numberAsModel(std::vector<GripSetting>& grips, const Model& model) {
+  const int first = model.fileOrder.countsFrom;
+  const int tiles = static_cast<int>(model.tiles.size());
+  for (GripSetting& grip : grips) {
+    // Called again, the list would grow.
+    grip.corners.clear();
+    for (int& tile : grip.tiles) {
+      if (tile < first || tile >= first + tiles) {
+        refuseNumber(grip, "the model has tiles", first, tiles, tile);
+      }
+      const Tile& held = model.tiles[static_cast<std::size_t>(tile - first)];
+      const int vertices = static_cast<int>(held.vertices.size());
+      for (const int vertex : grip.vertices) {
+        if (vertex < first || vertex >= first + vertices) {
+          refuseNumber(grip, fmt::format("tile {} has vertices", tile), first, vertices, vertex);
+        }
+        grip.corners.push_back(model.fileOrder.toModel({tile, vertex}, model.tiles));
+      }
+      // The vertices needed the file's number of the tile; from here on the model's own counts.
+      tile -= first;
+    }
+  }
+}
+
+// ------------------------------------------------------------------------------------------------
+// Surfaces of obstacles as polygons, for pictures, and the floor that a box is thickened from. A
+// sphere's polygons have their corners on the sphere, so that they lie within it by up to about
+// one per cent of the radius; collisions use the exact sphere (world/sphere_pair.h).
+
+namespace {
+
+// Of the polyhedron that stands for a sphere in pictures: bands from pole to pole, and twice as
+// many round it.
+constexpr int kBands = 16;
+
+// A polygon in an obstacle's axes as one in the world's.
+Tile placed(const Pose& pose, Tile tile) {
+  for (Vector3& vertex : tile.vertices) vertex = pose.apply(vertex);
+  return tile;
+}
+
+// The corner at a band's border (0 is the upper pole, kBands the lower one) and a sector's, metres.
+Vector3 onSphere(const Obstacle& sphere, int band, int sector) {
+  const double polar = std::numbers::pi * band / kBands;
+  const double around = std::numbers::pi * sector / kBands;
+  return sphere.pose.position + sphere.radius * Vector3(std::sin(polar) * std::cos(around),
+                                                        std::sin(polar) * std::sin(around),
+                                                        std::cos(polar));
+}
+
+// Corners go round each face counter-clockwise as seen from outside: down, along, up, back.
+std::vector<Tile> sphereFaces(const Obstacle& sphere) {
+  std::vector<Tile> faces;
+  for (int band = 0; band < kBands; ++band) {
+    for (int sector = 0; sector < 2 * kBands; ++sector) {
+      Tile& face = faces.emplace_back();
+      face.vertices = {onSphere(sphere, band, sector), onSphere(sphere, band + 1, sector)};
+      // At a pole the two corners of a band's border coincide, so that one of them is left out.
+      // Triangles at the poles.
+      if (band + 1 < kBands) face.vertices.push_back(onSphere(sphere, band + 1, sector + 1));
+      if (band > 0) face.vertices.push_back(onSphere(sphere, band, sector + 1));
+    }
+  }
+  return faces;
+}
+
+// Floor and walls of a box in the world's axes.
+std::vector<Tile> boxFaces(const Obstacle& box) {
+  const Tile floor = boxFloor(box, box.size);
+  // The brick of the floor is the box, so that pictures and contacts have the same faces.
+  const Brick brick = makeBrick(floor, {.thickness = box.size.z()});
+  std::vector<Tile> faces;
+  for (std::vector<Vector3>& corners : brickFaces(brick)) {
+    faces.push_back(placed({box.pose.position, Quaternion::Identity()}, {std::move(corners)}));
+  }
+  return faces;
+}
+
+}  // namespace
+
+// The lower side of a box of that size, with its corners counter-clockwise from above in the box's
+// own axes. `size` may differ from the obstacle's.
+Tile boxFloor(const Obstacle& obstacle, const Vector3& size) {
+  const Vector3 half = 0.5 * size;
+  return placed(obstacle.pose, {{{-half.x(), -half.y(), -half.z()},
+                                 {half.x(), -half.y(), -half.z()},
+                                 {half.x(), half.y(), -half.z()},
+                                 {-half.x(), half.y(), -half.z()}}});
+}
+
+std::vector<Tile> obstacleFaces(const Obstacle& obstacle) {
+  switch (obstacle.shape) {
+    case Obstacle::Shape::Box:
+      return boxFaces(obstacle);
+    case Obstacle::Shape::Sphere:
+      return sphereFaces(obstacle);
+    case Obstacle::Shape::Mesh:
+      break;
+  }
+  std::vector<Tile> faces;
+  for (const Tile& face : obstacle.mesh) faces.push_back(placed(obstacle.pose, face));
+  return faces;
+}
+
+std::vector<Tile> obstacleFaces(const std::vector<Obstacle>& obstacles) {
+  std::vector<Tile> all;
+  for (const Obstacle& obstacle : obstacles) {
+    for (Tile& face : obstacleFaces(obstacle)) all.push_back(std::move(face));
+  }
+  return all;
+}
+
+// ------------------------------------------------------------------------------------------------
+// Speeds at the start: a group of tiles begins to move as one rigid body. With the common centre of
+// mass c (m), the velocity v of c (m/s) and the angular velocity w (rad/s), the tile at x has
+//   v_x = v + w x (x - c),     w_x = w
+// Velocities of several entries for one tile add up. What joints do not allow is taken away by the
+// first projection of the run, which keeps momentum.
+
+namespace {
+
+// No tiles named means all.
+std::vector<int> tilesOf(const InitialVelocity& velocity, std::size_t count) {
+  if (!velocity.tiles.empty()) return velocity.tiles;
+  std::vector<int> all(count);
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
+
+}  // namespace
+
+// From the file's numbers to the model's. Throws InputError for a tile that the model does not
+// have.
+void numberAsModel(std::vector<InitialVelocity>& velocities, const Model& model) {
+  for (InitialVelocity& velocity : velocities) {
+    for (int& tile : velocity.tiles) tile = tileOfModel(tile, model, velocity.where);
+  }
+}
+
+// Tiles must be numbered as the model's. One velocity a brick, zero where no entry names it.
+std::vector<Velocity> initialVelocities(const std::vector<InitialVelocity>& given,
+                                        const std::vector<Brick>& bricks, const Poses& poses) {
+  std::vector<Velocity> velocities(bricks.size());
+  for (const InitialVelocity& velocity : given) {
+    const std::vector<int> tiles = tilesOf(velocity, bricks.size());
+    double mass = 0;
+    Vector3 centre = Vector3::Zero();
+    for (const int tile : tiles) {
+      mass += bricks[tile].mass;
+      centre += bricks[tile].mass * poses[tile].position;
+    }
+    // Masses are positive, and a group has one tile at least.
+    centre /= mass;
+    for (const int tile : tiles) {
+      const Vector3 arm = poses[tile].position - centre;
+      velocities[tile].linear += velocity.linear + velocity.angular.cross(arm);
+      velocities[tile].angular += velocity.angular;
+    }
+  }
+  return velocities;
+}
+
+// ------------------------------------------------------------------------------------------------
+// Checks of a timeline against its model, in the numbers of the model's file, and the change to the
+// model's own numbers. The order matters: checking needs the file's numbers for its messages, and
+// everything after it the model's.
+
+namespace {
+
+void requireTiles(const std::vector<int>& tiles, const Model& model, const FileLocation& where) {
+  for (const int tile : tiles) tileOfModel(tile, model, where);
+}
+
+// The tile must have been checked before: its vertices are counted here.
+void requireVertex(const timeline::Drag& drag, const Model& model, const FileLocation& where) {
+  // The centre of mass of any brick can be dragged.
+  if (!drag.vertex) return;
+  const int first = model.fileOrder.countsFrom;
+  const int end = first + static_cast<int>(model.tiles[drag.tile - first].vertices.size());
+  if (*drag.vertex >= first && *drag.vertex < end) return;
+  throw inputErrorAt(where, fmt::format("tile {} has vertices {}-{}, not {}; correct this number",
+                                        drag.tile, first, end - 1, *drag.vertex));
+}
+
+// Only these three actions name tiles.
+void check(const TimelineEntry& entry, const Model& model) {
+  if (const auto* pin = std::get_if<timeline::Pin>(&entry.action)) {
+    requireTiles(pin->tiles, model, entry.where);
+  } else if (const auto* unpin = std::get_if<timeline::Unpin>(&entry.action)) {
+    requireTiles(unpin->tiles, model, entry.where);
+  } else if (const auto* drag = std::get_if<timeline::Drag>(&entry.action)) {
+    tileOfModel(drag->tile, model, entry.where);
+    requireVertex(*drag, model, entry.where);
+  }
+}
+
+// Whether an entry waits for, or goes to, the target that the model has.
+bool needsTarget(const TimelineEntry& entry) {
+  const Occasion::Kind kind = entry.when.kind;
+  const auto* goTo = std::get_if<timeline::GoTo>(&entry.action);
+  return kind == Occasion::Kind::AtTarget || kind == Occasion::Kind::ErrorBelow ||
+         kind == Occasion::Kind::ProgressAbove || (goTo && goTo->file.empty());
+}
+
+}  // namespace
+
+std::string actionName(const timeline::Action& action) {
+  static const std::array<const char*, std::variant_size_v<timeline::Action>> kNames = {
+      "pin", "unpin", "drag", "forces", "pause", "target", "snapshot", "export", "reset", "quit"};
+  // In the order of timeline::Action.
+  return kNames[action.index()];
+}
+
+// Throws InputError at the first entry that makes no sense. Entries are looked at in their order,
+// because one may set the target that a later one waits for.
+void checkTimeline(const Timeline& timeline, const Model& model) {
+  bool hasTarget = model.target.has_value();
+  for (const TimelineEntry& entry : timeline) {
+    check(entry, model);
+    if (needsTarget(entry) && !hasTarget) {
+      throw inputErrorAt(entry.where,
+                         "this waits for a target, but there is none; add target.txt to the model "
+                         "or name one with --target");
+    }
+    // From this entry on there is a target to wait for.
+    hasTarget = hasTarget || std::holds_alternative<timeline::GoTo>(entry.action);
+  }
+}
+
+// To be called once, after checkTimeline(): a second call would count from the wrong number.
+void numberAsModel(Timeline& timeline, const Model& model) {
+  const int first = model.fileOrder.countsFrom;
+  for (TimelineEntry& entry : timeline) {
+    if (auto* pin = std::get_if<timeline::Pin>(&entry.action)) {
+      for (int& tile : pin->tiles) tile -= first;
+    } else if (auto* unpin = std::get_if<timeline::Unpin>(&entry.action)) {
+      for (int& tile : unpin->tiles) tile -= first;
+    } else if (auto* drag = std::get_if<timeline::Drag>(&entry.action)) {
+      const Corner corner =
+          model.fileOrder.toModel({drag->tile, drag->vertex.value_or(first)}, model.tiles);
+      drag->tile = corner.tile;
+      // Of a tile that was turned round, the file's vertex has another number in the model.
+      if (drag->vertex) drag->vertex = corner.vertex;
+    }
+  }
+}
+
+}  // namespace kirireel

@@ -1,0 +1,1018 @@
+// Samples as long arrays. Angular velocities come from the rotation vector between two samples: the
+// axis times the angle of to * from^-1, divided by the time between them, which is exact for a turn
+// at constant speed about a fixed axis and of second order else.
+#include "sim/trajectory/trajectory_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "sim/base/files.h"
+#include "sim/base/interruption.h"
+#include "sim/model/text_table.h"
+#include "sim/trajectory/array_file.h"
+
+namespace kirireel {
+
+// Quaternions are kept as w, x, y, z; Eigen's own order is x, y, z, w.
+void SampleTable::append(const Sample& sample) {
+  brickCount_ = sample.poses.size();
+  times_.push_back(sample.time);
+  for (const Pose& pose : sample.poses) {
+    const Vector3& at = pose.position;
+    const Quaternion& turn = pose.rotation;
+    positions_.insert(positions_.end(), {at.x(), at.y(), at.z()});
+    rotations_.insert(rotations_.end(), {turn.w(), turn.x(), turn.y(), turn.z()});
+  }
+  jointGaps_.push_back(sample.jointGap);
+  targetErrors_.push_back(sample.targetError);
+  penetrations_.push_back(sample.penetration);
+  pinned_.push_back(sample.pinned);
+  steps_.push_back(sample.steps);
+  mechanics_.push_back(sample.mechanics);
+}
+
+Poses SampleTable::poses(std::size_t index) const {
+  Poses poses;
+  poses.reserve(brickCount_);
+  for (std::size_t row = index * brickCount_; row < (index + 1) * brickCount_; ++row) {
+    const double* turn = &rotations_[4 * row];
+    poses.push_back({Vector3(&positions_[3 * row]), {turn[0], turn[1], turn[2], turn[3]}});
+  }
+  return poses;
+}
+
+Sample SampleTable::sample(std::size_t index) const {
+  return {times_[index],        poses(index),   jointGaps_[index], targetErrors_[index],
+          penetrations_[index], pinned_[index], steps_[index],     mechanics_[index]};
+}
+
+std::vector<double> SampleTable::velocities() const {
+  std::vector<double> velocities;
+  velocities.reserve(size() * brickCount_ * 6);
+  for (std::size_t i = 0; i < size(); ++i) {
+    const std::size_t before = i == 0 ? 0 : i - 1;
+    const std::size_t after = std::min(i + 1, size() - 1);
+    const double seconds =
+        std::max(times_[after] - times_[before], 1e-300);  // one sample: 0 / this
+    const Poses from = poses(before);
+    const Poses to = poses(after);
+    for (std::size_t k = 0; k < brickCount_; ++k) {
+      const Vector3 linear = (to[k].position - from[k].position) / seconds;
+      const Vector3 angular = turnBetween(from[k].rotation, to[k].rotation) / seconds;
+      velocities.insert(velocities.end(), linear.begin(), linear.end());
+      velocities.insert(velocities.end(), angular.begin(), angular.end());
+    }
+  }
+  return velocities;
+}
+
+SampleTable readSamples(const TrajectoryReader& run) {
+  SampleTable table;
+  for (std::size_t i = 0; i < run.times().size(); ++i) table.append(run.sample(i));
+  return table;
+}
+
+// ------------------------------------------------------------------------------------------------
+// Trajectories written sample by sample. All arrays that grow are made before the first sample, but
+// those of mechanics, as only the first sample shows whether a run has any. The file grows under a
+// temporary name (files.h) and gets its own when it is whole.
+//
+// A file is self-contained: it repeats the model, the bricks, the ground, obstacles and springs, so
+// that pictures need neither the scene nor the program that made it. Names and units stand in
+// trajectory_file.h, which the reader shares.
+
+namespace {
+
+void append(std::vector<double>& numbers, const Vector3& vector) {
+  numbers.insert(numbers.end(), vector.data(), vector.data() + 3);
+}
+
+// x, y and z of all vertices one after the other, tile by tile.
+std::vector<double> flatten(const std::vector<Tile>& tiles) {
+  std::vector<double> numbers;
+  for (const Tile& tile : tiles) {
+    for (const Vector3& vertex : tile.vertices) append(numbers, vertex);
+  }
+  return numbers;
+}
+
+/// One field of all bricks, point by point.
+std::vector<double> flatten(const std::vector<Brick>& bricks, std::vector<Vector3> Brick::*field) {
+  std::vector<double> numbers;
+  for (const Brick& brick : bricks) {
+    for (const Vector3& point : brick.*field) append(numbers, point);
+  }
+  return numbers;
+}
+
+std::vector<double> flatten(const std::vector<Brick>& bricks, double Brick::*field) {
+  std::vector<double> numbers;
+  for (const Brick& brick : bricks) numbers.push_back(brick.*field);
+  return numbers;
+}
+
+// Nine numbers a brick, kg m^2, about its centre of mass in its own axes.
+std::vector<double> inertias(const std::vector<Brick>& bricks) {
+  std::vector<double> numbers;
+  // Symmetric: rows and columns are alike.
+  for (const Brick& brick : bricks) {
+    numbers.insert(numbers.end(), brick.inertia.data(), brick.inertia.data() + 9);
+  }
+  return numbers;
+}
+
+void writeArray(ArrayWriter& file, const std::string& name, const std::vector<double>& numbers,
+                const Shape& shape, const char* unit) {
+  file.write(name, std::span<const double>(numbers), shape);
+  file.setAttribute(name, "unit", std::string(unit));
+}
+
+/// Points of all tiles, metres.
+void writePoints(ArrayWriter& file, const std::string& name, const std::vector<double>& numbers) {
+  writeArray(file, name, numbers, {numbers.size() / 3, 3}, "m");
+}
+
+void writeJoints(ArrayWriter& file, const std::vector<Joint>& joints) {
+  std::vector<int> rows;
+  std::vector<double> apart;
+  for (const Joint& joint : joints) {
+    rows.insert(rows.end(), {joint.a.tile, joint.a.vertex, joint.b.tile, joint.b.vertex,
+                             static_cast<int>(joint.face), static_cast<int>(joint.kind)});
+    append(apart, joint.apart);
+  }
+  file.write("model/joints", std::span<const int>(rows), {joints.size(), layout::kJointColumns});
+  file.setAttribute("model/joints", "columns",
+                    std::string("tile a, vertex a, tile b, vertex b, face (1 bottom, 2 top, 3 "
+                                "both), kind (0 pivot, 1 link, 2 fixed)"));
+  writePoints(file, "model/joint_apart", apart);
+}
+
+// How many vertices each tile has: what splits the flat list of vertices into tiles again.
+std::vector<int> sizesOf(const std::vector<Tile>& tiles) {
+  std::vector<int> sizes;
+  for (const Tile& tile : tiles) sizes.push_back(static_cast<int>(tile.vertices.size()));
+  return sizes;
+}
+
+/// The tiles whose vertices the model's file has the other way round.
+std::vector<int> reversedTiles(const FileOrder& order) {
+  std::vector<int> tiles;
+  for (std::size_t i = 0; i < order.isReversed.size(); ++i) {
+    if (order.isReversed[i]) tiles.push_back(static_cast<int>(i));
+  }
+  return tiles;
+}
+
+// What the reader needs to make the model again, its file's order included.
+void writeModel(ArrayWriter& file, const Model& model) {
+  file.addGroup("model");
+  file.setAttribute("model", "name", model.name);
+  file.write("model/tile_sizes", std::span<const int>(sizesOf(model.tiles)), {model.tiles.size()});
+  writePoints(file, "model/vertices", flatten(model.tiles));
+  if (model.target) writePoints(file, "model/target", flatten(*model.target));
+  writeJoints(file, model.joints);
+  if (model.fileOrder.countsFrom != 0) {
+    file.setAttribute("model", "counts_from", model.fileOrder.countsFrom);
+  }
+  if (const std::vector<int> reversed = reversedTiles(model.fileOrder); !reversed.empty()) {
+    file.write("model/reversed_tiles", std::span<const int>(reversed), {reversed.size()});
+  }
+  if (model.pulledTiles) {
+    file.write("model/pulled_tiles", std::span<const int>(*model.pulledTiles),
+               {model.pulledTiles->size()});
+  }
+}
+
+void writeBricks(ArrayWriter& file, const std::vector<Brick>& bricks, const BrickRule& rule) {
+  file.addGroup("bricks");
+  file.setAttribute("bricks", "rule_thickness", rule.thickness);
+  file.setAttribute("bricks", "rule_mass",
+                    std::string(rule.mass == MassRule::Unit ? "unit" : "prism"));
+  file.setAttribute("bricks", "rule_density", rule.density);
+  const std::size_t count = bricks.size();
+  writePoints(file, "bricks/bottom", flatten(bricks, &Brick::bottom));
+  writePoints(file, "bricks/top", flatten(bricks, &Brick::top));
+  std::vector<double> normals;
+  for (const Brick& brick : bricks) append(normals, brick.normal);
+  writeArray(file, "bricks/normal", normals, {count, 3}, "1");
+  writeArray(file, "bricks/thickness", flatten(bricks, &Brick::thickness), {count}, "m");
+  writeArray(file, "bricks/volume", flatten(bricks, &Brick::volume), {count}, "m^3");
+  writeArray(file, "bricks/mass", flatten(bricks, &Brick::mass), {count}, "kg");
+  writeArray(file, "bricks/inertia", inertias(bricks), {count, 3, 3}, "kg m^2");
+}
+
+// Faces in the world's axes, metres. A run without obstacles has no such group.
+void writeObstacles(ArrayWriter& file, const std::vector<Tile>& faces) {
+  if (faces.empty()) return;
+  file.addGroup("obstacles");
+  file.write("obstacles/face_sizes", std::span<const int>(sizesOf(faces)), {faces.size()});
+  writePoints(file, "obstacles/vertices", flatten(faces));
+}
+
+// By value, since the columns reach fields through references that are not const.
+void writeHingeSprings(ArrayWriter& file, std::vector<HingeSpring> springs) {
+  if (springs.empty()) return;
+  const std::size_t count = springs.size();
+  std::vector<int> bricks;
+  std::vector<double> axes;
+  for (const HingeSpring& spring : springs) {
+    bricks.insert(bricks.end(), {spring.hinge.brickA, spring.hinge.brickB});
+    append(axes, spring.hinge.axis);
+  }
+  file.addGroup("hinges");
+  file.write("hinges/bricks", std::span<const int>(bricks), {count, 2});
+  writeArray(file, "hinges/axis", axes, {count, 3}, "1");
+  for (const layout::SpringColumn& column : layout::kSpringColumns) {
+    std::vector<double> numbers;
+    for (HingeSpring& spring : springs) numbers.push_back(column.field(spring));
+    writeArray(file, column.name, numbers, {count}, column.unit);
+  }
+}
+
+/// Appends poses to two lists of numbers.
+void appendPoses(const Poses& poses, std::vector<double>& positions,
+                 std::vector<double>& rotations) {
+  for (const Pose& pose : poses) {
+    append(positions, pose.position);
+    const Quaternion& turn = pose.rotation;
+    rotations.insert(rotations.end(), {turn.w(), turn.x(), turn.y(), turn.z()});
+  }
+}
+
+// One time and one line of text an event. A run without any has empty arrays.
+void writeEvents(ArrayWriter& file, const std::vector<Event>& events) {
+  std::vector<double> times;
+  std::vector<std::string> texts;
+  for (const Event& event : events) {
+    times.push_back(event.time);
+    texts.push_back(event.text);
+  }
+  file.addGroup("events");
+  writeArray(file, "events/time", times, {times.size()}, "s");
+  file.write("events/text", texts);
+}
+
+void writeFigureStates(ArrayWriter& file, const std::vector<FigureState>& states,
+                       std::size_t bricks) {
+  std::vector<std::string> names;
+  std::vector<double> times;
+  std::vector<double> positions;
+  std::vector<double> rotations;
+  for (const FigureState& state : states) {
+    names.push_back(state.figure);
+    times.push_back(state.time);
+    appendPoses(state.poses, positions, rotations);
+  }
+  file.addGroup("figures");
+  file.write("figures/name", names);
+  writeArray(file, "figures/time", times, {states.size()}, "s");
+  writeArray(file, "figures/position", positions, {states.size(), bricks, 3}, "m");
+  writeArray(file, "figures/rotation", rotations, {states.size(), bricks, 4}, "1");
+}
+
+void addSeries(ArrayWriter& file, const std::string& name, const Shape& rowShape,
+               const char* unit) {
+  file.addSeries(name, rowShape);
+  file.setAttribute(name, "unit", std::string(unit));
+}
+
+}  // namespace
+
+struct TrajectoryWriter::Internals {
+  Internals(const std::filesystem::path& path, const Subject& subject,
+            std::unique_ptr<SampleMeter> measuring)
+      : pending(path),
+        file(pending.path(), path),
+        brickCount(subject.bricks.size()),
+        jointCount(subject.model.joints.size()),
+        meter(std::move(measuring)) {
+    if (meter) channels = meter->channels();
+  }
+
+  void addCurves();
+  void addMechanics();
+  void append(double time, const Mechanics& mechanics);
+  void appendCurves(const Sample& sample);
+
+  PendingFile pending;
+  ArrayWriter file;
+  std::size_t brickCount;
+  std::size_t jointCount;
+  std::unique_ptr<SampleMeter> meter;
+  std::vector<Channel> channels;
+  std::size_t samples = 0;
+};
+
+void TrajectoryWriter::Internals::addCurves() {
+  if (channels.empty()) return;
+  file.addGroup("curves");
+  for (const Channel& channel : channels) {
+    const std::string name = "curves/" + channel.name;
+    addSeries(file, name, channel.width > 0 ? Shape{channel.width} : Shape{}, channel.unit.c_str());
+    file.setAttribute(name, "description", channel.description);
+  }
+}
+
+/// Made with the first sample that has mechanics: whether a run has any shows there.
+void TrajectoryWriter::Internals::addMechanics() {
+  file.addGroup("energy");
+  for (const layout::EnergyChannel& channel : layout::kEnergies) {
+    addSeries(file, channel.name, {}, "J");
+    file.setAttribute(channel.name, "description", std::string(channel.description));
+  }
+  if (jointCount > 0) {
+    file.addGroup("forces");
+    addSeries(file, layout::kJointForces, {jointCount, 3}, "N");
+    file.setAttribute(layout::kJointForces, "description",
+                      std::string("on tile a of each joint, of least norm"));
+    addSeries(file, layout::kIndeterminate, {jointCount}, "1");
+    file.setAttribute(layout::kIndeterminate, "description",
+                      std::string("1 where other forces of the joint keep the balance too"));
+  }
+  file.addGroup("holds");
+  addSeries(file, layout::kHoldTimes, {}, "s");
+  addSeries(file, layout::kHoldKinds, {}, "1");
+  file.setAttribute(layout::kHoldKinds, "description", std::string("0 pin, 1 grip, 2 contact"));
+  addSeries(file, layout::kHoldTiles, {2}, "1");
+  file.setAttribute(
+      layout::kHoldTiles, "description",
+      std::string("tile, and for a contact the other: a tile, -1 ground, -2 - k obstacle k"));
+  for (const layout::HoldChannel& channel : layout::kHolds)
+    addSeries(file, channel.name, {3}, channel.unit);
+}
+
+// One row in each series of energies and forces, and a row for each hold.
+void TrajectoryWriter::Internals::append(double time, const Mechanics& mechanics) {
+  for (const layout::EnergyChannel& channel : layout::kEnergies)
+    file.append(channel.name, {&(mechanics.energies.*channel.field), 1});
+  if (jointCount > 0) {
+    std::vector<double> forces;
+    for (const Vector3& force : mechanics.jointForces) kirireel::append(forces, force);
+    file.append(layout::kJointForces, forces);
+    const std::vector<double> marks(mechanics.isIndeterminate.begin(),
+                                    mechanics.isIndeterminate.end());
+    file.append(layout::kIndeterminate, marks);
+  }
+  std::vector<double> kinds, tiles;
+  for (const Hold& hold : mechanics.holds) {
+    kinds.push_back(static_cast<double>(hold.kind));
+    tiles.insert(tiles.end(), {static_cast<double>(hold.tile), static_cast<double>(hold.other)});
+  }
+  // Holds are rows of their own, with the sample's time, since their number differs from sample to
+  // sample.
+  file.append(layout::kHoldTimes, std::vector<double>(kinds.size(), time));
+  file.append(layout::kHoldKinds, kinds);
+  file.append(layout::kHoldTiles, tiles);
+  for (const layout::HoldChannel& channel : layout::kHolds) {
+    std::vector<double> entries;
+    for (const Hold& hold : mechanics.holds) kirireel::append(entries, hold.*channel.field);
+    file.append(channel.name, entries);
+  }
+}
+
+void TrajectoryWriter::Internals::appendCurves(const Sample& sample) {
+  if (!meter) return;
+  const std::vector<double> values = meter->measure(sample);
+  const double* next = values.data();
+  for (const Channel& channel : channels) {
+    const std::size_t count = channel.width > 0 ? channel.width : 1;
+    file.append("curves/" + channel.name, {next, count});
+    next += count;
+  }
+}
+
+TrajectoryWriter::TrajectoryWriter(const std::filesystem::path& path, const Subject& subject,
+                                   std::unique_ptr<SampleMeter> meter)
+    : internals_(std::make_unique<Internals>(path, subject, std::move(meter))) {
+  ArrayWriter& file = internals_->file;
+  file.setAttribute("/", "format", std::string(layout::kFormat));
+  file.setAttribute("/", "format_version", layout::kFormatVersion);
+  file.write("settings", {subject.settings});
+  writeModel(file, subject.model);
+  writeBricks(file, subject.bricks, subject.brickRule);
+  if (subject.ground) {
+    file.addGroup("ground");
+    file.setAttribute("ground", "height", subject.ground->height);
+    file.setAttribute("ground", "friction", subject.ground->friction);
+  }
+  writeObstacles(file, subject.obstacles);
+  writeHingeSprings(file, subject.hingeSprings);
+  addSeries(file, "time", {}, "s");
+  addSeries(file, "position", {subject.bricks.size(), 3}, "m");
+  addSeries(file, "rotation", {subject.bricks.size(), 4}, "1");
+  file.setAttribute("rotation", "columns", std::string("w, x, y, z"));
+  file.addGroup("measures");
+  for (const layout::Measure& measure : layout::kMeasures) addSeries(file, measure.name, {}, "m");
+  file.addGroup("steps");
+  for (const layout::StepColumn& column : layout::kStepColumns)
+    addSeries(file, column.name, {}, column.unit);
+  for (const StepFigure& figure : kStepFigures)
+    addSeries(file, layout::arrayOf(figure), {}, figure.unit);
+  internals_->addCurves();
+}
+
+TrajectoryWriter::~TrajectoryWriter() = default;
+
+// Steps are written with the sample that ends them.
+void TrajectoryWriter::append(const Sample& sample) {
+  ArrayWriter& file = internals_->file;
+  std::vector<double> positions;
+  std::vector<double> rotations;
+  positions.reserve(3 * sample.poses.size());
+  rotations.reserve(4 * sample.poses.size());
+  appendPoses(sample.poses, positions, rotations);
+  file.append("time", {&sample.time, 1});
+  file.append("position", positions);
+  file.append("rotation", rotations);
+  for (const layout::Measure& measure : layout::kMeasures)
+    file.append(measure.name, {&(sample.*measure.field), 1});
+  for (const layout::StepColumn& column : layout::kStepColumns) {
+    std::vector<double> entries;
+    for (const StepRecord& step : sample.steps) entries.push_back(step.*column.field);
+    file.append(column.name, entries);
+  }
+  for (const StepFigure& figure : kStepFigures) {
+    std::vector<double> entries;
+    for (const StepRecord& step : sample.steps) entries.push_back(figure.get(step.took));
+    file.append(layout::arrayOf(figure), entries);
+  }
+  if (sample.mechanics && internals_->samples == 0) internals_->addMechanics();
+  if (sample.mechanics) internals_->append(sample.time, *sample.mechanics);
+  internals_->appendCurves(sample);
+  ++internals_->samples;
+}
+
+void TrajectoryWriter::finish(const TrajectoryEnd& end) {
+  ArrayWriter& file = internals_->file;
+  writeEvents(file, end.events);
+  writeFigureStates(file, end.figureStates, internals_->brickCount);
+  file.write("findings", {end.findings});
+  // Before the file gets its name, so that a full disk shows here.
+  file.close();
+  internals_->pending.commit();
+}
+
+void writeTrajectory(const Trajectory& trajectory, const std::filesystem::path& path) {
+  TrajectoryWriter writer(path, trajectory);
+  for (const Sample& sample : trajectory.samples) writer.append(sample);
+  writer.finish(trajectory);
+}
+
+// ------------------------------------------------------------------------------------------------
+// Trajectories read with distrust: what pictures, meshes and measures take for granted is checked
+// here, so that a damaged file ends in one message and not in a picture of nonsense.
+//
+// Everything that is small is read at once (the model, the bricks, times, measures, steps, holds);
+// poses and joint forces are read sample by sample, as they may not fit in memory. `FileRun` and
+// `MemoryRun` give the same answers for a file and for a run that has not been written.
+
+namespace {
+
+using layout::kEnergies;
+using layout::kMeasures;
+using layout::kStepColumns;
+
+constexpr double kUnitTolerance = 1e-6;  // of the length of normals and quaternions
+/// Farther away no brick is drawn or meshed, metres. Runs end at a thousand model sizes, and models
+/// reach as far as kMaxCoordinate.
+constexpr double kFarthest = 1e4 * kMaxCoordinate;
+
+/// Reads what a trajectory shows; every claim of the file is checked before it is used.
+class SubjectReader {
+ public:
+  explicit SubjectReader(const ArrayReader& file) : file_(file) {}
+
+  // The order matters: sizes of tiles first, then what refers to them.
+  Subject read() {
+    requireFormat();
+    Subject subject;
+    // Every later shape follows from these sizes.
+    sizes_ = readSizes("model/tile_sizes");
+    subject.settings = oneText("settings");
+    subject.model = readModel();
+    readBricks(subject);
+    if (file_.has("ground")) {
+      subject.ground = Ground{file_.numberAttribute("ground", "height"),
+                              file_.numberAttribute("ground", "friction")};
+    }
+    if (file_.has("obstacles")) {
+      subject.obstacles = tiles("obstacles/vertices", readSizes("obstacles/face_sizes"));
+    }
+    if (file_.has("hinges")) subject.hingeSprings = readHingeSprings();
+    return subject;
+  }
+
+ private:
+  void requireFormat() const {
+    if (!file_.hasAttribute("/", "format") ||
+        file_.textAttribute("/", "format") != layout::kFormat) {
+      file_.refuse("this HDF5 file is not a trajectory");
+    }
+    const double version = file_.numberAttribute("/", "format_version");
+    if (version != layout::kFormatVersion && version != layout::kFirstVersion) {
+      file_.refuse(fmt::format("the format's version is {:g}, but this program reads {:g} and {:g}",
+                               version, layout::kFirstVersion, layout::kFormatVersion));
+    }
+  }
+
+  // Vertices of each polygon, 3 at least.
+  std::vector<std::size_t> readSizes(const std::string& name) const {
+    std::vector<std::size_t> sizes;
+    for (const int size : file_.integers(name)) {
+      if (size < 3) file_.refuse(fmt::format("a tile in {} has {} vertices", name, size));
+      sizes.push_back(static_cast<std::size_t>(size));
+    }
+    if (sizes.empty()) file_.refuse(fmt::format("{} holds no tile", name));
+    return sizes;
+  }
+
+  std::string oneText(const std::string& name) const {
+    const std::vector<std::string> texts = file_.texts(name);
+    return texts.empty() ? "" : texts.front();
+  }
+
+  /// All entries of an array that must have this shape and be finite.
+  std::vector<double> numbers(const std::string& name, const Shape& shape) const {
+    const Shape found = file_.shape(name);
+    if (found != shape) {
+      file_.refuse(fmt::format("the array {} has {} entries instead of {}, or another shape", name,
+                               entryCount(found), entryCount(shape)));
+    }
+    std::vector<double> entries = file_.doubles(name);
+    if (!std::ranges::all_of(entries, [](double entry) { return std::isfinite(entry); })) {
+      file_.refuse(fmt::format("the array {} holds a number that is not finite", name));
+    }
+    return entries;
+  }
+
+  /// An array of points, dealt out tile by tile.
+  std::vector<std::vector<Vector3>> pointsOfTiles(const std::string& name,
+                                                  const std::vector<std::size_t>& sizes) const {
+    const std::size_t count = std::accumulate(sizes.begin(), sizes.end(), std::size_t{0});
+    const std::vector<double> entries = numbers(name, {count, 3});
+    std::vector<std::vector<Vector3>> tiles;
+    const double* next = entries.data();
+    for (const std::size_t size : sizes) {
+      std::vector<Vector3>& points = tiles.emplace_back();
+      for (std::size_t k = 0; k < size; ++k, next += 3) points.emplace_back(next);
+    }
+    return tiles;
+  }
+
+  std::vector<Tile> tiles(const std::string& name, const std::vector<std::size_t>& sizes) const {
+    std::vector<Tile> tiles;
+    for (std::vector<Vector3>& points : pointsOfTiles(name, sizes))
+      tiles.push_back({std::move(points)});
+    return tiles;
+  }
+
+  // A corner that exists.
+  Corner corner(int tile, int vertex) const {
+    const bool exists = tile >= 0 && static_cast<std::size_t>(tile) < sizes_.size() &&
+                        vertex >= 0 &&
+                        static_cast<std::size_t>(vertex) < sizes_[static_cast<std::size_t>(tile)];
+    if (!exists) {
+      file_.refuse(
+          fmt::format("model/joints names vertex {} of tile {}, which is not there", vertex, tile));
+    }
+    return {tile, vertex};
+  }
+
+  /// A column of model/joints that must lie within a range.
+  int within(int value, int least, int most, const char* column) const {
+    if (value < least || value > most) {
+      file_.refuse(fmt::format("model/joints has the {} {} instead of {} to {}", column, value,
+                               least, most));
+    }
+    return value;
+  }
+
+  // Rows of six whole numbers, and the vectors of links and fixed joints.
+  std::vector<Joint> readJoints() const {
+    const std::vector<int> rows = file_.integers("model/joints");
+    const std::size_t count = rows.size() / layout::kJointColumns;
+    if (rows.size() != layout::kJointColumns * count) {
+      file_.refuse(fmt::format("model/joints does not have {} columns", layout::kJointColumns));
+    }
+    const std::vector<double> apart = numbers("model/joint_apart", {count, 3});
+    std::vector<Joint> joints;
+    for (std::size_t k = 0; k < count; ++k) {
+      const int* row = &rows[layout::kJointColumns * k];
+      joints.push_back({corner(row[0], row[1]), corner(row[2], row[3]),
+                        static_cast<JointFace>(within(row[4], 1, 3, "face")),
+                        static_cast<JointKind>(within(row[5], 0, 2, "kind")),
+                        Vector3(&apart[3 * k])});
+    }
+    return joints;
+  }
+
+  std::vector<int> readTileNumbers(const char* name) const {
+    std::vector<int> tiles = file_.integers(name);
+    for (const int tile : tiles) static_cast<void>(corner(tile, 0));
+    return tiles;
+  }
+
+  std::vector<HingeSpring> readHingeSprings() const {
+    const std::vector<int> bricks = file_.integers("hinges/bricks");
+    std::vector<HingeSpring> springs(bricks.size() / 2);
+    const std::vector<double> axes = numbers("hinges/axis", {springs.size(), 3});
+    for (std::size_t s = 0; s < springs.size(); ++s) {
+      Hinge& hinge = springs[s].hinge;
+      hinge.brickA = corner(bricks[2 * s], 0).tile;
+      hinge.brickB = corner(bricks[2 * s + 1], 0).tile;
+      hinge.axis = Vector3(&axes[3 * s]);
+    }
+    for (const layout::SpringColumn& column : layout::kSpringColumns) {
+      const std::vector<double> entries = numbers(column.name, {springs.size()});
+      for (std::size_t s = 0; s < springs.size(); ++s) column.field(springs[s]) = entries[s];
+    }
+    return springs;
+  }
+
+  FileOrder readFileOrder() const {
+    FileOrder order;
+    if (file_.hasAttribute("model", "counts_from")) {
+      order.countsFrom = file_.numberAttribute("model", "counts_from") == 1 ? 1 : 0;
+    }
+    if (!file_.has("model/reversed_tiles")) return order;
+    order.isReversed.resize(sizes_.size());
+    for (const int tile : readTileNumbers("model/reversed_tiles")) order.isReversed[tile] = true;
+    return order;
+  }
+
+  Model readModel() const {
+    Model model;
+    model.name = file_.textAttribute("model", "name");
+    model.tiles = tiles("model/vertices", sizes_);
+    if (file_.has("model/target")) model.target = tiles("model/target", sizes_);
+    model.joints = readJoints();
+    if (file_.has("model/pulled_tiles")) {
+      model.pulledTiles = readTileNumbers("model/pulled_tiles");
+    }
+    model.fileOrder = readFileOrder();
+    return model;
+  }
+
+  BrickRule readBrickRule() const {
+    BrickRule rule;
+    rule.thickness = file_.numberAttribute("bricks", "rule_thickness");
+    rule.density = file_.numberAttribute("bricks", "rule_density");
+    const std::string mass = file_.textAttribute("bricks", "rule_mass");
+    if (mass != "unit" && mass != "prism") {
+      file_.refuse(fmt::format("the attribute rule_mass is \"{}\" instead of unit or prism", mass));
+    }
+    rule.mass = mass == "unit" ? MassRule::Unit : MassRule::Prism;
+    return rule;
+  }
+
+  // Bricks are stored whole, so that pictures are those of the run, whatever later rules make of
+  // tiles.
+  void readBricks(Subject& subject) const {
+    const std::size_t count = sizes_.size();
+    subject.brickRule = readBrickRule();
+    const std::vector<std::vector<Vector3>> bottoms = pointsOfTiles("bricks/bottom", sizes_);
+    const std::vector<std::vector<Vector3>> tops = pointsOfTiles("bricks/top", sizes_);
+    const std::vector<double> normals = numbers("bricks/normal", {count, 3});
+    const std::vector<double> thicknesses = numbers("bricks/thickness", {count});
+    const std::vector<double> volumes = numbers("bricks/volume", {count});
+    const std::vector<double> masses = numbers("bricks/mass", {count});
+    const std::vector<double> inertia = numbers("bricks/inertia", {count, 3, 3});
+    for (std::size_t i = 0; i < count; ++i) {
+      Brick brick{bottoms[i], tops[i],   Vector3(&normals[3 * i]), thicknesses[i],
+                  volumes[i], masses[i], Matrix3(&inertia[9 * i])};
+      if (std::abs(brick.normal.norm() - 1) > kUnitTolerance) {
+        file_.refuse(
+            fmt::format("the normal of brick {} in bricks/normal is not a unit vector", i));
+      }
+      requireSolid(brick, i);
+      // Convex parts follow from the outline, so that no file needs to store them.
+      brick.parts = partsOfBottom(brick.bottom, brick.normal);
+      subject.bricks.push_back(std::move(brick));
+    }
+  }
+
+  /// A solid brick has its top above its bottom all over, and its bottom goes round the normal.
+  void requireSolid(const Brick& brick, std::size_t number) const {
+    for (const auto& [value, name] : {std::pair{brick.thickness, "thickness"},
+                                      {brick.volume, "volume"},
+                                      {brick.mass, "mass"}}) {
+      if (value > 0) continue;
+      file_.refuse(fmt::format("the {0} of brick {1} in bricks/{0} is {2:g}, but must be positive",
+                               name, number, value));
+    }
+    double lowest = std::numeric_limits<double>::infinity();
+    Vector3 area = Vector3::Zero();
+    for (std::size_t k = 0; k < brick.bottom.size(); ++k) {
+      const Vector3& next = brick.bottom[(k + 1) % brick.bottom.size()];
+      lowest = std::min(lowest, brick.normal.dot(brick.top[k] - brick.bottom[k]));
+      // Newell's vector: along the normal where the bottom runs anticlockwise about it.
+      area += brick.bottom[k].cross(next);
+    }
+    if (lowest > 0 && brick.normal.dot(area) > 0) return;
+    file_.refuse(
+        fmt::format("brick {} is inside out: bricks/bottom, bricks/top and bricks/normal do not "
+                    "agree",
+                    number));
+  }
+
+  const ArrayReader& file_;
+  std::vector<std::size_t> sizes_;  ///< vertices of each tile
+};
+
+}  // namespace
+
+/// What every run has, wherever its samples are.
+struct TrajectoryReader::Internals {
+  virtual ~Internals() = default;
+  virtual Sample sample(std::size_t index) const = 0;
+  virtual bool hasMechanics() const = 0;
+
+  Subject subject;
+  std::vector<double> times;
+  std::vector<StepRecord> steps;
+  TrajectoryEnd end;
+};
+
+struct TrajectoryReader::FileRun final : Internals {
+  explicit FileRun(const std::filesystem::path& path) : file(path) {
+    subject = SubjectReader(file).read();
+    readTimes();
+    readMeasures();
+    readEvents();
+    if (file.has("energy")) readMechanics();
+    if (file.numberAttribute("/", "format_version") == layout::kFirstVersion) return;
+    readSteps();
+    readFigureStates();
+    const std::vector<std::string> texts = file.texts("findings");
+    if (!texts.empty()) end.findings = texts.front();
+  }
+
+  void requireShape(const std::string& name, const Shape& shape) const {
+    if (file.shape(name) == shape) return;
+    file.refuse(fmt::format("the array {} does not have an entry for each sample and brick", name));
+  }
+
+  // Times, and the shapes that they ask of the poses.
+  void readTimes() {
+    times = file.doubles("time");
+    if (times.empty()) file.refuse("there is no sample");
+    // Written so that NaN fails.
+    const auto follows = [](double before, double after) { return before < after; };
+    const bool rising = std::ranges::adjacent_find(times, std::not_fn(follows)) == times.end() &&
+                        std::isfinite(times.front()) && std::isfinite(times.back());
+    if (!rising) file.refuse("the samples' times do not rise");
+    requireShape("position", {times.size(), subject.bricks.size(), 3});
+    requireShape("rotation", {times.size(), subject.bricks.size(), 4});
+  }
+
+  void readMeasures() {
+    for (std::size_t k = 0; k < kMeasures.size(); ++k) {
+      requireShape(kMeasures[k].name, {times.size()});
+      measures[k] = file.doubles(kMeasures[k].name);
+    }
+  }
+
+  /// Everything but the joints' forces, which are read with each sample.
+  void readMechanics() {
+    for (std::size_t k = 0; k < kEnergies.size(); ++k) {
+      requireShape(kEnergies[k].name, {times.size()});
+      energies[k] = file.doubles(kEnergies[k].name);
+    }
+    const std::size_t joints = subject.model.joints.size();
+    if (joints > 0) {
+      requireShape(layout::kJointForces, {times.size(), joints, 3});
+      requireShape(layout::kIndeterminate, {times.size(), joints});
+    }
+    holdTimes = file.doubles(layout::kHoldTimes);
+    if (!std::ranges::is_sorted(holdTimes)) file.refuse("the holds' times fall");
+    const std::size_t count = holdTimes.size();
+    const std::vector<double> kinds = file.doubles(layout::kHoldKinds);
+    const std::vector<double> tiles = file.doubles(layout::kHoldTiles);
+    std::array<std::vector<double>, layout::kHolds.size()> vectors;
+    bool isWhole = kinds.size() == count && tiles.size() == 2 * count;
+    for (std::size_t c = 0; c < vectors.size(); ++c) {
+      vectors[c] = file.doubles(layout::kHolds[c].name);
+      isWhole = isWhole && vectors[c].size() == 3 * count;
+    }
+    if (!isWhole) file.refuse("the arrays in holds differ in length");
+    for (std::size_t h = 0; h < count; ++h) {
+      holds.push_back(hold(kinds[h], tiles[2 * h], tiles[2 * h + 1]));
+      for (std::size_t c = 0; c < vectors.size(); ++c) {
+        holds.back().*layout::kHolds[c].field = Vector3(&vectors[c][3 * h]);
+      }
+    }
+  }
+
+  // Kinds and numbers are stored as doubles, as all series are.
+  Hold hold(double kind, double tile, double other) const {
+    const auto count = static_cast<double>(subject.bricks.size());
+    // Written so that NaN fails.
+    const bool makesSense = (kind == 0 || kind == 1 || kind == 2) && tile >= 0 && tile < count &&
+                            other < count && other > -1e9;
+    if (!makesSense) file.refuse("a row of holds has an unknown kind, or a tile that is not there");
+    return {static_cast<HoldKind>(kind),
+            static_cast<int>(tile),
+            static_cast<int>(other),
+            Vector3::Zero(),
+            Vector3::Zero(),
+            Vector3::Zero()};
+  }
+
+  bool hasMechanics() const override { return !energies.front().empty(); }
+
+  // Energies from memory, joint forces from the file.
+  Mechanics mechanics(std::size_t index) const {
+    Mechanics result;
+    for (std::size_t k = 0; k < kEnergies.size(); ++k) {
+      result.energies.*kEnergies[k].field = energies[k][index];
+    }
+    const std::size_t joints = subject.model.joints.size();
+    if (joints > 0) {
+      const std::vector<double> forces = file.row(layout::kJointForces, index);
+      for (std::size_t j = 0; j < joints; ++j) result.jointForces.emplace_back(&forces[3 * j]);
+      for (const double mark : file.row(layout::kIndeterminate, index)) {
+        result.isIndeterminate.push_back(mark != 0);
+      }
+    }
+    // A hold belongs to the sample with exactly its time, as the writer stores both from one
+    // number.
+    const auto [first, last] = std::ranges::equal_range(holdTimes, times[index]);
+    result.holds.assign(holds.begin() + (first - holdTimes.begin()),
+                        holds.begin() + (last - holdTimes.begin()));
+    return result;
+  }
+
+  void readEvents() {
+    const std::vector<double> eventTimes = file.doubles("events/time");
+    const std::vector<std::string> texts = file.texts("events/text");
+    if (eventTimes.size() != texts.size())
+      file.refuse("events/time and events/text differ in length");
+    for (std::size_t k = 0; k < texts.size(); ++k) end.events.push_back({eventTimes[k], texts[k]});
+  }
+
+  /// Of an array with an entry for each step.
+  std::vector<double> stepEntries(const std::string& name) const {
+    std::vector<double> entries = file.doubles(name);
+    if (entries.size() != steps.size()) {
+      file.refuse(fmt::format("the array {} does not have an entry for each step", name));
+    }
+    return entries;
+  }
+
+  // All figures of all steps, a few numbers each.
+  void readSteps() {
+    steps.resize(file.doubles(kStepColumns.front().name).size());
+    for (const layout::StepColumn& column : kStepColumns) {
+      const std::vector<double> entries = stepEntries(column.name);
+      for (std::size_t k = 0; k < steps.size(); ++k) steps[k].*column.field = entries[k];
+    }
+    for (const StepFigure& figure : kStepFigures) {
+      const std::string name = layout::arrayOf(figure);
+      // Files of earlier releases lack some figures, which are 0 then.
+      if (!file.has(name)) continue;
+      const std::vector<double> entries = stepEntries(name);
+      for (std::size_t k = 0; k < steps.size(); ++k) figure.set(steps[k].took, entries[k]);
+    }
+    const auto later = [](const StepRecord& one, const StepRecord& next) {
+      return !(one.time < next.time);  // also where one is no number
+    };
+    if (std::ranges::adjacent_find(steps, later) != steps.end()) {
+      file.refuse("the steps' times do not rise");
+    }
+  }
+
+  void readFigureStates() {
+    const std::vector<std::string> names = file.texts("figures/name");
+    const std::vector<double> stateTimes = file.doubles("figures/time");
+    if (stateTimes.size() != names.size())
+      file.refuse("figures/name and figures/time differ in length");
+    requireShape("figures/position", {names.size(), subject.bricks.size(), 3});
+    requireShape("figures/rotation", {names.size(), subject.bricks.size(), 4});
+    for (std::size_t k = 0; k < names.size(); ++k) {
+      end.figureStates.push_back({names[k], stateTimes[k], poses("figures", k)});
+    }
+  }
+
+  /// The poses in a row of a group's position and rotation; "" is the file itself.
+  Poses poses(const std::string& group, std::size_t row) const {
+    const std::string prefix = group.empty() ? "" : group + "/";
+    const std::vector<double> positions = file.row(prefix + "position", row);
+    const std::vector<double> rotations = file.row(prefix + "rotation", row);
+    Poses poses;
+    for (std::size_t i = 0; i < subject.bricks.size(); ++i) {
+      poses.push_back(pose(&positions[3 * i], &rotations[4 * i]));
+    }
+    return poses;
+  }
+
+  /// The steps after the sample before this one, up to its time.
+  std::vector<StepRecord> stepsOf(std::size_t sample) const {
+    const auto upTo = [&](double time) {
+      return std::partition_point(steps.begin(), steps.end(),
+                                  [&](const StepRecord& step) { return step.time <= time; });
+    };
+    const auto first = sample == 0 ? steps.begin() : upTo(times[sample - 1]);
+    return {first, upTo(times[sample])};
+  }
+
+  // A position and a unit quaternion, checked.
+  Pose pose(const double* position, const double* turn) const {
+    const Pose pose{Vector3(position), Quaternion(turn[0], turn[1], turn[2], turn[3])};
+    // Written so that NaN fails.
+    if (!pose.position.allFinite() || !(std::abs(pose.rotation.norm() - 1) <= kUnitTolerance)) {
+      file.refuse("a pose in position or rotation is not finite, or no rotation");
+    }
+    if (pose.position.cwiseAbs().maxCoeff() > kFarthest) {
+      file.refuse(fmt::format("a brick in position is more than {:g} m away", kFarthest));
+    }
+    return pose;
+  }
+
+  Sample sample(std::size_t index) const override {
+    Sample sample;
+    sample.time = times.at(index);
+    for (std::size_t k = 0; k < kMeasures.size(); ++k) {
+      sample.*kMeasures[k].field = measures[k][index];
+    }
+    sample.poses = poses("", index);
+    sample.steps = stepsOf(index);
+    if (hasMechanics()) sample.mechanics = mechanics(index);
+    return sample;
+  }
+
+  ArrayReader file;
+  std::array<std::vector<double>, kMeasures.size()> measures;
+  std::array<std::vector<double>, kEnergies.size()> energies;  // empty without mechanics
+  std::vector<double> holdTimes;                               // one a hold
+  std::vector<Hold> holds;
+};
+
+struct TrajectoryReader::MemoryRun final : Internals {
+  MemoryRun(Subject shown, TrajectoryEnd known, std::shared_ptr<const SampleTable> table)
+      : samples(std::move(table)) {
+    subject = std::move(shown);
+    end = std::move(known);
+    times = samples->times();
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      const std::vector<StepRecord> taken = samples->sample(i).steps;
+      steps.insert(steps.end(), taken.begin(), taken.end());
+    }
+  }
+
+  Sample sample(std::size_t index) const override { return samples->sample(index); }
+  bool hasMechanics() const override { return sample(0).mechanics.has_value(); }
+
+  std::shared_ptr<const SampleTable> samples;
+};
+
+TrajectoryReader::TrajectoryReader(const std::filesystem::path& path)
+    : internals_(std::make_unique<FileRun>(path)) {}
+
+TrajectoryReader::TrajectoryReader(Subject subject, TrajectoryEnd end,
+                                   std::shared_ptr<const SampleTable> samples)
+    : internals_(
+          std::make_unique<MemoryRun>(std::move(subject), std::move(end), std::move(samples))) {}
+
+TrajectoryReader::~TrajectoryReader() = default;
+
+const Subject& TrajectoryReader::subject() const {
+  return internals_->subject;
+}
+
+const std::vector<double>& TrajectoryReader::times() const {
+  return internals_->times;
+}
+
+const std::vector<StepRecord>& TrajectoryReader::steps() const {
+  return internals_->steps;
+}
+
+const TrajectoryEnd& TrajectoryReader::end() const {
+  return internals_->end;
+}
+
+bool TrajectoryReader::hasMechanics() const {
+  return internals_->hasMechanics();
+}
+
+Sample TrajectoryReader::sample(std::size_t index) const {
+  checkInterruption();  // whoever looks at all samples takes long
+  return internals_->sample(index);
+}
+
+Trajectory readTrajectory(const std::filesystem::path& path) {
+  const TrajectoryReader reader(path);
+  Trajectory trajectory{reader.subject(), reader.end(), {}};
+  for (std::size_t i = 0; i < reader.times().size(); ++i) {
+    trajectory.samples.push_back(reader.sample(i));
+  }
+  return trajectory;
+}
+
+}  // namespace kirireel
