@@ -110,7 +110,7 @@ struct SheetState {
   std::vector<Tile> tiles;
 };
 
-/// The text of a FOLD 1.1 file: the first state as its own frame, the others in `file_frames`,
+/// The text of a FOLD 1.2 file: the first state as its own frame, the others in `file_frames`,
 /// which inherit all but the coordinates. Vertices that joints of the bottom (or of both faces)
 /// hold together are one vertex, at the mean of its corners; edges of one tile are boundaries
 /// ("B"), of two flat folds ("F"). `kirireel:joints` holds the model's joints as rows of tile,

@@ -419,7 +419,7 @@ Json curvesJson(const RunCurves& curves) {
       Json values = Json::array();
       for (const double value : curve.values)
         // Six digits: a text of fewer digits is shorter as JSON too.
-        values.push_back(std::stod(fmt::format("{:.6g}", value)));
+        values.push_back(std::strtod(fmt::format("{:.6g}", value).c_str(), nullptr));
       lines.push_back({{"label", curve.name}, {"values", std::move(values)}});
     }
     groups.push_back({{"name", group.name},

@@ -60,7 +60,7 @@ struct PoseSteps {
   double rotation = 1;               ///< step of the quaternions' parts; above 0
 };
 
-/// Steps that move no corner of bricks by more than 1/18,000 of what is in sight: a ninth of a
+/// Steps that move no corner of bricks by more than 1/17,500 of what is in sight: a ninth of a
 /// pixel where that fills 2000 pixels. `size`: its diagonal; `radius`: the largest distance of a
 /// corner from its brick's centre of mass; both metres, above 0.
 PoseSteps finePoseSteps(const Vector3& origin, double size, double radius);

@@ -75,9 +75,9 @@ struct Style {
 Style darkStyle();
 
 /// The colour of a lit face, the one rule of shading: in each channel
-///   round(min(255, base * (ambient + key.strength * max(0, normal . key.direction)
-///                                   + fill.strength * max(0, normal . fill.direction))))
-///   * (1 - occlusion * occluded)
+///   round(min(255, base * (1 - occlusion * occluded)
+///                       * (ambient + key.strength * max(0, normal . key.direction)
+///                                  + fill.strength * max(0, normal . fill.direction))))
 /// on sRGB bytes as they are. Alpha is the base's. normal: unit, outward, world axes. occluded: see
 /// Occluders, 0 to 1.
 Colour faceColour(const Vector3& normal, Colour base, const Style& style, double occluded = 0);

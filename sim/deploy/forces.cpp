@@ -45,7 +45,13 @@ Vector3 ellipsePoint(const Vector3& middle, double halfLength, double halfWidth,
                      const Vector3& point) {
   const double x = point.x() - middle.x();
   const double y = point.y() - middle.y();
-  const double scale = 1 / std::hypot(x / halfLength, y / halfWidth);
+  const double reach = std::hypot(x / halfLength, y / halfWidth);
+  if (!(reach > 0)) {
+    throw InputError(
+        "error: a corner of the hull lies at the middle of the outline, from where it could be "
+        "pulled in any direction; leave it out of the hull");
+  }
+  const double scale = 1 / reach;
   return {middle.x() + scale * x, middle.y() + scale * y, point.z()};
 }
 

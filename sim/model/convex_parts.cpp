@@ -317,7 +317,7 @@ class Splitter {
  public:
   explicit Splitter(const Model& model) : model_(model) {}
 
-  // Joints first, then the tiles themselves, in both states, then the hinges between the parts.
+  // Corners first, then the tiles themselves, in both states, then the hinges between the parts.
   void split(int tile) {
     const std::vector<Part> parts = partsOf(model_.tiles[tile]);
     std::vector<int> numbers = {tile};
@@ -326,7 +326,7 @@ class Splitter {
       numbers.push_back(static_cast<int>(model_.tiles.size()) + static_cast<int>(k) - 1);
     }
     // Before the tiles are cut, while corner numbers are still those of the whole tile.
-    moveJoints(tile, parts, numbers);
+    moveCorners(tile, parts, numbers);
     cutTiles(model_.tiles, tile, parts);
     if (model_.target) cutTiles(*model_.target, tile, parts);
     joinParts(parts, numbers);
@@ -357,8 +357,8 @@ class Splitter {
     }
   }
 
-  // A corner goes to the first part that has it.
-  void moveJoints(int tile, const std::vector<Part>& parts, const std::vector<int>& numbers) {
+  // A corner goes to the first part that has it: those of joints, of the hull and of mends.
+  void moveCorners(int tile, const std::vector<Part>& parts, const std::vector<int>& numbers) {
     const auto move = [&](Corner& corner) {
       if (corner.tile != tile) return;
       for (std::size_t k = 0; k < parts.size(); ++k) {
@@ -372,6 +372,8 @@ class Splitter {
       move(joint.a);
       move(joint.b);
     }
+    if (model_.hull) std::ranges::for_each(*model_.hull, move);
+    for (Mend& mend : model_.mends) std::ranges::for_each(mend.corners, move);
   }
 
   static void cutTiles(std::vector<Tile>& tiles, int tile, const std::vector<Part>& parts) {

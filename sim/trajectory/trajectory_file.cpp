@@ -620,6 +620,7 @@ class SubjectReader {
 
   std::vector<HingeSpring> readHingeSprings() const {
     const std::vector<int> bricks = file_.integers("hinges/bricks");
+    if (bricks.size() % 2 != 0) file_.refuse("hinges/bricks does not hold two bricks a hinge");
     std::vector<HingeSpring> springs(bricks.size() / 2);
     const std::vector<double> axes = numbers("hinges/axis", {springs.size(), 3});
     for (std::size_t s = 0; s < springs.size(); ++s) {

@@ -38,6 +38,25 @@ TEST(SplitTiles, PartsCoverTheSheetAndStayTogether) {
   for (const Tile& tile : split.tiles) EXPECT_GT(tileNormal(tile).z(), 0.99);
 }
 
+TEST(SplitTiles, CornersOfTheHullAndOfMendsStayWhereTheyAre) {
+  Model whole = makeTessellation({});
+  whole.hull.emplace();
+  for (int tile = 0; tile < 4; ++tile) {
+    for (int vertex = 0; vertex < 4; ++vertex) whole.hull->push_back({tile, vertex});
+  }
+  whole.mends.push_back({.corners = {{3, 2}, {2, 3}}});
+  const Model split = splitTiles(whole, {});
+  const auto place = [](const Model& model, const Corner& corner) {
+    return model.tiles.at(corner.tile).vertices.at(corner.vertex);
+  };
+  for (std::size_t k = 0; k < whole.hull->size(); ++k) {
+    EXPECT_EQ(place(split, split.hull->at(k)), place(whole, whole.hull->at(k))) << k;
+  }
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_EQ(place(split, split.mends[0].corners[k]), place(whole, whole.mends[0].corners[k]));
+  }
+}
+
 TEST(SplitTiles, QuadIsCutAlongItsShorterDiagonal) {
   Model model;
   model.tiles = {{{{0, 0, 0}, {1, 0, 0}, {3, 3, 0}, {0, 1, 0}}}};
