@@ -115,6 +115,7 @@ void Run::holdJoints(Dynamics& dynamics) const {
 void Run::goTo(const std::vector<Tile>* target) {
   if (!target && scene_.model.target) target = &*scene_.model.target;
   target_ = target;
+  nudged_ = Nudged::No;
   if (!target_) return;
   targetStartError_ = currentTargetError();
   const bool isFinal = scene_.model.target && target_ == &*scene_.model.target;
@@ -735,10 +736,11 @@ void Run::endWith(const Sample& shown) {
 // A start that stands in an unstable equilibrium is left by a nudge (see run.h), one that moves
 // by itself without. A run rests while its fastest brick is slower than the settle speed, or while
 // steps fail however short they are and no brick gets anywhere. Once it has rested for the settle
-// time, these are tried in order: a stiffer pull, where a target is pulled to; long implicit steps
-// from rest, which tell bricks that are only slow; what the timeline has for a state of rest; and a
-// nudge, where the run had none yet or only its symmetric part, for an equilibrium that a motion
-// came to may be unstable too. Where nothing of this moves the bricks, the run is over.
+// time, these are tried in order: a nudge, where a target is pulled to and not reached and the run
+// had none yet or only its symmetric part, for an equilibrium that a motion came to may be unstable
+// too, as a ring's that closes in symmetry; a stiffer pull; long implicit steps from rest, which
+// tell bricks that are only slow; what the timeline has for a state of rest; and a nudge where
+// nothing is pulled to a target. Where nothing of this moves the bricks, the run is over.
 //
 // All of this happens at moments that follow from the motion, not from where steps end: steps are
 // made to end there (see Run::nextLength).
@@ -875,10 +877,14 @@ double Run::restMoment() const {
   return time() + restNeeded_ - restTime_;
 }
 
-/// Nothing moves: a stiffer pull, a nudge or the timeline may change that, else the run is over.
+/// Nothing moves: a nudge, a stiffer pull or the timeline may change that, else the run is over.
 void Run::restOrGoOn() {
-  const bool stiffer = pullsToTarget() && timeline_.forcesAreOn() && !stiffness_.exhausted();
-  if (stiffer && currentTargetError() > kArrivedShare * size_) {
+  const bool isPulled = pullsToTarget() && timeline_.forcesAreOn();
+  const double error = currentTargetError();
+  const bool isShort = isPulled && error > kArrivedShare * size_;
+  if (nudged_ != Nudged::Wholly && isShort && error > kThere * leastError_) {
+    nudgeAtRest();
+  } else if (isShort && !stiffness_.exhausted()) {
     stiffness_.stiffen();
     restTime_ = 0;
   } else if (isOnItsWay()) {
@@ -886,7 +892,7 @@ void Run::restOrGoOn() {
     restNeeded_ *= 2;
   } else if (followTimeline(true) || (!timeline_.isOver(time()) && !timeline_.waitsForState())) {
     return;  // something acts now, or will
-  } else if (nudged_ != Nudged::Wholly && !hasArrived()) {
+  } else if (nudged_ != Nudged::Wholly && !isPulled) {
     nudgeAtRest();
   } else if (timeline_.isOver(time())) {
     endAtRest();
