@@ -582,6 +582,12 @@ std::optional<Vector3> slitAt(const Pivot& pivot, const std::vector<Brick>& bric
   return std::nullopt;
 }
 
+/// The corners of both tiles at their joint.
+std::array<NeckCorner, 2> neckCorners(const Pivot& pivot, const std::vector<Brick>& bricks) {
+  return {neckCorner(bricks[static_cast<std::size_t>(pivot.brickA)], pivot.cornerA),
+          neckCorner(bricks[static_cast<std::size_t>(pivot.brickB)], pivot.cornerB)};
+}
+
 /// The neck at a joint as a ligament: its middle is the joint, and it runs from one tile to the
 /// other.
 Ligament ligamentAt(const Pivot& pivot, const std::vector<Brick>& bricks, const Scene& scene) {
@@ -603,9 +609,8 @@ Ligament ligamentAt(const Pivot& pivot, const std::vector<Brick>& bricks, const 
 /// A neck without a length at the end of a shut slit, as the pin that its tiles make of it.
 Ligament pinAt(const Pivot& pivot, const std::vector<Brick>& bricks, const Vector3& slit,
                const Scene& scene) {
-  const CornerNeck neck =
-      cornerNeck(scene.hinges.neck->youngs, scene.brick.thickness, scene.hinges.neck->width,
-                 neckSide(bricks, pivot.brickA, pivot.brickB));
+  const CornerNeck neck = cornerNeck(scene.hinges.neck->youngs, scene.brick.thickness,
+                                     scene.hinges.neck->width, neckCorners(pivot, bricks));
   Ligament pin{pivot.brickA, pivot.brickB, pivot.joint,
                pivot.pointA, pivot.pointB, Vector3::Zero()};
   pin.across = slit.cross(Vector3::UnitZ());
@@ -625,8 +630,7 @@ void addNeck(Pivot pivot, const std::vector<Brick>& bricks, const Scene& scene, 
   const std::optional<Vector3> slit = slitAt(pivot, bricks);
   if (slit) {
     // Its axis is beside the corner.
-    const double axis =
-        neckAxis(neck.width, neck.length, neckSide(bricks, pivot.brickA, pivot.brickB));
+    const double axis = neckAxis(neck.width, neck.length, neckCorners(pivot, bricks));
     pivot.pointA += axis * *slit;
     pivot.pointB += axis * *slit;
   }

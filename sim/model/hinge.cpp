@@ -100,9 +100,9 @@ Hinge cornerHinge(const std::vector<Brick>& bricks, const Pivot& pivot) {
   // The gap on the other side is the smaller one: the hinge is counted there, with its axis
   // reversed.
   if (free - left < left - kSameAngle) {
-    return {pivot.brickA, pivot.brickB, -axis, free - left, 0, free};
+    return {pivot.brickA, pivot.brickB, -axis, free - left, 0, free, pivot.cornerA, pivot.cornerB};
   }
-  return {pivot.brickA, pivot.brickB, axis, left, 0, free};
+  return {pivot.brickA, pivot.brickB, axis, left, 0, free, pivot.cornerA, pivot.cornerB};
 }
 
 /// The direction from an axis through a point into the brick, along its tile.

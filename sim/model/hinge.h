@@ -34,6 +34,8 @@ struct Hinge {
   double start = 0;                 ///< the angle at the start, radians
   double least = 0;                 ///< below this, bricks without thickness lie in each other
   double most = 0;                  ///< and above this
+  int cornerA = kNoCorner;          ///< of a hinge at a corner: that of brick A's tile
+  int cornerB = kNoCorner;          ///< likewise of brick B's
 };
 
 /// A linear torsional spring with a dashpot beside it, which pull with

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "sim/base/geometry.h"
+#include "sim/model/brick.h"
 
 namespace kirireel {
 
@@ -25,12 +26,20 @@ namespace kirireel {
 /// 1960.
 double neckStiffness(double youngs, double thickness, double width, double length);
 
+/// The corner of a tile at which a neck stands.
+struct NeckCorner {
+  double angle = 0;  ///< between the tile's two edges there, radians, above 0
+  double side = 0;   ///< of a square of the tile's area, metres, above 0
+};
+
+/// That of a brick at a vertex of its tile.
+NeckCorner neckCorner(const Brick& brick, int corner);
+
 /// How far from the tiles' common corner, along the slit, such a neck's axis lies, metres: about
 /// which tiles turn under a moment, and through which a force turns none. It is the mean of the
 /// neck's own, in its middle, and of its ends', that of cornerNeck(), weighed by what each gives:
-/// slits that are shut end in tiles that give more on the slit's side. `side`: of the tiles,
-/// metres.
-double neckAxis(double width, double length, double side);
+/// slits that are shut end in tiles that give more on the slit's side.
+double neckAxis(double width, double length, const std::array<NeckCorner, 2>& tiles);
 
 /// How a neck without a length gives, which is how the tiles do that it joins: in the plane, with
 /// respect to its axis, in which the three do not mix.
@@ -44,13 +53,16 @@ struct CornerNeck {
   std::array<double, 2> opening = {};
 };
 
-/// Such a neck at the end of a shut slit between two tiles of these sides (of a square of their
-/// area), metres. From a table of our own decks of two squares, with tiles' motions the mean of
-/// their material's (neck_table.h), as exact as tiles are like squares. How far forces part tiles
-/// grows with the logarithm of side over width without bound, as the displacement of a loaded
-/// corner does (S. P. Timoshenko, J. N. Goodier, Theory of Elasticity, section 38); necks wider
-/// than 0.4 sides count as so wide.
-CornerNeck cornerNeck(double youngs, double thickness, double width, double side);
+/// Such a neck at the end of a shut slit between two tiles with these corners. From a table of our
+/// own decks of two equal tiles, with tiles' motions the mean of their material's (neck_table.h):
+/// each tile gives half of what such a pair does, and the halves add up. A moment turns tiles with
+/// corners of 60 degrees twice as far as squares, those with 120 degrees 0.7 times. How a moment
+/// slides tiles with unlike corners is left out. How far forces part tiles grows with the logarithm
+/// of side over width without bound, as the displacement of a loaded corner does (S. P. Timoshenko,
+/// J. N. Goodier, Theory of Elasticity, section 38); necks wider than 0.4 sides count as so wide,
+/// corners outside 30 to 150 degrees as those.
+CornerNeck cornerNeck(double youngs, double thickness, double width,
+                      const std::array<NeckCorner, 2>& tiles);
 
 // ------------------------------------------------------------------------------------------------
 // How stiffly tiles stretch and bend, and folds turn, as bars and hinges.

@@ -8,6 +8,7 @@
 #include "sim/scene/scene_parts.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -330,8 +331,10 @@ double stiffnessOf(const HingeSettings& all, const Hinge& hinge, const std::vect
   if (!all.neck || !isCorner) return all.stiffness;
   const bool isShut = hinge.start <= kAngleRounding;
   if (isShut && all.neck->length == 0) {
-    const double side = neckSide(bricks, hinge.brickA, hinge.brickB);
-    return cornerNeck(all.neck->youngs, rule.thickness, all.neck->width, side).bending;
+    const std::array<NeckCorner, 2> tiles = {
+        neckCorner(bricks[static_cast<std::size_t>(hinge.brickA)], hinge.cornerA),
+        neckCorner(bricks[static_cast<std::size_t>(hinge.brickB)], hinge.cornerB)};
+    return cornerNeck(all.neck->youngs, rule.thickness, all.neck->width, tiles).bending;
   }
   return neckStiffness(all.neck->youngs, rule.thickness, all.neck->width, all.neck->length);
 }
@@ -357,14 +360,6 @@ std::map<TilePair, const OwnHingeSpring*> byTiles(const std::vector<OwnHingeSpri
 }
 
 }  // namespace
-
-double neckSide(const std::vector<Brick>& bricks, int brickA, int brickB) {
-  const auto areaOf = [&](int brick) {
-    const Brick& found = bricks[static_cast<std::size_t>(brick)];
-    return found.volume / found.thickness;
-  };
-  return std::sqrt(0.5 * (areaOf(brickA) + areaOf(brickB)));
-}
 
 std::vector<OwnHingeSpring> readHingeSprings(const std::filesystem::path& file,
                                              const Model& model) {

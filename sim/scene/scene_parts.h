@@ -47,8 +47,4 @@ std::vector<OwnHingeSpring> readHingeSprings(const std::filesystem::path& file, 
 /// Empty where scene.hinges asks for nothing. Costs about O(joints log joints).
 std::vector<HingeSpring> hingeSprings(const Scene& scene, const std::vector<Brick>& bricks);
 
-/// What the size of tiles beside a neck is told by, metres: the side of a square of the mean area
-/// of the two.
-double neckSide(const std::vector<Brick>& bricks, int brickA, int brickB);
-
 }  // namespace kirireel

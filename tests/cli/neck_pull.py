@@ -15,9 +15,9 @@ import tempfile
 
 
 def read(path):
-    """The lines of the mesh, its nodes and the nodes of each tile."""
+    """The lines of the mesh, its nodes, the nodes of each tile and the corners of its elements."""
     lines = [line for line in open(path) if not line.startswith("**")]
-    nodes, tiles, section = {}, {}, ""
+    nodes, tiles, cells, section = {}, {}, {}, ""
     for line in lines:
         if line.startswith("*"):
             section = line.strip()
@@ -25,17 +25,25 @@ def read(path):
         words = [word for word in line.replace(" ", "").strip().split(",") if word]
         if section.startswith("*NODE"):
             nodes[int(words[0])] = (float(words[1]), float(words[2]))
+        elif section.startswith("*ELEMENT") and "ELSET=TILE_" in section:
+            tile = int(section.split("ELSET=TILE_")[1])
+            cells.setdefault(tile, []).append([int(word) for word in words[1:5]])
         elif section.startswith("*NSET, NSET=TILE_") and section.endswith("_N"):
             tile = int(section.split("TILE_")[1].split("_")[0])
             tiles.setdefault(tile, []).extend(map(int, words))
-    return lines, nodes, tiles
+    return lines, nodes, tiles, cells
 
 
-def middle(nodes, members):
-    """The node next to the middle of a tile's box."""
-    xs, ys = zip(*(nodes[n] for n in members))
-    x, y = (min(xs) + max(xs)) / 2, (min(ys) + max(ys)) / 2
-    return min(members, key=lambda n: (nodes[n][0] - x) ** 2 + (nodes[n][1] - y) ** 2)
+def middle(nodes, members, cells):
+    """The node next to a tile's centre of mass, that of its elements."""
+    area, x, y = 0, 0, 0
+    for cell in cells:
+        corners = [nodes[n] for n in cell]
+        for (ax, ay), (bx, by) in zip(corners, corners[1:] + corners[:1]):
+            part = ax * by - ay * bx
+            area, x, y = area + part / 2, x + (ax + bx) * part / 6, y + (ay + by) * part / 6
+    return min(members,
+               key=lambda n: (nodes[n][0] - x / area) ** 2 + (nodes[n][1] - y / area) ** 2)
 
 
 def force_of(run, displacement):
@@ -50,8 +58,8 @@ def force_of(run, displacement):
 
 def main():
     deck, thickness, youngs, poisson, held, moved, displacement, increments, *runs = sys.argv[1:]
-    lines, nodes, tiles = read(deck)
-    middles = {tile: middle(nodes, members) for tile, members in tiles.items()}
+    lines, nodes, tiles, cells = read(deck)
+    middles = {tile: middle(nodes, members, cells[tile]) for tile, members in tiles.items()}
     held, moved = ([middles[int(k)] for k in words.split(",")] for words in (held, moved))
     step = 1 / int(increments)
     text = "".join(lines) + f"""*MATERIAL, NAME=SHEET

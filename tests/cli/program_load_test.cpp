@@ -15,19 +15,21 @@ namespace {
 
 constexpr const char* kPython = "/usr/bin/python3";
 
+/// So many numbers from the first on, with commas between.
+std::string listed(int first, int count) {
+  std::string list;
+  for (int k = 0; k < count; ++k) list += fmt::format("{}{}", k ? "," : "", first + k);
+  return list;
+}
+
 /// A scene in which the first `column` tiles are held along x and the last ones moved.
 std::string squeezed(int tiles, int column, double move, const std::string& model) {
-  const auto numbers = [&](int first) {
-    std::string list;
-    for (int k = 0; k < column; ++k) list += fmt::format("{}{}", k ? ", " : "", first + k);
-    return list;
-  };
   return fmt::format(
       "[model]\nno_align = true\n{}\n"
       "[[grip]]\ntiles = [{}]\nmove = {{x = 0}}\n"
       "[[grip]]\ntile = 0\nmove = {{y = 0}}\n"
       "[[grip]]\ntiles = [{}]\nmove = {{x = {}}}\n",
-      model, numbers(0), numbers(tiles - column), move);
+      model, listed(0, column), listed(tiles - column, column), move);
 }
 
 // 8 x 8 irregular quads on necks under compression, state by state, against SciPy's minimiser of
@@ -103,15 +105,26 @@ TEST(ProgramLoad, SnapsAKreslingTowerAsBarsAndHingesDo) {
   EXPECT_LT(found.softest, 0);
 }
 
-/// A flat sheet of 4 x 4 squares on necks that is pulled by 0.3 m in CalculiX and here: by how much
-/// the forces here miss those there, parts of each.
+/// A flat sheet that is pulled along x by its last tiles, its first ones held.
+struct PulledSheet {
+  std::vector<std::string> generated = {"tessellation"};  ///< the words that generate it
+  int tiles = 16;
+  int column = 4;     ///< the tiles that are held, and those that are moved
+  double move = 0.3;  ///< metres
+};
+
+/// What such a sheet on necks takes in CalculiX and here: by how much the forces here miss those
+/// there, parts of each.
 double missOfNecks(double width, double length, const std::vector<std::string>& cut,
-                   const std::string& joints) {
+                   const std::string& joints, const PulledSheet& sheet = {}) {
   const ScratchFolder scratch;
-  const std::string model = scratch / "squares", run = scratch / "run",
+  const std::string model = scratch / "sheet", run = scratch / "run",
                     scene = scratch / "scene.toml";
-  runKirireel({"generate", "tessellation", model});
-  writeText(scene, squeezed(16, 4, 0.3,
+  std::vector<std::string> generate = {"generate"};
+  generate.insert(generate.end(), sheet.generated.begin(), sheet.generated.end());
+  generate.push_back(model);
+  runKirireel(generate);
+  writeText(scene, squeezed(sheet.tiles, sheet.column, sheet.move,
                             fmt::format("hinge_neck = \"{},{},1e9,0.3\"\nthickness = 0.02\n{}"
                                         "[actuation]\nload_steps = 100\n",
                                         width, length, joints)));
@@ -134,7 +147,9 @@ double missOfNecks(double width, double length, const std::vector<std::string>& 
   EXPECT_EQ(runKirireel(words).exitCode, 0);
   const ProgramEnd pulled =
       runTool(kPython, {KIRIREEL_SOURCE_DIR "/tests/cli/neck_pull.py", run + "/sheet_mesh.inp",
-                        "0.02", "1e9", "0.3", "0,1,2,3", "12,13,14,15", "0.3", "3", run});
+                        "0.02", "1e9", "0.3", listed(0, sheet.column),
+                        listed(sheet.tiles - sheet.column, sheet.column),
+                        fmt::format("{}", sheet.move), "3", run});
   EXPECT_EQ(pulled.exitCode, 0) << pulled.err;
   double largest = 0;
   std::istringstream lines(pulled.out);
@@ -157,6 +172,17 @@ TEST(ProgramNecks, OpenAsDecksInCalculixDo) {
     EXPECT_LT(missOfNecks(width, 0, {}, ""), 0.1) << width;
   }
   EXPECT_LT(missOfNecks(0.04, 0.2, {"--neck-length", "0.2", "--kerf", "0.002"}, ""), 0.05);
+}
+
+// Tiles with corners of 60 degrees.
+TEST(ProgramNecks, OpenTrianglesAsDecksInCalculixDo) {
+  for (const char* program : {"ccx", "gmsh"}) {
+    if (!test::hasProgram(program)) GTEST_SKIP() << "install " << program << " to judge necks";
+  }
+  const PulledSheet triangles{{"triangles", "--columns", "3", "--rows", "3"}, 18, 3, 0.15};
+  for (const double width : {0.05, 0.1}) {
+    EXPECT_LT(missOfNecks(width, 0, {}, "", triangles), 0.1) << width;
+  }
 }
 
 }  // namespace

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """How two tiles give at the neck between them, by CalculiX, E = 1 GPa and nu = 0.3.
 
-    neck_compliance.py MESH.inp WIDTH [MOMENT]    a deck of CPS8R: the squares [0, 1] x [0, 1] and
-                                         [1, 2] x [0, 1], joined by a neck at (1, 0), 0.002 m thick
+    neck_compliance.py MESH.inp WIDTH [MOMENT]    a deck of CPS8R: two tiles that lie left and
+                                         right of x = 1 with an edge each from (1, 0) to (1, 1),
+                                         joined by a neck at (1, 0), 0.002 m thick
 
 A tile's motion is the mean of what its points do, weighed by area: a translation and a turn. Tiles
 are loaded by what does work on these, forces spread over their areas that pull, shear and bend the
@@ -120,7 +121,7 @@ def main():
         load = {n: (moment * x, moment * y) for n, (x, y) in rows[2].items()}
         states = solve(lines, [load], held, "*STEP, NLGEOM\n*STATIC, DIRECT\n0.1, 1.\n")
         for k, u in enumerate(states):
-            # Of each square alone the mean is the sine of its turn, and loads keep their directions.
+            # Of each tile alone the mean is the sine of its turn, and loads keep their directions.
             half = math.asin(sum(f[0] * u[n][0] + f[1] * u[n][1] for n, f in rows[2].items()) / 2)
             print(2 * half, 0.1 * (k + 1) * moment * math.cos(half))
         return

@@ -1,9 +1,18 @@
+#include <array>
+#include <numbers>
+
 #include <gtest/gtest.h>
 
 #include "sim/model/stiffness.h"
 
 namespace kirireel {
 namespace {
+
+/// The corners of two squares.
+std::array<NeckCorner, 2> squares(double side) {
+  const NeckCorner corner{std::numbers::pi / 2, side};
+  return {corner, corner};
+}
 
 TEST(NeckStiffness, LiesBetweenADeepCrackAndABeam) {
   const double youngs = 2e9, thickness = 0.003, width = 0.02;
@@ -29,7 +38,7 @@ TEST(NeckStiffness, WithoutLengthIsThatOfItsTiles) {
   const double youngs = 2e9, thickness = 0.003, side = 0.5, sheet = youngs * thickness;
   double stretch = 0, shear = 0, axis = 1;
   for (const double share : {0.001, 0.0125, 0.02, 0.05, 0.12, 0.2, 0.33, 0.4}) {
-    const CornerNeck neck = cornerNeck(youngs, thickness, share * side, side);
+    const CornerNeck neck = cornerNeck(youngs, thickness, share * side, squares(side));
     // A deep crack's bending, and softer tiles as it is narrower. Measured: 1.006 to 1.135.
     const double crack = sheet * share * share * side * side / 15.8;
     EXPECT_NEAR(neck.bending / crack, 1, share > 0.2 ? 0.14 : 0.04) << share;
@@ -39,10 +48,36 @@ TEST(NeckStiffness, WithoutLengthIsThatOfItsTiles) {
     stretch = neck.stretch;
     shear = neck.shear;
     axis = neck.axis / (share * side) + 1e-12;
-    EXPECT_DOUBLE_EQ(neckAxis(share * side, 0, side), neck.axis);
+    EXPECT_DOUBLE_EQ(neckAxis(share * side, 0, squares(side)), neck.axis);
   }
   // A long neck turns about its middle.
-  EXPECT_NEAR(neckAxis(0.01, 10, 1), 0.005, 1e-5);
+  EXPECT_NEAR(neckAxis(0.01, 10, squares(1)), 0.005, 1e-5);
+}
+
+TEST(NeckStiffness, FallsWithTheAnglesOfItsTiles) {
+  const double width = 0.1;
+  const auto neck = [&](double a, double b) {
+    constexpr double kDegree = std::numbers::pi / 180;
+    return cornerNeck(1e9, 0.001, width, {{{a * kDegree, 1}, {b * kDegree, 1}}});
+  };
+  const double square = neck(90, 90).bending;
+  // Decks of two triangles and of two hexagons. Measured: 2.050 and 0.718.
+  EXPECT_NEAR(square / neck(60, 60).bending, 2.05, 0.02);
+  EXPECT_NEAR(square / neck(120, 120).bending, 0.72, 0.01);
+  for (double angle = 31; angle <= 150; ++angle) {
+    EXPECT_GT(neck(angle, angle).bending, neck(angle - 1, angle - 1).bending) << angle;
+    EXPECT_GT(neck(angle, angle).shear, neck(angle - 1, angle - 1).shear) << angle;
+    EXPECT_LT(neck(angle, angle).axis, neck(angle - 1, angle - 1).axis) << angle;
+  }
+  // Two tiles give in series, whichever comes first.
+  const CornerNeck mixed = neck(60, 120);
+  EXPECT_NEAR(2 / mixed.bending, 1 / neck(60, 60).bending + 1 / neck(120, 120).bending, 1e-12);
+  EXPECT_LT(mixed.axis, neck(60, 60).axis);
+  EXPECT_GT(mixed.axis, neck(120, 120).axis);
+  EXPECT_DOUBLE_EQ(mixed.stretch, neck(120, 60).stretch);
+  // Beyond the angles that were measured.
+  EXPECT_EQ(neck(20, 20).bending, neck(30, 30).bending);
+  EXPECT_EQ(neck(200, 200).bending, neck(150, 150).bending);
 }
 
 }  // namespace
