@@ -14,14 +14,15 @@
 // s and h grow with log(side / w), as the displacement under a force at a point does in the plane,
 // so that they are taken along straight lines of the logarithm.
 //
-// Over the tiles' angle a at the neck all four are the cubic polynomial of cot(a / 2) through the
-// table's four angles. What a wedge with a blunt tip gives grows as a power of the cotangent, which
+// Over the tiles' angle a at the neck b, b x, s and h are the cubic polynomials of cot(a / 2)
+// through the table's four angles (b x is how far a moment parts the corners, which forces there
+// pay back as a turn). What a wedge with a blunt tip gives grows as a power of the cotangent, which
 // no polynomial of a follows as well. Decks of other angles are met, as a part of their values, by
 //   angle          b      x      s      h
-//   45            0.010  0.048  0.060  0.049
-//   75 and 105    0.004  0.009  0.022  0.015
-//   135           0.007  0.042  0.019  0.031
-//   150           0.009  0.112  0.056  0.108
+//   45            0.010  0.005  0.060  0.049
+//   75 and 105    0.004  0.001  0.022  0.020
+//   135           0.007  0.003  0.019  0.031
+//   150           0.009  0.016  0.056  0.108
 //
 // The line of the slit divides what gives: tiles A and B with pairs' values b_A, b_B ... lie in
 // series, each with half of its pair's flexibility, and turn about the same axis:
@@ -97,10 +98,11 @@ CornerNeckRow rowOf(double width, const NeckCorner& tile) {
       weight *= (halfCotangent(angle) - v) / (u - v);
     }
     sum.bend += weight * row.bend;
-    sum.axis += weight * row.axis;
+    sum.axis += weight * row.bend * row.axis;
     sum.stretch += weight * row.stretch;
     sum.shear += weight * row.shear;
   }
+  sum.axis /= sum.bend;
   return sum;
 }
 
