@@ -180,6 +180,7 @@ TEST(ProgramNecks, OpenTrianglesAsDecksInCalculixDo) {
     if (!test::hasProgram(program)) GTEST_SKIP() << "install " << program << " to judge necks";
   }
   const PulledSheet triangles{{"triangles", "--columns", "3", "--rows", "3"}, 18, 3, 0.15};
+  // Measured: 0.043, 0.037.
   for (const double width : {0.05, 0.1}) {
     EXPECT_LT(missOfNecks(width, 0, {}, "", triangles), 0.1) << width;
   }
