@@ -952,10 +952,9 @@ RestProbe probeRest(Dynamics& dynamics, const Motion& motion, double step,
 //
 // Where the start moves by itself the nudge would only differ from seed to seed: 1e-6 of a tile
 // after half a second of a cap. It moves by itself if what acts on it makes it faster than the
-// nudge within kNudgeTime. At a singular state joints leave 1e-10 of the loads at most, which is
-// slower; coordinates of five digits leave 1e-5 of them, which is faster. A sheet that is pulled as
-// a whole, yet cannot open, has a motion without a difference in angular velocities: that does not
-// count.
+// nudge within kNudgeTime. At a singular state joints leave rounding of the loads, which is slower.
+// A sheet that is pulled as a whole, yet cannot open, has a motion without a difference in angular
+// velocities: that does not count.
 //
 // Symmetries: the mean over the group's images of the v_i keeps a symmetric motion symmetric.
 
