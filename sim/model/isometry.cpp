@@ -27,6 +27,8 @@
 #include <Eigen/LU>
 #include <Eigen/SVD>
 
+#include "sim/base/interruption.h"
+
 namespace kirireel {
 namespace {
 
@@ -261,6 +263,7 @@ class SymmetrySearch {
     if (!isSame(symmetry.turn * start.vertices[0][0], start.vertices[tile][vertex])) return {};
     std::vector<std::vector<int>> corners;
     for (std::size_t i = 0; i < model_.tiles.size(); ++i) {
+      checkInterruption();  // ten thousand tiles, and as many isometries to try
       const std::vector<int> images = tilesAt(symmetry.turn, i, true);
       // None: the isometry does not map the sheet. Several: tiles lie on each other in both states,
       // and cannot be told apart.
