@@ -204,7 +204,14 @@ void Album::makeFrames(const TrajectoryReader& run, const MotionCurve& motion,
 /// Ends when the queue is closed or stopped; CPU seconds are added under the lock.
 void Album::paint(Studio& studio, OrderQueue& orders, FramePool& pool) {
   while (std::optional<FrameOrder> order = orders.pop()) {
-    order->frame.set_value(takeFrame(studio, *order->state, pool.take()));
+    try {
+      order->frame.set_value(takeFrame(studio, *order->state, pool.take()));
+    } catch (...) {
+      // The encoder may wait for this very frame, and learns why it does not come: a promise that
+      // is merely broken would be the first error that the crew hears of.
+      order->frame.set_exception(std::current_exception());
+      throw;
+    }
   }
 }
 
@@ -216,7 +223,7 @@ void Album::encode(FrameQueue& frames, FramePool& pool) {
   if (!title.empty()) {
     sink.putTitle(titleCard(title, settings_.size, style.background, style.text));
   }
-  // A painter that fails breaks its promise, and has told the crew why.
+  // Where a painter fails, get() throws what it threw.
   while (std::optional<std::future<Frame>> frame = frames.pop()) {
     Frame spare = sink.put(frame->get());
     if (!spare.pixels.empty()) pool.giveBack(std::move(spare));
