@@ -4,12 +4,12 @@
 #include "sim/study/stepped_scene.h"
 
 #include <algorithm>
-#include <random>
 
 #include <fmt/format.h>
 
 #include "sim/base/interruption.h"
 #include "sim/deploy/dynamics.h"
+#include "sim/deploy/run.h"
 #include "sim/generate/families.h"
 #include "sim/model/isometry.h"
 #include "sim/world/brick_world.h"
@@ -18,8 +18,7 @@
 namespace kirireel {
 namespace {
 
-constexpr double kNudge = 1e-6;  // model sizes a second, as in a deployment
-constexpr double kLost = 1e3;    // model sizes
+constexpr double kLost = 1e3;  // model sizes
 
 // The scene with the method's step, 1 / rate seconds, and its tolerance.
 Scene withRate(Scene scene, const Method& method) {
@@ -61,7 +60,8 @@ SteppedScene::SteppedScene(const Scene& scene, std::vector<Brick> bricks,
   // Joints that do not close are made compliant, as in a run.
   if (!dynamics_->assemble(motion_.poses)) dynamics_->setJointStiffness(kMisfitStiffness);
   setupSeconds_ = threadCpuSeconds() - before;
-  nudge(kNudge * size_);
+  // Without it a singular closed state, in which all pulls balance, might never be left.
+  motion_.velocities = nudge(bricks_.size(), size_, scene_.solver.seed);
 }
 
 // One step of the scene's length. Only the solver's time is counted, not that of what looks at it.
@@ -89,16 +89,6 @@ double SteppedScene::energy() const {
     energy -= bricks_[i].mass * scene_.environment.gravity.dot(motion_.poses[i].position);
   }
   return energy;
-}
-
-// Random velocities, each component up to `speed` (m/s). Without them a singular closed state, in
-// which all pulls balance, might never be left.
-void SteppedScene::nudge(double speed) {
-  std::mt19937 generator(scene_.solver.seed);
-  for (Velocity& velocity : motion_.velocities) {
-    // The generator's whole numbers are the same with every standard library.
-    for (int k = 0; k < 3; ++k) velocity.linear[k] = speed * (generator() / 2147483648.0 - 1);
-  }
 }
 
 // The energy at the start must not be 0, since growth is measured against it.

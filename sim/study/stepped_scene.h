@@ -102,8 +102,6 @@ class SteppedScene {
   double energy() const;
 
  private:
-  void nudge(double speed);
-
   Scene scene_;
   std::vector<Brick> bricks_;
   std::vector<Pivot> pivots_;
