@@ -80,7 +80,7 @@ TEST_F(Resume, EndsLikeAnUndisturbedRunWheneverItWasKilled) {
   }
 }
 
-/// A run of a sheet that is large enough to be met while it goes on.
+/// A run of several seconds, so that a checkpoint, due after two, meets it while it goes on.
 class ResumeOnTheWay : public testing::Test {
  protected:
   void SetUp() override {
@@ -92,7 +92,7 @@ class ResumeOnTheWay : public testing::Test {
   std::vector<std::string> recordLongInto(const fs::path& out,
                                           const std::vector<std::string>& more = {}) const {
     std::vector<std::string> words = {"record",   model_,       "--planar", "off",        "--path",
-                                      "straight", "--timestep", "5e-4",     "--duration", "1",
+                                      "straight", "--timestep", "1e-4",     "--duration", "1",
                                       "--size",   "160x120",    "--length", "2",          "--svg",
                                       "--out",    out.string()};
     words.insert(words.end(), more.begin(), more.end());
