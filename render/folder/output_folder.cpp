@@ -377,8 +377,8 @@ FileSet::FileSet(fs::path folder, const char* record)
 }
 
 FileSet::~FileSet() {
-  // A whole run that could not be moved stays for another attempt.
-  const bool isWhole = !listedFiles(stage_ / output::kSummary).empty();
+  // A whole set that could not be moved stays for another attempt: some of it may have been moved.
+  const bool isWhole = !listedFiles(stage_ / record_).empty();
   if (!isWhole) clearStage(stage_);
 }
 

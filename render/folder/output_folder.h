@@ -148,7 +148,7 @@ class FileSet {
   /// has left unfinished, but for its checkpoint. Throws OutputError; InputError where files of
   /// others are in the way of that.
   FileSet(std::filesystem::path folder, const char* record);
-  /// Removes what is not in place, but for a checkpoint.
+  /// Removes what is not in place, but for a checkpoint and a whole set that could not be moved.
   ~FileSet();
   FileSet(const FileSet&) = delete;
   FileSet& operator=(const FileSet&) = delete;

@@ -157,6 +157,28 @@ TEST_F(FileSetTest, GoesOnMovingWhereAKillCameInBetween) {
   EXPECT_EQ(found(), (Contents{{"a.txt", "new"}, {"b.txt", "new"}}));
 }
 
+TEST_F(FileSetTest, GoesOnMovingWhereAnErrorCameInBetween) {
+  leaveRun({{"a.obj", "run"}});
+  write(folder_.path() / "sub", "a file of others where a folder is wanted");
+  {
+    FileSet files(folder_.path(), output::kContents);
+    write(files.stage() / "b.obj", "export");
+    write(files.stage() / "sub" / "c.obj", "export");
+    EXPECT_THROW(files.commit(std::vector<std::string>{"b.obj", "sub/c.obj"}), OutputError);
+  }
+  EXPECT_TRUE(fs::exists(folder_.path() / "b.obj"));
+  fs::remove(folder_.path() / "sub");
+  // What was moved before the error is known as ours: the next export may replace it.
+  {
+    FileSet files(folder_.path(), output::kContents);
+    EXPECT_TRUE(fs::exists(folder_.path() / "sub" / "c.obj"));
+    write(files.stage() / "b.obj", "again");
+    files.commit(std::vector<std::string>{"b.obj"});
+  }
+  EXPECT_EQ(test::bytesOf(folder_.path() / "b.obj"), "again");
+  EXPECT_FALSE(fs::exists(folder_.path() / output::kUnfinished));
+}
+
 TEST_F(FileSetTest, LeavesAHiddenFolderOfOthersAlone) {
   write(folder_ / ".unfinished/notes.txt", "theirs");
   EXPECT_THAT([this] { const FileSet files(folder_.path(), output::kSummary); },
