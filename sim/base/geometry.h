@@ -49,6 +49,15 @@ struct Motion {
   std::vector<Velocity> velocities;
 };
 
+/// The rotations as matrices, brick axes to world axes: cheaper than quaternions where a brick has
+/// several points.
+inline std::vector<Matrix3> rotationMatrices(const Poses& poses) {
+  std::vector<Matrix3> matrices;
+  matrices.reserve(poses.size());
+  for (const Pose& pose : poses) matrices.push_back(pose.rotation.toRotationMatrix());
+  return matrices;
+}
+
 /// The matrix [v]x with [v]x w = v x w.
 inline Matrix3 crossMatrix(const Vector3& v) {
   Matrix3 matrix;

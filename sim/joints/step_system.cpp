@@ -271,14 +271,6 @@ typename Coordinates<D>::Block massMatrix(const Brick& brick, const Pose& pose) 
   return Coordinates<D>::inertia(brick.mass, brick.inertia, pose.rotation.toRotationMatrix());
 }
 
-/// The rotations of all bricks as matrices: a brick has several pivots.
-std::vector<Matrix3> rotationMatrices(const Poses& poses) {
-  std::vector<Matrix3> matrices;
-  matrices.reserve(poses.size());
-  for (const Pose& pose : poses) matrices.push_back(pose.rotation.toRotationMatrix());
-  return matrices;
-}
-
 }  // namespace
 
 template <int D>

@@ -29,8 +29,14 @@ double largerOf(double largest, double figure) {
 JointGap jointGap(std::span<const Pivot> pivots, const Poses& poses) {
   JointGap gap;
   if (pivots.empty()) return gap;
+  const std::vector<Matrix3> turns = rotationMatrices(poses);
+  const auto placed = [&](int brick, const Vector3& point) -> Vector3 {
+    const auto i = static_cast<std::size_t>(brick);
+    return poses[i].position + turns[i] * point;
+  };
   for (const Pivot& pivot : pivots) {
-    const double distance = pivotGap(pivot, poses);
+    const Vector3 apart = placed(pivot.brickA, pivot.pointA) - placed(pivot.brickB, pivot.pointB);
+    const double distance = std::abs(apart.norm() - pivot.distance);
     gap.max = largerOf(gap.max, distance);
     gap.mean += distance;
   }
@@ -40,14 +46,15 @@ JointGap jointGap(std::span<const Pivot> pivots, const Poses& poses) {
 
 double targetError(const std::vector<Tile>& target, const std::vector<Brick>& bricks,
                    const Poses& poses) {
-  double largest = 0;
+  double largest = 0;  // squared
   for (size_t i = 0; i < bricks.size(); ++i) {
+    const Matrix3 turn = poses[i].rotation.toRotationMatrix();
     for (size_t k = 0; k < bricks[i].bottom.size(); ++k) {
-      const Vector3 vertex = poses[i].apply(bricks[i].bottom[k]);
-      largest = largerOf(largest, (vertex - target[i].vertices[k]).norm());
+      const Vector3 vertex = poses[i].position + turn * bricks[i].bottom[k];
+      largest = largerOf(largest, (vertex - target[i].vertices[k]).squaredNorm());
     }
   }
-  return largest;
+  return std::sqrt(largest);
 }
 
 double kineticEnergy(const std::vector<Brick>& bricks, const Motion& motion) {
