@@ -14,9 +14,9 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <tuple>
 
 #include "sim/measure/measures.h"
+#include "sim/model/convex_parts.h"
 
 namespace kirireel {
 namespace {
@@ -298,38 +298,14 @@ constexpr double kFlat = 1e-6;
 /// Strains below this say nothing.
 constexpr double kLeastStrain = 1e-3;
 
-using Points = std::vector<Eigen::Vector2d>;
-
-/// Appends one half of the outline of points in order of x: those between which it turns left
-/// (Andrew 1979). The last is left out, it begins the other half.
-template <typename Iterator>
-void appendHalf(Iterator begin, Iterator end, Points& outline) {
-  const std::size_t first = outline.size();
-  for (Iterator point = begin; point != end; ++point) {
-    while (outline.size() > first + 1) {
-      const Eigen::Vector2d along = outline.back() - outline[outline.size() - 2];
-      const Eigen::Vector2d next = *point - outline.back();
-      if (along.x() * next.y() - along.y() * next.x() > 0) break;
-      outline.pop_back();
-    }
-    outline.push_back(*point);
-  }
-  outline.pop_back();
-}
-
-/// The corners of the convex outline seen along z, anticlockwise. (outlineCorners() in model.h
-/// keeps every vertex on it too.)
-Points convexOutline(const std::vector<Tile>& tiles) {
-  Points points;
+/// The corners of the convex outline seen along z. (outlineCorners() in model.h keeps every vertex
+/// on it too.)
+std::vector<Eigen::Vector2d> outlineSeenAlongZ(const std::vector<Tile>& tiles) {
+  std::vector<Eigen::Vector2d> points;
   for (const Tile& tile : tiles) {
     for (const Vector3& vertex : tile.vertices) points.emplace_back(vertex.head<2>());
   }
-  std::ranges::sort(points, {}, [](const Eigen::Vector2d& p) { return std::tuple(p.x(), p.y()); });
-  Points outline;
-  if (points.empty()) return outline;
-  appendHalf(points.begin(), points.end(), outline);
-  appendHalf(points.rbegin(), points.rend(), outline);
-  return outline;
+  return convexOutline(std::move(points));
 }
 
 }  // namespace
@@ -343,7 +319,7 @@ Vector3 boxSides(const std::vector<Tile>& tiles) {
 }
 
 HullSize hullSize(const std::vector<Tile>& tiles) {
-  const Points corners = convexOutline(tiles);
+  const std::vector<Eigen::Vector2d> corners = outlineSeenAlongZ(tiles);
   HullSize size;
   for (std::size_t k = 0; k < corners.size(); ++k) {
     // From the first corner, so that a sheet far from the origin loses no digits.

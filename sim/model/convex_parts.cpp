@@ -13,6 +13,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -275,6 +276,39 @@ std::vector<PolygonPart> convexParts(std::span<const Vector3> corners, const Vec
   }
   mergeParts(parts, points);
   return parts;
+}
+
+// ------------------------------------------------------------------------------------------------
+// The convex outline: from left to right each new point takes away those before it at which the
+// chain does not turn left, which leaves the lower half; from right to left likewise the upper.
+
+namespace {
+
+/// Appends one half of the outline of points in order of x. The last is left out, it begins the
+/// other half.
+template <typename Iterator>
+void appendHalf(Iterator begin, Iterator end, std::vector<Vector2>& outline) {
+  const std::size_t first = outline.size();
+  for (Iterator point = begin; point != end; ++point) {
+    while (outline.size() > first + 1) {
+      const Vector2 along = outline.back() - outline[outline.size() - 2];
+      if (cross(along, *point - outline.back()) > 0) break;
+      outline.pop_back();
+    }
+    outline.push_back(*point);
+  }
+  outline.pop_back();
+}
+
+}  // namespace
+
+std::vector<Eigen::Vector2d> convexOutline(std::vector<Eigen::Vector2d> points) {
+  std::ranges::sort(points, {}, [](const Vector2& p) { return std::tuple(p.x(), p.y()); });
+  std::vector<Vector2> outline;
+  if (points.empty()) return outline;
+  appendHalf(points.begin(), points.end(), outline);
+  appendHalf(points.rbegin(), points.rend(), outline);
+  return outline;
 }
 
 // ------------------------------------------------------------------------------------------------

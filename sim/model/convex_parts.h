@@ -48,6 +48,11 @@ std::vector<std::array<int, 3>> trianglesOf(std::span<const Vector3> corners,
 /// Each diagonal that is left is a side of two parts, in opposite directions.
 std::vector<PolygonPart> convexParts(std::span<const Vector3> corners, const Vector3& normal);
 
+/// The corners of the convex outline of points in the plane, anticlockwise, none in the middle of a
+/// side; no points have none. Andrew's monotone chain (Information Processing Letters 9, 1979),
+/// O(n log n).
+std::vector<Eigen::Vector2d> convexOutline(std::vector<Eigen::Vector2d> points);
+
 // ------------------------------------------------------------------------------------------------
 // Tiles that bend: rigid parts hinged along their common edges.
 
