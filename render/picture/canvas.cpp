@@ -548,6 +548,36 @@ void drawPieces(const std::vector<Piece>& pieces, const Projector& project, Canv
   }
 }
 
+/// Pieces of one colour that follow each other, together.
+std::vector<std::vector<Piece>> byColour(std::vector<Piece> pieces) {
+  std::vector<std::vector<Piece>> groups;
+  for (Piece& piece : pieces) {
+    if (groups.empty() || !(groups.back().back().colour == piece.colour)) groups.emplace_back();
+    groups.back().push_back(std::move(piece));
+  }
+  return groups;
+}
+
+/// The steps of a shadow from the palest on, each transparent as a whole so that what overlaps in
+/// it is as dark as one. Steps with opacities o1, o2, ... hide 1 - (1 - o1)(1 - o2) ... together; a
+/// piece's alpha says how much that is up to its own step.
+void drawShadow(std::vector<Piece> pieces, const Projector& project, const std::string& name,
+                Canvas& canvas) {
+  canvas.begin(name);
+  double below = 0;
+  int count = 0;
+  for (std::vector<Piece>& step : byColour(std::move(pieces))) {
+    const double hidden = step.front().colour.alpha / 255.0;
+    for (Piece& piece : step) piece.colour.alpha = 255;
+    canvas.begin(fmt::format("{}_{}", name, ++count),
+                 hidden < 1 ? (hidden - below) / (1 - below) : 1);
+    drawPieces(step, project, canvas);
+    canvas.end();
+    below = hidden;
+  }
+  canvas.end();
+}
+
 void drawOutlines(const std::vector<SeenOutline>& outlines, const Projector& project,
                   Canvas& canvas) {
   for (const auto& [lines, pale] : outlines) {
@@ -562,22 +592,23 @@ void drawOutlines(const std::vector<SeenOutline>& outlines, const Projector& pro
 void drawSketch(const Sketch& sketch, const Camera& camera, FrameSize size,
                 const Eigen::Vector2d& corner, const std::string& name, Canvas& canvas) {
   const Projector project(camera, size, corner);
-  const auto layer = [&](const char* part, std::vector<Piece> pieces, double opacity = 1) {
+  const auto layerName = [&name](const char* part) {
+    return name.empty() ? std::string(part) : name + '_' + part;
+  };
+  const auto layer = [&](const char* part, const std::vector<Piece>& pieces) {
     if (pieces.empty()) return;
-    canvas.begin(name.empty() ? part : name + '_' + part, opacity);
+    canvas.begin(layerName(part));
     drawPieces(pieces, project, canvas);
     canvas.end();
   };
   layer("ground", makePieces(sketch, sketch.ground, camera));
-  // Shadows that overlap are as dark as one: transparent together, not each by itself.
-  std::vector<Piece> shadow = makePieces(sketch, sketch.shadow, camera);
-  const double opacity = shadow.empty() ? 1 : shadow.front().colour.alpha / 255.0;
-  for (Piece& piece : shadow) piece.colour.alpha = 255;
-  layer("shadow", std::move(shadow), opacity);
+  if (!sketch.shadow.empty()) {
+    drawShadow(makePieces(sketch, sketch.shadow, camera), project, layerName("shadow"), canvas);
+  }
   const std::vector<Piece> solid = makePieces(sketch, sketch.solid, camera);
   layer("bricks", farthestFirst(solid));
   if (std::ranges::any_of(solid, &Piece::outlined)) {
-    canvas.begin(name.empty() ? "outlines" : name + "_outlines");
+    canvas.begin(layerName("outlines"));
     drawOutlines(seenOutlines(solid, camera), project, canvas);
     canvas.end();
   }

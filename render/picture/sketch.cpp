@@ -10,7 +10,13 @@
 // no side loses more than kMaxOutlineShare of its length.
 //
 // A shadow is the projection of the lit faces along the key light onto the plate. Facets of the
-// shadow overlap and have one colour, so together they are one flat shape.
+// shadow overlap and have one colour, so together they are one flat shape. A light of some size
+// makes its edge soft: the shadow of a point at height h fades out over s h, with the style's
+// softness s: crisp where bricks touch the plate. At the distance d from the edge t = 1 - d / (s h)
+// is left, and the share 3 t^2 - 2 t^3 of the full shadow is drawn, rounded in t to one of n steps
+// from the palest to the full. Step i has the share at t = i / n and reaches to t = (i - 1/2) / n:
+// it is the union of the convex outlines of the faces' projected corners, each widened to a disc
+// of radius s h (1 - t).
 //
 // Faces that look away from the camera are left out: bricks are closed.
 #include "render/picture/sketch.h"
@@ -21,6 +27,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "sim/base/interruption.h"
 #include "sim/model/convex_parts.h"
@@ -33,6 +40,11 @@ constexpr int kDotSides = 16;
 
 /// A line on a brick is drawn this many of its widths nearer to the eye.
 constexpr double kLineLift = 1;
+/// In so many steps a shadow fades out, which are too small to be told apart.
+constexpr int kShadowSteps = 10;
+/// Directions in which the corner of a shadow is widened.
+constexpr int kShadowDirections = 12;
+
 /// Length of a dash, and of the gap after it, in widths of the line.
 constexpr double kDashWidths = 3;
 
@@ -65,6 +77,26 @@ void drawPlate(const GroundPlate& plate, Colour colour, Sketch& sketch) {
                   plate.centre.y() + (k >= 2 ? 1 : -1) * plate.halfSize, plate.height};
   }
   sketch.ground.push_back(appendFacet(sketch, corners, colour));
+}
+
+/// The convex outline of discs around the corners of a horizontal polygon, anticlockwise from
+/// above. Radii are the softness times the heights.
+std::vector<Vector3> widened(const std::vector<Vector3>& corners,
+                             const std::vector<double>& heights, double softness) {
+  std::vector<Eigen::Vector2d> points;
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    for (int d = 0; d < kShadowDirections; ++d) {
+      const double angle = 2 * std::numbers::pi * d / kShadowDirections;
+      points.emplace_back(corners[k].head<2>() +
+                          softness * heights[k] *
+                              Eigen::Vector2d(std::cos(angle), std::sin(angle)));
+    }
+  }
+  std::vector<Vector3> outline;
+  for (const Eigen::Vector2d& point : convexOutline(std::move(points))) {
+    outline.emplace_back(point.x(), point.y(), corners[0].z());
+  }
+  return outline;
 }
 
 /// Dots that face the camera.
@@ -236,26 +268,44 @@ void Sketcher::drawConcave(const Face& face, const Pose& pose, double width, Col
   }
 }
 
-void Sketcher::drawShadow(const Poses& poses, Sketch& sketch) const {
+std::vector<Sketcher::CastPolygon> Sketcher::castPolygons(const Poses& poses) const {
   const Vector3& light = style_.key.direction;
-  std::vector<Vector3> corners;
+  std::vector<CastPolygon> cast;
+  CastPolygon whole;
   for (std::size_t brick = 0; brick < faces_.size(); ++brick) {
     checkInterruption();
     const Pose& pose = poses[brick];
     for (const Face& face : faces_[brick]) {
       // The lit faces of a closed brick cast all of its shadow.
       if (light.dot(pose.rotation * face.normal) <= 0) continue;
-      corners.clear();
-      for (const Vector3& point : face.corners) {
-        corners.push_back(shadowOf(pose.apply(point), style_));
-      }
-      if (face.triangles.empty()) {
-        sketch.shadow.push_back(appendFacet(sketch, corners, style_.shadow));
+      whole = {};
+      for (const Vector3& corner : face.corners) {
+        const Vector3 point = pose.apply(corner);
+        whole.corners.push_back(shadowOf(point, style_));
+        whole.heights.push_back(std::max(0.0, point.z() - style_.plate->height));
       }
       for (const auto& [a, b, c] : face.triangles) {
-        const std::array<Vector3, 3> triangle = {corners[a], corners[b], corners[c]};
-        sketch.shadow.push_back(appendFacet(sketch, triangle, style_.shadow));
+        cast.push_back({{whole.corners[a], whole.corners[b], whole.corners[c]},
+                        {whole.heights[a], whole.heights[b], whole.heights[c]}});
       }
+      if (face.triangles.empty()) cast.push_back(whole);
+    }
+  }
+  return cast;
+}
+
+void Sketcher::drawShadow(const Poses& poses, Sketch& sketch) const {
+  const std::vector<CastPolygon> cast = castPolygons(poses);
+  const int steps = style_.shadowSoftness > 0 ? kShadowSteps : 1;
+  for (int step = 1; step <= steps; ++step) {
+    const double softness = style_.shadowSoftness * (1 - (step - 0.5) / steps);
+    const double part = static_cast<double>(step) / steps;
+    const Colour colour = partialShadow(style_, part * part * (3 - 2 * part));
+    for (const CastPolygon& polygon : cast) {
+      checkInterruption();
+      const std::vector<Vector3> corners =
+          softness > 0 ? widened(polygon.corners, polygon.heights, softness) : polygon.corners;
+      sketch.shadow.push_back(appendFacet(sketch, corners, colour));
     }
   }
 }

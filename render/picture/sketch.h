@@ -90,7 +90,7 @@ struct Facet {
 struct Sketch {
   std::vector<Vector3> points;  ///< world axes
   std::vector<Facet> ground;    ///< the plate, if it is visible
-  std::vector<Facet> shadow;    ///< overlapping; all of one colour
+  std::vector<Facet> shadow;    ///< overlapping, in painting order: from the palest to the full
   std::vector<Facet> solid;     ///< in no order: what is nearer hides what is farther
   std::vector<Facet> overlay;   ///< lines, in painting order
   Colour edge;                  ///< of the outlines
@@ -140,6 +140,13 @@ class Sketcher {
   /// A concave face: its inside as triangles, its outline as a band along each side.
   void drawConcave(const Face& face, const Pose& pose, double width, Colour colour, Colour edge,
                    Sketch& sketch) const;
+  /// A polygon on the plate that is the shadow of a lit face or a part of one.
+  struct CastPolygon {
+    std::vector<Vector3> corners;
+    std::vector<double> heights;  ///< of the points that cast them above the plate, metres
+  };
+
+  std::vector<CastPolygon> castPolygons(const Poses& poses) const;
   void drawShadow(const Poses& poses, Sketch& sketch) const;
 
   Style style_;

@@ -57,10 +57,7 @@ std::optional<GroundPlate> plateFor(const Look& look, const Motif& motif) {
 Style pageStyle(const Look& look) {
   Style style = look.theme == Theme::Dark ? darkStyle() : Style();
   if (look.background) style.background = *look.background;
-  if (look.transparent) {
-    style.background.alpha = 0;
-    style.shadow = {0, 0, 0, 56};
-  }
+  if (look.transparent) style.background.alpha = 0;
   return style;
 }
 
@@ -83,15 +80,24 @@ Style styleFor(const Look& look, const Motif& motif, FrameSize size) {
     style.occlusion *= kMeasureShade;
   }
   style.plate = plateFor(look, motif);
+  // On a plate a shadow hides nothing; on a transparent page it darkens what comes under it.
+  if (look.transparent && style.plate && !style.plate->visible) style.shadow = {0, 0, 0, 56};
   return style;
 }
 
-/// What cameras must hold in sight: the motif's points and, where they cast one, their shadow.
-/// Twice as many with a shadow.
+/// What cameras must hold in sight: the motif's points and, where they cast one, their shadow with
+/// its soft edge. Five times as many with a shadow.
 std::vector<Vector3> pointsInSight(const Motif& motif, const Style& style) {
   std::vector<Vector3> points = motif.points;
   if (!style.plate || !style.plate->shadow) return points;
-  for (const Vector3& point : motif.points) points.push_back(shadowOf(point, style));
+  for (const Vector3& point : motif.points) {
+    const Vector3 shadow = shadowOf(point, style);
+    const double reach = style.shadowSoftness * std::max(0.0, point.z() - style.plate->height);
+    for (const Vector3& side : {Vector3::UnitX().eval(), Vector3::UnitY().eval()}) {
+      points.push_back(shadow + reach * side);
+      points.push_back(shadow - reach * side);
+    }
+  }
   return points;
 }
 

@@ -72,6 +72,20 @@ Vector3 shadowOf(const Vector3& point, const Style& style) {
   return point - (point.z() - style.plate->height) / light.z() * light;
 }
 
+// On a transparent page the alpha alone grows.
+Colour partialShadow(const Style& style, double share) {
+  const Colour full = style.shadow;
+  const bool onPlate = style.plate && style.plate->visible;
+  const Colour under = onPlate ? style.ground : style.background;
+  if (under.alpha < 255) {
+    const auto alpha = static_cast<std::uint8_t>(std::lround(share * full.alpha));
+    return {full.red, full.green, full.blue, alpha};
+  }
+  Colour colour = mixed(under, full, share);
+  colour.alpha = full.alpha;
+  return colour;
+}
+
 GroundPlate groundUnder(std::span<const Vector3> points, double height) {
   Eigen::AlignedBox3d box;
   for (const Vector3& point : points) box.extend(point);

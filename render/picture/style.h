@@ -18,8 +18,9 @@ struct Light {
   double strength = 0;                   ///< added brightness of a face that looks at the light
 };
 
-/// A square plate under the model, seen from above only, and the bricks' shadow on it. (The physics
-/// has its own Ground, in the scene.)
+/// A square plate under the model, seen from above only, and the bricks' shadow on it, whose edge
+/// is the softer the higher above the plate the brick is that casts it. (The physics has its own
+/// Ground, in the scene.)
 struct GroundPlate {
   double height = 0;                                 ///< z of the plate, metres
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();  ///< x and y of its middle, metres
@@ -54,6 +55,9 @@ struct Style {
   /// Drawn where the key light does not reach, as it is. With alpha below 255 it takes the place of
   /// what is under it, so that overlapping shadows are as dark as one.
   Colour shadow = {206, 207, 208};
+  /// How far the shadow of a point at height 1 above the plate fades out, 0 for hard edges: the
+  /// tangent of the angle under which the key light is seen.
+  double shadowSoftness = 0.2;
   Colour mark = {196, 52, 44};     ///< dots on joints
   Colour overlay = {200, 30, 90};  ///< lines laid over everything
   Colour text = {30, 30, 30};      ///< captions, scales
@@ -88,6 +92,9 @@ bool isDark(const BrickColours& colours);
 
 /// Where the key light casts the shadow of a point: on the style's plate, which must be there.
 Vector3 shadowOf(const Vector3& point, const Style& style);
+
+/// The colour of a share of the full shadow, 0 (what is under it) to 1.
+Colour partialShadow(const Style& style, double share);
 
 /// A ground plate around points at the given height, so wide that its borders are out of sight
 /// except from near the ground. At least one point. Half a side is four diagonals of the points'

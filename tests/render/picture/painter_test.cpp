@@ -223,12 +223,51 @@ TEST(Painter, CastsAShadowOfTheProjectedArea) {
   Style style = silhouette();
   style.plate = shadowCatcher(sample, 0);
   style.shadow = {0, 0, 0};
+  style.shadowSoftness = 0;
   const Vector3 light = style.key.direction;
   const Vector3 centre = sample.poses[0].position - 30 / light.z() * light;
   const Frame frame = paintOnce(sample, {300, 300}, parallelCamera(centre, kTopView, 5), style);
   const Vector3 faces(0.5, 0.5, 1);
   const double expected = faces.dot(light.cwiseAbs()) / light.z() * std::pow(300 / 5.0, 2);
   EXPECT_NEAR(coveredPixels(frame) / expected, 1, 0.005);  // measured 3e-5
+}
+
+// Beyond the hard edge, at the distance d from it, t = 1 - d / (s h) of the softness s and the
+// height h is left, and the shadow's share is 3 t^2 - 2 t^3.
+TEST(Painter, ShadowsFadeOutWithTheHeightOfWhatCastsThem) {
+  for (const double height : {5.0, 10.0}) {
+    SampleBricks sample = sampleBricks({rectangleTile(0, 0, 2, 2)}, 0.001);
+    sample.poses[0].position.z() = height;
+    Style style;
+    style.edgeWidth = 0;
+    style.background = {255, 255, 255};
+    style.shadow = {0, 0, 0};
+    style.plate = shadowCatcher(sample, 0);
+    const double slope = style.key.direction.x() / style.key.direction.z();
+    const Vector3 centre =
+        sample.poses[0].position - height / style.key.direction.z() * style.key.direction;
+    const Frame frame = paintOnce(sample, {601, 601}, parallelCamera(centre, kTopView, 6), style);
+    const double pixel = 6.0 / 601;
+    for (int x = 0; x < 601; ++x) {
+      const double distance = std::abs(x - 300) * pixel - 1 - 0.5 * 0.001 * std::abs(slope);
+      const double left = std::clamp(1 - distance / (style.shadowSoftness * height), 0.0, 1.0);
+      const double share = left * left * (3 - 2 * left);
+      const double drawn = 1 - frame.at(x, 300).red / 255.0;
+      // Half a step, at the steepest slope of 1.5. Measured 0.072.
+      ASSERT_NEAR(drawn, share, 0.076) << height << ' ' << x;
+    }
+  }
+}
+
+TEST(Painter, ShadowsAreCrispWhereBricksTouchThePlate) {
+  const SampleBricks sample = sampleBricks({rectangleTile(0, 0, 2, 2)}, 0.001);
+  Style soft;
+  soft.plate = shadowCatcher(sample, -0.0005);
+  Style hard = soft;
+  hard.shadowSoftness = 0;
+  const Camera camera = parallelCamera(Vector3::Zero(), kTopView, 3);
+  EXPECT_EQ(paintOnce(sample, {200, 200}, camera, soft).pixels,
+            paintOnce(sample, {200, 200}, camera, hard).pixels);
 }
 
 TEST(Painter, ShadowsThatOverlapAreAsDarkAsOne) {
