@@ -346,23 +346,45 @@ std::vector<int> parseTiles(const TypedValue& value) {
   return tiles;
 }
 
-TileColour parseTileColour(const TypedValue& value) {
-  constexpr const char* kAllowed = "numbers of tiles and a colour, as in 3,7,10-15=teal";
+namespace {
+
+/// "3,7,10-15"; nothing where it is something else.
+std::optional<std::vector<int>> tilesAndRanges(std::string_view text) {
   constexpr long kMostTile = 1'000'000;
-  const std::size_t equals = value.text.find('=');
-  if (equals == std::string::npos) throw valueError(value, kAllowed);
-  TileColour made{{}, parseColour({value.name, value.text.substr(equals + 1)})};
-  for (const std::string_view part : split(std::string_view(value.text).substr(0, equals), ',')) {
+  std::vector<int> tiles;
+  for (const std::string_view part : split(text, ',')) {
     const std::size_t dash = part.find('-');
     const std::optional<long> first = readWhole(part.substr(0, dash));
     const std::optional<long> last =
         dash == std::string_view::npos ? first : readWhole(part.substr(dash + 1));
-    if (!first || !last || *first < 0 || *last < *first || *last > kMostTile) {
-      throw valueError(value, kAllowed);
-    }
-    for (long tile = *first; tile <= *last; ++tile) made.tiles.push_back(static_cast<int>(tile));
+    if (!first || !last || *first < 0 || *last < *first || *last > kMostTile) return std::nullopt;
+    for (long tile = *first; tile <= *last; ++tile) tiles.push_back(static_cast<int>(tile));
   }
-  return made;
+  return tiles;
+}
+
+}  // namespace
+
+TileColour parseTileColour(const TypedValue& value) {
+  constexpr const char* kAllowed = "numbers of tiles and a colour, as in 3,7,10-15=teal";
+  const std::size_t equals = value.text.rfind('=');
+  if (equals == std::string::npos) throw valueError(value, kAllowed);
+  const std::string whose = value.text.substr(0, equals);
+  const std::size_t colon = whose.rfind(':');
+  const bool isNamed = colon != std::string::npos;
+  const auto tiles = tilesAndRanges(std::string_view(whose).substr(isNamed ? colon + 1 : 0));
+  if (!tiles) throw valueError(value, kAllowed);
+  return {*tiles, parseColour({value.name, value.text.substr(equals + 1)}),
+          isNamed ? whose.substr(0, colon) : std::string()};
+}
+
+TileOpacity parseTileOpacity(const TypedValue& value) {
+  constexpr const char* kAllowed = "numbers of tiles and a share, as in 3,7,10-15=0.3";
+  const std::size_t equals = value.text.find('=');
+  if (equals == std::string::npos) throw valueError(value, kAllowed);
+  const auto tiles = tilesAndRanges(std::string_view(value.text).substr(0, equals));
+  if (!tiles) throw valueError(value, kAllowed);
+  return {*tiles, parseNumber({value.name, value.text.substr(equals + 1)}, {0, 1})};
 }
 
 std::string sizeText(FrameSize size) {
@@ -403,10 +425,18 @@ TypedView typedView(const ViewAngles& view) {
 
 std::string tileColoursText(const std::vector<TileColour>& colours) {
   std::vector<std::string> texts;
-  for (const auto& [tiles, colour] : colours) {
+  for (const auto& [tiles, colour, name] : colours) {
     const std::string hex = colourText(colour);  // with its quotes
-    texts.push_back(
-        quotedText(fmt::format("{}={}", fmt::join(tiles, ","), hex.substr(1, hex.size() - 2))));
+    texts.push_back(quotedText(fmt::format("{}{}{}={}", name, name.empty() ? "" : ":",
+                                           fmt::join(tiles, ","), hex.substr(1, hex.size() - 2))));
+  }
+  return quotedList(texts);
+}
+
+std::string tileOpacitiesText(const std::vector<TileOpacity>& opacities) {
+  std::vector<std::string> texts;
+  for (const auto& [tiles, opacity] : opacities) {
+    texts.push_back(quotedText(fmt::format("{}={}", fmt::join(tiles, ","), numberText(opacity))));
   }
   return quotedList(texts);
 }

@@ -50,8 +50,12 @@ CaptionParts parseCaption(const TypedValue& value);
 /// "all" or numbers of tiles, e.g. "3,7,8"; empty for all.
 std::vector<int> parseTiles(const TypedValue& value);
 
-/// "3,7,10-15=teal": numbers of tiles, or ranges of them, and a colour.
+/// "3,7,10-15=teal": numbers of tiles, or ranges of them, and a colour; "hinge row:3,7=teal": with
+/// the name that they have in the legend.
 TileColour parseTileColour(const TypedValue& value);
+
+/// "3,7,10-15=0.3": numbers of tiles, or ranges of them, and how opaque they are, 0 to 1.
+TileOpacity parseTileOpacity(const TypedValue& value);
 
 /// The functions below write what those above read, as values of a scene file.
 
@@ -63,8 +67,10 @@ std::string gridText(GridShape grid);
 std::string frameChoicesText(const std::vector<FrameChoice>& choices);
 /// Six hexadecimal digits in capitals.
 std::string colourText(Colour colour);
-/// Each as TILES=COLOUR.
+/// Each as TILES=COLOUR or NAME:TILES=COLOUR.
 std::string tileColoursText(const std::vector<TileColour>& colours);
+/// Each as TILES=SHARE.
+std::string tileOpacitiesText(const std::vector<TileOpacity>& opacities);
 /// TIME:YAW:PITCH:ZOOM with commas; degrees.
 std::string cameraKeysText(const std::vector<CameraKey>& keys);
 /// Words with commas, "none" where no part is wanted.

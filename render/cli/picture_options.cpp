@@ -208,10 +208,21 @@ void addColourOptions(OptionGroup& group, Look& look) {
       .saidAs([&look] { return saidColour(look.backColour); });
   group
       .values(
-          "--tile-colour", "TILES=COLOUR",
-          "of some tiles, as in 3,7,10-15=teal; with --colour plain, shape or state",
+          "--tile-colour", "[NAME:]TILES=COLOUR",
+          "of some tiles, as in 3,7,10-15=teal, or \"hinge row:3,7=teal\" for a name in the "
+          "legend; "
+          "with --colour plain, shape or state",
           [&look](const TypedValue& typed) { look.tileColours.push_back(parseTileColour(typed)); })
       .saidAs([&look] { return tileColoursText(look.tileColours); });
+  group.number("--opacity", look.opacity, {0, 1}, "SHARE",
+               "of all bricks, 0 leaves them out; their hidden sides do not show");
+  group
+      .values("--tile-opacity", "TILES=SHARE",
+              "of some tiles, as in 3,7,10-15=0.3, whatever their colours stand for",
+              [&look](const TypedValue& typed) {
+                look.tileOpacities.push_back(parseTileOpacity(typed));
+              })
+      .saidAs([&look] { return tileOpacitiesText(look.tileOpacities); });
   group
       .value("--outline-colour", "COLOUR", "263242", "of the lines on the edges of tiles",
              [&look](const TypedValue& typed) { look.outlineColour = parseColour(typed); })

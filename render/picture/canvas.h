@@ -65,9 +65,10 @@ class Canvas : public Surface {
   /// Lines in a polygon's own colour where it was cut from another.
   virtual void seams(const std::vector<Points>& lines, Colour colour) = 0;
 
-  /// Lines in the settings' outline, or the pale one, each through two points or more. A line whose
-  /// first and last points are the same is closed without a gap.
-  virtual void outlines(const std::vector<Points>& lines, bool pale = false) = 0;
+  /// Lines in the settings' outline, or the pale one, each through two points or more, opacity 0 to
+  /// 1. A line whose first and last points are the same is closed without a gap.
+  virtual void outlines(const std::vector<Points>& lines, bool pale = false,
+                        double opacity = 1) = 0;
 
   /// Lines of a width in pixels, each through two points or more.
   virtual void lines(const std::vector<Points>& lines, double width, Colour colour) = 0;
@@ -111,53 +112,5 @@ std::unique_ptr<Canvas> makeCanvas(PageFormat format, const PageSettings& settin
 /// Names must be unique on a page: they become ids in SVG.
 void drawSketch(const Sketch& sketch, const Camera& camera, FrameSize size,
                 const Eigen::Vector2d& corner, const std::string& name, Canvas& canvas);
-
-// ------------------------------------------------------------------------------------------------
-// Hidden surfaces for drawings that can only paint one thing over another.
-
-/// A convex polygon that remembers which of its sides came from cutting. `isCut` has an entry for
-/// each corner. Sides from cutting get no outline.
-struct CutPolygon {
-  std::vector<Vector3> corners;  ///< anticlockwise in the picture
-  std::vector<char> isCut;       ///< for the side from corner k to corner k + 1
-};
-
-/// A facet or a part of one. Pieces of one facet share its plane, so that cutting never moves a
-/// face.
-struct Piece {
-  CutPolygon outer;       ///< with its outline
-  CutPolygon inner;       ///< within its outline; empty where the part has none of it
-  bool outlined = false;  ///< else both are the same
-  bool pale = false;      ///< whether its outline is the pale one
-  Colour colour;
-  Vector3 normal;     ///< of the facet's plane, unit, towards the camera's side
-  double offset = 0;  ///< normal . point for the points of the plane
-};
-
-/// The pieces of a layer of facets, in the order in which they stand. Parts nearer to the camera
-/// than its near plane are cut away. In order of the facets, not sorted.
-std::vector<Piece> makePieces(const Sketch& sketch, const std::vector<Facet>& facets,
-                              const Camera& camera);
-
-/// The lines of a facet's outline that nothing hides, each through two points or more, world axes;
-/// a closed line ends where it began.
-struct SeenOutline {
-  std::vector<std::vector<Vector3>> lines;
-  bool pale = false;
-};
-
-/// What shows of the outlines of whole facets, as makePieces() gives them, in their order. A side
-/// is hidden where it lies behind another facet's plane and within that facet's outline as the
-/// camera sees it. Drawn over all faces they stay whole: drawn face by face, the half of a line
-/// that lies beyond its face would be covered by the neighbour, and lines along a cut by the seam
-/// that closes it.
-std::vector<SeenOutline> seenOutlines(const std::vector<Piece>& pieces, const Camera& camera);
-
-/// Puts facets that all look at the camera into an order in which each hides those before it, by
-/// cutting those that lie on both sides of another's plane (binary space partition; Fuchs, Kedem
-/// and Naylor 1980). Right for facets that cross, too. A facet's plane has the camera on its front,
-/// so that what lies behind the plane comes first. Cutting may give more pieces than there were.
-/// Throws Interrupted when the user ends the program.
-std::vector<Piece> farthestFirst(std::vector<Piece> pieces);
 
 }  // namespace kirireel

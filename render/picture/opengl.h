@@ -17,6 +17,7 @@ namespace kirireel {
   FUNCTION(PFNGLBINDRENDERBUFFERPROC, glBindRenderbuffer)               \
   FUNCTION(PFNGLBINDTEXTUREPROC, glBindTexture)                         \
   FUNCTION(PFNGLBINDVERTEXARRAYPROC, glBindVertexArray)                 \
+  FUNCTION(PFNGLBLENDFUNCPROC, glBlendFunc)                             \
   FUNCTION(PFNGLBUFFERDATAPROC, glBufferData)                           \
   FUNCTION(PFNGLCHECKFRAMEBUFFERSTATUSPROC, glCheckFramebufferStatus)   \
   FUNCTION(PFNGLCLEARPROC, glClear)                                     \
@@ -31,6 +32,7 @@ namespace kirireel {
   FUNCTION(PFNGLDELETESHADERPROC, glDeleteShader)                       \
   FUNCTION(PFNGLDELETEVERTEXARRAYSPROC, glDeleteVertexArrays)           \
   FUNCTION(PFNGLDEPTHFUNCPROC, glDepthFunc)                             \
+  FUNCTION(PFNGLDEPTHMASKPROC, glDepthMask)                             \
   FUNCTION(PFNGLDISABLEPROC, glDisable)                                 \
   FUNCTION(PFNGLDRAWARRAYSPROC, glDrawArrays)                           \
   FUNCTION(PFNGLDRAWELEMENTSPROC, glDrawElements)                       \

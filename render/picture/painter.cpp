@@ -1,12 +1,15 @@
 // A picture in five steps:
 //
-// - 1. Sketcher makes flat polygons of what the camera sees (sketch.h), in four layers: ground,
-//   shadow, solid, overlay.
+// - 1. Sketcher makes flat polygons of what the camera sees (sketch.h), in five layers: ground,
+//   shadow, solid, translucent, overlay.
 // - 2. Tessellator turns them into triangles in clip coordinates. A face with an outline is the
-//   polygon within it and a band of two triangles along each side.
+//   polygon within it and a band of two triangles along each side. Translucent polygons are cut and
+//   sorted before, the farthest first (hidden_surfaces.h), since blending needs that order
+//   everywhere.
 // - 3. The picture is cut into parts of at most 2048 x 1024 pixels that some triangle touches. For
 //   each part the triangles that may touch it are drawn into a framebuffer of 2 x 3 samples a
-//   pixel, ground and overlay in painting order, solid ones by depth.
+//   pixel, ground and overlay in painting order, solid ones by depth, translucent ones blended over
+//   what is behind them.
 // - 4. Samples are read back in strips of 8 rows and averaged to pixels (painter.h).
 // - 5. What no triangle touches keeps the background.
 //
@@ -25,6 +28,7 @@
 #include <utility>
 
 #include "render/picture/gl_context.h"
+#include "render/picture/hidden_surfaces.h"
 #include "render/picture/opengl.h"
 #include "sim/base/interruption.h"
 
@@ -112,7 +116,9 @@ struct TriangleMesh {
   std::vector<GLuint> indices;  ///< of vertices, three a triangle
   std::vector<FacetTriangles> facets;
   int groundEnd = 0;  ///< facets of the plate and the shadow: first, in painting order
-  int solidEnd = 0;   ///< then those that hide each other by depth; the rest is laid over
+  int solidEnd = 0;   ///< then those that hide each other by depth
+  int translucentEnd =
+      0;  ///< then those that are blended, in painting order; the rest is laid over
 
   int facetCount() const { return static_cast<int>(facets.size()); }
   void clear() {
@@ -128,6 +134,19 @@ class Tessellator {
  public:
   Tessellator(const Sketch& sketch, const Eigen::Matrix4d& clipFromWorldAxes, TriangleMesh& mesh)
       : sketch_(sketch), clipFromWorld_(clipFromWorldAxes), mesh_(mesh) {}
+
+  /// Cut where they cross, the farthest first.
+  void appendSorted(const std::vector<Facet>& facets, const Camera& camera) {
+    for (const Piece& piece : farthestFirst(makePieces(sketch_, facets, camera))) {
+      checkInterruption();
+      FacetTriangles& made = mesh_.facets.emplace_back();
+      made.first = static_cast<int>(mesh_.indices.size());
+      const std::vector<Vector3>& corners = piece.outer.corners;
+      const GLuint first = appendCorners(corners, piece.colour, made.place);
+      for (GLuint k = 2; k < corners.size(); ++k) triangle(first, first + k - 1, first + k);
+      made.end = static_cast<int>(mesh_.indices.size());
+    }
+  }
 
   void append(const std::vector<Facet>& facets) {
     for (const Facet& facet : facets) {
@@ -174,6 +193,29 @@ class Tessellator {
   Eigen::Matrix4d clipFromWorld_;
   TriangleMesh& mesh_;
 };
+
+/// Facets without outlines that look the same: within each outline one, and one along each side.
+std::vector<Facet> withoutOutlines(const std::vector<Facet>& facets, Sketch& sketch) {
+  std::vector<Facet> split;
+  for (const Facet& facet : facets) {
+    if (!facet.outlined) {
+      split.push_back(facet);
+      continue;
+    }
+    split.push_back(
+        {.first = facet.first + facet.count, .count = facet.count, .colour = facet.colour});
+    for (int k = 0; k < facet.count; ++k) {
+      const int from = facet.first + k, to = facet.first + (k + 1) % facet.count;
+      split.push_back({.first = static_cast<int>(sketch.points.size()),
+                       .count = 4,
+                       .colour = sketch.outlineOf(facet)});
+      for (const int corner : {from, to, to + facet.count, from + facet.count}) {
+        sketch.points.push_back(Vector3(sketch.points[corner]));
+      }
+    }
+  }
+  return split;
+}
 
 /// The triangles of one frame, as the graphics context holds them. Vertex array, vertices and
 /// indices are bound when it is made and stay so: the context has no others.
@@ -309,7 +351,7 @@ FrameSize validated(FrameSize size) {
 struct PaintedBricks {
   Sketcher sketcher;
   Colour background;
-  bool opaque;  ///< whether nothing that is drawn has another alpha than 255
+  bool opaque;  ///< whether all pixels have alpha 255
 
   PaintedBricks(const std::vector<Brick>& bricks, const Style& style)
       : sketcher(bricks, style),
@@ -331,8 +373,9 @@ struct Painter::Parts {
   // Kept between frames for their memory.
   Sketch sketch;
   TriangleMesh mesh;
-  std::vector<GLuint> indices;      ///< of the triangles of one part
-  std::array<int, 3> layerEnds{};   ///< in these: of the ground, the solid facets, the overlay
+  std::vector<GLuint> indices;  ///< of the triangles of one part
+  /// In these: of the ground, the solid facets, the translucent ones, the overlay.
+  std::array<int, 4> layerEnds{};
   std::vector<std::uint8_t> strip;  ///< samples on their way to a frame
 
   Parts(FrameSize frameSize, const std::vector<Brick>& bricks, const Style& style,
@@ -354,11 +397,13 @@ Painter::Parts::Parts(FrameSize frameSize, const std::vector<Brick>& bricks, con
       subject(bricks, style),
       facePainter(kFaceVertexShader, kFaceFragmentShader) {
   glDepthFunc(GL_LESS);
+  glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);  // of premultiplied colours
 }
 
 /// Fills the mesh and loads its vertices; indices are loaded part by part.
 void Painter::Parts::collectTriangles(const Shot& shot, const Camera& camera) {
   subject.sketcher.draw(shot, camera, sketch);
+  sketch.translucent = withoutOutlines(sketch.translucent, sketch);
   mesh.clear();
   Tessellator tessellator(sketch, clipFromWorld(camera, size.aspect()), mesh);
   tessellator.append(sketch.ground);
@@ -366,6 +411,8 @@ void Painter::Parts::collectTriangles(const Shot& shot, const Camera& camera) {
   mesh.groundEnd = mesh.facetCount();
   tessellator.append(sketch.solid);
   mesh.solidEnd = mesh.facetCount();
+  tessellator.appendSorted(sketch.translucent, camera);
+  mesh.translucentEnd = mesh.facetCount();
   tessellator.append(sketch.overlay);
   MeshBuffer::loadVertices(mesh.vertices);
 }
@@ -385,7 +432,8 @@ void Painter::Parts::chooseTriangles(const PixelBox& part) {
   const float lower = heightOf(part.max().y() + 1), upper = heightOf(part.min().y() - 1);
   indices.clear();
   int facet = 0;
-  const std::array<int, 3> ends = {mesh.groundEnd, mesh.solidEnd, mesh.facetCount()};
+  const std::array<int, 4> ends = {mesh.groundEnd, mesh.solidEnd, mesh.translucentEnd,
+                                   mesh.facetCount()};
   for (std::size_t layer = 0; layer < ends.size(); ++layer) {
     for (; facet < ends[layer]; ++facet) {
       const auto& [place, first, end] = mesh.facets[facet];
@@ -398,14 +446,20 @@ void Painter::Parts::chooseTriangles(const PixelBox& part) {
 }
 
 /// Ground and shadow lie below everything, lines above everything; only bricks hide each other.
+/// Translucent ones are hidden by opaque ones and hide nothing.
 void Painter::Parts::drawLayers() const {
-  const auto [groundEnd, solidEnd, end] = layerEnds;
+  const auto [groundEnd, solidEnd, translucentEnd, end] = layerEnds;
   glDisable(GL_DEPTH_TEST);
   MeshBuffer::draw(0, groundEnd);
   glEnable(GL_DEPTH_TEST);
   MeshBuffer::draw(groundEnd, solidEnd);
+  glEnable(GL_BLEND);
+  glDepthMask(GL_FALSE);
+  MeshBuffer::draw(solidEnd, translucentEnd);
+  glDepthMask(GL_TRUE);
+  glDisable(GL_BLEND);
   glDisable(GL_DEPTH_TEST);
-  MeshBuffer::draw(solidEnd, end);
+  MeshBuffer::draw(translucentEnd, end);
 }
 
 /// The part's uniform maps the picture's clip coordinates to the part's: x' = sx x + tx w, with sx

@@ -18,7 +18,8 @@
 // it is the union of the convex outlines of the faces' projected corners, each widened to a disc
 // of radius s h (1 - t).
 //
-// Faces that look away from the camera are left out: bricks are closed.
+// Faces that look away from the camera are left out: bricks are closed. Of a translucent brick,
+// too, so that it is one layer of its colour however thick it is.
 #include "render/picture/sketch.h"
 
 #include <algorithm>
@@ -207,6 +208,7 @@ void Sketcher::drawBrick(int brick, const Pose& pose, const BrickColours& colour
                          const Camera& camera, double outline,
                          const std::optional<Occluders>& occluders, Sketch& sketch) const {
   const bool pale = isDark(colours);
+  std::vector<Facet>& layer = colours.top.alpha < 255 ? sketch.translucent : sketch.solid;
   const Matrix3 rotation = pose.rotation.toRotationMatrix();
   const std::vector<Face>& faces = faces_[brick];
   for (std::size_t k = 0; k < faces.size(); ++k) {
@@ -223,12 +225,12 @@ void Sketcher::drawBrick(int brick, const Pose& pose, const BrickColours& colour
     const double occluded = occluders ? occluders->occlusion(brick, corners, normal) : 0;
     const Colour colour = faceColour(normal, base, style_, occluded);
     if (!face.triangles.empty()) {
-      drawConcave(face, pose, width, colour, pale ? style_.paleEdge : style_.edge, sketch);
+      drawConcave(face, pose, width, colour, pale, layer, sketch);
       continue;
     }
-    sketch.solid.push_back(appendFacet(sketch, corners, colour));
-    sketch.solid.back().outlined = width > 0;
-    sketch.solid.back().pale = pale;
+    layer.push_back(appendFacet(sketch, corners, colour));
+    layer.back().outlined = width > 0;
+    layer.back().pale = pale;
     if (width <= 0) continue;
     for (std::size_t i = 0; i < face.corners.size(); ++i) {
       sketch.points.push_back(pose.position +
@@ -237,9 +239,20 @@ void Sketcher::drawBrick(int brick, const Pose& pose, const BrickColours& colour
   }
 }
 
-Sketcher::PlacedFaces Sketcher::place(const Poses& poses) const {
+std::vector<BrickColours> Sketcher::coloursOf(const Shot& shot) const {
+  std::vector<BrickColours> colours = shot.colours;
+  if (colours.empty()) colours.assign(faces_.size(), style_.brick);
+  for (const int brick : shot.pinned) {
+    colours.at(brick) = withOpacity(style_.pinned, colours.at(brick).top.alpha / 255.0);
+  }
+  return colours;
+}
+
+Sketcher::PlacedFaces Sketcher::place(const Poses& poses,
+                                      const std::vector<BrickColours>& colours) const {
   PlacedFaces placed(faces_.size());
   for (std::size_t brick = 0; brick < faces_.size(); ++brick) {
+    if (!isDrawn(colours[brick])) continue;
     for (const Face& face : faces_[brick]) {
       std::vector<Vector3>& corners = placed[brick].emplace_back();
       for (const Vector3& point : face.corners) corners.push_back(poses[brick].apply(point));
@@ -249,7 +262,7 @@ Sketcher::PlacedFaces Sketcher::place(const Poses& poses) const {
 }
 
 void Sketcher::drawConcave(const Face& face, const Pose& pose, double width, Colour colour,
-                           Colour edge, Sketch& sketch) const {
+                           bool pale, std::vector<Facet>& layer, Sketch& sketch) const {
   const std::size_t count = face.corners.size();
   std::vector<Vector3> outer, inner;
   for (std::size_t k = 0; k < count; ++k) {
@@ -258,22 +271,26 @@ void Sketcher::drawConcave(const Face& face, const Pose& pose, double width, Col
   }
   for (const auto& [a, b, c] : face.triangles) {
     const std::array<Vector3, 3> triangle = {inner[a], inner[b], inner[c]};
-    sketch.solid.push_back(appendFacet(sketch, triangle, colour));
+    layer.push_back(appendFacet(sketch, triangle, colour));
+    layer.back().pale = pale;
   }
   if (width <= 0) return;
+  const Colour edge = sketch.outlineOf(layer.back());
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t next = (k + 1) % count;
     const std::array<Vector3, 4> band = {outer[k], outer[next], inner[next], inner[k]};
-    sketch.solid.push_back(appendFacet(sketch, band, edge));
+    layer.push_back(appendFacet(sketch, band, edge));
   }
 }
 
-std::vector<Sketcher::CastPolygon> Sketcher::castPolygons(const Poses& poses) const {
+std::vector<Sketcher::CastPolygon> Sketcher::castPolygons(
+    const Poses& poses, const std::vector<BrickColours>& colours) const {
   const Vector3& light = style_.key.direction;
   std::vector<CastPolygon> cast;
   CastPolygon whole;
   for (std::size_t brick = 0; brick < faces_.size(); ++brick) {
     checkInterruption();
+    if (!isDrawn(colours[brick])) continue;
     const Pose& pose = poses[brick];
     for (const Face& face : faces_[brick]) {
       // The lit faces of a closed brick cast all of its shadow.
@@ -294,8 +311,9 @@ std::vector<Sketcher::CastPolygon> Sketcher::castPolygons(const Poses& poses) co
   return cast;
 }
 
-void Sketcher::drawShadow(const Poses& poses, Sketch& sketch) const {
-  const std::vector<CastPolygon> cast = castPolygons(poses);
+void Sketcher::drawShadow(const Poses& poses, const std::vector<BrickColours>& colours,
+                          Sketch& sketch) const {
+  const std::vector<CastPolygon> cast = castPolygons(poses, colours);
   const int steps = style_.shadowSoftness > 0 ? kShadowSteps : 1;
   for (int step = 1; step <= steps; ++step) {
     const double softness = style_.shadowSoftness * (1 - (step - 0.5) / steps);
@@ -315,31 +333,31 @@ void Sketcher::draw(const Shot& shot, const Camera& camera, Sketch& sketch) cons
   assert(shot.poses.size() == faces_.size());
   assert(shot.colours.empty() || shot.colours.size() == faces_.size());
   sketch.points.clear();
-  for (auto* layer : {&sketch.ground, &sketch.shadow, &sketch.solid, &sketch.overlay}) {
+  for (auto* layer :
+       {&sketch.ground, &sketch.shadow, &sketch.solid, &sketch.translucent, &sketch.overlay}) {
     layer->clear();
   }
   sketch.edge = style_.edge;
   sketch.paleEdge = style_.paleEdge;
 
+  const std::vector<BrickColours> colours = coloursOf(shot);
   const std::optional<GroundPlate>& plate = style_.plate;
   const Vector3 middle = plate ? Vector3(plate->centre.x(), plate->centre.y(), plate->height)
                                : Vector3(Vector3::Zero());
   if (plate && towardsEye(camera, middle).z() > 0) {
     if (plate->visible) drawPlate(*plate, style_.ground, sketch);
-    if (plate->shadow) drawShadow(shot.poses, sketch);
+    if (plate->shadow) drawShadow(shot.poses, colours, sketch);
   }
 
   const double height = heightAtCentre(camera);
   std::optional<Occluders> occluders;
-  if (style_.occlusion > 0) occluders.emplace(place(shot.poses));
-  std::vector<char> isPinned(faces_.size(), 0);
-  for (const int brick : shot.pinned) isPinned.at(brick) = 1;
+  if (style_.occlusion > 0) occluders.emplace(place(shot.poses, colours));
   for (int brick = 0; brick < static_cast<int>(faces_.size()); ++brick) {
     checkInterruption();
-    const BrickColours& own = shot.colours.empty() ? style_.brick : shot.colours[brick];
+    if (!isDrawn(colours[brick])) continue;
     // Each of two flush faces draws half of the line between them.
-    drawBrick(brick, shot.poses[brick], isPinned[brick] ? style_.pinned : own, camera,
-              0.5 * style_.edgeWidth * height, occluders, sketch);
+    drawBrick(brick, shot.poses[brick], colours[brick], camera, 0.5 * style_.edgeWidth * height,
+              occluders, sketch);
   }
   drawScenery(shot.scenery, style_, camera, sketch);
   drawMarks(shot.marks, 0.5 * style_.markSize * height, style_.mark, camera, sketch);
@@ -433,6 +451,7 @@ double weightAt(double distance, double reach) {
 Occluders::Occluders(const std::vector<std::vector<std::vector<Vector3>>>& faces) {
   double radii = 0;
   for (std::size_t brick = 0; brick < faces.size(); ++brick) {
+    if (faces[brick].empty()) continue;
     Occluder& made = occluders_.emplace_back();
     made.brick = static_cast<int>(brick);
     made.centre = 0.5 * (meanOf(faces[brick][0]) + meanOf(faces[brick][1]));
@@ -447,7 +466,7 @@ Occluders::Occluders(const std::vector<std::vector<std::vector<Vector3>>>& faces
     radii += made.radius;
     mostRadius_ = std::max(mostRadius_, made.radius);
   }
-  reach_ = kReach * radii / std::max<double>(1, static_cast<double>(faces.size()));
+  reach_ = kReach * radii / std::max<double>(1, static_cast<double>(occluders_.size()));
   std::ranges::stable_sort(occluders_, {}, [](const Occluder& o) { return o.centre.x(); });
 }
 

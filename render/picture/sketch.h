@@ -20,8 +20,8 @@ namespace kirireel {
 /// Bricks as things that keep light away, one state of a run at a time.
 class Occluders {
  public:
-  /// faces: of each brick, as brickFaces() has them, at their poses in world axes. Sorts the bricks
-  /// once. Bricks without faces are not allowed.
+  /// faces: of each brick, as brickFaces() has them, at their poses in world axes; bricks without
+  /// faces keep no light away. Sorts the bricks once.
   explicit Occluders(const std::vector<std::vector<std::vector<Vector3>>>& faces);
 
   /// The part of the light from all sides, as a face receives it, that other bricks keep away: 0 to
@@ -66,10 +66,11 @@ inline constexpr double kDotLift = 3;
 /// What the camera is pointed at for one picture. Everything but the poses may be empty. Entries of
 /// lists are in the order of bricks.
 struct Shot {
-  Poses poses;                        ///< one a brick
-  std::vector<BrickColours> colours;  ///< one a brick; empty: all have the style's
-  std::vector<int> pinned;            ///< bricks drawn in the style's colours of pins
-  std::vector<Vector3> marks;         ///< points with a dot, for example joints, world axes
+  Poses poses;  ///< one a brick
+  /// One a brick, empty where all have the style's. A brick that is not drawn casts no shadow.
+  std::vector<BrickColours> colours;
+  std::vector<int> pinned;  ///< bricks drawn in the style's colours of pins, as opaque as they are
+  std::vector<Vector3> marks;  ///< points with a dot, for example joints, world axes
   /// Closed polygons whose sides are drawn as lines, dashed where bricks hide them, world axes.
   std::vector<Tile> overlay;
   std::vector<Tile> scenery;  ///< polygons that are no bricks, seen from both sides, world axes
@@ -92,11 +93,18 @@ struct Sketch {
   std::vector<Facet> ground;    ///< the plate, if it is visible
   std::vector<Facet> shadow;    ///< overlapping, in painting order: from the palest to the full
   std::vector<Facet> solid;     ///< in no order: what is nearer hides what is farther
-  std::vector<Facet> overlay;   ///< lines, in painting order
-  Colour edge;                  ///< of the outlines
-  Colour paleEdge;              ///< of those on dark bricks
+  /// In no order either: what is farther shows through what is nearer.
+  std::vector<Facet> translucent;
+  std::vector<Facet> overlay;  ///< lines, in painting order
+  Colour edge;                 ///< of the outlines
+  Colour paleEdge;             ///< of those on dark bricks
 
-  Colour outlineOf(const Facet& facet) const { return facet.pale ? paleEdge : edge; }
+  /// As opaque as the facet.
+  Colour outlineOf(const Facet& facet) const {
+    Colour colour = facet.pale ? paleEdge : edge;
+    colour.alpha = facet.colour.alpha;
+    return colour;
+  }
   std::span<const Vector3> corners(const Facet& facet) const {
     return std::span(points).subspan(facet.first, facet.count);
   }
@@ -133,21 +141,26 @@ class Sketcher {
   /// The corners of all bricks' faces in world axes, brick by brick.
   using PlacedFaces = std::vector<std::vector<std::vector<Vector3>>>;
 
-  PlacedFaces place(const Poses& poses) const;
+  /// Of each brick, also of those that are not drawn.
+  std::vector<BrickColours> coloursOf(const Shot& shot) const;
+  /// None of bricks that are not drawn.
+  PlacedFaces place(const Poses& poses, const std::vector<BrickColours>& colours) const;
   /// occluders: absent where no light is kept away.
   void drawBrick(int brick, const Pose& pose, const BrickColours& colours, const Camera& camera,
                  double outline, const std::optional<Occluders>& occluders, Sketch& sketch) const;
   /// A concave face: its inside as triangles, its outline as a band along each side.
-  void drawConcave(const Face& face, const Pose& pose, double width, Colour colour, Colour edge,
-                   Sketch& sketch) const;
+  void drawConcave(const Face& face, const Pose& pose, double width, Colour colour, bool pale,
+                   std::vector<Facet>& layer, Sketch& sketch) const;
   /// A polygon on the plate that is the shadow of a lit face or a part of one.
   struct CastPolygon {
     std::vector<Vector3> corners;
     std::vector<double> heights;  ///< of the points that cast them above the plate, metres
   };
 
-  std::vector<CastPolygon> castPolygons(const Poses& poses) const;
-  void drawShadow(const Poses& poses, Sketch& sketch) const;
+  std::vector<CastPolygon> castPolygons(const Poses& poses,
+                                        const std::vector<BrickColours>& colours) const;
+  void drawShadow(const Poses& poses, const std::vector<BrickColours>& colours,
+                  Sketch& sketch) const;
 
   Style style_;
   std::vector<std::vector<Face>> faces_;  ///< by brick: bottom, top, sides

@@ -525,6 +525,19 @@ std::vector<int> shapeKinds(const std::vector<Brick>& bricks) {
   return many ? numbered(corners, std::equal_to<>()) : kinds;
 }
 
+namespace {
+
+/// Throws InputError when an option names tiles that are not there.
+void requireTiles(const char* option, const std::vector<int>& tiles, std::size_t count) {
+  for (const int tile : tiles) {
+    if (tile < static_cast<int>(count)) continue;
+    throw InputError(fmt::format("error: {}: there is no tile {}; the model's are numbered 0 to {}",
+                                 option, tile, count - 1));
+  }
+}
+
+}  // namespace
+
 Colourist::Colourist(const Look& look, const Motif& motif)
     : colouring_(look.colouring), motif_(motif) {
   if (colouring_ == Colouring::TargetError && !motif.target) {
@@ -544,6 +557,7 @@ Colourist::Colourist(const Look& look, const Motif& motif)
     if (motif.target) legend_.push_back({kAtTarget, "at its target"});
   }
   if (!look.tileColours.empty()) colourTiles(look);
+  if (look.opacity < 1 || !look.tileOpacities.empty()) findOpacities(look);
   if (isMeasure(colouring_)) makeScale(look);
 }
 
@@ -560,6 +574,15 @@ void Colourist::makeScale(const Look& look) {
   scale_ = ColourScale{look.map, least, most, titleOf(colouring_)};
 }
 
+void Colourist::findOpacities(const Look& look) {
+  opacities_.assign(motif_.bricks.size(), look.opacity);
+  for (const auto& [tiles, opacity] : look.tileOpacities) {
+    requireTiles("--tile-opacity", tiles, opacities_.size());
+    for (const int tile : tiles) opacities_[tile] = opacity;
+  }
+  if (kinds_.empty()) kinds_.assign(opacities_.size(), plainColours(look));
+}
+
 void Colourist::colourTiles(const Look& look) {
   if (isMeasure(colouring_)) {
     throw InputError(
@@ -567,16 +590,10 @@ void Colourist::colourTiles(const Look& look) {
         "stand for values; give one of these, or leave --tile-colour away");
   }
   own_.resize(motif_.bricks.size());
-  for (const auto& [tiles, colour] : look.tileColours) {
-    for (const int tile : tiles) {
-      if (tile >= static_cast<int>(own_.size())) {
-        throw InputError(
-            fmt::format("error: --tile-colour: there is no tile {}; the model's are numbered 0 to "
-                        "{}",
-                        tile, own_.size() - 1));
-      }
-      own_[tile] = evenShades(colour);
-    }
+  for (const auto& [tiles, colour, name] : look.tileColours) {
+    requireTiles("--tile-colour", tiles, own_.size());
+    for (const int tile : tiles) own_[tile] = evenShades(colour);
+    if (!name.empty()) legend_.push_back({colour, name});
   }
   if (kinds_.empty()) kinds_.assign(own_.size(), plainColours(look));
 }
@@ -674,10 +691,13 @@ std::vector<BrickColours> Colourist::colours(const Poses& poses) const {
     for (std::size_t brick = 0; brick < own_.size(); ++brick) {
       colours[brick] = own_[brick].value_or(colours[brick]);
     }
-    return colours;
+  } else {
+    for (const double value : values(poses)) {
+      colours.push_back(evenShades(mapColour(scale_->map, shareOf(*scale_, value))));
+    }
   }
-  for (const double value : values(poses)) {
-    colours.push_back(evenShades(mapColour(scale_->map, shareOf(*scale_, value))));
+  for (std::size_t brick = 0; brick < opacities_.size(); ++brick) {
+    colours[brick] = withOpacity(colours[brick], opacities_[brick]);
   }
   return colours;
 }

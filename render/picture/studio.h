@@ -61,6 +61,13 @@ enum class FitScope {
 struct TileColour {
   std::vector<int> tiles;  ///< numbers, from 0
   Colour colour;
+  std::string name;  ///< of the group that they are, in the legend; empty: not in the legend
+};
+
+/// How opaque some tiles are.
+struct TileOpacity {
+  std::vector<int> tiles;  ///< numbers, from 0
+  double opacity = 1;      ///< 0 (not drawn) to 1
 };
 
 /// The look of all pictures of a run. Defaults give the pictures that a run leaves without any
@@ -77,6 +84,9 @@ struct Look {
   std::optional<Colour> backColour;   ///< of the tile's own side, likewise
   /// Of single tiles, where colours stand for no measure; of two for one tile the later counts.
   std::vector<TileColour> tileColours;
+  double opacity = 1;  ///< of all bricks, 0 (not drawn) to 1
+  /// Of single tiles, whatever colours stand for; of two for one tile the later counts.
+  std::vector<TileOpacity> tileOpacities;
   std::optional<Colour> outlineColour;  ///< absent: the theme's, as is the next
   std::optional<Colour> background;
   bool outlines = true;     ///< lines on the edges of tiles
@@ -184,8 +194,8 @@ std::vector<int> shapeKinds(const std::vector<Brick>& bricks);
 class Colourist {
  public:
   /// Throws InputError when the colouring needs a target or springs at hinges and there are none,
-  /// when the scale's ends are in the wrong order, and when tiles get colours that are not there or
-  /// whose colours stand for values.
+  /// when the scale's ends are in the wrong order, when tiles that are not there get a colour or an
+  /// opacity, and when tiles get colours where colours stand for values.
   /// The motif must outlive the colourist.
   Colourist(const Look& look, const Motif& motif);
 
@@ -195,7 +205,7 @@ class Colourist {
 
   /// What the colours mean, when they are those of a measure. The same for the whole run.
   const std::optional<ColourScale>& scale() const { return scale_; }
-  /// What they mean, when they are those of kinds of bricks: shapes or states.
+  /// What they mean, when they are those of kinds of bricks: shapes, states, named groups.
   const std::vector<LegendEntry>& legend() const { return legend_; }
   /// As the look asks for.
   Colouring colouring() const { return colouring_; }
@@ -205,6 +215,7 @@ class Colourist {
   std::vector<BrickColours> stateColours(const Poses& poses) const;
   void colourShapes();
   void colourTiles(const Look& look);
+  void findOpacities(const Look& look);
   void makeScale(const Look& look);
   double largestExpected() const;
   double largestOfRun() const;
@@ -213,6 +224,7 @@ class Colourist {
   const Motif& motif_;
   std::vector<BrickColours> kinds_;  ///< one a brick, when coloured by shape or tile by tile
   std::vector<std::optional<BrickColours>> own_;  ///< of single tiles, one a brick; or none
+  std::vector<double> opacities_;                 ///< one a brick; or none where all are opaque
   std::optional<ColourScale> scale_;
   std::vector<LegendEntry> legend_;
 };

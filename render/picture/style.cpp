@@ -57,6 +57,12 @@ bool isDark(const BrickColours& colours) {
   return 0.299 * top.red + 0.587 * top.green + 0.114 * top.blue < kDarkest;
 }
 
+BrickColours withOpacity(BrickColours colours, double opacity) {
+  const auto alpha = static_cast<std::uint8_t>(std::lround(255 * opacity));
+  colours.top.alpha = colours.bottom.alpha = colours.side.alpha = alpha;
+  return colours;
+}
+
 Colour faceColour(const Vector3& normal, Colour base, const Style& style, double occluded) {
   const double light =
       (style.ambient + brightness(normal, style.key) + brightness(normal, style.fill)) *

@@ -29,7 +29,7 @@ struct GroundPlate {
   bool shadow = true;   ///< cast by the bricks, along the key light
 };
 
-/// The colours of one brick before lighting.
+/// The colours of one brick before lighting. Their alphas are the same: how opaque it is.
 struct BrickColours {
   Colour top = {128, 174, 220};     ///< face on the side of the tile's normal
   Colour bottom = {244, 190, 116};  ///< the tile itself, seen from below
@@ -40,6 +40,15 @@ struct BrickColours {
 
 /// Colours of a brick that is one colour all over: its sides are darker, its bottom paler.
 BrickColours shadesOf(Colour colour);
+
+/// The same colours on a brick that lets what is behind it show through: opacity 0 (not there at
+/// all) to 1 (opaque).
+BrickColours withOpacity(BrickColours colours, double opacity);
+
+/// Whether a brick with these colours is drawn at all.
+inline bool isDrawn(const BrickColours& colours) {
+  return colours.top.alpha > 0;
+}
 
 /// The look of a picture. The defaults are meant for a page of a journal: white ground, quiet
 /// colours that stay apart in grey and for the colour-blind, thin dark outlines. Lengths "in

@@ -108,7 +108,12 @@ TEST(OptionTileColour, IsTilesAndAColour) {
   const TileColour made = parseTileColour({"--tile-colour", "3,7,10-12=teal"});
   EXPECT_EQ(made.tiles, (std::vector<int>{3, 7, 10, 11, 12}));
   EXPECT_EQ(made.colour, (Colour{0, 128, 128}));
+  EXPECT_EQ(made.name, "");
   EXPECT_EQ(tileColoursText({made}), "\"3,7,10,11,12=008080\"");
+  const TileColour named = parseTileColour({"--tile-colour", "a = b: c:3,7=teal"});
+  EXPECT_EQ(named.name, "a = b: c");
+  EXPECT_EQ(named.tiles, (std::vector<int>{3, 7}));
+  EXPECT_EQ(tileColoursText({named}), "\"a = b: c:3,7=008080\"");
   for (const char* text : {"3", "=teal", "a=teal", "3,=teal", "5-3=teal", "-1=teal", "1-=teal"}) {
     EXPECT_EQ(messageOf([&] {
                 parseTileColour({"--tile-colour", text});
@@ -117,6 +122,25 @@ TEST(OptionTileColour, IsTilesAndAColour) {
                           "colour, as in 3,7,10-15=teal",
                           text));
   }
+}
+
+TEST(OptionTileOpacity, IsTilesAndAShare) {
+  const TileOpacity made = parseTileOpacity({"--tile-opacity", "3,10-12=0.25"});
+  EXPECT_EQ(made.tiles, (std::vector<int>{3, 10, 11, 12}));
+  EXPECT_EQ(made.opacity, 0.25);
+  EXPECT_EQ(tileOpacitiesText({made}), "\"3,10,11,12=0.25\"");
+  for (const char* text : {"3", "=0.5", "a=0.5", "3,=1", "5-3=1"}) {
+    EXPECT_EQ(messageOf([&] {
+                parseTileOpacity({"--tile-opacity", text});
+              }),
+              fmt::format("error: --tile-opacity: '{}' is not allowed; give numbers of tiles and a "
+                          "share, as in 3,7,10-15=0.3",
+                          text));
+  }
+  EXPECT_EQ(messageOf([] {
+              parseTileOpacity({"--tile-opacity", "3=1.5"});
+            }),
+            "error: --tile-opacity: '1.5' is not allowed; give a number from 0 to 1");
 }
 
 TEST(OptionColour, IsHexadecimalOrAName) {

@@ -283,6 +283,98 @@ TEST(Painter, ShadowsThatOverlapAreAsDarkAsOne) {
   for (int y = 0; y < 100; ++y) ASSERT_EQ(frame.at(50, y), (Colour{0, 0, 0, 60}));
 }
 
+/// Two plates over each other, the first one the lower, with an opacity each.
+Shot stackedPlates(const SampleBricks& sample, double lower, double upper) {
+  Shot shot{sample.poses};
+  shot.colours = {withOpacity(shadesOf({200, 40, 40}), lower),
+                  withOpacity(shadesOf({40, 40, 200}), upper)};
+  return shot;
+}
+
+SampleBricks stackedSample() {
+  SampleBricks sample = sampleBricks({rectangleTile(0, 0, 1, 1), rectangleTile(0.2, 0, 1, 1)}, 0.1);
+  sample.poses[1].position.z() += 0.5;
+  return sample;
+}
+
+Style withoutOcclusion() {
+  Style style;
+  style.occlusion = 0;
+  return style;
+}
+
+TEST(Painter, TranslucentBricksAreBlendedFromTheFarthestOn) {
+  const SampleBricks sample = stackedSample();
+  const Style style = withoutOcclusion();
+  const Camera camera = parallelCamera(Vector3(0.6, 0.5, 0), kTopView, 2);
+  const Shot shot = stackedPlates(sample, 0.6, 0.4);
+  const Frame frame = Painter({200, 200}, sample.bricks, style).paint(shot, camera);
+  const auto over = [](Colour above, Eigen::Array3d below) -> Eigen::Array3d {
+    const double alpha = above.alpha / 255.0;
+    return alpha * Eigen::Array3d(above.red, above.green, above.blue) + (1 - alpha) * below;
+  };
+  const auto top = [&](int brick) {
+    return faceColour(Vector3::UnitZ(), shot.colours[brick].top, style);
+  };
+  const Eigen::Array3d white(255, 255, 255);
+  const auto near = [&](int x, const Eigen::Array3d& expected) {
+    const Colour drawn = frame.at(x, 100);
+    const Eigen::Array3d difference = Eigen::Array3d(drawn.red, drawn.green, drawn.blue) - expected;
+    // Two roundings to bytes. Measured 0.4.
+    EXPECT_LE(difference.abs().maxCoeff(), 1.5) << x;
+    EXPECT_EQ(drawn.alpha, 255);
+  };
+  near(48, over(top(0), white));
+  near(100, over(top(1), over(top(0), white)));
+  near(152, over(top(1), white));
+}
+
+TEST(Painter, TranslucentBricksMayComeInAnyOrder) {
+  SampleBricks sample = stackedSample();
+  // They cross each other.
+  sample.poses[0].rotation = rotationFromVector(Vector3(0.8, 0.1, 0));
+  sample.poses[1].rotation = rotationFromVector(Vector3(-0.5, 0.3, 0.2));
+  sample.poses[1].position.z() -= 0.4;
+  Shot shot = stackedPlates(sample, 0.6, 0.4);
+  const Camera camera = parallelCamera(Vector3(0.6, 0.5, 0), kIsometricView, 2);
+  const Frame one = Painter({200, 200}, sample.bricks, Style()).paint(shot, camera);
+  std::swap(sample.bricks[0], sample.bricks[1]);
+  std::swap(shot.poses[0], shot.poses[1]);
+  std::swap(shot.colours[0], shot.colours[1]);
+  const Frame other = Painter({200, 200}, sample.bricks, Style()).paint(shot, camera);
+  int differ = 0;
+  for (std::size_t k = 0; k < one.pixels.size(); ++k) {
+    differ += std::abs(one.pixels[k] - other.pixels[k]) > 2 ? 1 : 0;
+  }
+  EXPECT_LE(differ, 0);  // measured 0
+}
+
+TEST(Painter, BricksThatAreNotOpaqueAtAllAreNotThere) {
+  const SampleBricks sample = stackedSample();
+  Style style;
+  style.plate = shadowCatcher(sample, -1);
+  const Camera camera = parallelCamera(Vector3(0.6, 0.5, 0), kIsometricView, 3);
+  const Frame frame =
+      Painter({200, 200}, sample.bricks, style).paint(stackedPlates(sample, 1, 0), camera);
+  Shot alone{{sample.poses[0]}};
+  alone.colours = {shadesOf({200, 40, 40})};
+  EXPECT_EQ(frame.pixels,
+            Painter({200, 200}, {sample.bricks[0]}, style).paint(alone, camera).pixels);
+}
+
+TEST(Painter, TranslucentBricksOnATransparentPageKeepTheirOpacity) {
+  const SampleBricks sample = stackedSample();
+  Style style = withoutOcclusion();
+  style.background.alpha = 0;
+  const Camera camera = parallelCamera(Vector3(0.6, 0.5, 0), kTopView, 2);
+  const Frame frame =
+      Painter({200, 200}, sample.bricks, style).paint(stackedPlates(sample, 0.6, 0.4), camera);
+  EXPECT_EQ(frame.at(48, 100).alpha, 153);
+  EXPECT_NEAR(frame.at(100, 100).alpha, 255 * (1 - 0.4 * 0.6), 1);
+  EXPECT_EQ(frame.at(152, 100).alpha, 102);
+  EXPECT_EQ(frame.at(2, 2).alpha, 0);
+}
+
 TEST(Painter, DrawsPinnedBricksInTheirColour) {
   const SampleBricks sample =
       sampleBricks({rectangleTile(0, 0, 1, 1), rectangleTile(1, 0, 1, 1)}, 0.1);

@@ -211,6 +211,43 @@ TEST(Colourist, SingleTilesHaveColoursOfTheirOwn) {
             "colours stand for values; give one of these, or leave --tile-colour away");
 }
 
+TEST(Colourist, NamedGroupsOfTilesStandInTheLegend) {
+  const Motif motif = tessellationMotif();
+  Look look;
+  look.tileColours = {{{1, 3}, {200, 0, 0}, "hinge row"}, {{2}, {0, 200, 0}}};
+  const Colourist colourist(look, motif);
+  ASSERT_EQ(colourist.legend().size(), 1);
+  EXPECT_EQ(colourist.legend()[0].colour, (Colour{200, 0, 0}));
+  EXPECT_EQ(colourist.legend()[0].text, "hinge row");
+}
+
+TEST(Colourist, TilesAreAsOpaqueAsAsked) {
+  const Motif motif = tessellationMotif();
+  for (const Colouring colouring : {Colouring::Plain, Colouring::State, Colouring::Rotation}) {
+    Look look;
+    look.colouring = colouring;
+    const std::vector<BrickColours> opaque = Colourist(look, motif).colours(motif.start);
+    look.opacity = 0.4;
+    look.tileOpacities = {{{1, 3}, 0.2}, {{3}, 0}};
+    const std::vector<BrickColours> colours = Colourist(look, motif).colours(motif.start);
+    ASSERT_EQ(colours.size(), motif.bricks.size());
+    for (const auto& [brick, alpha] : {std::pair(0, 102), {1, 51}, {3, 0}}) {
+      EXPECT_EQ(colours[brick].top.alpha, alpha);
+      EXPECT_EQ(colours[brick].side.alpha, alpha);
+      EXPECT_EQ(colours[brick].bottom.alpha, alpha);
+      const BrickColours whole = opaque.empty() ? plainColours(look) : opaque[brick];
+      EXPECT_EQ(withOpacity(colours[brick], 1), whole);
+    }
+    EXPECT_EQ(isDrawn(colours[1]), true);
+    EXPECT_EQ(isDrawn(colours[3]), false);
+    look.tileOpacities = {{{static_cast<int>(motif.bricks.size())}, 0.5}};
+    EXPECT_EQ(refusalOf(look, motif),
+              fmt::format("error: --tile-opacity: there is no tile {}; the model's are numbered 0 "
+                          "to {}",
+                          motif.bricks.size(), motif.bricks.size() - 1));
+  }
+}
+
 TEST(Colourist, ScalesBeginWhereAsked) {
   const Motif motif = tessellationMotif();
   Look look = coloured(Colouring::Rotation);

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "render/picture/canvas.h"
+#include "render/picture/hidden_surfaces.h"
 #include "tests/render/picture/sample_bricks.h"
 
 namespace kirireel {

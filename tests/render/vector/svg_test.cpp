@@ -119,6 +119,15 @@ TEST_F(SvgAgainstPainter, ConcaveBricks) {
   expectAlike(Scenery(sample));
 }
 
+TEST_F(SvgAgainstPainter, TranslucentBricks) {
+  Scenery scenery(tumbledBricks());
+  for (std::size_t k = 0; k < scenery.sample.bricks.size(); ++k) {
+    scenery.shot.colours.push_back(
+        withOpacity(scenery.style.brick, std::array{1.0, 0.5, 0.0, 0.3}[k % 4]));
+  }
+  expectAlike(scenery);
+}
+
 /// Three beams, each over the next and under the one before: no order of whole faces is right.
 TEST_F(SvgAgainstPainter, BeamsInACircle) {
   const SampleBricks flat = sampleBricks(
