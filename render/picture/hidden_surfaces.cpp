@@ -165,13 +165,19 @@ double sizeOf(const std::vector<Piece>& pieces) {
   return box.isEmpty() ? 0 : box.diagonal().norm();
 }
 
-CutPolygon uncut(std::span<const Vector3> corners) {
-  return {{corners.begin(), corners.end()}, std::vector<char>(corners.size(), 0)};
+/// Sides between the parts of one face are as if it had been cut there.
+CutPolygon polygonOf(std::span<const Vector3> corners, FacetPart part) {
+  const char isCut = part == FacetPart::Whole ? 0 : 1;
+  CutPolygon polygon{{corners.begin(), corners.end()}, std::vector<char>(corners.size(), isCut)};
+  if (part == FacetPart::Border) polygon.isCut[0] = 0;
+  return polygon;
 }
 
 /// The normal is that of the outer corners.
 Piece makePiece(const Sketch& sketch, const Facet& facet) {
-  Piece piece{uncut(sketch.corners(facet)), facet.outlined, facet.pale, facet.colour};
+  Piece piece{polygonOf(sketch.corners(facet), facet.part),
+              facet.outlined || facet.part == FacetPart::Border, facet.pale, facet.colour,
+              facet.part};
   const std::vector<Vector3>& corners = piece.outer.corners;
   piece.normal = Vector3::Zero();
   for (std::size_t k = 2; k < corners.size(); ++k) {
@@ -347,6 +353,45 @@ class OutlineChain {
   std::vector<std::vector<Vector3>> lines_;
 };
 
+/// Finds what shows of the sides of pieces.
+class SideFinder {
+ public:
+  SideFinder(const std::vector<Piece>& pieces, const Camera& camera)
+      : pieces_(pieces),
+        view_(camera),
+        grid_(pieces, view_),
+        tolerance_(kOnPlane * sizeOf(pieces)) {}
+
+  /// Appends those of a piece that did not come from cutting.
+  void addSeenSides(std::size_t own, OutlineChain& chain) {
+    const auto& [corners, isCut] = pieces_[own].outer;
+    for (std::size_t side = 0; side < corners.size(); ++side) {
+      if (isCut[side] != 0) continue;
+      const Vector3 &from = corners[side], &to = corners[(side + 1) % corners.size()];
+      for (const Interval& part : seenParts(own, from, to)) chain.add(from, to, part);
+    }
+  }
+
+ private:
+  std::vector<Interval> seenParts(std::size_t own, const Vector3& from, const Vector3& to) {
+    const Eigen::Vector2d begin = view_(from), end = view_(to);
+    std::vector<Interval> hidden;
+    for (const std::size_t k : grid_.near(Eigen::AlignedBox2d(begin).extend(end))) {
+      if (k == own || pieces_[k].colour.alpha < 255) continue;
+      const Interval part = hiddenBy(pieces_[k], from, to, view_, tolerance_);
+      if (part.first < part.second) hidden.push_back(part);
+    }
+    // Between two facets side by side their margins show, under the line between them.
+    const double least = 3 * kSideMargin / std::max((end - begin).norm(), kSideMargin);
+    return restOf(std::move(hidden), least);
+  }
+
+  const std::vector<Piece>& pieces_;
+  View view_;
+  PictureGrid grid_;
+  double tolerance_;
+};
+
 }  // namespace
 
 std::vector<Piece> makePieces(const Sketch& sketch, const std::vector<Facet>& facets,
@@ -363,30 +408,20 @@ std::vector<Piece> makePieces(const Sketch& sketch, const std::vector<Facet>& fa
 }
 
 std::vector<SeenOutline> seenOutlines(const std::vector<Piece>& pieces, const Camera& camera) {
-  const View view(camera);
-  PictureGrid grid(pieces, view);
-  const double tolerance = kOnPlane * sizeOf(pieces);
+  SideFinder finder(pieces, camera);
   std::vector<SeenOutline> outlines;
   for (std::size_t own = 0; own < pieces.size(); ++own) {
     checkInterruption();
-    if (!pieces[own].outlined) continue;
-    const auto& [corners, isCut] = pieces[own].outer;
+    const Piece& first = pieces[own];
+    if (!first.outlined) continue;
     OutlineChain chain;
-    for (std::size_t side = 0; side < corners.size(); ++side) {
-      if (isCut[side] != 0) continue;
-      const Vector3 &from = corners[side], &to = corners[(side + 1) % corners.size()];
-      const Eigen::Vector2d begin = view(from), end = view(to);
-      std::vector<Interval> hidden;
-      for (const std::size_t k : grid.near(Eigen::AlignedBox2d(begin).extend(end))) {
-        if (k == own || pieces[k].colour.alpha < 255) continue;
-        const Interval part = hiddenBy(pieces[k], from, to, view, tolerance);
-        if (part.first < part.second) hidden.push_back(part);
-      }
-      // Between two facets side by side their margins show, under the line between them.
-      const double least = 3 * kSideMargin / std::max((end - begin).norm(), kSideMargin);
-      for (const Interval& part : restOf(std::move(hidden), least)) chain.add(from, to, part);
+    finder.addSeenSides(own, chain);
+    // The borders of one face follow each other.
+    while (first.part == FacetPart::Border && own + 1 < pieces.size() &&
+           pieces[own + 1].part == FacetPart::Border) {
+      finder.addSeenSides(++own, chain);
     }
-    outlines.push_back({chain.finish(), pieces[own].pale, pieces[own].colour.alpha / 255.0});
+    outlines.push_back({chain.finish(), first.pale, first.colour.alpha / 255.0});
   }
   return outlines;
 }

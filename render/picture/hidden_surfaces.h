@@ -21,9 +21,10 @@ struct CutPolygon {
 /// face.
 struct Piece {
   CutPolygon outer;       ///< with its outline
-  bool outlined = false;  ///< whether it has one
+  bool outlined = false;  ///< whether its sides that are not cut are the outline of a face
   bool pale = false;      ///< whether that is the pale one
   Colour colour;
+  FacetPart part = FacetPart::Whole;
   Vector3 normal;     ///< of the facet's plane, unit, towards the camera's side
   double offset = 0;  ///< normal . point for the points of the plane
 };

@@ -161,7 +161,7 @@ class Tessellator {
  private:
   void append(const Facet& facet, ClipBox& place) {
     const auto count = static_cast<GLuint>(facet.count);
-    const GLuint inner = appendCorners(sketch_.inner(facet), facet.colour, place);
+    const GLuint inner = appendCorners(sketch_.inner(facet), sketch_.flatColourOf(facet), place);
     for (GLuint k = 2; k < count; ++k) triangle(inner, inner + k - 1, inner + k);
     if (!facet.outlined) return;
     const GLuint outer = appendCorners(sketch_.corners(facet), sketch_.outlineOf(facet), place);
@@ -200,6 +200,7 @@ std::vector<Facet> withoutOutlines(const std::vector<Facet>& facets, Sketch& ske
   for (const Facet& facet : facets) {
     if (!facet.outlined) {
       split.push_back(facet);
+      split.back().colour = sketch.flatColourOf(facet);
       continue;
     }
     split.push_back(

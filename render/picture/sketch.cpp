@@ -39,10 +39,16 @@ namespace {
 /// Sides of the polygon that stands for a dot. From a true circle its radius differs by 2% at most.
 constexpr int kDotSides = 16;
 
+/// A face that the camera sees under a smaller angle (its sine) is seen edge-on: nothing of it
+/// shows.
+constexpr double kEdgeOn = 1e-9;
+
 /// A line on a brick is drawn this many of its widths nearer to the eye.
 constexpr double kLineLift = 1;
+
 /// In so many steps a shadow fades out, which are too small to be told apart.
 constexpr int kShadowSteps = 10;
+
 /// Directions in which the corner of a shadow is widened.
 constexpr int kShadowDirections = 12;
 
@@ -215,7 +221,8 @@ void Sketcher::drawBrick(int brick, const Pose& pose, const BrickColours& colour
     const Face& face = faces[k];
     const Vector3 normal = rotation * face.normal;
     const Vector3 corner = pose.position + rotation * face.corners[0];
-    if (normal.dot(towardsEye(camera, corner)) <= 0) continue;
+    const Vector3 towards = towardsEye(camera, corner);
+    if (normal.dot(towards) <= kEdgeOn * towards.norm()) continue;
     const Colour base = k == 0 ? colours.bottom : k == 1 ? colours.top : colours.side;
     const double width = std::min(outline, face.maxOutline);
     std::vector<Vector3> corners;
@@ -272,14 +279,15 @@ void Sketcher::drawConcave(const Face& face, const Pose& pose, double width, Col
   for (const auto& [a, b, c] : face.triangles) {
     const std::array<Vector3, 3> triangle = {inner[a], inner[b], inner[c]};
     layer.push_back(appendFacet(sketch, triangle, colour));
-    layer.back().pale = pale;
+    layer.back().part = FacetPart::Inside;
   }
   if (width <= 0) return;
-  const Colour edge = sketch.outlineOf(layer.back());
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t next = (k + 1) % count;
     const std::array<Vector3, 4> band = {outer[k], outer[next], inner[next], inner[k]};
-    layer.push_back(appendFacet(sketch, band, edge));
+    layer.push_back(appendFacet(sketch, band, colour));
+    layer.back().part = FacetPart::Border;
+    layer.back().pale = pale;
   }
 }
 

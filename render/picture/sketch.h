@@ -76,6 +76,13 @@ struct Shot {
   std::vector<Tile> scenery;  ///< polygons that are no bricks, seen from both sides, world axes
 };
 
+/// Which part of a face a facet is.
+enum class FacetPart {
+  Whole,   ///< all of it; also a polygon that is no face
+  Inside,  ///< of a concave face, within its outline
+  Border,  ///< of a concave face, the outline along the side that is the facet's first
+};
+
 /// A convex polygon of one colour that looks at the camera, with an outline within it if it has
 /// any. Its points stand in a sketch. With an outline it has 2 count points: the corners, then the
 /// corners within the outline in the same order.
@@ -85,6 +92,7 @@ struct Facet {
   bool outlined = false;  ///< then as many points follow: its corners within the outline
   bool pale = false;      ///< whether that outline is the pale one
   Colour colour;          ///< within the outline
+  FacetPart part = FacetPart::Whole;
 };
 
 /// All that a picture shows, in layers: each hides the ones before it.
@@ -104,6 +112,10 @@ struct Sketch {
     Colour colour = facet.pale ? paleEdge : edge;
     colour.alpha = facet.colour.alpha;
     return colour;
+  }
+  /// Of a facet within its outline, where each part is one colour.
+  Colour flatColourOf(const Facet& facet) const {
+    return facet.part == FacetPart::Border ? outlineOf(facet) : facet.colour;
   }
   std::span<const Vector3> corners(const Facet& facet) const {
     return std::span(points).subspan(facet.first, facet.count);

@@ -210,6 +210,31 @@ TEST(Svg, HoldsOnlyWhatThePictureShows) {
   EXPECT_NE(svg.find("id=\"bricks\""), std::string::npos);
 }
 
+/// The outline of a concave face is a closed line as well, which an editor restyles with the
+/// others.
+TEST(Svg, OutlinesOfConcaveFacesAreLines) {
+  CameraFit fit;
+  fit.view = kTopView;
+  fit.orthographic = true;
+  const Scenery scenery(sampleBricks({test::starShape(5, 2, 0.7), test::lShape(3, 1, 3, 0)}, 0.3),
+                        fit);
+  const std::string svg = scenery.svg();
+  const std::string edge = "fill=\"#263242\"";  // the style's colour of outlines
+  EXPECT_EQ(svg.find(edge), std::string::npos);
+  // The ten corners of the star and the six of the L, each closed.
+  std::vector<int> corners;
+  std::size_t line = svg.find("<path class=\"outline\"");
+  while (line != std::string::npos) {
+    const std::string path = svg.substr(line, svg.find("/>", line) - line);
+    EXPECT_EQ(path.back(), '"');
+    EXPECT_EQ(path[path.size() - 2], 'Z') << path;
+    EXPECT_EQ(std::ranges::count(path, 'M'), 1) << path;
+    corners.push_back(static_cast<int>(std::ranges::count(path, 'L')) + 1);
+    line = svg.find("<path class=\"outline\"", line + 1);
+  }
+  EXPECT_EQ(corners, (std::vector<int>{10, 6}));
+}
+
 /// A face drawn after an outline would cover the half of the line that lies on it.
 TEST(Svg, OutlinesAreOverAllFaces) {
   Scenery scenery(tumbledBricks());
