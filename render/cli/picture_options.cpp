@@ -165,8 +165,8 @@ std::string saidColour(const std::optional<Colour>& colour) {
   return colour ? colourText(*colour) : "";
 }
 
-/// Colours are names of CSS or six hexadecimal digits.
-void addColourOptions(OptionGroup& group, Look& look) {
+/// What colours stand for, and on which scale.
+void addScaleOptions(OptionGroup& group, Look& look) {
   // Measures of single bricks are coloured by a scale, "plain" and "shape" need none.
   group.choice<Colouring>("--colour", look.colouring,
                           {{"plain", Colouring::Plain},
@@ -197,6 +197,10 @@ void addColourOptions(OptionGroup& group, Look& look) {
                look.colourMost = parseNumber(typed, {1e-15, 1e12});
              })
       .saidAs([&look] { return look.colourMost ? numberText(*look.colourMost) : ""; });
+}
+
+/// Colours are names of CSS or six hexadecimal digits.
+void addColourOptions(OptionGroup& group, Look& look) {
   group
       .value("--brick-colour", "COLOUR", "80AEDC",
              "of all bricks, with --colour plain; a name such as teal, or RRGGBB",
@@ -238,6 +242,7 @@ void addDrawingOptions(CLI::App& command, Look& look) {
   OptionGroup group(command, "Look", "style");
   group.choice<Theme>("--theme", look.theme, {{"light", Theme::Light}, {"dark", Theme::Dark}},
                       "page that the pictures are for");
+  addScaleOptions(group, look);
   addColourOptions(group, look);
   group.choice<GroundLook>(
       "--ground-look", look.ground,
