@@ -9,14 +9,15 @@
 // A side of length l then shrinks by w (d_k - d_k+1) . u with its direction u; w is limited so that
 // no side loses more than kMaxOutlineShare of its length.
 //
-// A shadow is the projection of the lit faces along the key light onto the plate. Facets of the
-// shadow overlap and have one colour, so together they are one flat shape. A light of some size
-// makes its edge soft: the shadow of a point at height h fades out over s h, with the style's
-// softness s: crisp where bricks touch the plate. At the distance d from the edge t = 1 - d / (s h)
-// is left, and the share 3 t^2 - 2 t^3 of the full shadow is drawn, rounded in t to one of n steps
-// from the palest to the full. Step i has the share at t = i / n and reaches to t = (i - 1/2) / n:
-// it is the union of the convex outlines of the faces' projected corners, each widened to a disc
-// of radius s h (1 - t).
+// A shadow is the projection of the bricks along the key light onto the plate: of a convex brick
+// the convex outline of its projected corners. Facets of the shadow overlap and have one colour, so
+// together they are one flat shape. A light of some size makes its edge soft: the shadow of a point
+// at height h fades out over s h, with the style's softness s, so that it is crisp where bricks
+// touch the plate. At the distance d from the edge t = 1 - d / (s h) is left, and the share
+// 3 t^2 - 2 t^3 of the full shadow is drawn, rounded in t to one of n steps from the palest to the
+// full. Step i has the share at t = i / n and reaches to t = (i - 1/2) / n: its outlines are those
+// of the projected corners widened to discs of radius s h (1 - t). Most of a shadow's cost are
+// pixels that are painted once a step, so there are no more steps than are to be seen.
 //
 // Faces that look away from the camera are left out: bricks are closed. Of a translucent brick,
 // too, so that it is one layer of its colour however thick it is.
@@ -46,8 +47,10 @@ constexpr double kEdgeOn = 1e-9;
 /// A line on a brick is drawn this many of its widths nearer to the eye.
 constexpr double kLineLift = 1;
 
-/// In so many steps a shadow fades out, which are too small to be told apart.
-constexpr int kShadowSteps = 10;
+/// A shadow fades out in steps so wide, in heights of the picture, or in so many steps, which are
+/// too small to be told apart.
+constexpr double kShadowStep = 0.004;
+constexpr int kMostShadowSteps = 10;
 
 /// Directions in which the corner of a shadow is widened.
 constexpr int kShadowDirections = 12;
@@ -86,22 +89,32 @@ void drawPlate(const GroundPlate& plate, Colour colour, Sketch& sketch) {
   sketch.ground.push_back(appendFacet(sketch, corners, colour));
 }
 
-/// The convex outline of discs around the corners of a horizontal polygon, anticlockwise from
-/// above. Radii are the softness times the heights.
-std::vector<Vector3> widened(const std::vector<Vector3>& corners,
-                             const std::vector<double>& heights, double softness) {
-  std::vector<Eigen::Vector2d> points;
-  for (std::size_t k = 0; k < corners.size(); ++k) {
-    for (int d = 0; d < kShadowDirections; ++d) {
-      const double angle = 2 * std::numbers::pi * d / kShadowDirections;
-      points.emplace_back(corners[k].head<2>() +
-                          softness * heights[k] *
-                              Eigen::Vector2d(std::cos(angle), std::sin(angle)));
+/// The unit vectors in which the corners of a shadow are widened.
+std::vector<Eigen::Vector2d> shadowDirections() {
+  std::vector<Eigen::Vector2d> directions;
+  for (int k = 0; k < kShadowDirections; ++k) {
+    const double angle = 2 * std::numbers::pi * k / kShadowDirections;
+    directions.emplace_back(std::cos(angle), std::sin(angle));
+  }
+  return directions;
+}
+
+/// The convex outline of discs around horizontal points, anticlockwise from above. Radii are the
+/// softness times the heights.
+std::vector<Vector3> widened(const std::vector<Vector3>& points, const std::vector<double>& heights,
+                             double softness) {
+  static const std::vector<Eigen::Vector2d> directions = shadowDirections();
+  std::vector<Eigen::Vector2d> rims;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const double radius = softness * heights[k];
+    for (const Eigen::Vector2d& direction : directions) {
+      rims.emplace_back(points[k].head<2>() + radius * direction);
+      if (radius <= 0) break;
     }
   }
   std::vector<Vector3> outline;
-  for (const Eigen::Vector2d& point : convexOutline(std::move(points))) {
-    outline.emplace_back(point.x(), point.y(), corners[0].z());
+  for (const Eigen::Vector2d& point : convexOutline(std::move(rims))) {
+    outline.emplace_back(point.x(), point.y(), points[0].z());
   }
   return outline;
 }
@@ -291,47 +304,56 @@ void Sketcher::drawConcave(const Face& face, const Pose& pose, double width, Col
   }
 }
 
-std::vector<Sketcher::CastPolygon> Sketcher::castPolygons(
-    const Poses& poses, const std::vector<BrickColours>& colours) const {
-  const Vector3& light = style_.key.direction;
-  std::vector<CastPolygon> cast;
-  CastPolygon whole;
-  for (std::size_t brick = 0; brick < faces_.size(); ++brick) {
-    checkInterruption();
-    if (!isDrawn(colours[brick])) continue;
-    const Pose& pose = poses[brick];
-    for (const Face& face : faces_[brick]) {
-      // The lit faces of a closed brick cast all of its shadow.
-      if (light.dot(pose.rotation * face.normal) <= 0) continue;
-      whole = {};
-      for (const Vector3& corner : face.corners) {
-        const Vector3 point = pose.apply(corner);
-        whole.corners.push_back(shadowOf(point, style_));
-        whole.heights.push_back(std::max(0.0, point.z() - style_.plate->height));
-      }
-      for (const auto& [a, b, c] : face.triangles) {
-        cast.push_back({{whole.corners[a], whole.corners[b], whole.corners[c]},
-                        {whole.heights[a], whole.heights[b], whole.heights[c]}});
-      }
-      if (face.triangles.empty()) cast.push_back(whole);
+void Sketcher::CastPolygon::add(const Vector3& point, const Style& style) {
+  points.push_back(shadowOf(point, style));
+  heights.push_back(std::max(0.0, point.z() - style.plate->height));
+}
+
+/// That of a convex brick is the outline of all its corners. A concave one has those of its lit
+/// faces, which cast all of the shadow of a closed brick, in triangles where they are concave.
+void Sketcher::appendCast(const std::vector<Face>& faces, const Pose& pose,
+                          std::vector<CastPolygon>& cast) const {
+  if (faces[0].triangles.empty()) {
+    CastPolygon& whole = cast.emplace_back();
+    for (const int end : {0, 1}) {
+      for (const Vector3& corner : faces[end].corners) whole.add(pose.apply(corner), style_);
     }
+    return;
   }
-  return cast;
+  for (const Face& face : faces) {
+    if (style_.key.direction.dot(pose.rotation * face.normal) <= 0) continue;
+    for (const auto& triangle : face.triangles) {
+      CastPolygon& part = cast.emplace_back();
+      for (const int corner : triangle) part.add(pose.apply(face.corners[corner]), style_);
+    }
+    if (!face.triangles.empty()) continue;
+    CastPolygon& side = cast.emplace_back();
+    for (const Vector3& corner : face.corners) side.add(pose.apply(corner), style_);
+  }
 }
 
 void Sketcher::drawShadow(const Poses& poses, const std::vector<BrickColours>& colours,
-                          Sketch& sketch) const {
-  const std::vector<CastPolygon> cast = castPolygons(poses, colours);
-  const int steps = style_.shadowSoftness > 0 ? kShadowSteps : 1;
+                          double pictureHeight, Sketch& sketch) const {
+  std::vector<CastPolygon> cast;
+  for (std::size_t brick = 0; brick < faces_.size(); ++brick) {
+    checkInterruption();
+    if (isDrawn(colours[brick])) appendCast(faces_[brick], poses[brick], cast);
+  }
+  double highest = 0;
+  for (const CastPolygon& polygon : cast) {
+    for (const double height : polygon.heights) highest = std::max(highest, height);
+  }
+  const double width = style_.shadowSoftness * highest / pictureHeight;
+  const int steps =
+      static_cast<int>(std::clamp<double>(std::ceil(width / kShadowStep), 1, kMostShadowSteps));
   for (int step = 1; step <= steps; ++step) {
     const double softness = style_.shadowSoftness * (1 - (step - 0.5) / steps);
     const double part = static_cast<double>(step) / steps;
     const Colour colour = partialShadow(style_, part * part * (3 - 2 * part));
     for (const CastPolygon& polygon : cast) {
       checkInterruption();
-      const std::vector<Vector3> corners =
-          softness > 0 ? widened(polygon.corners, polygon.heights, softness) : polygon.corners;
-      sketch.shadow.push_back(appendFacet(sketch, corners, colour));
+      const std::vector<Vector3> outline = widened(polygon.points, polygon.heights, softness);
+      if (outline.size() > 2) sketch.shadow.push_back(appendFacet(sketch, outline, colour));
     }
   }
 }
@@ -348,16 +370,16 @@ void Sketcher::draw(const Shot& shot, const Camera& camera, Sketch& sketch) cons
   sketch.edge = style_.edge;
   sketch.paleEdge = style_.paleEdge;
 
+  const double height = heightAtCentre(camera);
   const std::vector<BrickColours> colours = coloursOf(shot);
   const std::optional<GroundPlate>& plate = style_.plate;
   const Vector3 middle = plate ? Vector3(plate->centre.x(), plate->centre.y(), plate->height)
                                : Vector3(Vector3::Zero());
   if (plate && towardsEye(camera, middle).z() > 0) {
     if (plate->visible) drawPlate(*plate, style_.ground, sketch);
-    if (plate->shadow) drawShadow(shot.poses, colours, sketch);
+    if (plate->shadow) drawShadow(shot.poses, colours, height, sketch);
   }
 
-  const double height = heightAtCentre(camera);
   std::optional<Occluders> occluders;
   if (style_.occlusion > 0) occluders.emplace(place(shot.poses, colours));
   for (int brick = 0; brick < static_cast<int>(faces_.size()); ++brick) {

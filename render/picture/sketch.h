@@ -163,16 +163,19 @@ class Sketcher {
   /// A concave face: its inside as triangles, its outline as a band along each side.
   void drawConcave(const Face& face, const Pose& pose, double width, Colour colour, bool pale,
                    std::vector<Facet>& layer, Sketch& sketch) const;
-  /// A polygon on the plate that is the shadow of a lit face or a part of one.
+  /// Points on the plate whose convex outline is the shadow of a brick or a part of one.
   struct CastPolygon {
-    std::vector<Vector3> corners;
+    std::vector<Vector3> points;
     std::vector<double> heights;  ///< of the points that cast them above the plate, metres
+
+    void add(const Vector3& point, const Style& style);
   };
 
-  std::vector<CastPolygon> castPolygons(const Poses& poses,
-                                        const std::vector<BrickColours>& colours) const;
+  void appendCast(const std::vector<Face>& faces, const Pose& pose,
+                  std::vector<CastPolygon>& cast) const;
+  /// pictureHeight: at the camera's centre, metres.
   void drawShadow(const Poses& poses, const std::vector<BrickColours>& colours,
-                  Sketch& sketch) const;
+                  double pictureHeight, Sketch& sketch) const;
 
   Style style_;
   std::vector<std::vector<Face>> faces_;  ///< by brick: bottom, top, sides
