@@ -1,13 +1,10 @@
-/// A deployment in progress: the run, what leads its tiles, what carries out its timeline, and
-/// whether it is at rest.
+/// A deployment in progress, and what leads its tiles.
 #pragma once
 
-#include <cstddef>
 #include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -17,70 +14,15 @@
 #include "sim/deploy/deployment.h"
 #include "sim/deploy/dynamics.h"
 #include "sim/deploy/forces.h"
+#include "sim/deploy/rest.h"
 #include "sim/deploy/run_figures.h"
+#include "sim/deploy/timeline_runner.h"
 #include "sim/measure/measures.h"
 #include "sim/model/brick.h"
 #include "sim/model/contact.h"
-#include "sim/model/isometry.h"
-#include "sim/scene/conditions.h"
 #include "sim/trajectory/trajectory.h"
 
 namespace kirireel {
-
-// ------------------------------------------------------------------------------------------------
-// Whether bricks that hardly move are at rest, or only slow.
-
-/// What was found about a state that hardly moves.
-struct RestProbe {
-  bool movesOn = false;  ///< given time, a brick would go farther than rounding and noise let it
-  double work = 0;       ///< that it cost, see StepReport
-};
-
-/// Looks where bricks that hardly move would go, given time: from rest, implicit steps that grow
-/// from `step` seconds to months. A step that is long against the bricks' inertia and damping comes
-/// near to Newton's method on what pulls them, so that soft springs and heavy bricks take no longer
-/// than others. Where no brick goes a thousandth of a tile, the state is at rest.
-///
-/// `dynamics`: the bricks' solver in its present state, joints, pins and contacts included; it is
-/// moved on and not to be used afterwards. `actuation` must pull the bricks to somewhere, else long
-/// steps lead nowhere. `tileSize` in metres.
-RestProbe probeRest(Dynamics& dynamics, const Motion& motion, double step,
-                    const LoadSource& actuation, double tileSize);
-
-/// How far the brick is that moved farthest from one state to another, metres: turns count at a
-/// tile's size.
-double farthestMove(const Poses& from, const Poses& to, double tileSize);
-
-// ------------------------------------------------------------------------------------------------
-// What lets a run leave an unstable equilibrium: small velocities at random. They are an error in
-// time for a start that moves by itself, so that only those get them that do not.
-
-/// How much of the nudge a run has been given.
-enum class Nudged {
-  No,
-  InSymmetry,  ///< the part that has the symmetries of the model and the state alone
-  Wholly,
-};
-
-/// How long bricks have from rest to get faster than a nudge, seconds.
-constexpr double kNudgeTime = 1.0 / 240;
-
-/// Small velocities for `count` bricks, turns apart: each component at random within a millionth of
-/// the model's size (metres) a second. The same seed gives the same ones everywhere.
-std::vector<Velocity> nudge(std::size_t count, double modelSize, unsigned seed);
-
-/// Whether bricks move by what acts on them alone: whether in `after`, which they have come to from
-/// rest in kNudgeTime with joints and contacts kept, some brick is faster than a nudge. Joined ones
-/// must move against each other: a sheet that is pulled along, yet cannot open, does not move.
-/// Sizes in metres.
-bool movesByItself(const std::vector<Velocity>& after, bool areJoined, double tileSize,
-                   double modelSize);
-
-/// The part of a nudge with the symmetries of `group`, the identity among them, where joints leave
-/// some of it, else nothing: a sheet that is closed may open in a way that no symmetry keeps.
-/// `dynamics` holds the joints at the state.
-std::vector<Velocity> symmetricNudge(const std::vector<Velocity>& whole, const Poses& poses,
-                                     std::span<const Symmetry> group, Dynamics& dynamics);
 
 // ------------------------------------------------------------------------------------------------
 // Leads the tiles of a deployment to their target.
@@ -110,104 +52,6 @@ class PathFollower {
   double beginTime_;
   TargetGuide guide_;
   TargetSprings springs_;
-};
-
-// ------------------------------------------------------------------------------------------------
-// Carries out a scene's timeline while a deployment runs.
-
-/// What the timeline looks at.
-struct TimelineView {
-  double time = 0;        ///< simulated seconds
-  bool atRest = false;    ///< nothing moves any more
-  double error = 0;       ///< to the present target, metres
-  double startError = 0;  ///< the same when that target was set
-  bool atTarget = false;  ///< at rest where rigid tiles come no nearer to the present target
-  const Poses* poses = nullptr;
-};
-
-/// What the timeline does to a run, beyond pushing its bricks.
-class TimelineStage {
- public:
-  virtual ~TimelineStage() = default;
-  virtual void setPinned(const std::vector<bool>& pinned) = 0;
-  /// `target`: one tile a brick; null for the model's own.
-  virtual void goTo(const std::vector<Tile>* target) = 0;
-  virtual void reset() = 0;
-  virtual void quit() = 0;
-};
-
-/// A tile that is dragged along, and the spring that it hangs on.
-struct DragSpring {
-  int tile = 0;
-  PointSpring spring;
-};
-
-/// Watches a run and does what is due. Drags are loads, asked for in each step.
-class TimelineRunner {
- public:
-  /// The timeline must outlive the runner. `countsFrom`: the first tile's number in events.
-  TimelineRunner(const Timeline& timeline, const std::vector<Brick>& bricks, int countsFrom = 0);
-
-  /// Does everything that is due now and appends it to the events. Returns whether anything was.
-  bool carryOut(const TimelineView& view, TimelineStage& stage, std::vector<Event>& events);
-
-  /// Adds what drags pull with at this time.
-  void addDrags(double time, const Poses& poses, std::vector<Load>& loads) const;
-
-  /// The drags under way at this time, as the springs that they pull with.
-  std::vector<DragSpring> dragSprings(double time) const;
-
-  bool forcesAreOn() const { return forcesOn_; }
-  bool isPaused(double time) const { return time < pausedUntil_; }
-  /// Whether anything is to come or still under way.
-  bool isOver(double time) const;
-  /// When, after this time, the next entry comes due by itself, or a drag or a pause ends; infinity
-  /// where nothing does.
-  double nextMoment(double time) const;
-  /// Whether the next entry comes due by itself, even where nothing moves.
-  bool waitsForTime() const;
-  /// Whether the next entry waits for rest, a target, an error or a progress, and no drag or pause
-  /// is under way that could bring it.
-  bool waitsForState() const;
-  /// The tiles that are pinned, ascending.
-  std::vector<int> pinnedTiles() const;
-  /// What is waited for: "line 12 of scene.toml waits for ..." ; empty when nothing is to come.
-  std::string pending() const;
-
-  /// What has been done and what is under way.
-  void transfer(StateTape& tape);
-
- private:
-  /// A drag under way: the path with the point that it started from.
-  struct ActiveDrag {
-    std::size_t entry = 0;      // of the timeline
-    Vector3 point;              // tied to the spring, in the brick's axes
-    std::vector<Vector3> path;  // from where the point was
-    double from = 0;            // seconds
-
-    void transfer(StateTape& tape) { tape.transfer(entry, point, path, from); }
-  };
-
-  const timeline::Drag& dragOf(const ActiveDrag& active) const {
-    return std::get<timeline::Drag>(timeline_.at(active.entry).action);
-  }
-
-  double dueTime(const Occasion& moment) const;
-  bool isDue(const Occasion& moment, const TimelineView& view) const;
-  void carryOut(const timeline::Action& action, const TimelineView& view, TimelineStage& stage);
-  void pin(const std::vector<int>& tiles, bool pinned, TimelineStage& stage);
-  void startDrag(const timeline::Drag& drag, const TimelineView& view);
-  void reset(TimelineStage& stage);
-
-  const Timeline& timeline_;
-  const std::vector<Brick>& bricks_;
-  int countsFrom_;  // the first tile, in events
-  std::size_t next_ = 0;
-  double lastTime_ = 0;  // of the entry before
-  double pausedUntil_ = 0;
-  bool forcesOn_ = true;
-  std::vector<bool> pinned_;
-  std::vector<ActiveDrag> drags_;
 };
 
 // ------------------------------------------------------------------------------------------------
