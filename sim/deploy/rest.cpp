@@ -1,11 +1,89 @@
-// How a run leaves a start in balance, and whether bricks that hardly move are at rest: two pieces,
-// each with its own explanation.
+// Rest. A run rests while its fastest brick is slower than the settle speed, or while steps fail
+// however short they are and no brick gets anywhere. Since when follows from the motion, not from
+// where steps end: the moment at which the fastest speed falls through its limit is found within
+// the step.
+//
+// Below: whether bricks at rest are only slow; and the nudge by which a run leaves a state in
+// balance.
 #include "sim/deploy/rest.h"
 
 #include <algorithm>
+#include <limits>
+#include <memory>
 #include <random>
+#include <utility>
 
 namespace kirireel {
+namespace {
+
+// Steps that fail, and bring no brick farther than this part of a tile, are no motion.
+constexpr double kStuckShare = 1e-3;
+// A step is looked at in so many parts for the beginning of rest, and the part halved so often.
+constexpr int kRestLooks = 16;
+constexpr int kRestHalvings = 30;
+
+}  // namespace
+
+double fastestSpeed(const std::vector<Velocity>& velocities, double tileSize) {
+  double fastest = 0;
+  for (const Velocity& velocity : velocities) {
+    const double speed = velocity.linear.norm() + velocity.angular.norm() * tileSize;
+    fastest = std::max(fastest, speed);
+  }
+  return fastest;
+}
+
+void RestWatch::observe(const RunMotion& motion, double length, const StepReport& report,
+                        bool isOnPath) {
+  if (report.unconverged == 0) {
+    jamStart_.clear();
+  } else if (!isStuck(motion.poses())) {
+    jamStart_ = motion.poses();
+  }
+  const double limit = bricks_.scene.stop.settleSpeed * bricks_.size;
+  const bool isSlow = fastestSpeed(motion.now().velocities, bricks_.tileSize) < limit;
+  if (isOnPath || !(isSlow || isStuck(motion.poses()))) {
+    rested_ = 0;
+    return;
+  }
+  const double within = isSlow ? restWithinStep(motion, length, limit) : length;
+  rested_ = within < length ? within : rested_ + length;
+}
+
+// For how long up to the end of the last step the fastest speed has stayed below a limit that it is
+// below then, seconds; the whole step's length where it was never above. Speeds swing: looked at in
+// parts of the step, then by bisection.
+double RestWatch::restWithinStep(const RunMotion& motion, double length, double limit) const {
+  const auto isFast = [&](double seconds) {
+    return fastestSpeed(motion.velocitiesAt(seconds), bricks_.tileSize) >= limit;
+  };
+  const double part = length / kRestLooks;
+  int fast = kRestLooks - 1;
+  while (fast >= 0 && !isFast(fast * part)) --fast;
+  if (fast < 0) return length;
+  double above = fast * part;
+  double below = above + part;
+  for (int k = 0; k < kRestHalvings; ++k) {
+    const double middle = 0.5 * (above + below);
+    (isFast(middle) ? above : below) = middle;
+  }
+  return length - below;
+}
+
+void RestWatch::doubt() {
+  rested_ = 0;
+  needed_ *= 2;
+}
+
+double RestWatch::moment(double now) const {
+  if (!(rested_ > 0)) return std::numeric_limits<double>::infinity();
+  return now + needed_ - rested_;
+}
+
+bool RestWatch::isStuck(const Poses& poses) const {
+  const double tile = bricks_.tileSize;
+  return !jamStart_.empty() && farthestMove(jamStart_, poses, tile) < kStuckShare * tile;
+}
 
 // ------------------------------------------------------------------------------------------------
 // Is a state that hardly moves at rest, or is it only slow?
@@ -127,6 +205,46 @@ std::vector<Velocity> symmetricNudge(const std::vector<Velocity>& whole, const P
   const double most = fastestOpening(fitted(whole, poses, dynamics));
   if (!(left > kLeft * most)) return {};
   return symmetric;
+}
+
+std::vector<Velocity> NudgeGiver::whole() const {
+  return nudge(bricks_.bricks.size(), bricks_.size, bricks_.scene.solver.seed);
+}
+
+void NudgeGiver::giveAtStart(RunMotion& motion, const LoadSource& loads, const JointFit& joints) {
+  given_ = Nudged::Wholly;
+  std::vector<Velocity> velocities = whole();
+  if (bricks_.scene.solver.kind == SolverKind::Bullet) {
+    motion.now().velocities = std::move(velocities);
+    return;
+  }
+  const std::unique_ptr<Dynamics> solver = motion.makeSolver();
+  joints.hold(*solver);
+  Motion trial = {motion.poses(), std::vector<Velocity>(bricks_.bricks.size())};
+  solver->advance(trial, kNudgeTime, loads);
+  if (movesByItself(trial.velocities, !bricks_.pivots.empty(), bricks_.tileSize, bricks_.size)) {
+    given_ = Nudged::No;
+    return;
+  }
+  SymmetricStates symmetries(bricks_.scene);
+  symmetries.keepThoseOf(motion.poses());
+  if (symmetries.group().size() > 1) {
+    std::vector<Velocity> symmetric =
+        symmetricNudge(velocities, motion.poses(), symmetries.group(), *solver);
+    if (!symmetric.empty()) {
+      given_ = Nudged::InSymmetry;
+      velocities = std::move(symmetric);
+    }
+  }
+  motion.now().velocities = std::move(velocities);
+}
+
+void NudgeGiver::giveAtRest(RunMotion& motion) {
+  given_ = Nudged::Wholly;
+  const std::vector<Velocity> more = whole();
+  for (std::size_t i = 0; i < more.size(); ++i) {
+    motion.now().velocities[i].linear += more[i].linear;
+  }
 }
 
 }  // namespace kirireel

@@ -1,4 +1,4 @@
-/// How a run leaves a start in balance, and whether bricks that hardly move are at rest.
+/// What watches a run for rest, and how a run leaves a state in balance.
 #pragma once
 
 #include <cstddef>
@@ -6,10 +6,51 @@
 #include <vector>
 
 #include "sim/base/geometry.h"
+#include "sim/base/state_tape.h"
 #include "sim/deploy/dynamics.h"
+#include "sim/deploy/run_motion.h"
 #include "sim/model/isometry.h"
 
 namespace kirireel {
+
+// ------------------------------------------------------------------------------------------------
+// Since when nothing moves.
+
+/// The speed of the brick that is fastest, turns counted at a tile's size (metres), m/s.
+double fastestSpeed(const std::vector<Velocity>& velocities, double tileSize);
+
+/// Watches the steps of a run for rest: no brick is faster than the scene's settle speed, or steps
+/// fail however short they are and no brick gets anywhere.
+class RestWatch {
+ public:
+  /// `bricks` must outlive this.
+  explicit RestWatch(const SceneBricks& bricks)
+      : bricks_(bricks), needed_(bricks.scene.stop.settleTime) {}
+
+  /// Looks at the last step, `length` seconds long. While tiles are led or opened (`isOnPath`)
+  /// nothing counts as rest.
+  void observe(const RunMotion& motion, double length, const StepReport& report, bool isOnPath);
+  /// Something begins to act: rest counts from now on.
+  void countAnew() { rested_ = 0; }
+  /// What looked like rest was none: from now on it has to last twice as long.
+  void doubt();
+
+  /// When the run has rested for as long as counts, if nothing moves from `now` on, seconds;
+  /// infinity while it does not rest.
+  double moment(double now) const;
+  /// Whether steps fail, and the bricks have stayed where they were when steps began to.
+  bool isStuck(const Poses& poses) const;
+
+  void transfer(StateTape& tape) { tape.transfer(rested_, needed_, jamStart_); }
+
+ private:
+  double restWithinStep(const RunMotion& motion, double length, double limit) const;
+
+  const SceneBricks& bricks_;
+  double rested_ = 0;  // seconds up to the end of the last step
+  double needed_;      // seconds that count
+  Poses jamStart_;     // where steps began to fail; empty while they do not
+};
 
 // ------------------------------------------------------------------------------------------------
 // Whether bricks that hardly move are at rest, or only slow.
@@ -65,5 +106,33 @@ bool movesByItself(const std::vector<Velocity>& after, bool areJoined, double ti
 /// `dynamics` holds the joints at the state.
 std::vector<Velocity> symmetricNudge(const std::vector<Velocity>& whole, const Poses& poses,
                                      std::span<const Symmetry> group, Dynamics& dynamics);
+
+/// What a run has been given to leave states in balance, and gives it.
+class NudgeGiver {
+ public:
+  /// `bricks` must outlive this.
+  explicit NudgeGiver(const SceneBricks& bricks) : bricks_(bricks) {}
+
+  /// Gives the bricks, which stand still, what they need to leave this start: nothing where `loads`
+  /// move them by themselves. An engine's start is not known to its end, and it gets the whole
+  /// nudge. `joints` are as the run's.
+  void giveAtStart(RunMotion& motion, const LoadSource& loads, const JointFit& joints);
+  /// Gives a whole nudge to bricks that came to rest: a motion may come to an equilibrium that is
+  /// not stable, as a start may be one.
+  void giveAtRest(RunMotion& motion);
+
+  /// Whether there is anything left to give.
+  bool canGive() const { return given_ != Nudged::Wholly; }
+  /// Another target makes other equilibria: all may be given again.
+  void beginAnew() { given_ = Nudged::No; }
+
+  void transfer(StateTape& tape) { tape.transfer(given_); }
+
+ private:
+  std::vector<Velocity> whole() const;
+
+  const SceneBricks& bricks_;
+  Nudged given_ = Nudged::No;
+};
 
 }  // namespace kirireel

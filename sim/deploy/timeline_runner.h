@@ -68,7 +68,9 @@ class TimelineRunner {
   /// Whether the next entry waits for rest, a target, an error or a progress, and no drag or pause
   /// is under way that could bring it.
   bool waitsForState() const;
-  /// The tiles that are pinned, ascending.
+  /// Which tiles are pinned, one entry a brick.
+  const std::vector<bool>& pinned() const { return pinned_; }
+  /// The same as a list, ascending.
   std::vector<int> pinnedTiles() const;
   /// What is waited for: "line 12 of scene.toml waits for ..." ; empty when nothing is to come.
   std::string pending() const;
