@@ -52,54 +52,48 @@ void RunFigures::observe(double time, const Poses& poses, const StepReport& repo
       overlaps_->atLeast({accuracy_.penetrationMax, accuracy_.penetrationOutsidePivotsMax,
                           accuracy_.penetrationGrownMax},
                          poses);
-  time_ = time;
-  poses_ = &poses;
+  const TimedPoses state = {time, poses};
   cost_.took += report;
   const JointGap gap = jointGap(pivots_, poses);
   gapBefore_ = gapNow_;
   gapNow_ = accuracy_.jointGapEnd = gap.max;
   gapSum_ += gap.mean;
-  raise(accuracy_.jointGapMax, "joint_gap_max", gap.max);
-  if (jointsGive) raise(accuracy_.jointOpeningMax, "joint_opening_max", gap.max);
-  noteOverlaps(overlaps);
-  observeTarget(gap);
+  raise(accuracy_.jointGapMax, "joint_gap_max", gap.max, state);
+  if (jointsGive) raise(accuracy_.jointOpeningMax, "joint_opening_max", gap.max, state);
+  raise(accuracy_.penetrationMax, "penetration_max", overlaps.whole, state);
+  raise(accuracy_.penetrationOutsidePivotsMax, "penetration_outside_pivots_max",
+        overlaps.outsidePivots, state);
+  raise(accuracy_.penetrationGrownMax, "penetration_grown_max", overlaps.grown, state);
+  observeTarget(state, gap);
   ++count_;
   steps_.push_back({time, gap.max, gap.mean, accuracy_.targetErrorEnd, report});
 }
 
-/// The state that is measured is the one that the figure stands for.
-void RunFigures::keepState(const char* name) {
-  auto state = std::ranges::find(states_, name, &FigureState::figure);
-  if (state == states_.end()) state = states_.insert(state, FigureState{name, 0, {}});
-  state->time = time_;
-  state->poses = *poses_;
+void RunFigures::keepState(const char* figure, const TimedPoses& state) {
+  auto kept = std::ranges::find(states_, figure, &FigureState::figure);
+  if (kept == states_.end()) kept = states_.insert(kept, FigureState{figure, 0, {}});
+  kept->time = state.time;
+  kept->poses = state.poses;
 }
 
 // The first value is taken whatever it is, so that each figure has a state.
-void RunFigures::raise(double& figure, const char* name, double value) {
+void RunFigures::raise(double& figure, const char* name, double value, const TimedPoses& state) {
   if (count_ > 0 && !(value > figure)) return;
   figure = value;
-  keepState(name);
-}
-
-void RunFigures::noteOverlaps(const PenetrationDepths& depths) {
-  raise(accuracy_.penetrationMax, "penetration_max", depths.whole);
-  raise(accuracy_.penetrationOutsidePivotsMax, "penetration_outside_pivots_max",
-        depths.outsidePivots);
-  raise(accuracy_.penetrationGrownMax, "penetration_grown_max", depths.grown);
+  keepState(name, state);
 }
 
 // Two least errors: of any state, and of states with closed joints.
-void RunFigures::observeTarget(const JointGap& gap) {
+void RunFigures::observeTarget(const TimedPoses& state, const JointGap& gap) {
   if (!model_.target) return;
-  const double error = accuracy_.targetErrorEnd = targetErrorOf(*poses_);
+  const double error = accuracy_.targetErrorEnd = targetErrorOf(state.poses);
   if (count_ == 0 || error < accuracy_.targetErrorMin) {
     accuracy_.targetErrorMin = error;
-    keepState("target_error_min");
+    keepState("target_error_min", state);
   }
   if (gap.max <= kClosedShare * tileSize_ && error < assembledError_) {
     assembledError_ = error;
-    keepState("assembled_error");
+    keepState("assembled_error", state);
   }
 }
 

@@ -13,9 +13,11 @@
 
 namespace kirireel {
 
-// ------------------------------------------------------------------------------------------------
-// What is measured of a run: the figures of its summary, and the states in which they were
-// reached.
+/// The poses of a run at a time, seconds.
+struct TimedPoses {
+  double time = 0;
+  const Poses& poses;
+};
 
 /// Looks at the start of a run and at the end of each step. A figure that one state decides keeps
 /// that state, and all others follow from the steps' records: so they can be computed again.
@@ -62,10 +64,9 @@ class RunFigures {
   void transferStates(StateTape& tape);
 
  private:
-  void raise(double& figure, const char* name, double value);
-  void keepState(const char* name);
-  void noteOverlaps(const PenetrationDepths& depths);
-  void observeTarget(const JointGap& gap);
+  void keepState(const char* figure, const TimedPoses& state);
+  void raise(double& figure, const char* name, double value, const TimedPoses& state);
+  void observeTarget(const TimedPoses& state, const JointGap& gap);
 
   const Model& model_;
   const std::vector<Brick>& bricks_;
@@ -82,8 +83,6 @@ class RunFigures {
   double gapNow_ = 0;      // likewise of the last
   std::vector<FigureState> states_;
   std::vector<StepRecord> steps_;  // since the last sample
-  double time_ = 0;                // of the state that is measured
-  const Poses* poses_ = nullptr;   // likewise
 };
 
 }  // namespace kirireel
