@@ -126,12 +126,6 @@ RunDrive::RunDrive(const SceneBricks& bricks, const StepClock& clock)
       drive_(makeDriveForce(bricks.scene, bricks.bricks)),
       opening_(bricks.bricks, springsOf(bricks.scene)) {}
 
-Phase RunDrive::phase() const {
-  if (clock_.time() < openedAt_) return Phase::Open;
-  if (!follower_) return Phase::Settle;
-  return isClosing_ ? Phase::Close : Phase::Guide;
-}
-
 // Joints that give while the tiles are led close again; on a straight path they stay as they are.
 bool RunDrive::jointsGive() const {
   if (!bricks_.ties.ligaments.empty()) return true;
@@ -139,53 +133,56 @@ bool RunDrive::jointsGive() const {
   return path.jointsGive() && (isOnPath() || path.kind == PathKind::Straight);
 }
 
+// Without a target nothing pulls any more.
 void RunDrive::headFor(const CurrentTarget& target, const Poses& from) {
+  springs_.reset();
   follower_.reset();
-  if (!target.tiles()) return;
+  phase_ = Phase::Settle;
   departure_ = from;
   departedAt_ = clock_.time();
   if (!target.hasSprings()) return;
   const Scene& scene = bricks_.scene;
-  openedAt_ = departedAt_ + (scene.path.kind == PathKind::Led ? scene.path.openTime : 0);
-  tieSprings(*target.tiles());
+  pullTo(*target.tiles());
   stiffness_ = AdaptiveStiffness(scene.springs.adaptive);
   stiffness_.observe(target.startError(), departedAt_, 0);
+  if (scene.path.kind != PathKind::Led) return;
+  phase_ = scene.path.openTime > 0 ? Phase::Open : Phase::Guide;
+  openedAt_ = departedAt_ + scene.path.openTime;
+  if (phase_ == Phase::Guide) leadTo(*target.tiles());
 }
 
-// Springs to the target, and those that lead there from the departure once opening is over.
-void RunDrive::tieSprings(const std::vector<Tile>& target) {
+void RunDrive::pullTo(const std::vector<Tile>& target) {
   const Scene& scene = bricks_.scene;
-  follower_.reset();
-  isClosing_ = false;
-  if (scene.path.kind == PathKind::Led && phase() != Phase::Open) {
-    follower_.emplace(scene, bricks_.bricks, departure_, target, departedAt_);
-  }
   springs_.emplace(bricks_.bricks, target, scene.model.pulledTiles, springsOf(scene));
 }
 
+// From where and when the bricks departed.
+void RunDrive::leadTo(const std::vector<Tile>& target) {
+  follower_.emplace(bricks_.scene, bricks_.bricks, departure_, target, departedAt_);
+}
+
+// The way begins where opening has brought the bricks.
 bool RunDrive::beginStep(const CurrentTarget& target, const Poses& poses, Dynamics& dynamics) {
-  if (phase() == Phase::Open) return false;
-  const bool wasOpening = openedAt_ > departedAt_;
-  if (wasOpening) {
+  if (phase_ == Phase::Open && clock_.isDue(openedAt_)) {
     departure_ = poses;
     departedAt_ = clock_.time();
-    tieSprings(*target.tiles());
+    leadTo(*target.tiles());
   }
   if (!follower_) return false;
-  const Phase next = follower_->prepareStep(clock_.time() + clock_.length(), dynamics);
-  isClosing_ = next == Phase::Close;
-  if (next != Phase::Settle) return false;
+  phase_ = follower_->prepareStep(clock_.time() + clock_.length(), dynamics);
+  if (phase_ != Phase::Settle) return false;
   follower_.reset();
   return true;
 }
 
 double RunDrive::nextMoment() const {
-  return phase() == Phase::Open ? openedAt_ : std::numeric_limits<double>::infinity();
+  const bool isOpening = phase_ == Phase::Open && !clock_.isDue(openedAt_);
+  return isOpening ? openedAt_ : std::numeric_limits<double>::infinity();
 }
 
 // Null where springs to a target drive, or nothing.
 const DriveForce* RunDrive::presentDrive() const {
-  return phase() == Phase::Open ? &opening_ : drive_.get();
+  return phase_ == Phase::Open ? &opening_ : drive_.get();
 }
 
 // The springs of the moving guide where tiles are led, else those to the target. Null where nothing
@@ -217,13 +214,12 @@ void RunDrive::addFreeForces(const Poses& poses, std::vector<Vector3>& forces) c
 
 // Springs follow from the target and from where the way to it began.
 void RunDrive::transfer(StateTape& tape, const CurrentTarget& target) {
-  bool isLed = follower_.has_value();
-  tape.transfer(departure_, departedAt_, openedAt_, isLed, isClosing_, stiffness_);
+  tape.transfer(phase_, departure_, departedAt_, openedAt_, stiffness_);
   if (!tape.isPlaying()) return;
-  const bool wasClosing = isClosing_;
-  if (target.hasSprings()) tieSprings(*target.tiles());
-  if (!isLed) follower_.reset();
-  isClosing_ = isLed && wasClosing;
+  springs_.reset();
+  follower_.reset();
+  if (target.hasSprings()) pullTo(*target.tiles());
+  if (phase_ == Phase::Guide || phase_ == Phase::Close) leadTo(*target.tiles());
 }
 
 }  // namespace kirireel

@@ -111,10 +111,10 @@ class RunDrive {
   /// needs.
   RunDrive(const SceneBricks& bricks, const StepClock& clock);
 
-  /// What moves the bricks now.
-  Phase phase() const;
+  /// What moved the bricks in the last step, or moves them in that in work.
+  Phase phase() const { return phase_; }
   /// Whether something else drives the tiles than the scene's own drive.
-  bool isOnPath() const { return phase() != Phase::Settle; }
+  bool isOnPath() const { return phase_ != Phase::Settle; }
   /// Whether joints are compliant on purpose.
   bool jointsGive() const;
 
@@ -143,7 +143,8 @@ class RunDrive {
   void transfer(StateTape& tape, const CurrentTarget& target);
 
  private:
-  void tieSprings(const std::vector<Tile>& target);
+  void pullTo(const std::vector<Tile>& target);
+  void leadTo(const std::vector<Tile>& target);
   const DriveForce* presentDrive() const;
   const TargetSprings* presentSprings() const;
 
@@ -151,11 +152,11 @@ class RunDrive {
   const StepClock& clock_;
   std::unique_ptr<DriveForce> drive_;  // null where springs to the target drive, or nothing
   Expansion opening_;
+  Phase phase_ = Phase::Settle;
   double openedAt_ = 0;    // when opening ends, seconds
   Poses departure_;        // where the bricks were when the target was set, or opening ended
   double departedAt_ = 0;  // when that was, seconds
   std::optional<PathFollower> follower_;  // while tiles are led
-  bool isClosing_ = false;                // joints stiffen, at the end of being led
   std::optional<TargetSprings> springs_;  // to the target
   AdaptiveStiffness stiffness_{false};
 };
