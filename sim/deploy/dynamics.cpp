@@ -40,19 +40,7 @@ std::unique_ptr<Dynamics> makeDynamics(const Scene& scene, const Needs& needs,
 //
 // *Fixed steps* (advance): the joint solver's own step with a contact finder.
 //
-// *Steps to a tolerance* (advanceToTolerance): extrapolated steps among contacts that are held
-// (advanceByOrders).
-// 1. Contacts that still touch are held.
-// 2. A step is tried, with a filter: where bricks meet on the way it is not taken, and what they
-//    met is kept.
-// 3. For each contact that the refused step violates, the moment at which its gap becomes 0 is
-//    found by bisection between the step's ends, on cubics; the first of these moments is the
-//    impact.
-// 4. A step leads exactly there. The impact changes velocities by the least amount in the metric of
-//    the masses that lets no contact approach (no rebound; J. J. Moreau's sweeping process). Its
-//    contacts are held from then on.
-// 5. After more than eight impacts in one call, or where no step keeps the tolerance, the rest of
-//    the call goes by fixed steps of first order, and the report says for how long.
+// *Steps to a tolerance* (advanceToTolerance): see tolerance_steps.cpp.
 //
 // Obstacles are pinned bodies after the bricks; they are appended to the poses before the solver is
 // called and taken away afterwards.
@@ -66,12 +54,6 @@ constexpr double kThicknessPart = 2e-3;
 constexpr double kTouchingPart = 0.1;
 // Joints are closed below this part of a tile.
 constexpr double kClosed = 1e-10;
-// Times closer than this part of each other are the same.
-constexpr double kSameMoment = 1e-9;
-constexpr int kMostImpacts = 8;  // in one call
-// Where they crowd, or contacts change too fast, so many calls go by first order at once.
-constexpr int kCallsToWait = 8;
-constexpr int kBisections = 60;  // to the last bit
 
 /// Where the bricks of a planar scene rub on the ground: at every vertex, with an even share of the
 /// weight.
@@ -126,31 +108,6 @@ struct PairSum {
   }
 };
 
-/// The bricks of a contact alone.
-Motion motionOf(const Contact& contact, const Motion& all) {
-  Motion motion{{all.poses[contact.brickA]}, {all.velocities[contact.brickA]}};
-  if (contact.brickB == kFixed) return motion;
-  motion.poses.push_back(all.poses[contact.brickB]);
-  motion.velocities.push_back(all.velocities[contact.brickB]);
-  return motion;
-}
-
-/// When a contact closes that does so in a step, seconds after its start and at most `latest`: the
-/// last moment at which it is open.
-double momentOfClosing(Contact contact, const Motion& from, const Motion& to, double seconds,
-                       double latest) {
-  const Motion start = motionOf(contact, from), end = motionOf(contact, to);
-  contact.brickA = 0;
-  if (contact.brickB != kFixed) contact.brickB = 1;
-  double open = 0, closed = latest;
-  for (int k = 0; k < kBisections && contactGap(contact, start.poses) > 0; ++k) {
-    const double middle = 0.5 * (open + closed);
-    const Poses poses = posesBetween(start, {}, end, seconds, middle);
-    (contactGap(contact, poses) > 0 ? open : closed) = middle;
-  }
-  return open;
-}
-
 /// The solver of a scene's joints, springs and ligaments, for its bricks and what else is a body.
 std::unique_ptr<JointSolver> solverOf(const Scene& scene, const Needs& needs,
                                       const std::vector<Brick>& bricks,
@@ -177,14 +134,14 @@ DirectDynamics::DirectDynamics(const Scene& scene, const Needs& needs,
     : brickCount_(bricks.size()),
       countsFrom_(scene.model.fileOrder.countsFrom),
       tileSize_(tileSize(scene.model)),
-      contactTolerance_(std::min(kTilePart * tileSize_, kThicknessPart * scene.brick.thickness)),
       environment_(scene.environment),
       obstacles_(obstacleParts(scene.environment.obstacles)),
       bodies_(bodiesOf(bricks, obstacles_)),
       solver_(solverOf(scene, needs, bricks, bodies_)),
       substeps_(scene.solver.substeps.value_or(1)),
       keepsEnergy_(scene.hinges.areLigaments),
-      isRubbing_(!groundSupports(scene, needs, bricks).empty()) {
+      isRubbing_(!groundSupports(scene, needs, bricks).empty()),
+      touching_(std::min(kTilePart * tileSize_, kThicknessPart * scene.brick.thickness)) {
   requireSpace(scene, needs);
   if (hasObstacles()) setPinned(std::vector<bool>(brickCount_, false));
   if (!needs.contacts.on && !needs.ground.on && !needs.obstacles.on) return;
@@ -195,10 +152,9 @@ DirectDynamics::DirectDynamics(const Scene& scene, const Needs& needs,
                                            scene.environment, needs.planar.on, tolerance,
                                            obstacles_);
   };
-  contacts_ = finder(contactTolerance_);
-  touching_ = contactTolerance_;
+  contacts_ = finder(touching_);
   if (!keepsTolerance(scene)) return;
-  touching_ = std::min(contactTolerance_, kTouchingPart * scene.solver.tolerance * tileSize_);
+  touching_ = std::min(touching_, kTouchingPart * scene.solver.tolerance * tileSize_);
   exactContacts_ = finder(touching_);
 }
 
@@ -266,150 +222,28 @@ StepReport DirectDynamics::advance(Motion& motion, double step, const LoadSource
   return report;
 }
 
-/// Whether bricks would touch at the end of a step that do not yet, or have passed through each
-/// other in it.
-bool DirectDynamics::meetOnTheWay(const Motion& from, const Motion& to, double seconds) {
-  if (!contacts_) return false;
-  std::vector<Contact> violated;
-  exactFinder().startStep(from.poses);
-  exactFinder().appendViolated(to.poses, violated);
-  if (violated.empty()) return false;
-  meeting_ = {from, to, seconds, std::move(violated)};
-  return true;
-}
-
-/// When in the step that was not taken the first of its contacts closes, seconds after its start.
-/// Nothing where bricks passed through each other.
-std::optional<double> DirectDynamics::momentOfImpact() const {
-  const auto& [from, to, seconds, contacts] = *meeting_;
-  std::optional<double> first;
-  for (const Contact& contact : contacts) {
-    if (contactGap(contact, to.poses) >= -0.5 * touching_) continue;  // touches, no more
-    first = momentOfClosing(contact, from, to, seconds, first.value_or(seconds));
-  }
-  return first;
-}
-
-/// Has the solver hold these contacts.
-void DirectDynamics::setHeld(std::vector<Contact> contacts) {
-  // Obstacles are pinned bodies.
-  const bool onGround = std::ranges::find(contacts, kFixed, &Contact::brickB) != contacts.end();
-  extrapolation_->setSupported(isPinned_ || isRubbing_ || onGround);
-  solver_->holdContacts(contacts);
-}
-
-/// Keeps of the contacts that are held those whose points still touch.
-void DirectDynamics::holdTouching(const Poses& poses) {
-  std::vector<Contact> held = solver_->heldContacts();
-  if (!held.empty()) exactFinder().startStep(poses);
-  std::erase_if(held, [&](const Contact& contact) {
-    return contactGap(contact, poses) > touching_ || !exactFinder().isCurrent(contact);
-  });
-  setHeld(std::move(held));
-}
-
-/// The impact on those of these contacts that have closed, at this moment of the call. From now on
-/// they are held too. The motion before and after it are both passed. Returns the energy that is
-/// lost.
-double DirectDynamics::collide(double now, const std::vector<Contact>& closing, Motion& motion) {
-  std::vector<Contact> held = solver_->heldContacts();
-  for (const Contact& contact : closing) {
-    const bool isHeld = std::ranges::find(held, contact) != held.end();
-    if (!isHeld && contactGap(contact, motion.poses) <= touching_) held.push_back(contact);
-  }
-  setHeld(std::move(held));
-  const double energy = kineticEnergy(bodies_, motion);
-  passed_.push_back({now, motion});
-  solver_->collide(motion);
-  passed_.push_back({now, motion});
-  return energy - kineticEnergy(bodies_, motion);
-}
-
-/// Goes on in steps that keep the tolerance, from impact to impact, until the end of the call or
-/// until that cannot be done. Returns the seconds done.
-double DirectDynamics::advanceByOrders(Motion& motion, double seconds, const TimedLoads& loads,
-                                       StepReport& report) {
-  const StepFilter isFree = [this](const Motion& from, const Motion& to, double length) {
-    return !meetOnTheWay(from, to, length);
-  };
-  double done = 0;
-  const TimedLoads fromHere = [&](double after, const Poses& poses, std::vector<Load>& out) {
-    loads(done + after, poses, out);
-  };
-  const double shortest = kSameMoment * seconds;
-  holdTouching(motion.poses);
-  double goal = seconds;         // or the moment of the next impact
-  std::vector<Contact> closing;  // then
-  int impacts = 0;
-  while (done < seconds - shortest) {
-    meeting_.reset();
-    const auto taken = extrapolation_->step(motion, goal - done, fromHere, isFree, report);
-    if (taken) {
-      done += *taken;
-      holdTouching(motion.poses);
-      if (done < goal - shortest) passed_.push_back({done, motion});
-    } else {
-      const auto after = meeting_ ? momentOfImpact() : std::nullopt;
-      if (!after || ++impacts > kMostImpacts) break;
-      goal = done + *after;
-      closing = meeting_->contacts;
-    }
-    if (closing.empty() || done < goal - shortest) continue;
-    report.impacted += collide(done, closing, motion);
-    goal = seconds;
-    closing.clear();
-  }
-  return done;
-}
-
-/// Goes on from one moment of the call to another in equal steps of first order, among contacts.
-StepReport DirectDynamics::goOnByFirstOrder(Motion& motion, double begin, double end,
-                                            const TimedLoads& loads) {
-  const double parts = std::ceil((end - begin) / firstOrderStep_ - kSameMoment);
-  const int count = std::max(1, static_cast<int>(parts));
-  StepReport report;
-  for (int k = 0; k < count; ++k) {
-    const double now = begin + k * (end - begin) / count;
-    if (now > 0) passed_.push_back({now, motion});
-    const LoadSource loadsNow = [&](const Poses& poses, std::vector<Load>& out) {
-      loads(now, poses, out);
-    };
-    report += solver_->advance(motion, (end - begin) / count, loadsNow, contacts_.get());
-  }
-  return report;
-}
-
 void DirectDynamics::setTolerance(const TimeTolerance& tolerance) {
-  firstOrderStep_ = tolerance.firstOrderStep;
-  extrapolation_ = std::make_unique<Extrapolation>(
-      bodies_, *solver_,
-      ExtrapolationSettings{tolerance.tolerance, tolerance.longestStep, tileSize_, keepsEnergy_});
+  ContactFinder* exact = exactContacts_ ? exactContacts_.get() : contacts_.get();
+  toleranceSteps_ = std::make_unique<ToleranceSteps>(
+      bodies_, *solver_, ToleranceContacts{contacts_.get(), exact, touching_, isRubbing_},
+      ExtrapolationSettings{tolerance.tolerance, tolerance.longestStep, tileSize_, keepsEnergy_},
+      tolerance.firstOrderStep);
 }
 
-// First as far as the tolerance can be kept, then by fixed steps.
 StepReport DirectDynamics::advanceToTolerance(Motion& motion, double seconds,
                                               const TimedLoads& actuation) {
   const TimedLoads all = allLoads(actuation);
-  passed_.clear();
-  meeting_.reset();
   appendObstacles(motion.poses);
   motion.velocities.resize(bodies_.size());
-  StepReport report;
-  const bool isWaiting = callsToWait_ > 0;
-  if (isWaiting) --callsToWait_;
-  const double done = isWaiting ? 0 : advanceByOrders(motion, seconds, all, report);
-  if (done < (1 - kSameMoment) * seconds) {
-    const bool touch = isWaiting || isRubbing_ || meeting_ || !solver_->heldContacts().empty();
-    (touch ? report.touchingTime : report.singularTime) += seconds - done;
-    if (touch && !isWaiting) callsToWait_ = kCallsToWait;
-    // The last is the first of the steps that follow.
-    if (done == 0) passed_.clear();
-    if (!passed_.empty()) passed_.pop_back();
-    report += goOnByFirstOrder(motion, done, seconds, all);
-  }
+  const StepReport report = toleranceSteps_->advance(motion, seconds, all, isPinned_);
   leaveObstacles(motion);
-  for (PassedState& state : passed_) leaveObstacles(state.motion);
+  for (PassedState& state : toleranceSteps_->passed()) leaveObstacles(state.motion);
   return report;
+}
+
+std::span<const PassedState> DirectDynamics::passed() const {
+  if (!toleranceSteps_) return {};
+  return toleranceSteps_->passed();
 }
 
 std::vector<Hold> DirectDynamics::contacts(const Poses& poses) const {
@@ -455,8 +289,8 @@ std::vector<std::string> DirectDynamics::loadedContacts() const {
 }
 
 void DirectDynamics::transfer(StateTape& tape) {
-  tape.transfer(*solver_, callsToWait_);
-  if (extrapolation_) tape.transfer(*extrapolation_);
+  tape.transfer(*solver_);
+  if (toleranceSteps_) tape.transfer(*toleranceSteps_);
   if (contacts_) tape.transfer(*contacts_);
   if (exactContacts_) tape.transfer(*exactContacts_);
 }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/deploy/tolerance_steps.h"
 #include "sim/joints/extrapolation.h"
 #include "sim/joints/joint_solver.h"
 #include "sim/model/brick.h"
@@ -115,7 +116,7 @@ class DirectDynamics : public Dynamics {
   void setTolerance(const TimeTolerance& tolerance) override;
   StepReport advanceToTolerance(Motion& motion, double seconds,
                                 const TimedLoads& actuation) override;
-  std::span<const PassedState> passed() const override { return passed_; }
+  std::span<const PassedState> passed() const override;
   void transfer(StateTape& tape) override;
 
  private:
@@ -123,46 +124,24 @@ class DirectDynamics : public Dynamics {
   void appendObstacles(Poses& poses) const;
   void leaveObstacles(Motion& motion) const;
   std::string nameOf(const ContactLoad& load) const;
-  /// A step that was not taken, because bricks meet in it.
-  struct Meeting {
-    Motion from;
-    Motion to;
-    double seconds = 0;
-    std::vector<Contact> contacts;  // that are violated at its end, whole planes of them
-  };
-
   TimedLoads allLoads(const TimedLoads& actuation) const;
-  ContactFinder& exactFinder() { return exactContacts_ ? *exactContacts_ : *contacts_; }
-  bool meetOnTheWay(const Motion& from, const Motion& to, double seconds);
-  std::optional<double> momentOfImpact() const;
-  void setHeld(std::vector<Contact> contacts);
-  void holdTouching(const Poses& poses);
-  double collide(double now, const std::vector<Contact>& closing, Motion& motion);
-  double advanceByOrders(Motion& motion, double seconds, const TimedLoads& loads,
-                         StepReport& report);
-  StepReport goOnByFirstOrder(Motion& motion, double begin, double end, const TimedLoads& loads);
 
   std::size_t brickCount_;
-  int countsFrom_;           // the first tile, in messages
-  double tileSize_;          // metres
-  double contactTolerance_;  // overlap that counts as none, metres
+  int countsFrom_;   // the first tile, in messages
+  double tileSize_;  // metres
   Environment environment_;
   std::vector<ObstaclePart> obstacles_;
   std::vector<Brick> bodies_;  // the bricks, then pinned ones that stand for obstacles
   std::unique_ptr<JointSolver> solver_;
-  std::unique_ptr<ContactFinder> contacts_;  // null where nothing can be touched
   int substeps_;
-  bool keepsEnergy_;                              // to a tolerance in time
-  bool isRubbing_;                                // planar bricks on a ground with friction
-  bool isPinned_ = false;                         // some brick
-  std::unique_ptr<Extrapolation> extrapolation_;  // null where no tolerance is asked for
-  double firstOrderStep_ = 0;                     // seconds, with it
-  double touching_ = 0;                           // gap of points that touch, metres
-  std::unique_ptr<ContactFinder>
-      exactContacts_;               // the same, finer; null without a tolerance in time
-  std::optional<Meeting> meeting_;  // of the step that was tried last
-  int callsToWait_ = 0;             // by first order, after impacts crowded
-  std::vector<PassedState> passed_;
+  bool keepsEnergy_;                         // to a tolerance in time
+  bool isRubbing_;                           // planar bricks on a ground with friction
+  bool isPinned_ = false;                    // some body
+  double touching_;                          // gap of points that touch, metres
+  std::unique_ptr<ContactFinder> contacts_;  // null where nothing can be touched
+  /// The same, finer, for steps to a tolerance; null without one.
+  std::unique_ptr<ContactFinder> exactContacts_;
+  std::unique_ptr<ToleranceSteps> toleranceSteps_;  // null where no tolerance is asked for
 };
 
 // ------------------------------------------------------------------------------------------------

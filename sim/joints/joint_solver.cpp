@@ -21,6 +21,21 @@ namespace kirireel {
 /// How a step went that was tried.
 enum class StepOutcome { Good, JointsOpen, Overlapping };
 
+/// Where a step leads whose velocities were found.
+struct StepEnd {
+  Poses poses;
+  Eigen::VectorXd closing;  ///< what closing the joints added to the move
+  bool jumped = false;      ///< that was more than it should be
+};
+
+/// The rows of a step's contacts, for the next step to begin with.
+template <int D>
+struct KeptRows {
+  std::vector<ContactRow<D>> contacts;  ///< held, or planes of those that carried load
+  std::vector<ContactRow<D>> supports;
+  double step = 1;  ///< seconds that their impulses refer to
+};
+
 /// The joint solver in D degrees of freedom a brick.
 /// The functions are described where they are defined; they stand here in the order of a step.
 template <int D>
@@ -60,7 +75,7 @@ class Stepper : public JointSolver {
   using Vector = Eigen::VectorXd;
   using Row = ContactRow<D>;
 
-  void advanceHalving(Motion& motion, double step, int level, bool warm);
+  void advanceHalving(Motion& motion, double step, const LoadSource& loads, int level, bool warm);
   void beginStep(const Motion& start, double step);
   void placeHeldRows(const Poses& poses, double step);
   void keepHeldRows(double step);
@@ -72,7 +87,7 @@ class Stepper : public JointSolver {
   double largestGap(const Vector& gaps, const std::vector<Row>& held) const;
   void countLosses(double step);
   void addGain(const Poses& poses, double step, LoadGain& given) const;
-  StepOutcome tryStep(const Motion& start, double step, bool warm);
+  StepOutcome tryStep(const Motion& start, double step, const LoadSource& loads, bool warm);
   StepOutcome solveContactRounds(const Poses& start, double step);
   bool appendRows(const std::vector<Contact>& found, const Poses& start, double step);
   bool boundNewFriction();
@@ -101,7 +116,6 @@ class Stepper : public JointSolver {
   const std::vector<Brick>& bricks_;
   JointSolverSettings settings_;
   StepSystem<D> system_;
-  const LoadSource* loadSource_ = nullptr;
   ContactSource* contactSource_ = nullptr;
   double jointStiffness_ = std::numeric_limits<double>::infinity();
   StepReport report_;
@@ -109,16 +123,12 @@ class Stepper : public JointSolver {
 
   // The step in work.
   std::vector<Load> loads_;
-  bool isShortest_ = false;  // it will not be halved, and jumps are taken
-  bool jumped_ = false;      // closing moved more than it should
-  Poses poses_;              // at its end
-  Vector startSpeed_;        // velocities where it starts
-  Vector closing_;           // what closing added to the move
-  StepProgram<D> program_;   // for its velocities; joint multipliers are warm from step to step
-  std::vector<Row> kept_;    // held contacts, or planes of those that carried load in the last step
-  std::vector<Row> supports_;  // likewise
-  double multiplierStep_ = 1;  // seconds that the joints' multipliers refer to
-  double keptStep_ = 1;        // seconds that these rows' impulses refer to
+  bool isShortest_ = false;    // it will not be halved, and jumps are taken
+  Vector startSpeed_;          // velocities where it starts
+  StepProgram<D> program_;     // for its velocities; joint multipliers are warm from step to step
+  double multiplierStep_ = 1;  // seconds that these refer to
+  StepEnd end_;
+  KeptRows<D> kept_;
   Standstill standstill_;
 };
 
@@ -156,7 +166,6 @@ template <int D>
 // A step that would only repeat a standstill is answered without a try.
 StepReport Stepper<D>::advance(Motion& motion, double step, const LoadSource& loads,
                                ContactSource* contacts) {
-  loadSource_ = &loads;
   contactSource_ = contacts;
   report_ = {};
   if (standstill_.isWhole()) loads(motion.poses, loads_);
@@ -164,7 +173,7 @@ StepReport Stepper<D>::advance(Motion& motion, double step, const LoadSource& lo
   const int before = system_.factorizations();
   const double workBefore = system_.work();
   const double pairsBefore = contacts ? contacts->pairsExamined() : 0;
-  advanceHalving(motion, step, 0, true);
+  advanceHalving(motion, step, loads, 0, true);
   standstill_.endStep(motion.poses, loads_);
   report_.factorizations = system_.factorizations() - before;
   const double pairs = contacts ? contacts->pairsExamined() - pairsBefore : 0;
@@ -183,20 +192,21 @@ void Stepper<D>::setJointStiffness(double stiffness) {
 /// `warm`: whether to begin with the contacts of the part before. Those that a step failed with may
 /// have been the wrong ones: its first half begins without.
 template <int D>
-void Stepper<D>::advanceHalving(Motion& motion, double step, int level, bool warm) {
-  jumped_ = false;
+void Stepper<D>::advanceHalving(Motion& motion, double step, const LoadSource& loads, int level,
+                                bool warm) {
+  end_.jumped = false;
   isShortest_ = level == kHalvings || !standstill_.mayHalve();
-  const StepOutcome outcome = tryStep(motion, step, warm);
+  const StepOutcome outcome = tryStep(motion, step, loads, warm);
   const bool halving = outcome == StepOutcome::JointsOpen ||
                        (outcome == StepOutcome::Overlapping && level < kContactHalvings);
   if (halving && !isShortest_) {
     ++report_.halved;
-    advanceHalving(motion, 0.5 * step, level + 1, false);
-    advanceHalving(motion, 0.5 * step, level + 1, true);
+    advanceHalving(motion, 0.5 * step, loads, level + 1, false);
+    advanceHalving(motion, 0.5 * step, loads, level + 1, true);
     return;
   }
   ++report_.steps;
-  if (outcome != StepOutcome::Good || jumped_) ++report_.unconverged;
+  if (outcome != StepOutcome::Good || end_.jumped) ++report_.unconverged;
   if (outcome != StepOutcome::Good && contactSource_) {
     standstill_.noteStanding();
     standStill(motion.poses);
@@ -225,8 +235,9 @@ void Stepper<D>::beginStep(const Motion& start, double step) {
 
 template <int D>
 // The step as a whole from its start: loads, system, contacts of before.
-StepOutcome Stepper<D>::tryStep(const Motion& start, double step, bool warm) {
-  (*loadSource_)(start.poses, loads_);
+StepOutcome Stepper<D>::tryStep(const Motion& start, double step, const LoadSource& loads,
+                                bool warm) {
+  loads(start.poses, loads_);
   beginStep(start, step);
   startRows(start.poses, step, warm);
   startSpeed_ = program_.x;
@@ -244,7 +255,7 @@ StepOutcome Stepper<D>::solveContactRounds(const Poses& start, double step) {
     payForClosing(start, step);
     if (!contactSource_) return StepOutcome::Good;
     std::vector<Contact> found;
-    const double overlap = contactSource_->appendViolated(poses_, found);
+    const double overlap = contactSource_->appendViolated(end_.poses, found);
     if (!appendRows(found, start, step)) {
       return overlap <= kOverlapAccepted * settings_.lengthScale ? StepOutcome::Good
                                                                  : StepOutcome::Overlapping;
@@ -290,8 +301,8 @@ void Stepper<D>::startRows(const Poses& start, double step, bool warm) {
   if (!contactSource_) return;
   contactSource_->startStep(start);
   if (!warm) return;
-  for (auto first = kept_.begin(); first != kept_.end();) {
-    const auto last = endOfPlane<D>(first, kept_.end());
+  for (auto first = kept_.contacts.begin(); first != kept_.contacts.end();) {
+    const auto last = endOfPlane<D>(first, kept_.contacts.end());
     const bool isCurrent = std::any_of(first, last, [&](const Row& row) {
       return row.multiplier > 0 && contactSource_->isCurrent(row.contact);
     });
@@ -307,9 +318,9 @@ template <int D>
 void Stepper<D>::takeOver(const Row& old, const Poses& start, double step) {
   Row row = contactRow(old.contact, start, step);
   // Multipliers are impulses: they go with the length of the step.
-  row.multiplier = step / keptStep_ * old.multiplier;
+  row.multiplier = step / kept_.step * old.multiplier;
   row.active = row.multiplier > 0;
-  row.slipMultiplier = step / keptStep_ * old.slipMultiplier;
+  row.slipMultiplier = step / kept_.step * old.slipMultiplier;
   row.slipBound = old.contact.friction * row.multiplier;
   program_.contacts.push_back(row);
 }
@@ -322,8 +333,8 @@ void Stepper<D>::addSupports(const Poses& poses, double step) {
     row.contact = {support.brick, kFixed, support.point, Vector3::Zero(), Vector3::UnitZ()};
     row.hasNormal = false;
     row.slipBound = support.largestForce * step;
-    if (s < supports_.size()) {
-      row.slipMultiplier = step / keptStep_ * supports_[s].slipMultiplier;
+    if (s < kept_.supports.size()) {
+      row.slipMultiplier = step / kept_.step * kept_.supports[s].slipMultiplier;
     }
     placeRow(row, poses);
     holdPinned(row);
@@ -414,7 +425,7 @@ template <int D>
 // Moves all poses by displacements in D coordinates each.
 void Stepper<D>::displace(const Vector& move) {
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
-    Space::displace(poses_[i], move.segment<D>(D * i));
+    Space::displace(end_.poses[i], move.segment<D>(D * i));
   }
 }
 
@@ -422,17 +433,17 @@ void Stepper<D>::displace(const Vector& move) {
 /// elsewhere in the next step.
 template <int D>
 void Stepper<D>::keepMultipliers(double step) {
-  keptStep_ = multiplierStep_ = step;
-  kept_.clear();
-  supports_.clear();
+  kept_.step = multiplierStep_ = step;
+  kept_.contacts.clear();
+  kept_.supports.clear();
   const std::vector<Row>& rows = program_.contacts;
   for (auto first = rows.begin(); first != rows.end();) {
     const auto last = endOfPlane<D>(first, rows.end());
     const bool loaded = std::any_of(first, last, [](const Row& row) { return row.multiplier > 0; });
     if (!first->hasNormal) {
-      supports_.push_back(*first);
+      kept_.supports.push_back(*first);
     } else if (loaded) {
-      kept_.insert(kept_.end(), first, last);
+      kept_.contacts.insert(kept_.contacts.end(), first, last);
     }
     first = last;
   }
@@ -461,14 +472,14 @@ void Stepper<D>::finishStep(Motion& motion) const {
     Velocity velocity = Space::unpack(program_.x.template segment<D>(D * i));
     if constexpr (D == 6) {
       const Quaternion& before = motion.poses[i].rotation;
-      const Quaternion& after = poses_[i].rotation;
+      const Quaternion& after = end_.poses[i].rotation;
       const Vector3 momentum = bricks_[i].inertia * (before.conjugate() * velocity.angular);
       const Vector3 turned = after.conjugate() * (before * momentum);
       velocity.angular = after * bricks_[i].inertia.llt().solve(turned);
     }
     motion.velocities[i] = velocity;
   }
-  motion.poses = poses_;
+  motion.poses = end_.poses;
 }
 
 template <int D>
@@ -481,11 +492,11 @@ void Stepper<D>::setPinned(const std::vector<bool>& pinned) {
 template <int D>
 std::vector<ContactLoad> Stepper<D>::contactLoads() const {
   std::map<std::pair<int, int>, double> forces;
-  for (const Row& row : kept_) {
+  for (const Row& row : kept_.contacts) {
     const auto [low, high] = std::minmax(row.contact.brickA, row.contact.brickB);
     const std::pair<int, int> pair =
         low == kFixed ? std::pair(high, kFixed) : std::pair<int, int>(low, high);
-    if (row.multiplier > 0) forces[pair] += row.multiplier / keptStep_;
+    if (row.multiplier > 0) forces[pair] += row.multiplier / kept_.step;
   }
   std::vector<ContactLoad> loads;
   for (const auto& [pair, force] : forces) loads.push_back({pair.first, pair.second, force});
@@ -496,7 +507,7 @@ std::vector<ContactLoad> Stepper<D>::contactLoads() const {
 template <int D>
 std::vector<TouchForce> Stepper<D>::touchForces(const Poses& poses) const {
   std::vector<TouchForce> forces;
-  for (const auto* rows : {&kept_, &supports_}) {
+  for (const auto* rows : {&kept_.contacts, &kept_.supports}) {
     for (Row row : *rows) {
       placeRow(row, poses);
       // The velocity of A's point along a direction begins with that direction.
@@ -504,9 +515,9 @@ std::vector<TouchForce> Stepper<D>::touchForces(const Poses& poses) const {
       TouchForce touch = {row.contact.brickA, row.contact.brickB,
                           poses[row.contact.brickA].apply(row.contact.pointA), Vector3::Zero(), 0};
       touch.force.template head<kAxes>() =
-          row.tangentA.template leftCols<kAxes>().transpose() * row.slipMultiplier / keptStep_;
+          row.tangentA.template leftCols<kAxes>().transpose() * row.slipMultiplier / kept_.step;
       if (row.hasNormal) {
-        touch.push = row.multiplier / keptStep_;
+        touch.push = row.multiplier / kept_.step;
         touch.force.template head<kAxes>() +=
             touch.push * row.normalA.template head<kAxes>().transpose();
       }
@@ -538,19 +549,19 @@ template <int D>
 void Stepper<D>::holdContacts(const std::vector<Contact>& contacts) {
   std::vector<Row> held;
   for (const Contact& contact : contacts) {
-    const auto known =
-        std::ranges::find_if(kept_, [&](const Row& row) { return row.contact == contact; });
-    Row row = known == kept_.end() ? Row{} : *known;
+    const auto known = std::ranges::find_if(kept_.contacts,
+                                            [&](const Row& row) { return row.contact == contact; });
+    Row row = known == kept_.contacts.end() ? Row{} : *known;
     row.contact = contact;
     held.push_back(std::move(row));
   }
-  kept_ = std::move(held);
+  kept_.contacts = std::move(held);
 }
 
 template <int D>
 std::vector<Contact> Stepper<D>::heldContacts() const {
   std::vector<Contact> contacts;
-  for (const Row& row : kept_) contacts.push_back(row.contact);
+  for (const Row& row : kept_.contacts) contacts.push_back(row.contact);
   return contacts;
 }
 
@@ -559,12 +570,12 @@ template <int D>
 void Stepper<D>::placeHeldRows(const Poses& poses, double step) {
   program_.contacts.clear();
   addSupports(poses, step);
-  for (Row row : kept_) {
+  for (Row row : kept_.contacts) {
     placeRow(row, poses);
     holdPinned(row);
     row.bias = 0;
-    row.multiplier *= step / keptStep_;
-    row.slipMultiplier *= step / keptStep_;
+    row.multiplier *= step / kept_.step;
+    row.slipMultiplier *= step / kept_.step;
     row.slipBound = row.contact.friction * row.multiplier;
     row.active = row.multiplier > 0;
     program_.contacts.push_back(std::move(row));
@@ -573,10 +584,11 @@ void Stepper<D>::placeHeldRows(const Poses& poses, double step) {
 
 template <int D>
 void Stepper<D>::keepHeldRows(double step) {
-  keptStep_ = step;
-  const auto firstHeld = program_.contacts.end() - static_cast<std::ptrdiff_t>(kept_.size());
-  supports_.assign(program_.contacts.begin(), firstHeld);
-  kept_.assign(firstHeld, program_.contacts.end());
+  kept_.step = step;
+  const auto firstHeld =
+      program_.contacts.end() - static_cast<std::ptrdiff_t>(kept_.contacts.size());
+  kept_.supports.assign(program_.contacts.begin(), firstHeld);
+  kept_.contacts.assign(firstHeld, program_.contacts.end());
 }
 
 template <int D>
@@ -586,7 +598,7 @@ double Stepper<D>::caughtSpeed(const Motion& start) const {
     velocities.segment<D>(D * i) = Space::pack(start.velocities[i]);
   }
   double fastest = 0;
-  for (const std::vector<Row>* rows : {&kept_, &supports_}) {
+  for (const std::vector<Row>* rows : {&kept_.contacts, &kept_.supports}) {
     for (Row row : *rows) {
       const bool sticks = row.slipMultiplier.norm() < (1 - kBoundTolerance) * row.slipBound;
       if (!sticks) continue;
@@ -645,7 +657,7 @@ StepReport Stepper<D>::eulerStep(Motion& motion, double step, const LoadSource& 
   keepHeldRows(step);
   countLosses(step);
   addGain(motion.poses, step, given);
-  poses_ = motion.poses;
+  end_.poses = motion.poses;
   displace(step * program_.x);
   finishStep(motion);
   report_.factorizations = system_.factorizations() - before;
@@ -666,8 +678,8 @@ double Stepper<D>::energy(const Motion& motion) const {
 
 template <int D>
 void Stepper<D>::transfer(StateTape& tape) {
-  tape.transfer(jointStiffness_, pinned_, program_.multipliers, multiplierStep_, kept_, supports_,
-                keptStep_, standstill_, system_);
+  tape.transfer(jointStiffness_, pinned_, program_.multipliers, multiplierStep_, kept_.contacts,
+                kept_.supports, kept_.step, standstill_, system_);
   program_.exactJoints = !std::isfinite(jointStiffness_);
   system_.setPinned(pinned_);
 }
@@ -778,12 +790,12 @@ double largestOf(const Eigen::VectorXd& gaps) {
 /// without a jump to another branch.
 template <int D>
 bool Stepper<D>::moveAndClose(const Poses& start, double step) {
-  poses_ = start;
+  end_.poses = start;
   displace(step * program_.x);
   if (!program_.exactJoints) return true;
   if (closeJoints(program_.contacts, step)) return true;
   if (program_.contacts.empty()) return false;
-  poses_ = start;
+  end_.poses = start;
   displace(step * program_.x);
   system_.placeJoints(start);
   return system_.factor({}) && closeJoints({}, step);
@@ -796,8 +808,8 @@ template <int D>
 void Stepper<D>::payForClosing(const Poses& start, double step) {
   if (program_.contacts.empty() || !program_.exactJoints) return;
   const Vector move = step * program_.x;
-  if (norm(closing_) <= kBend * norm(move)) return;
-  const double cost = system_.workAgainst(loads_, move, closing_);
+  if (norm(end_.closing) <= kBend * norm(move)) return;
+  const double cost = system_.workAgainst(loads_, move, end_.closing);
   if (cost <= 0) return;
   const double before = system_.kineticEnergy(start, startSpeed_);
   const double after = system_.kineticEnergy(start, program_.x);
@@ -811,7 +823,7 @@ void Stepper<D>::payForClosing(const Poses& start, double step) {
 /// What joints and contacts always allow.
 template <int D>
 void Stepper<D>::standStill(const Poses& start) {
-  poses_ = start;
+  end_.poses = start;
   program_.x.setZero();
 }
 
@@ -825,32 +837,32 @@ bool Stepper<D>::closeJoints(const std::vector<Row>& contacts, double step) {
   const double scale = settings_.lengthScale;
   const double allowed = kJumpShare * step * norm(program_.x) + kJumpFloor * scale;
   double moved = 0;
-  Vector gaps = system_.jointGaps(poses_);
+  Vector gaps = system_.jointGaps(end_.poses);
   double gap = largestOf(gaps);
   bool refactored = false;
-  closing_ = Vector::Zero(program_.x.size());
-  Vector lastMove = closing_;
+  end_.closing = Vector::Zero(program_.x.size());
+  Vector lastMove = end_.closing;
   for (int round = 0; round < kClosingRounds && (moved <= allowed || isShortest_); ++round) {
     const bool overlapping = round < kOverlapRounds && anyOverlap(contacts);
     if (gap <= kGapTolerance * scale && !overlapping) break;
     const Vector move = foreseen(closingMove(gaps, contacts, overlapping), lastMove);
     lastMove = move;
-    closing_ += move;
+    end_.closing += move;
     displace(move);
     moved += norm(move);
     const double before = gap;
-    gaps = system_.jointGaps(poses_);
+    gaps = system_.jointGaps(end_.poses);
     gap = largestOf(gaps);
     if (!std::isfinite(gap)) return false;
     if (gap <= std::max(0.2 * before, kGapTolerance * scale) || overlapping) continue;
     if (gap <= 0.1 * kGapAccepted * scale && refactored) break;
-    system_.placeJoints(poses_);
+    system_.placeJoints(end_.poses);
     if (!system_.factor(contacts)) return false;
     refactored = true;
     lastMove.setZero();
   }
-  jumped_ = moved > allowed;
-  return gap <= kGapAccepted * scale && (!jumped_ || isShortest_);
+  end_.jumped = moved > allowed;
+  return gap <= kGapAccepted * scale && (!end_.jumped || isShortest_);
 }
 
 template <int D>
@@ -878,7 +890,7 @@ Eigen::VectorXd Stepper<D>::foreseen(const Vector& move, const Vector& lastMove)
 /// How far a contact falls short of the gap that it aims at, metres.
 template <int D>
 double Stepper<D>::overlap(const Row& row) const {
-  return std::max(0.0, row.aim - contactGap(row.contact, poses_));
+  return std::max(0.0, row.aim - contactGap(row.contact, end_.poses));
 }
 
 template <int D>
@@ -918,7 +930,7 @@ bool Stepper<D>::projectVelocities(Motion& motion, bool withFriction) {
   program_.force = system_.timesA(program_.x);
   program_.multipliers.setZero();
   program_.contacts.clear();
-  for (Row row : kept_) {
+  for (Row row : kept_.contacts) {
     placeRow(row, motion.poses);
     holdPinned(row);
     row.bias = row.multiplier = row.slipBound = 0;
@@ -943,11 +955,11 @@ bool Stepper<D>::collide(Motion& motion) {
 template <int D>
 double Stepper<D>::project(Motion& motion) {
   std::vector<Row> pushing;
-  for (const Row& row : kept_) {
+  for (const Row& row : kept_.contacts) {
     if (row.multiplier > 0) pushing.push_back(row);
   }
   const double gap = closeGaps(motion.poses, std::move(pushing));
-  if (!system_.hasJoints() && kept_.empty()) return gap;
+  if (!system_.hasJoints() && kept_.contacts.empty()) return gap;
   return projectVelocities(motion, false) ? gap : std::numeric_limits<double>::infinity();
 }
 
@@ -961,7 +973,7 @@ template <int D>
 double Stepper<D>::largestGap(const Vector& gaps, const std::vector<Row>& held) const {
   double largest = largestOf(gaps);
   for (const Row& row : held) {
-    largest = std::max(largest, std::abs(contactGap(row.contact, poses_)));
+    largest = std::max(largest, std::abs(contactGap(row.contact, end_.poses)));
   }
   return largest;
 }
@@ -969,10 +981,10 @@ double Stepper<D>::largestGap(const Vector& gaps, const std::vector<Row>& held) 
 /// Factors the masses with the joints and these contacts, where the bricks are.
 template <int D>
 bool Stepper<D>::factorMasses(std::vector<Row>& held) {
-  system_.setMasses(poses_);
-  system_.placeJoints(poses_);
+  system_.setMasses(end_.poses);
+  system_.placeJoints(end_.poses);
   for (Row& row : held) {
-    placeRow(row, poses_);
+    placeRow(row, end_.poses);
     holdPinned(row);
     row.active = true;
     row.slipBound = 0;
@@ -985,8 +997,8 @@ bool Stepper<D>::factorMasses(std::vector<Row>& held) {
 template <int D>
 double Stepper<D>::closeGaps(Poses& poses, std::vector<Row> held) {
   const double scale = settings_.lengthScale;
-  poses_ = poses;
-  Vector gaps = system_.jointGaps(poses_);
+  end_.poses = poses;
+  Vector gaps = system_.jointGaps(end_.poses);
   double gap = largestGap(gaps, held);
   bool isCurrent = false;
   for (int round = 0; round < kAssemblyRounds && gap > kGapTolerance * scale; ++round) {
@@ -994,17 +1006,17 @@ double Stepper<D>::closeGaps(Poses& poses, std::vector<Row> held) {
     Vector move = Vector::Zero(D * bricks_.size());
     system_.addJointImpulse(-system_.kappa(), gaps, move);
     for (const Row& row : held) {
-      row.addNormal(-system_.rho() * contactGap(row.contact, poses_), move);
+      row.addNormal(-system_.rho() * contactGap(row.contact, end_.poses), move);
     }
     system_.solveInPlace(move);
     displace(move);
     const double before = gap;
-    gaps = system_.jointGaps(poses_);
+    gaps = system_.jointGaps(end_.poses);
     gap = largestGap(gaps, held);
     isCurrent = before <= kSmallGap * scale && gap < kFactorKept * before;
     if (gap > 0.9 * before && gap < kGapAccepted * scale) break;
   }
-  poses = poses_;
+  poses = end_.poses;
   return gap;
 }
 

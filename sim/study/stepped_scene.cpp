@@ -9,7 +9,7 @@
 
 #include "sim/base/interruption.h"
 #include "sim/deploy/dynamics.h"
-#include "sim/deploy/run.h"
+#include "sim/deploy/rest.h"
 #include "sim/generate/families.h"
 #include "sim/model/isometry.h"
 #include "sim/world/brick_world.h"

@@ -52,16 +52,14 @@ std::vector<Brick> shapesOf(const std::vector<BrickPiece>& pieces) {
   return shapes;
 }
 
-}  // namespace
-
-struct ContactFinder::Internals {
-  Internals(const std::vector<Brick>& all, const std::vector<ObstaclePart>& obstacles)
+/// The bricks, then the bodies of obstacles, and the convex pieces of them all.
+struct ContactBodies {
+  ContactBodies(const std::vector<Brick>& all, const std::vector<ObstaclePart>& obstacles)
       : bricks(all),
         parts(obstacles),
         pieces(convexPieces(bricks)),
         shapes(shapesOf(pieces)),
-        near(shapes) {
-    firstPiece.resize(bricks.size());
+        firstPiece(bricks.size()) {
     // Backwards, so that the first piece of each brick is what stays.
     for (std::size_t k = pieces.size(); k-- > 0;) {
       firstPiece[pieces[k].brick] = static_cast<int>(k);
@@ -73,10 +71,30 @@ struct ContactFinder::Internals {
   const ObstaclePart* partOf(int body) const {
     return body < movingCount() ? nullptr : &parts[body - movingCount()];
   }
+  /// Pieces move with their bricks.
+  Poses posesOfPieces(const Poses& poses) const {
+    Poses placed;
+    placed.reserve(pieces.size());
+    for (const BrickPiece& piece : pieces) placed.push_back(poses[piece.brick]);
+    return placed;
+  }
+
+  std::vector<Brick> bricks;
+  std::vector<ObstaclePart> parts;
+  std::vector<BrickPiece> pieces;  // those of one body never meet each other
+  std::vector<Brick> shapes;       // of the pieces
+  std::vector<int> firstPiece;     // of each body
+};
+
+}  // namespace
+
+struct ContactFinder::Internals {
+  Internals(const std::vector<Brick>& all, const std::vector<ObstaclePart>& obstacles)
+      : bodies(all, obstacles), near(bodies.shapes) {}
+
   /// Of two pieces, the smaller number first.
   BrickPair& pairOf(int a, int b);
   SpherePair& sphereOf(int piece, int sphere);
-  Poses posesOfPieces(const Poses& poses) const;
   bool mayTouch(int a, int b) const;
   void updatePairs(const Poses& from, const Poses& to);
   void listNearPairs();
@@ -85,11 +103,7 @@ struct ContactFinder::Internals {
   double frictionWith(int a, int b) const;
   void requireFree(int brick, int body, double overlap) const;
 
-  std::vector<Brick> bricks;  // then the bodies of obstacles
-  std::vector<ObstaclePart> parts;
-  std::vector<BrickPiece> pieces;  // of all bricks and bodies; those of one never meet each other
-  std::vector<Brick> shapes;       // of the pieces
-  std::vector<int> firstPiece;     // of each brick
+  const ContactBodies bodies;
   std::map<std::pair<int, int>, SharedCorners> joined;
   Environment environment;
   bool planar = false;
@@ -112,36 +126,29 @@ BrickPair& ContactFinder::Internals::pairOf(int a, int b) {
   // memory.
   const auto known = pairs.find(key);
   if (known != pairs.end()) return known->second;
-  const BrickPiece& pieceA = pieces[a];
-  const BrickPiece& pieceB = pieces[b];
+  const BrickPiece& pieceA = bodies.pieces[a];
+  const BrickPiece& pieceB = bodies.pieces[b];
   const auto add = [&](const Brick& shapeA, const Brick& shapeB) -> BrickPair& {
-    BrickPair::Side sideA{pieceA.brick, pieceA.part, makeOutline(shapeA, planar)};
-    BrickPair::Side sideB{pieceB.brick, pieceB.part, makeOutline(shapeB, planar)};
-    return pairs.try_emplace(key, std::move(sideA), std::move(sideB), tolerance).first->second;
+    OutlinedPiece ofA{pieceA.brick, pieceA.part, makeOutline(shapeA, planar)};
+    OutlinedPiece ofB{pieceB.brick, pieceB.part, makeOutline(shapeB, planar)};
+    return pairs.try_emplace(key, std::move(ofA), std::move(ofB), tolerance).first->second;
   };
   const auto corners = joined.find({pieceA.brick, pieceB.brick});
-  if (corners == joined.end() || environment.pivotZone == 0) return add(shapes[a], shapes[b]);
+  if (corners == joined.end() || environment.pivotZone == 0)
+    return add(bodies.shapes[a], bodies.shapes[b]);
   const double length =
-      cutLength(bricks[pieceA.brick], bricks[pieceB.brick], environment.pivotZone);
+      cutLength(bodies.bricks[pieceA.brick], bodies.bricks[pieceB.brick], environment.pivotZone);
   return add(withoutCorners(pieceA, corners->second.ofA, length),
              withoutCorners(pieceB, corners->second.ofB, length));
 }
 
 // The pair of a piece of a brick and the piece that stands for a sphere, made where it is new.
 SpherePair& ContactFinder::Internals::sphereOf(int piece, int sphere) {
-  const int body = pieces[sphere].brick;
+  const int body = bodies.pieces[sphere].brick;
   return spheres
-      .try_emplace(pairKey(piece, sphere), pieces[piece].brick, body, shapes[piece],
-                   *partOf(body)->radius, tolerance)
+      .try_emplace(pairKey(piece, sphere), bodies.pieces[piece].brick, body, bodies.shapes[piece],
+                   *bodies.partOf(body)->radius, tolerance)
       .first->second;
-}
-
-// Pieces move with their bricks.
-Poses ContactFinder::Internals::posesOfPieces(const Poses& poses) const {
-  Poses placed;
-  placed.reserve(pieces.size());
-  for (const BrickPiece& piece : pieces) placed.push_back(poses[piece.brick]);
-  return placed;
 }
 
 /// Two bodies, the smaller number first.
@@ -149,17 +156,17 @@ bool ContactFinder::Internals::mayTouch(int a, int b) const {
   if (a == b) return false;
   // b has the larger number, so that an obstacle among the two is b. Obstacles do not meet each
   // other.
-  if (partOf(b)) return !partOf(a);
+  if (bodies.partOf(b)) return !bodies.partOf(a);
   return environment.contacts == ContactFilter::All ||
          (environment.contacts == ContactFilter::Unjoined && !joined.contains({a, b}));
 }
 
 // Takes notice of a move; the list of near pairs changes seldom.
 void ContactFinder::Internals::updatePairs(const Poses& from, const Poses& to) {
-  if (environment.contacts == ContactFilter::None && parts.empty()) return;
-  const bool areBricks = pieces.size() == bricks.size();
-  const bool isNew =
-      areBricks ? near.update(from, to) : near.update(posesOfPieces(from), posesOfPieces(to));
+  if (environment.contacts == ContactFilter::None && bodies.parts.empty()) return;
+  const bool areBricks = bodies.pieces.size() == bodies.bricks.size();
+  const bool isNew = areBricks ? near.update(from, to)
+                               : near.update(bodies.posesOfPieces(from), bodies.posesOfPieces(to));
   if (isNew) listNearPairs();
 }
 
@@ -168,8 +175,8 @@ void ContactFinder::Internals::listNearPairs() {
   nearSpheres.clear();
   for (const auto& [a, b] : near.pairs()) {
     checkInterruption();
-    if (!mayTouch(pieces[a].brick, pieces[b].brick)) continue;
-    const ObstaclePart* part = partOf(pieces[b].brick);
+    if (!mayTouch(bodies.pieces[a].brick, bodies.pieces[b].brick)) continue;
+    const ObstaclePart* part = bodies.partOf(bodies.pieces[b].brick);
     if (part && part->radius) {
       nearSpheres.push_back(&sphereOf(a, b));
     } else {
@@ -189,13 +196,13 @@ void ContactFinder::Internals::transfer(StateTape& tape) {
 
 // Coulomb's coefficient of a pair: an obstacle's own, else that between bricks.
 double ContactFinder::Internals::frictionWith(int a, int b) const {
-  const ObstaclePart* part = partOf(std::max(a, b));
+  const ObstaclePart* part = bodies.partOf(std::max(a, b));
   return part ? part->friction : environment.brickFriction;
 }
 
 // A brick in an obstacle could not be got out without a jump.
 void ContactFinder::Internals::requireFree(int brick, int body, double overlap) const {
-  const ObstaclePart* part = partOf(body);
+  const ObstaclePart* part = bodies.partOf(body);
   if (!part || overlap <= tolerance) return;
   throw InputError(fmt::format(
       "error: tile {} reaches {:.3g} m into obstacle {} at the start; move the obstacle away",
@@ -209,14 +216,16 @@ double ContactFinder::Internals::appendGround(int brick, const Pose& end,
   const Vector3 up = end.rotation.conjugate() * Vector3::UnitZ();
   // The lowest vertex alone decides whether the brick is in the ground.
   double lowest = std::numeric_limits<double>::infinity();
-  for (const std::vector<Vector3>* points : {&bricks[brick].bottom, &bricks[brick].top}) {
+  for (const std::vector<Vector3>* points :
+       {&bodies.bricks[brick].bottom, &bodies.bricks[brick].top}) {
     for (const Vector3& point : *points) lowest = std::min(lowest, point.dot(up));
   }
   lowest += end.position.z();
   if (lowest >= height - tolerance) return 0;
   if (groundGiven[brick] == step) return height - lowest;
   groundGiven[brick] = step;
-  for (const std::vector<Vector3>* points : {&bricks[brick].bottom, &bricks[brick].top}) {
+  for (const std::vector<Vector3>* points :
+       {&bodies.bricks[brick].bottom, &bodies.bricks[brick].top}) {
     for (const Vector3& point : *points) {
       contacts.push_back({brick, kFixed, point, Vector3(0, 0, height), Vector3::UnitZ()});
       contacts.back().friction = environment.ground->friction;
@@ -289,7 +298,7 @@ double ContactFinder::appendViolated(const Poses& end, std::vector<Contact>& con
   }
   // A planar sheet on the ground never leaves it.
   if (in.environment.ground && !in.planar) {
-    for (int i = 0; i < in.movingCount(); ++i) {
+    for (int i = 0; i < in.bodies.movingCount(); ++i) {
       overlap = std::max(overlap, in.appendGround(i, end[i], contacts));
     }
   }
@@ -305,12 +314,12 @@ bool ContactFinder::isCurrent(const Contact& contact) const {
   if (contact.brickB == kFixed) return true;
   const Internals& in = *internals_;
   const auto [a, b] = std::minmax(contact.brickA, contact.brickB);
-  const ObstaclePart* part = in.partOf(b);
+  const ObstaclePart* part = in.bodies.partOf(b);
   // The nearest points of a sphere's contact turn with the brick, so that they are found anew in
   // each step.
   if (part && part->radius) return false;
-  const auto [pieceA, pieceB] = std::minmax({in.firstPiece[contact.brickA] + contact.partA,
-                                             in.firstPiece[contact.brickB] + contact.partB});
+  const auto [pieceA, pieceB] = std::minmax({in.bodies.firstPiece[contact.brickA] + contact.partA,
+                                             in.bodies.firstPiece[contact.brickB] + contact.partB});
   // Its pair has been near, or there would be no such contact.
   return in.pairs.at(pairKey(pieceA, pieceB))
       .isCurrent(contact, seenFrom(in.start[a], in.start[b]));
@@ -598,31 +607,27 @@ Pose seenFrom(const Pose& seer, const Pose& seen) {
   return {back * (seen.position - seer.position), back * seen.rotation};
 }
 
-BrickPair::BrickPair(Side a, Side b, double tolerance)
-    : a_(a.brick),
-      b_(b.brick),
-      partA_(a.part),
-      partB_(b.part),
-      outlineA_(std::move(a.outline)),
-      outlineB_(std::move(b.outline)),
-      radiusB_(outerRadius(outlineB_)),
+BrickPair::BrickPair(OutlinedPiece a, OutlinedPiece b, double tolerance)
+    : a_(std::move(a)),
+      b_(std::move(b)),
+      radiusB_(outerRadius(b_.outline)),
       tolerance_(tolerance),
-      planes_(separatingPlanes(outlineA_, outlineB_)),
+      planes_(separatingPlanes(a_.outline, b_.outline)),
       last_(planes_.front()),
       clearance_(-kInfinity) {
   // A never moves in its own axes: it is placed once.
-  placeOutline(outlineA_, {}, placedA_);
+  placeOutline(a_.outline, {}, placedA_);
 }
 
 void BrickPair::keepOverlap(const Pose& startOfB) {
   // The largest separation over all planes is the distance of the two, or, where it is negative,
   // minus the least depth.
-  placeOutline(outlineB_, startOfB, startB_);
+  placeOutline(b_.outline, startOfB, startB_);
   slack_ = std::max(0.0, -bestSeparationAtStart());
 }
 
 void BrickPair::shrinkOverlap(const Pose& startOfB) {
-  placeOutline(outlineB_, startOfB, startB_);
+  placeOutline(b_.outline, startOfB, startB_);
   // What has come apart must not overlap again.
   slack_ = std::min(slack_, std::max(0.0, -bestSeparationAtStart()));
 }
@@ -665,8 +670,8 @@ bool BrickPair::lastPlaneHolds() {
 // in turn.
 double BrickPair::appendViolated(const PairMove& move, long step, std::vector<Contact>& contacts) {
   if (isSurelyApart(move)) return 0;
-  placeOutline(outlineB_, move.start, startB_);
-  placeOutline(outlineB_, move.end, endB_);
+  placeOutline(b_.outline, move.start, startB_);
+  placeOutline(b_.outline, move.end, endB_);
   if (lastPlaneHolds()) return 0;
   const double limit = -tolerance_ - slack_;
   const double bestBefore = bestSeparationAtStart();
@@ -720,12 +725,12 @@ bool BrickPair::keptApartInTurn(const PairMove& move) const {
     const double from = reached;
     for (int round = 0; round < kBisections; ++round) {
       const double part = 0.5 * (reached + lost);
-      placeOutline(outlineB_, onTheWay(screw, move.start, part), way);
+      placeOutline(b_.outline, onTheWay(screw, move.start, part), way);
       (std::any_of(holding.begin(), holding.end(), holds) ? reached : lost) = part;
     }
     // No plane holds any further: the two really meet.
     if (reached == from) return false;
-    placeOutline(outlineB_, onTheWay(screw, move.start, reached), way);
+    placeOutline(b_.outline, onTheWay(screw, move.start, reached), way);
   }
   return false;
 }
@@ -764,19 +769,19 @@ void BrickPair::givePlane(const SeparatingPlane& plane, std::vector<Contact>& co
   last_ = plane;
   given_.push_back(plane);
   const std::size_t first = contacts.size();
-  appendPlaneContacts(plane, a_, b_, placedA_, startB_, contacts);
+  appendPlaneContacts(plane, a_.brick, b_.brick, placedA_, startB_, contacts);
   for (std::size_t c = first; c < contacts.size(); ++c) {
-    const bool onA = contacts[c].brickA == a_;
+    const bool onA = contacts[c].brickA == a_.brick;
     // The overlap from the start of the run moves the contact's zero.
     contacts[c].slack = slack_;
-    contacts[c].partA = onA ? partA_ : partB_;
-    contacts[c].partB = onA ? partB_ : partA_;
+    contacts[c].partA = onA ? a_.part : b_.part;
+    contacts[c].partB = onA ? b_.part : a_.part;
   }
 }
 
 bool BrickPair::isCurrent(const Contact& contact, const Pose& startOfB) const {
   PlacedOutline placedB;
-  placeOutline(outlineB_, startOfB, placedB);
+  placeOutline(b_.outline, startOfB, placedB);
   return touches(contact, placedB) || !isApartOtherwise(contact, placedB);
 }
 
@@ -784,7 +789,7 @@ bool BrickPair::isCurrent(const Contact& contact, const Pose& startOfB) const {
 bool BrickPair::touches(const Contact& contact, const PlacedOutline& placedB) const {
   // An edge against an edge has no face that it could lie on.
   if (contact.isEdge) return false;
-  const bool onA = contact.brickA == a_;
+  const bool onA = contact.brickA == a_.brick;
   const PlacedOutline& other = onA ? placedB : placedA_;
   const Vector3 point = (onA ? placedA_ : placedB).pose.apply(contact.pointA);
   for (std::size_t f = 0; f < other.normals.size(); ++f) {
@@ -799,7 +804,7 @@ bool BrickPair::touches(const Contact& contact, const PlacedOutline& placedB) co
 /// Whether another plane than that of the contact keeps the pair apart at the start of the step.
 bool BrickPair::isApartOtherwise(const Contact& contact, const PlacedOutline& placedB) const {
   // The contact's first brick may be B of the pair; its normal then points the other way.
-  const bool swapped = contact.brickA != a_;
+  const bool swapped = contact.brickA != a_.brick;
   Contact numbered = contact;
   numbered.brickA = swapped ? 1 : 0;
   numbered.brickB = swapped ? 0 : 1;

@@ -179,24 +179,25 @@ struct PairMove {
 /// The pose of a brick in the axes of another.
 Pose seenFrom(const Pose& seer, const Pose& seen);
 
+/// A convex piece of a brick, as its pairs look at it.
+struct OutlinedPiece {
+  int brick = 0;  ///< that it is of
+  int part = 0;   ///< its number within the brick
+  Outline outline;
+};
+
 /// Everything about a pair is looked at in the axes of brick A.
 class BrickPair {
  public:
-  /// A convex piece of each brick: the brick's number, the piece's, and its shape. `tolerance`:
-  /// overlap in metres that counts as none.
-  struct Side {
-    int brick = 0;
-    int part = 0;
-    Outline outline;
-  };
+  /// A piece of each brick. `tolerance`: overlap in metres that counts as none.
   /// Costs the making of all planes of the pair: faces of both, and in space products of their
   /// edges.
-  BrickPair(Side a, Side b, double tolerance);
+  BrickPair(OutlinedPiece a, OutlinedPiece b, double tolerance);
   BrickPair(const BrickPair&) = delete;
   BrickPair& operator=(const BrickPair&) = delete;
 
-  int a() const { return a_; }
-  int b() const { return b_; }
+  int a() const { return a_.brick; }
+  int b() const { return b_.brick; }
   /// Overlap that the pair may keep, metres.
   double slack() const { return slack_; }
 
@@ -232,9 +233,7 @@ class BrickPair {
   const SeparatingPlane* planeToGive(long step);
   void givePlane(const SeparatingPlane& plane, std::vector<Contact>& contacts);
 
-  int a_, b_;
-  int partA_, partB_;
-  Outline outlineA_, outlineB_;
+  OutlinedPiece a_, b_;
   double radiusB_;
   double tolerance_;
   double slack_ = 0;

@@ -38,8 +38,13 @@ double largestDifference(const DeploymentResult& a, const DeploymentResult& b) {
       return std::abs(other.time - sample.time) < 1e-9;
     });
     if (same == b.trajectory.samples.end()) continue;
-    largest =
-        std::max(largest, targetError(bottomTiles(bricks, same->poses), bricks, sample.poses));
+    const std::vector<Tile> here = bottomTiles(bricks, sample.poses);
+    const std::vector<Tile> there = bottomTiles(bricks, same->poses);
+    for (std::size_t i = 0; i < here.size(); ++i) {
+      for (std::size_t k = 0; k < here[i].vertices.size(); ++k) {
+        largest = std::max(largest, (here[i].vertices[k] - there[i].vertices[k]).norm());
+      }
+    }
   }
   return largest;
 }

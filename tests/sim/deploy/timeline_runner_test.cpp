@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sim/deploy/run.h"
+#include "sim/deploy/timeline_runner.h"
 #include "sim/model/lattice.h"
 
 namespace kirireel {

@@ -1,0 +1,225 @@
+// What drives the bricks of a run, phase by phase.
+//
+//   Open ----> Guide ----> Close ----> Settle
+//
+// Open: expansion from the centre for path.openTime. Guide: springs k_f at the means and 40 k_f for
+// the turns pull every tile to where its own rigid motion has it at the time (TargetGuide,
+// forces.h), for path.ledTime and half a second more, in which they catch up. Close: compliant
+// joints stiffen geometrically, k(t) = k_0 (1e10 / k_0)^p with p from 0 to 1 in half a second, so
+// that what is left of their openings is closed in one small step. Settle: the scene's own drive,
+// with springs to the target that are stiffened up to 16 times when the error stalls.
+//
+// A path that is led has Guide, Open where it has an openTime, Close where its joints are
+// compliant; everything else settles at once. A new target begins the phases anew. All follow from
+// the time, and a step ends where opening does.
+#include "sim/deploy/run_drive.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/deploy/path_choice.h"
+#include "sim/measure/measures.h"
+#include "sim/scene/scene_parts.h"
+
+namespace kirireel {
+
+// ------------------------------------------------------------------------------------------------
+// The target headed for.
+
+void CurrentTarget::set(const std::vector<Tile>* tiles, const Poses& from) {
+  const Model& model = bricks_.scene.model;
+  if (!tiles && model.target) tiles = &*model.target;
+  tiles_ = tiles;
+  if (!tiles_) return;
+  startError_ = error(from);
+  const bool isOwn = model.target && tiles_ == &*model.target;
+  leastError_ = isOwn ? restError_ : rigidBound(model.tiles, *tiles_);
+}
+
+double CurrentTarget::error(const Poses& poses) const {
+  return tiles_ ? targetError(*tiles_, bricks_.bricks, poses) : 0;
+}
+
+bool CurrentTarget::isReachedAt(double error) const {
+  return error <= leastError_ + kNearShare * bricks_.tileSize;
+}
+
+bool CurrentTarget::isPulledTo() const {
+  const Scene& scene = bricks_.scene;
+  return hasSprings() && (scene.springs.pull() || scene.path.kind == PathKind::Led);
+}
+
+bool CurrentTarget::hasArrived(const Poses& poses) const {
+  const double error = this->error(poses);
+  return isPulledTo() && isReachedAt(error) && !(error > kFarShare * bricks_.tileSize);
+}
+
+void CurrentTarget::transfer(StateTape& tape) {
+  const Scene& scene = bricks_.scene;
+  std::vector<const std::vector<Tile>*> targets = {nullptr};
+  if (scene.model.target) targets.push_back(&*scene.model.target);
+  for (const TimelineEntry& entry : scene.timeline) {
+    const auto* going = std::get_if<timeline::GoTo>(&entry.action);
+    if (going) targets.push_back(&going->tiles);
+  }
+  auto number = std::ranges::find(targets, tiles_) - targets.begin();
+  tape.transfer(number, startError_, leastError_);
+  tiles_ = targets.at(static_cast<std::size_t>(number));
+}
+
+// ------------------------------------------------------------------------------------------------
+// Leading tiles.
+
+namespace {
+
+// Turning counts this much more than place while the tiles are led.
+constexpr double kTurnShare = 40;
+// Damping while led, N s/m and, at a tile of 1 m, N m s.
+constexpr double kForceDamping = 50;
+constexpr double kTorqueDamping = 2;
+// Seconds to catch up with a target that has stopped, and to stiffen joints that gave.
+constexpr double kCatchUp = 0.5;
+constexpr double kStiffeningTime = 0.5;
+// The joints' stiffness at the end, N/m: what is left of their openings closes in one step.
+constexpr double kClosingStiffness = 1e10;
+
+// Their damping does not depend on the scene's: tiles are to follow, not to swing.
+TargetSpringSettings leadingSprings(const Scene& scene) {
+  const double edge = tileSize(scene.model);
+  TargetSpringSettings springs;
+  springs.springStiffness = scene.path.ledStiffness;
+  springs.torqueStiffness = kTurnShare * scene.path.ledStiffness;
+  springs.forceDamping = kForceDamping;
+  springs.torqueDamping = kTorqueDamping * edge * edge;
+  springs.adaptive = false;
+  return springs;
+}
+
+}  // namespace
+
+// The guide leads from the bricks' poses at the start of leading, not from the model's start.
+PathFollower::PathFollower(const Scene& scene, const std::vector<Brick>& bricks, const Poses& start,
+                           const std::vector<Tile>& target, double beginTime)
+    : path_(scene.path),
+      beginTime_(beginTime),
+      guide_(bottomTiles(bricks, start), target),
+      springs_(bricks, target, scene.model.pulledTiles, leadingSprings(scene)) {}
+
+Phase PathFollower::prepareStep(double time, Dynamics& dynamics) {
+  const double elapsed = time - beginTime_;
+  springs_.setTarget(guide_.at(std::min(1.0, elapsed / path_.ledTime)));
+  const double late = elapsed - path_.ledTime - kCatchUp;
+  if (!path_.jointsGive()) return late <= 0 ? Phase::Guide : Phase::Settle;
+  const double part = std::clamp(late / kStiffeningTime, 0.0, 1.0);
+  const double range = std::max(1.0, kClosingStiffness / path_.jointStiffness);
+  dynamics.setJointStiffness(path_.jointStiffness * std::pow(range, part));
+  if (late <= 0) return Phase::Guide;
+  return late <= kStiffeningTime ? Phase::Close : Phase::Settle;
+}
+
+// ------------------------------------------------------------------------------------------------
+// The phases.
+
+RunDrive::RunDrive(const SceneBricks& bricks, const StepClock& clock)
+    : bricks_(bricks),
+      clock_(clock),
+      drive_(makeDriveForce(bricks.scene, bricks.bricks)),
+      opening_(bricks.bricks, springsOf(bricks.scene)) {}
+
+// Joints that give while the tiles are led close again; on a straight path they stay as they are.
+bool RunDrive::jointsGive() const {
+  if (!bricks_.ties.ligaments.empty()) return true;
+  const PathSettings& path = bricks_.scene.path;
+  return path.jointsGive() && (isOnPath() || path.kind == PathKind::Straight);
+}
+
+// Without a target nothing pulls any more.
+void RunDrive::headFor(const CurrentTarget& target, const Poses& from) {
+  springs_.reset();
+  follower_.reset();
+  phase_ = Phase::Settle;
+  departure_ = from;
+  departedAt_ = clock_.time();
+  if (!target.hasSprings()) return;
+  const Scene& scene = bricks_.scene;
+  pullTo(*target.tiles());
+  stiffness_ = AdaptiveStiffness(scene.springs.adaptive);
+  stiffness_.observe(target.startError(), departedAt_, 0);
+  if (scene.path.kind != PathKind::Led) return;
+  phase_ = scene.path.openTime > 0 ? Phase::Open : Phase::Guide;
+  openedAt_ = departedAt_ + scene.path.openTime;
+  if (phase_ == Phase::Guide) leadTo(*target.tiles());
+}
+
+void RunDrive::pullTo(const std::vector<Tile>& target) {
+  const Scene& scene = bricks_.scene;
+  springs_.emplace(bricks_.bricks, target, scene.model.pulledTiles, springsOf(scene));
+}
+
+// From where and when the bricks departed.
+void RunDrive::leadTo(const std::vector<Tile>& target) {
+  follower_.emplace(bricks_.scene, bricks_.bricks, departure_, target, departedAt_);
+}
+
+// The way begins where opening has brought the bricks.
+bool RunDrive::beginStep(const CurrentTarget& target, const Poses& poses, Dynamics& dynamics) {
+  if (phase_ == Phase::Open && clock_.isDue(openedAt_)) {
+    departure_ = poses;
+    departedAt_ = clock_.time();
+    leadTo(*target.tiles());
+  }
+  if (!follower_) return false;
+  phase_ = follower_->prepareStep(clock_.time() + clock_.length(), dynamics);
+  if (phase_ != Phase::Settle) return false;
+  follower_.reset();
+  return true;
+}
+
+double RunDrive::nextMoment() const {
+  const bool isOpening = phase_ == Phase::Open && !clock_.isDue(openedAt_);
+  return isOpening ? openedAt_ : std::numeric_limits<double>::infinity();
+}
+
+// Null where springs to a target drive, or nothing.
+const DriveForce* RunDrive::presentDrive() const {
+  return phase_ == Phase::Open ? &opening_ : drive_.get();
+}
+
+// The springs of the moving guide where tiles are led, else those to the target. Null where nothing
+// pulls.
+const TargetSprings* RunDrive::presentSprings() const {
+  if (follower_) return &follower_->springs();
+  return springs_ ? &*springs_ : nullptr;
+}
+
+void RunDrive::addLoads(const Poses& poses, std::vector<Load>& loads) const {
+  if (const DriveForce* drive = presentDrive()) {
+    drive->addLoads(poses, loads);
+  } else if (const TargetSprings* springs = presentSprings()) {
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      loads[i] = springs->load(static_cast<int>(i), poses[i], stiffness_.factor());
+    }
+  }
+}
+
+double RunDrive::energy(const Poses& poses) const {
+  if (const DriveForce* drive = presentDrive()) return drive->energy(poses);
+  const TargetSprings* springs = presentSprings();
+  return springs ? springs->energy(poses, stiffness_.factor()) : 0;
+}
+
+void RunDrive::addFreeForces(const Poses& poses, std::vector<Vector3>& forces) const {
+  if (const DriveForce* drive = presentDrive()) drive->addFreeForces(poses, forces);
+}
+
+// Springs follow from the target and from where the way to it began.
+void RunDrive::transfer(StateTape& tape, const CurrentTarget& target) {
+  tape.transfer(phase_, departure_, departedAt_, openedAt_, stiffness_);
+  if (!tape.isPlaying()) return;
+  springs_.reset();
+  follower_.reset();
+  if (target.hasSprings()) pullTo(*target.tiles());
+  if (phase_ == Phase::Guide || phase_ == Phase::Close) leadTo(*target.tiles());
+}
+
+}  // namespace kirireel

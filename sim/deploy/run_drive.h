@@ -1,0 +1,164 @@
+/// What drives the bricks of a run with dynamics: the target that it heads for, and the phases on
+/// the way there.
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "sim/base/geometry.h"
+#include "sim/base/state_tape.h"
+#include "sim/deploy/dynamics.h"
+#include "sim/deploy/forces.h"
+#include "sim/deploy/run_motion.h"
+#include "sim/model/brick.h"
+#include "sim/model/model.h"
+#include "sim/scene/scene.h"
+
+namespace kirireel {
+
+// ------------------------------------------------------------------------------------------------
+// The target headed for.
+
+/// The target that a run heads for at present, and what counts as there. A timeline may set
+/// another. Errors are in metres, see targetError().
+class CurrentTarget {
+ public:
+  /// There is none before set(). `bricks` must outlive this. `restError`: where the scene's springs
+  /// rest near the model's own target, metres; see AssembledState.
+  CurrentTarget(const SceneBricks& bricks, double restError)
+      : bricks_(bricks), restError_(restError) {}
+
+  /// Heads for these tiles, one a brick, which must outlive this; null: for the model's own, or
+  /// nowhere if it has none. `from`: where the bricks are.
+  void set(const std::vector<Tile>* tiles, const Poses& from);
+
+  /// One tile a brick; null where there is no target.
+  const std::vector<Tile>* tiles() const { return tiles_; }
+  /// From these poses; 0 where there is no target.
+  double error(const Poses& poses) const;
+  /// When it was set.
+  double startError() const { return startError_; }
+  /// How near the tiles can come.
+  double leastError() const { return leastError_; }
+  /// Whether an error is about as small as it can be.
+  bool isReachedAt(double error) const;
+
+  /// Whether the scene's springs to a target have one. Those without stiffness damp alone.
+  bool hasSprings() const { return bricks_.scene.actuation.drive == Drive::Target && tiles_; }
+  /// Whether something pulls there: springs with a stiffness, or those that lead tiles.
+  bool isPulledTo() const;
+  /// Whether it is pulled to, and reached as nearly as can be. An error that is far is no nearness,
+  /// whatever keeps the tiles away.
+  bool hasArrived(const Poses& poses) const;
+
+  /// Notes which of the scene's targets this is.
+  void transfer(StateTape& tape);
+
+ private:
+  const SceneBricks& bricks_;
+  double restError_;
+  const std::vector<Tile>* tiles_ = nullptr;
+  double startError_ = 0;
+  double leastError_ = 0;
+};
+
+// ------------------------------------------------------------------------------------------------
+// The phases on the way to a target.
+
+/// What moves the bricks of a run at present. A path that is led goes through all of these from
+/// each target to the next, any other run is in the last from its start.
+enum class Phase {
+  Open,    ///< bricks are pushed apart, which makes room
+  Guide,   ///< springs lead every tile along its own motion, joints exact or compliant
+  Close,   ///< joints that were compliant stiffen, until they are closed and held exactly
+  Settle,  ///< the scene's own drive acts, until nothing moves
+};
+
+/// Leads the tiles of a run to their target: springs pull every tile after a target that moves
+/// along the tile's own rigid motion, by the turn more than by the place (a mechanism that turns
+/// has to swing out on its way, which straight lines do not know). Joints may give meanwhile; at
+/// the end they stiffen until hardly anything of their openings is left.
+class PathFollower {
+ public:
+  /// `bricks` must outlive this. `start`: where the path begins, joints closed unless they give;
+  /// `beginTime`: when, seconds. `target`: where it leads, one tile a brick. The scene has
+  /// PathKind::Led.
+  PathFollower(const Scene& scene, const std::vector<Brick>& bricks, const Poses& start,
+               const std::vector<Tile>& target, double beginTime);
+
+  /// Sets the moving target and the joints' stiffness for the step that ends at `time` (seconds
+  /// of the run), and says which phase that step is in. Settle: the path is done, the joints are as
+  /// stiff as they get, ready to be closed and held exactly.
+  Phase prepareStep(double time, Dynamics& dynamics);
+
+  /// The springs that lead.
+  const TargetSprings& springs() const { return springs_; }
+
+ private:
+  PathSettings path_;
+  double beginTime_;
+  TargetGuide guide_;
+  TargetSprings springs_;
+};
+
+/// What drives the bricks of a run, phase by phase: expansion that opens a sheet, springs that lead
+/// its tiles, and the scene's own drive, whose springs to a target are stiffened when they stall.
+class RunDrive {
+ public:
+  /// Both must outlive this. Throws InputError where the model does not have what the scene's drive
+  /// needs.
+  RunDrive(const SceneBricks& bricks, const StepClock& clock);
+
+  /// What moved the bricks in the last step, or moves them in that in work.
+  Phase phase() const { return phase_; }
+  /// Whether something else drives the tiles than the scene's own drive.
+  bool isOnPath() const { return phase_ != Phase::Settle; }
+  /// Whether joints are compliant on purpose.
+  bool jointsGive() const;
+
+  /// Begins the phases that lead from these poses to a target.
+  void headFor(const CurrentTarget& target, const Poses& from);
+  /// Enters the phase of the step to come, whose length the clock knows, and makes ready for it.
+  /// Returns whether the path has come to its end, so that its joints are to be closed.
+  bool beginStep(const CurrentTarget& target, const Poses& poses, Dynamics& dynamics);
+  /// When the phase ends by itself, however steps lie, seconds; infinity where it does not.
+  double nextMoment() const;
+
+  /// Adds the drive's load on every brick at these poses.
+  void addLoads(const Poses& poses, std::vector<Load>& loads) const;
+  /// Energy that it stores in these poses, joules.
+  double energy(const Poses& poses) const;
+  /// Adds to every brick's force, newtons, what of the drive stores no energy.
+  void addFreeForces(const Poses& poses, std::vector<Vector3>& forces) const;
+  /// Whether the scene's own drive drives bricks on however far they have come.
+  bool isEndless() const { return drive_ && drive_->isEndless(); }
+
+  /// How much stiffer the springs to the target have become.
+  AdaptiveStiffness& stiffness() { return stiffness_; }
+  const AdaptiveStiffness& stiffness() const { return stiffness_; }
+
+  /// `target` as it was recorded, or is played back already.
+  void transfer(StateTape& tape, const CurrentTarget& target);
+
+ private:
+  void pullTo(const std::vector<Tile>& target);
+  void leadTo(const std::vector<Tile>& target);
+  const DriveForce* presentDrive() const;
+  const TargetSprings* presentSprings() const;
+
+  const SceneBricks& bricks_;
+  const StepClock& clock_;
+  std::unique_ptr<DriveForce> drive_;  // null where springs to the target drive, or nothing
+  Expansion opening_;
+  Phase phase_ = Phase::Settle;
+  double openedAt_ = 0;    // when opening ends, seconds
+  Poses departure_;        // where the bricks were when the target was set, or opening ended
+  double departedAt_ = 0;  // when that was, seconds
+  std::optional<PathFollower> follower_;  // while tiles are led
+  std::optional<TargetSprings> springs_;  // to the target
+  AdaptiveStiffness stiffness_{false};
+};
+
+}  // namespace kirireel

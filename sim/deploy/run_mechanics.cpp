@@ -1,0 +1,259 @@
+// What acts on the bricks of a run: drive, drags, joints that give, gravity, hinges, ligaments and
+// contacts; and what follows of it, energies and forces.
+#include "sim/deploy/run_mechanics.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/deploy/forces.h"
+#include "sim/measure/measures.h"
+
+namespace kirireel {
+
+// ------------------------------------------------------------------------------------------------
+// What acts on the bricks.
+
+TimedLoads ActingForces::timedLoads() const {
+  return [this](double seconds, const Poses& poses, std::vector<Load>& loads) {
+    addLoads(seconds, poses, loads);
+  };
+}
+
+LoadSource ActingForces::loadsNow() const {
+  return [this](const Poses& poses, std::vector<Load>& loads) { addLoads(0, poses, loads); };
+}
+
+// Drags move on with the seconds; the drive stays as it is at present.
+void ActingForces::addLoads(double seconds, const Poses& poses, std::vector<Load>& loads) const {
+  std::fill(loads.begin(), loads.end(), Load{});
+  if (timeline_.forcesAreOn()) drive_.addLoads(poses, loads);
+  timeline_.addDrags(clock_.time() + seconds, poses, loads);
+}
+
+// What drive, drags and yielding joints store at a time in these poses, joules. Hinges and
+// ligaments are accounted for apart.
+double ActingForces::springEnergy(double time, const Poses& poses) const {
+  double sum = timeline_.forcesAreOn() ? drive_.energy(poses) : 0;
+  for (const DragSpring& grip : timeline_.dragSprings(time)) {
+    sum += pointSpringEnergy(grip.spring, poses[grip.tile]);
+  }
+  const double stiffness = jointStiffness();
+  if (!std::isfinite(stiffness)) return sum;
+  for (const Pivot& pivot : bricks_.pivots) {
+    // In the plane both faces' pivots are one.
+    if (bricks_.needs.planar.on && pivot.isUpper) continue;
+    sum += 0.5 * stiffness * std::pow(pivotGap(pivot, poses), 2);
+  }
+  return sum;
+}
+
+double ActingForces::hingeEnergy(const Poses& poses) const {
+  return elasticEnergy(bricks_.hingeSprings, poses) + elasticEnergy(bricks_.ties.ligaments, poses);
+}
+
+// Forces that store no energy here, newtons: gravity, and what of a drive is no spring.
+std::vector<Vector3> ActingForces::freeForces(const Poses& poses) const {
+  std::vector<Vector3> forces;
+  for (const Brick& brick : bricks_.bricks)
+    forces.push_back(brick.mass * bricks_.scene.environment.gravity);
+  if (timeline_.forcesAreOn()) drive_.addFreeForces(poses, forces);
+  return forces;
+}
+
+// Everything but contacts and joints, with its damping at these velocities: N and N m about the
+// centres of mass.
+std::vector<Vector6> ActingForces::appliedForces(double time, const Motion& motion) const {
+  std::vector<Load> loads(bricks_.bricks.size());
+  addLoads(time - clock_.time(), motion.poses, loads);
+  addEnvironmentLoads(bricks_.scene.environment, bricks_.bricks, motion.poses, loads);
+  std::vector<Vector6> forces;
+  for (std::size_t i = 0; i < bricks_.bricks.size(); ++i) {
+    Vector6 velocity;
+    velocity << motion.velocities[i].linear, motion.velocities[i].angular;
+    forces.push_back(loads[i].force - loads[i].damping * velocity);
+  }
+  const std::vector<HingeSpring>& springs = bricks_.hingeSprings;
+  const std::vector<double> moments = hingeMoments(springs, motion.poses);
+  for (std::size_t s = 0; s < springs.size(); ++s) {
+    const Hinge& hinge = springs[s].hinge;
+    const double moment = moments[s] - springs[s].damping * hingeRate(hinge, motion);
+    const Vector3 onB = moment * (motion.poses[hinge.brickA].rotation * hinge.axis);
+    forces[hinge.brickA].tail<3>() -= onB;
+    forces[hinge.brickB].tail<3>() += onB;
+  }
+  for (const Ligament& ligament : bricks_.ties.ligaments) {
+    const Vector6 slope = ligamentEnergy(ligament, motion.poses).gradient;
+    const auto pull = [&](int brick, const Vector3& by) {
+      forces[brick].head<2>() -= by.head<2>();
+      forces[brick][5] -= by[2];
+    };
+    pull(ligament.brickA, slope.head<3>());
+    pull(ligament.brickB, slope.tail<3>());
+  }
+  return forces;
+}
+
+void ActingForces::addLigamentForces(const Poses& poses, std::vector<Vector3>& jointForces) const {
+  for (const Ligament& ligament : bricks_.ties.ligaments) {
+    const Vector6 slope = ligamentEnergy(ligament, poses).gradient;
+    jointForces[static_cast<std::size_t>(ligament.joint)].head<2>() -= slope.head<2>();
+  }
+}
+
+// Drags as grips, and the contacts of the last step.
+std::vector<Hold> ActingForces::holds(double time, const Motion& motion) const {
+  std::vector<Hold> holds;
+  for (const DragSpring& grip : timeline_.dragSprings(time)) {
+    const Pose& pose = motion.poses[grip.tile];
+    Load load;
+    addPointSpring(grip.spring, pose, load);
+    Vector6 velocity;
+    velocity << motion.velocities[grip.tile].linear, motion.velocities[grip.tile].angular;
+    holds.push_back({HoldKind::Grip, grip.tile, Hold::kGround,
+                     (load.force - load.damping * velocity).head<3>(), Vector3::Zero(),
+                     pose.apply(grip.spring.point)});
+  }
+  // Grips come by tile, in the timeline's order within a tile, so that files do not depend on it.
+  std::ranges::stable_sort(holds, {}, &Hold::tile);
+  const std::vector<Hold> contacts =
+      clock_.time() > 0 ? motion_.solver().contacts(motion.poses) : std::vector<Hold>{};
+  holds.insert(holds.end(), contacts.begin(), contacts.end());
+  return holds;
+}
+
+// ------------------------------------------------------------------------------------------------
+// Energies and forces.
+//
+// The account: drives put energy in by tightening, moving and stiffening springs, which shows as a
+// jump of the springs' energy between two steps, while the bricks stand; by moving springs within a
+// step; and by forces that store nothing, gravity and expansion. Dampers and contacts take energy:
+// the solver counts that as it goes. What is then missing of the sum
+//   work - damped - impacted = kinetic + spring + elastic
+// is what the integrator takes: implicit Euler steps of length h damp a spring of frequency w by
+// h w / 2 of its energy a radian, steps to a tolerance by what the tolerance allows.
+
+namespace {
+
+double valueBetween(double first, double last, double share) {
+  return share == 1 ? last : first + share * (last - first);
+}
+
+Energies energiesBetween(const Energies& first, const Energies& last, double share) {
+  const auto value = [&](double Energies::*field) {
+    return valueBetween(first.*field, last.*field, share);
+  };
+  return {value(&Energies::kinetic), value(&Energies::spring), value(&Energies::elastic),
+          value(&Energies::work),    value(&Energies::damped), value(&Energies::impacted)};
+}
+
+/// Adds a contact's force to what is applied to its tiles.
+void apply(const Hold& contact, const Poses& poses, std::vector<Vector6>& applied) {
+  const auto push = [&](int tile, double sign) {
+    Vector6& force = applied[static_cast<std::size_t>(tile)];
+    const Vector3 arm = contact.point - poses[static_cast<std::size_t>(tile)].position;
+    force.head<3>() += sign * contact.force;
+    force.tail<3>() += sign * (contact.moment + arm.cross(contact.force));
+  };
+  push(contact.tile, 1);
+  if (contact.other >= 0) push(contact.other, -1);
+}
+
+}  // namespace
+
+RunMechanics::RunMechanics(const SceneBricks& bricks, const ActingForces& acting)
+    : bricks_(bricks),
+      acting_(acting),
+      reactions_(makeReactionSolver(bricks.bricks, bricks.ties.pivots, bricks.needs.planar.on,
+                                    bricks.tileSize)) {}
+
+// What springs hold now and did not hold at the end of the last step was put in by whoever moved or
+// stiffened them.
+void RunMechanics::begin(double time, const Motion& motion) {
+  Energies& now = account_.now;
+  const double there = now.kinetic + now.spring + now.elastic;
+  now.kinetic = kineticEnergy(bricks_.bricks, motion);
+  now.spring = acting_.springEnergy(time, motion.poses);
+  now.elastic = acting_.hingeEnergy(motion.poses);
+  now.work += now.kinetic + now.spring + now.elastic - there;
+  account_.before = now;
+}
+
+// Springs that move within a step hold their energy at its end by their places at its end.
+void RunMechanics::end(const StepSpan& step) {
+  Energies& now = account_.now;
+  const double springTime = step.time + (step.springsMove ? step.seconds : 0);
+  now.kinetic = kineticEnergy(bricks_.bricks, step.to);
+  now.spring = acting_.springEnergy(springTime, step.to.poses);
+  now.elastic = acting_.hingeEnergy(step.to.poses);
+  now.work += workOfFreeForces(step.from, step.to);
+  if (step.springsMove) now.work += workOfMovingSprings(step);
+  now.damped += step.damped;
+  now.impacted += step.impacted;
+}
+
+/// Exact where forces grow with the distance from a point, as these do.
+double RunMechanics::workOfFreeForces(const Motion& from, const Motion& to) const {
+  const std::vector<Vector3> before = acting_.freeForces(from.poses);
+  const std::vector<Vector3> after = acting_.freeForces(to.poses);
+  double work = 0;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    work += 0.5 * (before[i] + after[i]).dot(to.poses[i].position - from.poses[i].position);
+  }
+  return work;
+}
+
+double RunMechanics::workOfMovingSprings(const StepSpan& step) const {
+  double work = 0, done = 0;
+  const Motion* from = &step.from;
+  for (const PassedState& state : step.passed) {
+    work += workOfMovingSprings(step.time + done, state.seconds - done, *from, state.motion);
+    done = state.seconds;
+    from = &state.motion;
+  }
+  return work + workOfMovingSprings(step.time + done, step.seconds - done, *from, step.to);
+}
+
+/// By how much springs that move while bricks stand gain, its mean over where the bricks come by
+/// (Simpson): exact to fourth order for springs that move evenly.
+double RunMechanics::workOfMovingSprings(double time, double seconds, const Motion& from,
+                                         const Motion& to) const {
+  const auto gain = [&](const Poses& poses) {
+    return acting_.springEnergy(time + seconds, poses) - acting_.springEnergy(time, poses);
+  };
+  const Poses middle = interpolate(from, to, seconds, 0.5);
+  return (gain(from.poses) + 4 * gain(middle) + gain(to.poses)) / 6;
+}
+
+// Energies lie on a straight line between the two ends of the step; forces come from a solve of
+// their own in this state.
+Mechanics RunMechanics::at(double time, const Motion& motion, double share) {
+  Mechanics result;
+  result.energies = energiesBetween(account_.before, account_.now, share);
+  const std::vector<bool>& pinned = acting_.pinned();
+  std::vector<Hold> holds = acting_.holds(time, motion);
+  std::vector<Vector6> applied = acting_.appliedForces(time, motion);
+  for (const Hold& hold : holds) {
+    if (hold.kind == HoldKind::Contact) apply(hold, motion.poses, applied);
+  }
+  const double stiffness = acting_.jointStiffness();
+  const Reactions reactions = reactions_->solve(motion, applied, pinned, stiffness);
+  const std::size_t joints = bricks_.scene.model.joints.size();
+  const std::vector<Pivot>& pivots = bricks_.ties.pivots;
+  result.jointForces.assign(joints, Vector3::Zero());
+  for (std::size_t p = 0; p < pivots.size(); ++p) {
+    result.jointForces[static_cast<std::size_t>(pivots[p].joint)] += reactions.pivotForces[p];
+  }
+  acting_.addLigamentForces(motion.poses, result.jointForces);
+  result.isIndeterminate = std::isfinite(stiffness) ? std::vector<bool>(joints, false)
+                                                    : reactions_->indeterminateJoints(joints);
+  for (std::size_t i = 0; i < pinned.size(); ++i) {
+    if (!pinned[i]) continue;
+    result.holds.push_back({HoldKind::Pin, static_cast<int>(i), Hold::kGround,
+                            reactions.pinForces[i].head<3>(), reactions.pinForces[i].tail<3>(),
+                            motion.poses[i].position});
+  }
+  result.holds.insert(result.holds.end(), holds.begin(), holds.end());
+  return result;
+}
+
+}  // namespace kirireel

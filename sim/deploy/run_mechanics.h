@@ -1,0 +1,113 @@
+/// What a run with dynamics knows of its states beyond poses: what acts on the bricks, energies and
+/// forces.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "sim/base/geometry.h"
+#include "sim/base/state_tape.h"
+#include "sim/deploy/dynamics.h"
+#include "sim/deploy/run_drive.h"
+#include "sim/deploy/run_motion.h"
+#include "sim/deploy/timeline_runner.h"
+#include "sim/joints/reactions.h"
+#include "sim/model/brick.h"
+#include "sim/model/contact.h"
+#include "sim/trajectory/trajectory.h"
+
+namespace kirireel {
+
+// ------------------------------------------------------------------------------------------------
+// What acts on the bricks.
+
+/// What acts on the bricks of a run at present: its drive, drags, joints that give, hinges,
+/// ligaments, gravity, damping and contacts.
+class ActingForces {
+ public:
+  /// All must outlive this.
+  ActingForces(const SceneBricks& bricks, const StepClock& clock, const TimelineRunner& timeline,
+               const RunDrive& drive, const RunMotion& motion)
+      : bricks_(bricks), clock_(clock), timeline_(timeline), drive_(drive), motion_(motion) {}
+
+  /// Loads of drive and drags, for steps in which they move on.
+  TimedLoads timedLoads() const;
+  /// The same as they are at present.
+  LoadSource loadsNow() const;
+
+  /// Energy stored in all springs but those at hinges, as they pull at a time of the run (seconds),
+  /// in the bricks at these poses; joules, from 0.
+  double springEnergy(double time, const Poses& poses) const;
+  /// The same in springs at hinges.
+  double hingeEnergy(const Poses& poses) const;
+  /// Adds what ligaments pull the first tile of their joint with, newtons; one entry a joint. The
+  /// plane's two components alone.
+  void addLigamentForces(const Poses& poses, std::vector<Vector3>& jointForces) const;
+  /// Forces on the bricks' centres of mass that store no energy here: gravity and expansion, N.
+  std::vector<Vector3> freeForces(const Poses& poses) const;
+  /// Everything that is applied to bricks that move so, contacts apart: force and torque about the
+  /// centre of mass of each, N and N m.
+  std::vector<Vector6> appliedForces(double time, const Motion& motion) const;
+  /// Stiffness of the joints, N/m; infinity: exact.
+  double jointStiffness() const { return motion_.solver().jointStiffness(); }
+  /// Which bricks are pinned, one entry a brick.
+  const std::vector<bool>& pinned() const { return timeline_.pinned(); }
+  /// The same as a list, ascending.
+  std::vector<int> pinnedTiles() const { return timeline_.pinnedTiles(); }
+  /// The grips and the contacts of a state at a time.
+  std::vector<Hold> holds(double time, const Motion& motion) const;
+
+ private:
+  void addLoads(double seconds, const Poses& poses, std::vector<Load>& loads) const;
+
+  const SceneBricks& bricks_;
+  const StepClock& clock_;
+  const TimelineRunner& timeline_;
+  const RunDrive& drive_;
+  const RunMotion& motion_;
+};
+
+// ------------------------------------------------------------------------------------------------
+// Energies and forces.
+
+/// Keeps the account of a run's energies, and solves for the forces of states.
+class RunMechanics {
+ public:
+  /// Both must outlive this. The solver must be the direct one.
+  RunMechanics(const SceneBricks& bricks, const ActingForces& acting);
+
+  /// To be called before each step, and at the start of the run, once springs are set for it: what
+  /// has changed since the step before was work.
+  void begin(double time, const Motion& motion);
+  /// To be called after each step.
+  void end(const StepSpan& step);
+
+  /// The mechanics of a state at a time, which is so far (0 to 1) on the way through the last step.
+  Mechanics at(double time, const Motion& motion, double share);
+
+  /// The account at present.
+  struct Account {
+    Energies before;  ///< where the last step began
+    Energies now;
+
+    void transfer(StateTape& tape) { tape.transfer(before, now); }
+  };
+  const Account& account() const { return account_; }
+  /// Goes back to an earlier account, where steps are taken back.
+  void goBackTo(const Account& account) { account_ = account; }
+
+  void transfer(StateTape& tape) { tape.transfer(account_); }
+
+ private:
+  double workOfFreeForces(const Motion& from, const Motion& to) const;
+  double workOfMovingSprings(const StepSpan& step) const;
+  double workOfMovingSprings(double time, double seconds, const Motion& from,
+                             const Motion& to) const;
+
+  const SceneBricks& bricks_;
+  const ActingForces& acting_;
+  std::unique_ptr<ReactionSolver> reactions_;
+  Account account_;
+};
+
+}  // namespace kirireel

@@ -1,0 +1,236 @@
+// How the bricks of a run move. A step is the solver's; this keeps the state in which the step
+// began and what the solver passed through, from which states within the step follow:
+//
+// - where a tolerance in time was kept, poses by the velocities on both sides (cubics between the
+//   states that were passed), velocities straight between them;
+// - else places straight and rotations by the shortest turn between the step's ends.
+//
+// Joints of such a state are closed by a solver of its own, so that no look at a run changes it.
+#include "sim/deploy/run_motion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include <fmt/format.h>
+
+#include "sim/deploy/assembled_state.h"
+#include "sim/joints/extrapolation.h"
+#include "sim/measure/measures.h"
+#include "sim/scene/scene_parts.h"
+
+namespace kirireel {
+namespace {
+
+// A run has diverged once a brick is this many model sizes away from where it started.
+constexpr double kLostDistance = 1e3;
+// Closing joints may make bricks overlap by this part of a tile.
+constexpr double kPushedShare = 1e-4;
+// A run that keeps a tolerance in time is looked at after so many timesteps.
+constexpr int kStepsAtOnce = 4;
+
+}  // namespace
+
+SceneBricks::SceneBricks(const Scene& given)
+    : scene(given),
+      bricks(makeBricks(given.model.tiles, given.brick)),
+      pivots(makePivots(given.model.joints, bricks)),
+      hingeSprings(kirireel::hingeSprings(given, bricks)),
+      ties(dynamicTies(given, bricks, hingeSprings)),
+      needs(sceneNeeds(given)),
+      size(modelSize(given.model)),
+      tileSize(kirireel::tileSize(given.model)) {}
+
+// ------------------------------------------------------------------------------------------------
+// Time.
+
+// A due moment that is the next look up to rounding is that look.
+void StepClock::beginStep(double due) {
+  const double untilLook = look_ - sinceLook_;
+  const double untilDue = due - time();
+  length_ = untilDue < untilLook - kSameTime * look_ ? untilDue : untilLook;
+}
+
+void StepClock::endStep() {
+  sinceLook_ += length_;
+  if (sinceLook_ < look_ - kSameTime * look_) return;
+  ++looks_;
+  sinceLook_ = 0;
+}
+
+// ------------------------------------------------------------------------------------------------
+// The bricks in motion.
+
+RunMotion::RunMotion(const SceneBricks& bricks, const StepClock& clock)
+    : bricks_(bricks),
+      clock_(clock),
+      wantsTolerance_(keepsTolerance(bricks.scene)),
+      now_{startPoses(bricks.scene.model.tiles, bricks.bricks), {}},
+      solver_(makeSolver()) {}
+
+double RunMotion::lookOf(const Scene& scene) {
+  return scene.solver.timestep * (keepsTolerance(scene) ? kStepsAtOnce : 1);
+}
+
+std::unique_ptr<Dynamics> RunMotion::makeSolver() const {
+  const Scene& scene = bricks_.scene;
+  std::unique_ptr<Dynamics> solver = makeDynamics(scene, bricks_.needs, bricks_.bricks,
+                                                  startPoses(scene.model.tiles, bricks_.bricks));
+  if (wantsTolerance_) {
+    solver->setTolerance({scene.solver.tolerance, scene.solver.timestep, clock_.look()});
+  }
+  return solver;
+}
+
+std::unique_ptr<Dynamics> RunMotion::copyOfSolver() {
+  std::unique_ptr<Dynamics> copy = makeSolver();
+  StateTape recorded;
+  recorded.transfer(*solver_);
+  StateTape(recorded.numbers()).transfer(*copy);
+  return copy;
+}
+
+void RunMotion::beginHere() {
+  if (symmetries_) {
+    symmetries_->keepThoseOf(now_.poses);
+    symmetries_->restore(now_, *solver_);
+  }
+  start_ = now_.poses;
+}
+
+// A solver carries contacts and multipliers from step to step, which do not belong to the start.
+void RunMotion::goBack() {
+  now_ = {start_, std::vector<Velocity>(bricks_.bricks.size())};
+  solver_ = makeSolver();
+}
+
+void RunMotion::beginStep() {
+  before_ = now_;
+  isSmooth_ = false;
+}
+
+// Fixed steps each take the loads at their own start.
+StepReport RunMotion::advance(const TimedLoads& loads, bool isToTolerance) {
+  if (isToTolerance) {
+    const StepReport report = solver_->advanceToTolerance(now_, clock_.length(), loads);
+    isSmooth_ = report.touchingTime == 0 && report.singularTime == 0;
+    return report;
+  }
+  const LoadSource loadsNow = [&](const Poses& poses, std::vector<Load>& out) {
+    loads(0, poses, out);
+  };
+  const int count = wantsTolerance_ ? kStepsAtOnce : 1;
+  StepReport report;
+  for (int k = 0; k < count; ++k) {
+    report += solver_->advance(now_, clock_.length() / count, loadsNow);
+    if (symmetries_) symmetries_->restore(now_, *solver_);
+  }
+  return report;
+}
+
+bool RunMotion::isLost() const {
+  for (std::size_t i = 0; i < start_.size(); ++i) {
+    const double distance = (now_.poses[i].position - start_[i].position).norm();
+    if (!(distance <= kLostDistance * bricks_.size)) return true;  // also when not a number
+    if (!now_.poses[i].rotation.coeffs().allFinite()) return true;
+  }
+  return false;
+}
+
+StepSpan RunMotion::span(double begin, const StepReport& report, bool isToTolerance) const {
+  return {begin,         clock_.length(), before_,        now_, solver_->passed(),
+          isToTolerance, report.damped,   report.impacted};
+}
+
+Poses RunMotion::posesAt(double time) const {
+  const double seconds = time - (clock_.time() - clock_.length());
+  if (!isSmooth_) return interpolate(before_.poses, now_.poses, seconds / clock_.length());
+  return posesBetween(before_, solver_->passed(), now_, clock_.length(), seconds);
+}
+
+Poses RunMotion::closedPosesAt(double time, const std::vector<bool>& pinned) {
+  Poses poses = posesAt(time);
+  if (bricks_.scene.solver.kind != SolverKind::Direct) return poses;
+  if (!projection_) {
+    Scene alone = bricks_.scene;
+    alone.environment = Environment{};
+    projection_ =
+        makeDynamics(alone, Needs{.planar = bricks_.needs.planar}, bricks_.bricks, start_);
+  }
+  projection_->setPinned(pinned);
+  projection_->assemble(poses);
+  return poses;
+}
+
+std::vector<Velocity> RunMotion::velocitiesAt(double seconds) const {
+  const auto passed = isSmooth_ ? solver_->passed() : std::span<const PassedState>{};
+  return velocitiesBetween(before_, passed, now_, clock_.length(), seconds);
+}
+
+Motion RunMotion::motionAt(double time, const Poses& poses) const {
+  if (time == clock_.time()) return {poses, now_.velocities};
+  return {poses, velocitiesAt(clock_.length() - (clock_.time() - time))};
+}
+
+// ------------------------------------------------------------------------------------------------
+// Whether joints are exact.
+
+void JointFit::closeAtStart(RunMotion& motion, RunFigures& figures) {
+  isMisfit_ = !bricks_.scene.path.jointsGive() && !motion.solver().assemble(motion.now().poses);
+  if (bricks_.needs.contacts.on) pushedAtStart_ = figures.overlapsOf(motion.poses()).grown;
+  hold(motion.solver());
+}
+
+void JointFit::closeAtEndOfPath(RunMotion& motion, RunFigures& figures) {
+  const bool isClosed = close(motion, figures);
+  if (bricks_.scene.path.jointsGive()) {
+    motion.solver().setJointStiffness(isClosed ? kExactJoints : kMisfitStiffness);
+  }
+  isMisfit_ = isMisfit_ || !isClosed;
+}
+
+// Returns whether the joints are closed now; else the poses are as they were.
+bool JointFit::close(RunMotion& motion, RunFigures& figures) {
+  const Model& model = bricks_.scene.model;
+  const Poses open = motion.poses();
+  Poses& poses = motion.now().poses;
+  if (!motion.solver().assemble(poses)) return false;
+  if (std::isfinite(roundedJointStiffness(model)) &&
+      targetError(bottomTiles(bricks_.bricks, open), bricks_.bricks, poses) > roundedReach(model)) {
+    poses = open;
+    return false;
+  }
+  if (!bricks_.needs.contacts.on) return true;
+  const double before = figures.overlapsOf(open).grown;
+  const double after = figures.overlapsOf(poses).grown;
+  isHeldOpen_ = after > std::max(before, kPushedShare * bricks_.tileSize);
+  if (isHeldOpen_) poses = open;
+  return !isHeldOpen_;
+}
+
+// They give a little where tiles do not fit.
+void JointFit::hold(Dynamics& solver) const {
+  const PathSettings& path = bricks_.scene.path;
+  if (path.jointsGive()) {
+    solver.setJointStiffness(path.jointStiffness);
+  } else if (isMisfit_) {
+    solver.setJointStiffness(kMisfitStiffness);
+  }
+}
+
+std::string JointFit::trouble() const {
+  if (isMisfit_) {
+    return fmt::format("{}, so joints give a little, with {:g} N/m",
+                       isHeldOpen_ ? "bricks are in the way of closing joints"
+                                   : "the tiles do not quite fit each other",
+                       kMisfitStiffness);
+  }
+  if (pushedAtStart_ <= kPushedShare * bricks_.tileSize) return "";
+  return fmt::format(
+      "closing the joints at the start pushes bricks {:.2g} m into each other, joints "
+      "that give would not (--path led --joint-stiffness {:g})",
+      pushedAtStart_, kMisfitStiffness);
+}
+
+}  // namespace kirireel

@@ -1,0 +1,126 @@
+// What is measured of a run and shown of it. A sample that is due between two steps is put between
+// their poses, its joints closed again where those of the step's two ends are. For a checkpoint
+// each sample is kept with the clock and the figures as of it: a resumed run shows them again
+// before it goes on.
+#include "sim/deploy/run_recorder.h"
+
+#include <utility>
+
+namespace kirireel {
+
+RunRecorder::RunRecorder(const SceneBricks& bricks, StepClock& clock, RunMotion& motion,
+                         const ActingForces& forces, const RunObservers& observers,
+                         const AssembledState& nearest, Checkpoints* checkpoints)
+    : clock_(clock),
+      motion_(motion),
+      forces_(forces),
+      observers_(observers),
+      checkpoints_(checkpoints),
+      figures_(bricks.scene.model, bricks.bricks, bricks.pivots, bricks.scene.environment.pivotZone,
+               motion.poses(), nearest) {
+  if (observers_.sample && bricks.scene.solver.kind == SolverKind::Direct) {
+    mechanics_.emplace(bricks, forces);
+  }
+}
+
+void RunRecorder::begin(bool jointsGive) {
+  figures_.begin(motion_.poses(), jointsGive);
+  beginStep();
+  showStep();
+}
+
+void RunRecorder::beginStep() {
+  if (mechanics_) mechanics_->begin(clock_.time(), motion_.now());
+}
+
+void RunRecorder::endStep(const StepReport& report, bool isToTolerance) {
+  if (mechanics_) mechanics_->end(motion_.span(clock_.time(), report, isToTolerance));
+}
+
+void RunRecorder::observe(const StepReport& report, bool jointsGive) {
+  figures_.observe(clock_.time(), motion_.poses(), report, jointsGive);
+}
+
+void RunRecorder::showStep() {
+  if (observers_.step && !observers_.step(figures_.lastStep())) isAskedToEnd_ = true;
+}
+
+void RunRecorder::takeSamples() {
+  for (;;) {
+    const double due = static_cast<double>(sampleCount_) * observers_.sampleInterval;
+    if (!clock_.isDue(due)) return;  // also when not a number
+    if (clock_.isAhead(due)) {
+      takeSample();
+    } else if (figures_.wereClosed()) {
+      takeSample(due, motion_.closedPosesAt(due, forces_.pinned()));
+    } else {
+      takeSample(due, motion_.posesAt(due));
+    }
+  }
+}
+
+void RunRecorder::takeLastSample() {
+  if (!isOver_ && lastSampleTime_ < clock_.time()) takeSample();
+}
+
+void RunRecorder::takeSample(double time, Poses poses) {
+  // What may be ended from within comes first.
+  const double share = 1 - (clock_.time() - time) / clock_.length();
+  std::optional<Mechanics> mechanics;
+  if (mechanics_) mechanics = mechanics_->at(time, motion_.motionAt(time, poses), share);
+  Sample sample = figures_.sampleAt(time, std::move(poses));
+  ++sampleCount_;
+  lastSampleTime_ = time;
+  sample.mechanics = std::move(mechanics);
+  sample.pinned = forces_.pinnedTiles();
+  if (checkpoints_) {
+    checkpoints_->samples().transfer(sample);
+    transferAsOfSample(checkpoints_->samples());
+  }
+  if (observers_.sample && !observers_.sample(sample)) isAskedToEnd_ = true;
+}
+
+RunMechanics::Account RunRecorder::account() const {
+  return mechanics_ ? mechanics_->account() : RunMechanics::Account{};
+}
+
+void RunRecorder::goBackTo(const RunMechanics::Account& account) {
+  if (mechanics_) mechanics_->goBackTo(account);
+}
+
+// What a sample has beside it in a checkpoint.
+void RunRecorder::transferAsOfSample(StateTape& tape) {
+  tape.transfer(clock_, sampleCount_, lastSampleTime_, figures_);
+}
+
+// Which states the figures up to a sample were reached in is not known: those of the checkpoint may
+// be later.
+std::optional<Sample> RunRecorder::showAgain(double time) {
+  StateTape latest;
+  transferAsOfSample(latest);
+  Sample shown;
+  checkpoints_->playSamples([&](StateTape& samples) {
+    samples.transfer(shown);
+    transferAsOfSample(samples);
+    isAskedToEnd_ = observers_.sample && !observers_.sample(shown);
+    return !isAskedToEnd_;
+  });
+  if (isAskedToEnd_ && shown.time < time) {
+    isOver_ = true;
+    figures_.endWith(shown);
+    std::erase_if(events_, [&](const Event& event) { return event.time > shown.time; });
+    return shown;
+  }
+  StateTape played(latest.numbers());
+  transferAsOfSample(played);
+  return std::nullopt;
+}
+
+void RunRecorder::transfer(StateTape& tape) {
+  transferAsOfSample(tape);
+  tape.transfer(events_);
+  figures_.transferStates(tape);
+  if (mechanics_) tape.transfer(*mechanics_);
+}
+
+}  // namespace kirireel

@@ -1,0 +1,258 @@
+// The timeline as it goes on: entries happen in their order, each as soon as it is due. One that
+// waits for a state (rest, a target, an error) is looked at only as the first of a step, since what
+// an entry does may change that state. Times are compared with a small allowance for rounding. A
+// drag is a spring (forces.h) whose anchor moves along its path at even speed; it ends by
+// itself.
+#include "sim/deploy/timeline_runner.h"
+
+#include <algorithm>
+#include <limits>
+#include <variant>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace kirireel {
+namespace {
+
+// Times are sums of steps: what is due within this of a time is due at it.
+constexpr double kTimeRounding = 1e-9;
+
+/// The point at a share (0 to 1) of a path's length.
+Vector3 pointOnPath(const std::vector<Vector3>& path, double share) {
+  double length = 0;
+  for (std::size_t k = 1; k < path.size(); ++k) length += (path[k] - path[k - 1]).norm();
+  double left = std::clamp(share, 0.0, 1.0) * length;
+  for (std::size_t k = 1; k < path.size(); ++k) {
+    const double piece = (path[k] - path[k - 1]).norm();
+    if (left <= piece && piece > 0) return path[k - 1] + left / piece * (path[k] - path[k - 1]);
+    left -= piece;
+  }
+  return path.back();
+}
+
+// Tiles in a file's numbers; an empty list means all of them.
+std::string tilesText(std::vector<int> tiles, int countsFrom) {
+  for (int& tile : tiles) tile += countsFrom;
+  return tiles.empty() ? "all tiles" : fmt::format("tiles {}", fmt::join(tiles, ", "));
+}
+
+/// What an action acts on, for the record.
+struct Describe {
+  int countsFrom;  // of tiles
+  std::string operator()(const timeline::Pin& pin) const {
+    return tilesText(pin.tiles, countsFrom);
+  }
+  std::string operator()(const timeline::Unpin& unpin) const {
+    return tilesText(unpin.tiles, countsFrom);
+  }
+  std::string operator()(const timeline::Drag& drag) const {
+    return fmt::format("tile {} for {:g} s", countsFrom + drag.tile, drag.seconds);
+  }
+  std::string operator()(const timeline::Forces& forces) const { return forces.on ? "on" : "off"; }
+  std::string operator()(const timeline::Pause& pause) const {
+    return fmt::format("{:g} s", pause.seconds);
+  }
+  std::string operator()(const timeline::GoTo& goTo) const {
+    return goTo.file.empty() ? "the model's" : goTo.file.string();
+  }
+  template <typename Other>
+  std::string operator()(const Other&) const {
+    return "";
+  }
+};
+
+/// "pin tiles 3, 4".
+std::string describe(const timeline::Action& action, int countsFrom) {
+  const std::string what = std::visit(Describe{countsFrom}, action);
+  return what.empty() ? actionName(action) : fmt::format("{} {}", actionName(action), what);
+}
+
+// What an entry waits for, in words for the reason of an end.
+std::string momentText(const Occasion& moment) {
+  switch (moment.kind) {
+    case Occasion::Kind::AtTime:
+      return fmt::format("{:g} s", moment.value);
+    case Occasion::Kind::After:
+      return fmt::format("{:g} s after the entry before", moment.value);
+    case Occasion::Kind::AtRest:
+      return "rest";
+    case Occasion::Kind::AtTarget:
+      return "the target";
+    case Occasion::Kind::ErrorBelow:
+      return fmt::format("an error below {:g} m", moment.value);
+    case Occasion::Kind::ProgressAbove:
+      return fmt::format("a progress of {:g}", moment.value);
+  }
+  return "";
+}
+
+}  // namespace
+
+TimelineRunner::TimelineRunner(const Timeline& timeline, const std::vector<Brick>& bricks,
+                               int countsFrom)
+    : timeline_(timeline),
+      bricks_(bricks),
+      countsFrom_(countsFrom),
+      pinned_(bricks.size(), false) {}
+
+// Drags that are over go first; then entries as far as they are due.
+bool TimelineRunner::carryOut(const TimelineView& view, TimelineStage& stage,
+                              std::vector<Event>& events) {
+  // A drag that ends now must not pull in the coming step.
+  std::erase_if(drags_, [&](const ActiveDrag& active) {
+    return view.time >= active.from + dragOf(active).seconds - kTimeRounding;
+  });
+  const std::size_t before = next_;
+  // Only the first entry may wait for the state at hand: what it does changes that state.
+  while (next_ < timeline_.size() && isDue(timeline_[next_].when, view)) {
+    const TimelineEntry& entry = timeline_[next_];
+    const bool ofTime = waitsForTime();
+    if (next_ > before && !ofTime) break;
+    carryOut(entry.action, view, stage);
+    events.push_back({view.time, describe(entry.action, countsFrom_)});
+    lastTime_ = view.time;
+    ++next_;
+  }
+  return next_ > before;
+}
+
+/// When what is due by itself is due, seconds.
+double TimelineRunner::dueTime(const Occasion& moment) const {
+  return moment.kind == Occasion::Kind::After ? lastTime_ + moment.value : moment.value;
+}
+
+// Whether an entry's condition holds. Progress is the part of the error at the target's setting
+// that is gone: 1 - error / startError.
+bool TimelineRunner::isDue(const Occasion& moment, const TimelineView& view) const {
+  switch (moment.kind) {
+    case Occasion::Kind::AtTime:
+    case Occasion::Kind::After:
+      return view.time >= dueTime(moment) - kTimeRounding;
+    case Occasion::Kind::AtRest:
+      return view.atRest;
+    case Occasion::Kind::AtTarget:
+      return view.atTarget;
+    case Occasion::Kind::ErrorBelow:
+      return view.error < moment.value;
+    case Occasion::Kind::ProgressAbove:
+      return view.error <= (1 - moment.value) * view.startError;
+  }
+  return false;
+}
+
+// One action; `view` is the state before it.
+void TimelineRunner::carryOut(const timeline::Action& action, const TimelineView& view,
+                              TimelineStage& stage) {
+  if (const auto* pinning = std::get_if<timeline::Pin>(&action)) {
+    pin(pinning->tiles, true, stage);
+  } else if (const auto* unpinning = std::get_if<timeline::Unpin>(&action)) {
+    pin(unpinning->tiles, false, stage);
+  } else if (const auto* drag = std::get_if<timeline::Drag>(&action)) {
+    startDrag(*drag, view);
+  } else if (const auto* forces = std::get_if<timeline::Forces>(&action)) {
+    forcesOn_ = forces->on;
+  } else if (const auto* pause = std::get_if<timeline::Pause>(&action)) {
+    pausedUntil_ = view.time + pause->seconds - kTimeRounding;
+  } else if (const auto* goTo = std::get_if<timeline::GoTo>(&action)) {
+    stage.goTo(goTo->file.empty() ? nullptr : &goTo->tiles);
+  } else if (std::holds_alternative<timeline::Reset>(action)) {
+    reset(stage);
+  } else if (std::holds_alternative<timeline::Quit>(action)) {
+    stage.quit();
+  }  // snapshots and exports are for those who read the events
+}
+
+/// No tiles named means all.
+void TimelineRunner::pin(const std::vector<int>& tiles, bool pinned, TimelineStage& stage) {
+  if (tiles.empty()) pinned_.assign(pinned_.size(), pinned);
+  for (const int tile : tiles) pinned_[tile] = pinned;
+  stage.setPinned(pinned_);
+}
+
+// The path begins where the point is now.
+void TimelineRunner::startDrag(const timeline::Drag& drag, const TimelineView& view) {
+  const Vector3 point =
+      drag.vertex ? bricks_[drag.tile].bottom[*drag.vertex] : Vector3(Vector3::Zero());
+  std::vector<Vector3> path = {(*view.poses)[drag.tile].apply(point)};
+  path.insert(path.end(), drag.path.begin(), drag.path.end());
+  drags_.push_back({next_, point, std::move(path), view.time});
+}
+
+// Drags end, forces act, all tiles are free, and the stage goes back to the start. The timeline
+// itself goes on with its next entry.
+void TimelineRunner::reset(TimelineStage& stage) {
+  drags_.clear();
+  forcesOn_ = true;
+  pin({}, false, stage);
+  stage.reset();
+}
+
+// The springs of all drags at a time (seconds), their anchors where they are then. The share of the
+// path is that of the time: the speed is even.
+std::vector<DragSpring> TimelineRunner::dragSprings(double time) const {
+  std::vector<DragSpring> grips;
+  for (const ActiveDrag& active : drags_) {
+    const timeline::Drag& drag = dragOf(active);
+    const double share = (time - active.from) / drag.seconds;
+    grips.push_back(
+        {drag.tile, {active.point, pointOnPath(active.path, share), drag.stiffness, drag.damping}});
+  }
+  return grips;
+}
+
+void TimelineRunner::addDrags(double time, const Poses& poses, std::vector<Load>& loads) const {
+  for (const DragSpring& grip : dragSprings(time))
+    addPointSpring(grip.spring, poses[grip.tile], loads[grip.tile]);
+}
+
+void TimelineRunner::transfer(StateTape& tape) {
+  tape.transfer(next_, lastTime_, pausedUntil_, forcesOn_, pinned_, drags_);
+}
+
+// No entry waits, no drag pulls, no pause holds.
+bool TimelineRunner::isOver(double time) const {
+  return next_ == timeline_.size() && drags_.empty() && !isPaused(time);
+}
+
+// Steps end there, so that what is due by itself happens at its own time.
+double TimelineRunner::nextMoment(double time) const {
+  double next = std::numeric_limits<double>::infinity();
+  const auto consider = [&](double moment) {
+    if (moment > time + kTimeRounding) next = std::min(next, moment);
+  };
+  if (waitsForTime()) consider(dueTime(timeline_[next_].when));
+  for (const ActiveDrag& active : drags_) consider(active.from + dragOf(active).seconds);
+  consider(pausedUntil_ + kTimeRounding);
+  return next;
+}
+
+// Whether the next entry comes by itself. A run at rest must not end before it.
+bool TimelineRunner::waitsForTime() const {
+  if (next_ == timeline_.size()) return false;
+  const Occasion::Kind kind = timeline_[next_].when.kind;
+  return kind == Occasion::Kind::AtTime || kind == Occasion::Kind::After;
+}
+
+// Whether only the bricks can bring the next entry about: at rest the run then waits in vain.
+bool TimelineRunner::waitsForState() const {
+  return next_ < timeline_.size() && !waitsForTime() && drags_.empty();
+}
+
+std::vector<int> TimelineRunner::pinnedTiles() const {
+  std::vector<int> tiles;
+  for (std::size_t i = 0; i < pinned_.size(); ++i) {
+    if (pinned_[i]) tiles.push_back(static_cast<int>(i));
+  }
+  return tiles;
+}
+
+// Empty when all entries have happened.
+std::string TimelineRunner::pending() const {
+  if (next_ == timeline_.size()) return "";
+  const TimelineEntry& entry = timeline_[next_];
+  return fmt::format("the timeline still waits for {} to {}", momentText(entry.when),
+                     actionName(entry.action));
+}
+
+}  // namespace kirireel

@@ -1,0 +1,79 @@
+/// Steps of a scene's bodies that keep a tolerance in time, from impact to impact.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "sim/base/geometry.h"
+#include "sim/base/state_tape.h"
+#include "sim/joints/extrapolation.h"
+#include "sim/joints/joint_solver.h"
+#include "sim/model/brick.h"
+#include "sim/model/contact.h"
+#include "sim/world/contact_finder.h"
+
+namespace kirireel {
+
+/// What bodies run into in steps to a tolerance.
+struct ToleranceContacts {
+  ContactFinder* coarse = nullptr;  ///< for steps of first order; null where nothing can be touched
+  ContactFinder* exact = nullptr;   ///< for those that keep the tolerance; null likewise
+  double touching = 0;              ///< gap of points that touch, metres
+  bool isRubbing = false;           ///< planar bricks rub on a ground with friction
+};
+
+/// Takes steps that keep a tolerance among contacts that are held, and steps of first order where
+/// that cannot be done.
+class ToleranceSteps {
+ public:
+  /// Bodies, solver and finders must outlive this; bodies, motions and loads include obstacles,
+  /// which are pinned. `firstOrderStep`: see TimeTolerance.
+  ToleranceSteps(const std::vector<Brick>& bodies, JointSolver& solver,
+                 const ToleranceContacts& contacts, const ExtrapolationSettings& settings,
+                 double firstOrderStep)
+      : bodies_(bodies),
+        solver_(solver),
+        contacts_(contacts),
+        firstOrderStep_(firstOrderStep),
+        extrapolation_(bodies, solver, settings) {}
+
+  /// Advances the motion by so many seconds. `isPinned`: some body is.
+  StepReport advance(Motion& motion, double seconds, const TimedLoads& loads, bool isPinned);
+
+  /// The states between the ends of the last call, in order.
+  std::vector<PassedState>& passed() { return passed_; }
+  const std::vector<PassedState>& passed() const { return passed_; }
+
+  /// What the next call takes from those before.
+  void transfer(StateTape& tape) { tape.transfer(callsToWait_, extrapolation_); }
+
+ private:
+  bool meetOnTheWay(const Motion& from, const Motion& to, double seconds);
+  std::optional<double> momentOfImpact() const;
+  void setHeld(std::vector<Contact> contacts);
+  void holdTouching(const Poses& poses);
+  double collide(double now, const std::vector<Contact>& closing, Motion& motion);
+  double advanceByOrders(Motion& motion, double seconds, const TimedLoads& loads,
+                         StepReport& report);
+  StepReport goOnByFirstOrder(Motion& motion, double begin, double end, const TimedLoads& loads);
+
+  /// A step that was not taken, because bodies meet in it.
+  struct Meeting {
+    Motion from;
+    Motion to;
+    double seconds = 0;
+    std::vector<Contact> contacts;  // that are violated at its end, whole planes of them
+  };
+
+  const std::vector<Brick>& bodies_;
+  JointSolver& solver_;
+  ToleranceContacts contacts_;
+  double firstOrderStep_;  // seconds
+  Extrapolation extrapolation_;
+  bool isPinned_ = false;
+  std::optional<Meeting> meeting_;  // of the step that was tried last
+  int callsToWait_ = 0;             // by first order, after impacts crowded
+  std::vector<PassedState> passed_;
+};
+
+}  // namespace kirireel

@@ -1,0 +1,190 @@
+// The parts of a run by themselves: its clock, the target that it heads for, and its phases.
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "sim/deploy/deployment.h"
+#include "sim/deploy/run_drive.h"
+#include "sim/deploy/run_motion.h"
+#include "sim/model/lattice.h"
+
+namespace kirireel {
+namespace {
+
+using namespace timeline;
+
+/// A sheet of 2 x 2 squares, a path of which is led for 1 s.
+Scene ledSheet() {
+  Scene scene;
+  TessellationShape shape;
+  shape.columns = shape.rows = 2;
+  shape.startAngle = 20 * kDegree;
+  scene.model = makeTessellation(shape);
+  scene.path.kind = PathKind::Led;
+  scene.path.ledTime = 1;
+  return scene;
+}
+
+// ------------------------------------------------------------------------------------------------
+
+TEST(StepClock, CountsLooksWithoutGatheringRounding) {
+  StepClock clock(0.1);
+  for (int k = 0; k < 1'000'000; ++k) {
+    clock.beginStep(INFINITY);
+    clock.endStep();
+  }
+  EXPECT_EQ(clock.time(), 100'000);  // a sum of tenths is off by 1.3e-6
+}
+
+TEST(StepClock, EndsAStepWhereSomethingIsDueAndTheNextAtItsLook) {
+  StepClock clock(0.1);
+  clock.beginStep(0.03);
+  EXPECT_EQ(clock.length(), 0.03);
+  clock.endStep();
+  EXPECT_EQ(clock.time(), 0.03);
+  clock.beginStep(INFINITY);
+  EXPECT_EQ(clock.length(), 0.1 - 0.03);
+  clock.endStep();
+  EXPECT_EQ(clock.time(), 0.1);
+}
+
+TEST(StepClock, TakesWhatIsDueAtALookButForRoundingAsDueThere) {
+  StepClock clock(0.1);
+  clock.beginStep(0.1 - 1e-9);
+  EXPECT_EQ(clock.length(), 0.1);
+  clock.endStep();
+  EXPECT_TRUE(clock.isDue(0.1 + 1e-9));
+  EXPECT_FALSE(clock.isDue(0.1 + 1e-6));
+  EXPECT_TRUE(clock.isAhead(0.1 - 1e-9));
+  EXPECT_FALSE(clock.isAhead(0.1 - 1e-6));
+}
+
+TEST(StepClock, StopsAtTheLookThatIsNearestToTheEnd) {
+  StepClock clock(0.1);
+  EXPECT_TRUE(clock.isBefore(0.06));
+  EXPECT_FALSE(clock.isBefore(0.04));
+  clock.beginStep(0.03);
+  clock.endStep();
+  EXPECT_TRUE(clock.isBefore(0.04)) << "a look that was begun is made to its end";
+}
+
+// ------------------------------------------------------------------------------------------------
+
+TEST(CurrentTarget, IsTheModelsOwnUntilAnotherIsSet) {
+  const Scene scene = ledSheet();
+  const SceneBricks bricks(scene);
+  const Poses start = startPoses(scene.model.tiles, bricks.bricks);
+  CurrentTarget target(bricks, 0.125);
+  EXPECT_EQ(target.tiles(), nullptr);
+  EXPECT_EQ(target.error(start), 0);
+  target.set(nullptr, start);
+  EXPECT_EQ(target.tiles(), &*scene.model.target);
+  EXPECT_EQ(target.leastError(), 0.125);
+  EXPECT_GT(target.startError(), 0.1);
+  EXPECT_FALSE(target.hasArrived(start));
+  target.set(&scene.model.tiles, start);
+  EXPECT_LT(target.startError(), 1e-15);
+  EXPECT_TRUE(target.hasArrived(start));
+}
+
+TEST(CurrentTarget, AFarErrorIsNoArrivalWhateverKeepsTheTilesAway) {
+  const Scene scene = ledSheet();
+  const SceneBricks bricks(scene);
+  const Poses start = startPoses(scene.model.tiles, bricks.bricks);
+  CurrentTarget target(bricks, 100);
+  target.set(nullptr, start);
+  EXPECT_TRUE(target.isReachedAt(target.error(start)));
+  EXPECT_FALSE(target.hasArrived(start));
+}
+
+// ------------------------------------------------------------------------------------------------
+
+/// The phases of a drive on steps of 1/240 s, each with the time at which its first step began.
+/// The bricks stay where they are.
+std::vector<std::pair<Phase, double>> phasesOf(const Scene& scene) {
+  const SceneBricks bricks(scene);
+  StepClock clock(RunMotion::lookOf(scene));
+  RunMotion motion(bricks, clock);
+  CurrentTarget target(bricks, 0);
+  RunDrive drive(bricks, clock);
+  target.set(nullptr, motion.poses());
+  drive.headFor(target, motion.poses());
+  std::vector<std::pair<Phase, double>> phases;
+  while (clock.time() < 4) {
+    clock.beginStep(drive.nextMoment());
+    const double begin = clock.time();
+    drive.beginStep(target, motion.poses(), motion.solver());
+    if (phases.empty() || phases.back().first != drive.phase()) {
+      phases.push_back({drive.phase(), begin});
+    }
+    clock.endStep();
+  }
+  return phases;
+}
+
+TEST(RunDrive, APathThatIsLedGoesThroughItsPhases) {
+  Scene scene = ledSheet();
+  scene.path.openTime = 0.31;
+  scene.path.jointStiffness = 1e5;
+  const auto phases = phasesOf(scene);
+  ASSERT_EQ(phases.size(), 4U);
+  const double step = 1.0 / 240;
+  EXPECT_EQ(phases[0].first, Phase::Open);
+  EXPECT_EQ(phases[1].first, Phase::Guide);
+  EXPECT_NEAR(phases[1].second, 0.31, 1e-12) << "at its own time, however steps lie";
+  EXPECT_EQ(phases[2].first, Phase::Close);
+  EXPECT_NEAR(phases[2].second, 0.31 + 1 + 0.5, step);
+  EXPECT_EQ(phases[3].first, Phase::Settle);
+  EXPECT_NEAR(phases[3].second, 0.31 + 1 + 1, step);
+}
+
+TEST(RunDrive, ExactJointsNeedNotBeClosed) {
+  const auto phases = phasesOf(ledSheet());
+  ASSERT_EQ(phases.size(), 2U);
+  EXPECT_EQ(phases[0].first, Phase::Guide);
+  EXPECT_EQ(phases[1].first, Phase::Settle);
+  EXPECT_NEAR(phases[1].second, 1.5, 1.0 / 240);
+}
+
+TEST(RunDrive, AStraightPullSettlesFromTheStart) {
+  Scene scene = ledSheet();
+  scene.path.kind = PathKind::Straight;
+  const auto phases = phasesOf(scene);
+  ASSERT_EQ(phases.size(), 1U);
+  EXPECT_EQ(phases[0].first, Phase::Settle);
+}
+
+// The sample at the end of opening shows the state that the expansion led to, in which no spring
+// to the target has pulled yet.
+TEST(RunDrive, SpringsHoldNoEnergyWhileASheetIsOpened) {
+  Scene scene = ledSheet();
+  scene.environment.contacts = ContactFilter::None;
+  scene.path.openTime = 0.25;
+  scene.stop.duration = 0.5;
+  const DeploymentResult run = deploy(scene, 0.125, nullptr);
+  ASSERT_EQ(run.trajectory.samples.size(), 5U);
+  EXPECT_EQ(run.trajectory.samples[1].mechanics->energies.spring, 0);
+  EXPECT_EQ(run.trajectory.samples[2].mechanics->energies.spring, 0);
+  EXPECT_GT(run.trajectory.samples[3].mechanics->energies.spring, 0);
+}
+
+TEST(Timelines, AResetLeavesAnotherTargetBehind) {
+  Scene scene = ledSheet();
+  scene.path.kind = PathKind::Straight;
+  scene.environment.contacts = ContactFilter::None;
+  const std::vector<Tile> other = *scene.model.target;
+  scene.model.target.reset();
+  scene.actuation.drive = Drive::Target;
+  scene.timeline = {{{}, GoTo{"other.txt", other}}, {{Occasion::Kind::AtTime, 0.5}, Reset{}}};
+  scene.stop.duration = 2;
+  const DeploymentResult run = deploy(scene, 0.25, nullptr);
+  const auto& samples = run.trajectory.samples;
+  EXPECT_GT((samples[1].poses[0].position - samples[0].poses[0].position).norm(), 0.01);
+  const Poses& end = samples.back().poses;
+  // The nudge alone, undamped.
+  EXPECT_LT((end[0].position - samples[0].poses[0].position).norm(), 1e-4);  // measured 1e-5
+}
+
+}  // namespace
+}  // namespace kirireel
