@@ -190,7 +190,7 @@ DeploymentResult followGrips(const Scene& scene, double sampleInterval,
   const std::vector<HingeSpring> springs = hingeSprings(scene, bricks);
   const std::vector<GripOrder> grips = gripsOf(scene);
   const std::size_t leading = leadingOf(grips);
-  const Ties ties = scene.hinges.panels ? Ties{} : tiesOf(scene, bricks, springs);
+  const Ties ties = tiesOf(scene, bricks, springs);
   const std::unique_ptr<LoadedSheet> sheet =
       scene.hinges.panels ? makeBarHingeSheet(scene, bricks, springs, pinnedTiles(scene), grips)
                           : planarSheet(scene, bricks, springs, ties, grips);
@@ -208,7 +208,7 @@ DeploymentResult followGrips(const Scene& scene, double sampleInterval,
   DeploymentResult result = walk(scene, path, assembleAtTarget(scene), sampleInterval, watch);
   result.loadCurve = LoadCurve{{}, leading, loaded.states};
   for (const GripOrder& grip : grips) result.loadCurve->grips.push_back(grip.name);
-  result.elasticity = elasticityOf(springs, loaded.states.front().poses, last);
+  result.elasticity = elasticityOf(springs, ties.ligaments, loaded.states.front().poses, last);
   result.atTarget.reset();
   noteTurnings(*result.loadCurve, path.path, std::min(scene.path.walkTime, scene.stop.duration),
                result);

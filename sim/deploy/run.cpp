@@ -58,7 +58,7 @@ Run::Run(const Scene& scene, const AssembledState& nearest, const RunObservers& 
       checkpoints_(checkpoints),
       bricks_(makeBricks(scene.model.tiles, scene.brick)),
       pivots_(makePivots(scene.model.joints, bricks_)),
-      ties_(dynamicTies(scene, bricks_, hingeSprings(scene, bricks_))),
+      exactPivots_(dynamicTies(scene, bricks_, hingeSprings(scene, bricks_)).pivots),
       motion_{startPoses(scene.model.tiles, bricks_), {}},
       target_(scene.model.target ? &*scene.model.target : nullptr),
       needs_(sceneNeeds(scene)),
@@ -82,7 +82,7 @@ Run::Run(const Scene& scene, const AssembledState& nearest, const RunObservers& 
     timeline_.addDrags(time() + seconds, poses, loads);
   };
   if (observers_.sample && scene.solver.kind == SolverKind::Direct) {
-    mechanics_.emplace(bricks_, ties_.pivots, scene.model.joints.size(), needs_.planar.on,
+    mechanics_.emplace(bricks_, exactPivots_, scene.model.joints.size(), needs_.planar.on,
                        tileSize_, static_cast<const ActingForces&>(*this));
   }
 }
@@ -161,6 +161,7 @@ bool Run::followTimeline(bool atRest) {
 
 // Closes joints, sets the first velocities and measures the start.
 void Run::start() {
+  static_cast<Subject&>(result_.trajectory) = subjectOf(scene_);
   // Joints that give need not be closed first, which can push bricks into each other.
   misfit_ = !scene_.path.jointsGive() && !dynamics_->assemble(motion_.poses);
   if (needs_.contacts.on) pushedAtStart_ = figures_.overlapsOf(motion_.poses).grown;
@@ -175,7 +176,6 @@ void Run::start() {
   }
   result_.needs = needs_;
   result_.path = scene_.path;
-  static_cast<Subject&>(result_.trajectory) = subjectOf(scene_);
   if (symmetries_) {
     symmetries_->keepThoseOf(motion_.poses);
     symmetries_->restore(motion_, *dynamics_);
@@ -595,7 +595,7 @@ std::vector<Vector6> Run::appliedForces(double time, const Motion& motion) const
     forces[hinge.brickA].tail<3>() -= onB;
     forces[hinge.brickB].tail<3>() += onB;
   }
-  for (const Ligament& ligament : ties_.ligaments) {
+  for (const Ligament& ligament : result_.trajectory.ligaments) {
     const Vector6 slope = ligamentEnergy(ligament, motion.poses).gradient;
     const auto pull = [&](int brick, const Vector3& by) {
       forces[brick].head<2>() -= by.head<2>();
@@ -610,7 +610,7 @@ std::vector<Vector6> Run::appliedForces(double time, const Motion& motion) const
 // Adds what ligaments push their first brick with to the force of their joint, newtons. The plane's
 // two components alone.
 void Run::addLigamentForces(const Poses& poses, std::vector<Vector3>& jointForces) const {
-  for (const Ligament& ligament : ties_.ligaments) {
+  for (const Ligament& ligament : result_.trajectory.ligaments) {
     const Vector6 slope = ligamentEnergy(ligament, poses).gradient;
     jointForces[static_cast<std::size_t>(ligament.joint)].head<2>() -= slope.head<2>();
   }

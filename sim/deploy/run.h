@@ -266,7 +266,7 @@ class Run : private TimelineStage, private ActingForces {
   double springEnergy(double time, const Poses& poses) const override;
   double hingeEnergy(const Poses& poses) const override {
     return elasticEnergy(result_.trajectory.hingeSprings, poses) +
-           elasticEnergy(ties_.ligaments, poses);
+           elasticEnergy(result_.trajectory.ligaments, poses);
   }
   void addLigamentForces(const Poses& poses, std::vector<Vector3>& jointForces) const override;
   std::vector<Vector3> freeForces(const Poses& poses) const override;
@@ -303,7 +303,7 @@ class Run : private TimelineStage, private ActingForces {
   bool isOnPath() const { return isOpening() || follower_.has_value(); }
   /// Whether joints are compliant on purpose.
   bool jointsGiveNow() const {
-    if (!ties_.ligaments.empty()) return true;
+    if (!result_.trajectory.ligaments.empty()) return true;
     return isOnPath() ? scene_.path.jointsGive() : jointsGiveThroughout();
   }
   void showStep();
@@ -334,10 +334,12 @@ class Run : private TimelineStage, private ActingForces {
   void endWith(const Sample& shown);
   bool goesOn();
   void end(Outcome outcome, std::string reason);
-  /// What the hinges' springs hold at the start and at the end.
+  /// What springs and ligaments hold at the start and at the end.
   void noteElasticity() {
-    const std::vector<HingeSpring>& springs = result_.trajectory.hingeSprings;
-    if (!springs.empty()) result_.elasticity = elasticityOf(springs, startPoses_, motion_.poses);
+    const Subject& shown = result_.trajectory;
+    if (shown.hingeSprings.empty()) return;
+    result_.elasticity =
+        elasticityOf(shown.hingeSprings, shown.ligaments, startPoses_, motion_.poses);
   }
   /// Whether springs at hinges may move bricks; expansion would drive them on for ever.
   bool hingesPull() const { return scene_.hinges.areOn() && !(drive_ && drive_->isEndless()); }
@@ -377,7 +379,7 @@ class Run : private TimelineStage, private ActingForces {
   Checkpoints* checkpoints_;
   std::vector<Brick> bricks_;
   std::vector<Pivot> pivots_;
-  Ties ties_;  // pivots that are exact, ligaments in the place of the others
+  std::vector<Pivot> exactPivots_;  // of joints in whose place no ligament stands
   Motion motion_;
   Poses startPoses_;                 // joints closed unless they give
   const std::vector<Tile>* target_;  // the one headed for at present; null when there is none

@@ -47,4 +47,28 @@ std::vector<OwnHingeSpring> readHingeSprings(const std::filesystem::path& file, 
 /// Empty where scene.hinges asks for nothing. Costs about O(joints log joints).
 std::vector<HingeSpring> hingeSprings(const Scene& scene, const std::vector<Brick>& bricks);
 
+// ------------------------------------------------------------------------------------------------
+// What holds the tiles of a sheet together where its joints are necks of material.
+
+/// Joints that are exact, and ligaments in the place of the others. In the plane.
+struct Ties {
+  std::vector<Pivot> pivots;
+  std::vector<Ligament> ligaments;
+};
+
+/// The ties of a planar scene under grips with these springs, which are at its hinges: a joint at a
+/// hinge is a neck where the scene has necks. None where tiles bend, whose corners are nodes.
+/// Throws InputError for ligaments that could neither stretch nor shear.
+Ties tiesOf(const Scene& scene, const std::vector<Brick>& bricks,
+            const std::vector<HingeSpring>& springs);
+
+/// The ties of a scene that moves masses: as tiesOf() where it asks for ligaments, which needs a
+/// planar one; else its joints are exact, and turn about the tiles' corners. Throws InputError.
+Ties dynamicTies(const Scene& scene, const std::vector<Brick>& bricks,
+                 const std::vector<HingeSpring>& springs);
+
+/// The ligaments of a scene's run, whether grips load it or masses move. Throws InputError.
+std::vector<Ligament> ligamentsOf(const Scene& scene, const std::vector<Brick>& bricks,
+                                  const std::vector<HingeSpring>& springs);
+
 }  // namespace kirireel
