@@ -328,15 +328,19 @@ class BarHingeMaker {
     }
   }
 
-  /// Folds between all tiles, by the length scale of folds.
+  /// Folds between all tiles, by the length scale of folds; at rest where the model's file says,
+  /// else as they stand.
   void addUsualFolds() {
     for (const auto& [edge, sides] : edges_) {
       for (std::size_t b = 1; b < sides.size(); ++b) {
         for (std::size_t a = 0; a < b; ++a) {
           if (sides[a].tile == sides[b].tile) continue;
-          addFold(sides[a], sides[b],
-                  foldStiffness(lengthOf(edge), material_.foldLength, material_.youngs,
-                                material_.poisson, thickness_));
+          Fold& fold = addFold(sides[a], sides[b],
+                               foldStiffness(lengthOf(edge), material_.foldLength, material_.youngs,
+                                             material_.poisson, thickness_));
+          const auto& angles = scene_.model.foldAngles;
+          const auto own = angles.find({sides[a].tile, sides[b].tile});
+          if (own != angles.end()) fold.rest = own->second;
         }
       }
     }

@@ -178,7 +178,8 @@ void completeScene(const SceneParts& parts, Scene& scene, std::vector<std::strin
 //    an origami meet and the joints form a chain. For these folds all corners at one place are
 //    joined pair by pair first, face by face, and folds that this adds are hinges too.
 // 2. Each hinge gets a stiffness (N m/rad), a rest angle (rad) and a damping (N m s/rad): those of
-//    its line in the file where the line has them, else those of all hinges. The stiffness of all
+//    its line in the file where the line has them, else those of all hinges; a fold rests else at
+//    the angle that a FOLD file has for it, all others at that of the start. The stiffness of all
 //    hinges may be that of a neck of material (stiffness.h) where tiles turn about a corner. A
 //    neck without length beside a slit that is shut at the start has the stiffness of the end of a
 //    crack, which is its own table.
@@ -339,6 +340,13 @@ double stiffnessOf(const HingeSettings& all, const Hinge& hinge, const std::vect
   return neckStiffness(all.neck->youngs, rule.thickness, all.neck->width, all.neck->length);
 }
 
+/// The angle that the model's file has for a fold.
+std::optional<double> fileAngle(const Model& model, const Hinge& hinge) {
+  const auto found = model.foldAngles.find({hinge.brickA, hinge.brickB});
+  if (!isFold(hinge) || found == model.foldAngles.end()) return std::nullopt;
+  return found->second;
+}
+
 /// The lines of the file by their tiles, the lower first.
 std::map<TilePair, const OwnHingeSpring*> byTiles(const std::vector<OwnHingeSpring>& own) {
   std::map<TilePair, const OwnHingeSpring*> lines;
@@ -394,9 +402,10 @@ std::vector<HingeSpring> hingeSprings(const Scene& scene, const std::vector<Bric
       lines.erase(line);
     }
     const std::optional<double> rest = own.rest ? own.rest : all.rest;
+    const double usualRest = fileAngle(scene.model, hinge).value_or(hinge.start);
     const HingeSpring spring{hinge,
                              own.stiffness.value_or(stiffnessOf(all, hinge, bricks, scene.brick)),
-                             rest.value_or(hinge.start), own.damping.value_or(all.damping)};
+                             rest.value_or(usualRest), own.damping.value_or(all.damping)};
     if (spring.stiffness == 0 && spring.damping == 0) continue;
     if (rest) requireRoomAtRest(spring, own.rest ? &own : nullptr, scene.model);
     springs.push_back(spring);

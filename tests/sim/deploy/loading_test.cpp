@@ -234,6 +234,26 @@ TEST(Loading, FoldsAreAsStiffAsTheirLengthScaleSays) {
   EXPECT_NEAR(run.loadCurve->states.back().forces[3], stiffness * angle / 0.8, 1e-5);
 }
 
+// A fold that the model's file has folded: free of its grip it stands there, whether springs or the
+// length scale say how stiff it is.
+TEST(Loading, BeginsWhereTheFilesFoldsRest) {
+  for (const double stiffness : {0.5, 0.0}) {
+    Scene scene = liftedFold();
+    const double rest = 0.3;
+    scene.model.foldAngles = {{{0, 1}, rest}, {{1, 0}, rest}};
+    scene.hinges.stiffness = stiffness;
+    scene.hinges.panels->foldLength = stiffness > 0 ? 0 : 200;
+    scene.grips[1].isForce = true;
+    scene.grips[1].z = 1e-3;
+    const DeploymentResult run = deploy(scene, 0.5, nullptr);
+    ASSERT_EQ(run.outcome, Outcome::Settled) << run.reason;
+    const Equilibrium& first = run.loadCurve->states.front();
+    EXPECT_NEAR(first.energy, 0, 1e-15);
+    EXPECT_NEAR(first.displacements[3], std::sin(rest), 1e-9);
+    EXPECT_GT(run.loadCurve->states.back().displacements[3], std::sin(rest));
+  }
+}
+
 TEST(Loading, RefusesWhatBarsAndHingesDoNotKnow) {
   Scene scene = liftedFold();
   scene.model.joints[0].face = JointFace::Both;
