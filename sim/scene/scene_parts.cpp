@@ -330,14 +330,12 @@ double stiffnessOf(const HingeSettings& all, const Hinge& hinge, const std::vect
   // Necks stand at corners. A fold has the stiffness of all hinges.
   const bool isCorner = hinge.least == 0;
   if (!all.neck || !isCorner) return all.stiffness;
+  const HingeNeck& neck = *all.neck;
   const bool isShut = hinge.start <= kAngleRounding;
-  if (isShut && all.neck->length == 0) {
-    const std::array<NeckCorner, 2> tiles = {
-        neckCorner(bricks[static_cast<std::size_t>(hinge.brickA)], hinge.cornerA),
-        neckCorner(bricks[static_cast<std::size_t>(hinge.brickB)], hinge.cornerB)};
-    return cornerNeck(all.neck->youngs, rule.thickness, all.neck->width, tiles).bending;
-  }
-  return neckStiffness(all.neck->youngs, rule.thickness, all.neck->width, all.neck->length);
+  if (!isShut) return neckStiffness(neck.youngs, rule.thickness, neck.width, neck.length);
+  return neckStiffness(neck.youngs, rule.thickness, neck.width, neck.length,
+                       {neckCorner(bricks[static_cast<std::size_t>(hinge.brickA)], hinge.cornerA),
+                        neckCorner(bricks[static_cast<std::size_t>(hinge.brickB)], hinge.cornerB)});
 }
 
 /// The angle that the model's file has for a fold.
