@@ -143,13 +143,15 @@ std::string describePenetration(const Scene& scene, const RunSummary& summary) {
   return text + "\n";
 }
 
-/// What springs hold at the hinges; empty where there are none.
+/// What springs hold at the hinges, and ligaments; empty where there are none.
 std::string describeElasticity(const std::optional<Elasticity>& found) {
   if (!found) return "";
+  const std::string ligaments =
+      found->ligaments > 0 ? fmt::format(" and {} ligaments", found->ligaments) : "";
   return fmt::format(
-      "springs at {} hinges: {:.4g} J at the start, {:.4g} J at the end, moments up to {:.4g} N m "
-      "there\n",
-      found->springs, found->energyStart, found->energyEnd, found->momentEnd);
+      "springs at {} hinges{}: {:.4g} J at the start, {:.4g} J at the end, moments up to {:.4g} N "
+      "m there\n",
+      found->springs, ligaments, found->energyStart, found->energyEnd, found->momentEnd);
 }
 
 /// Runs without a target say nothing about a path unless joints opened.

@@ -61,18 +61,26 @@ const char* jointWord(const ElementMesh& mesh) {
   return "rigid patches that turn about shared reference nodes";
 }
 
-/// What a hinge's spring would be in place of a neck. So that a user can check the order of
-/// magnitude: E (Pa), t thickness, w width and L length of the neck (m), see
+/// What hinges' springs would be in place of necks, so that a user can check the order of
+/// magnitude: E (Pa), t thickness, w width and L length of the necks (m), see
 /// sim/model/stiffness.h.
-void appendNeckStiffness(std::string& text, const NeckShape& neck, const DeckSettings& settings,
+void appendNeckStiffness(std::string& text, const ElementMesh& mesh, const DeckSettings& settings,
                          double thickness) {
+  const NeckShape& neck = mesh.rule.neck;
+  const double length = std::max(neck.length, neck.kerf);
+  std::vector<double> found;
+  for (const std::array<NeckCorner, 2>& tiles : mesh.neckCorners) {
+    found.push_back(neckStiffness(settings.material.youngs, thickness, neck.width, length, tiles));
+  }
+  if (found.empty()) return;
+  const auto [least, most] = std::ranges::minmax(found);
+  const std::string stiffest = most > 1.0001 * least ? fmt::format(" to {:.4g}", most) : "";
   append(text,
-         "** In the sheet's plane a neck beside a shut slit is a rotational spring of {:.4g} N "
-         "m/rad\n** with E = {} Pa: a beam's E t w^3 / (12 L), less what the tiles give at its "
-         "ends.\n",
-         neckStiffness(settings.material.youngs, thickness, neck.width,
-                       std::max(neck.length, neck.kerf)),
-         deckNumber(settings.material.youngs));
+         "** In the sheet's plane a neck beside a shut slit is a rotational spring of {:.4g}{} N "
+         "m/rad\n** with E = {} Pa: {}.\n",
+         least, stiffest, deckNumber(settings.material.youngs),
+         length > 0 ? "a beam's E t w^3 / (12 L), less what squares give at its ends"
+                    : "what its two tiles give, as their corners' angles are");
 }
 
 /// The header says what cannot be seen in the numbers: units, what joints are, and the two mistakes
@@ -103,7 +111,7 @@ void appendHeader(std::string& text, const ElementMesh& mesh, const DeckSettings
         "{} m,\n** kerf {} m.\n",
         deckNumber(neck.width), deckNumber(std::max(neck.length, neck.kerf)),
         deckNumber(neck.radius), deckNumber(neck.kerf));
-    appendNeckStiffness(text, neck, settings, origin.thickness);
+    appendNeckStiffness(text, mesh, settings, origin.thickness);
     return;
   }
   append(text,

@@ -8,6 +8,7 @@
 #include "sim/base/geometry.h"
 #include "sim/model/brick.h"
 #include "sim/model/model.h"
+#include "sim/model/stiffness.h"
 
 namespace kirireel {
 
@@ -114,8 +115,10 @@ struct ElementMesh {
   ElementRule rule;  ///< a patch radius of 0 replaced by the one in use
   std::vector<Vector3> nodes;
   std::vector<Element> elements;
-  std::vector<TileElements> tiles;    ///< one a brick
-  std::vector<TileElements> necks;    ///< of JointStyle::Neck: those with an area of their own
+  std::vector<TileElements> tiles;  ///< one a brick
+  std::vector<TileElements> necks;  ///< of JointStyle::Neck: those with an area of their own
+  /// Of JointStyle::Neck: the corners of both tiles at each neck, one a joint.
+  std::vector<std::array<NeckCorner, 2>> neckCorners;
   std::vector<JointNodes> joints;     ///< one a joint
   std::vector<NodeCluster> clusters;  ///< in order of their first node; none are left when shared
   std::vector<PatchSpring> springs;   ///< of JointStyle::Patch, see deck.h

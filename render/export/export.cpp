@@ -497,6 +497,11 @@ std::vector<std::string> exportWarnings(const TrajectoryReader& trajectory,
         "warning: these decks are without the run's springs at hinges, which stand between rigid "
         "patches; choose --joints patch");
   }
+  if (!trajectory.subject().ligaments.empty()) {
+    lines.emplace_back(
+        "warning: these decks join tiles exactly, where the run's ligaments stretch and shear; "
+        "--joints neck has the start with its necks");
+  }
   const double thickness = trajectory.subject().brickRule.thickness;
   for (const ChosenState& state : chooseStates(trajectory, settings.states)) {
     const double overlap = trajectory.sample(state.sample).penetration;

@@ -333,6 +333,20 @@ std::string neckGeometry(const NeckOutline& outline, const ElementRule& rule, do
   return text;
 }
 
+namespace {
+
+std::vector<std::array<NeckCorner, 2>> neckCornersOf(const Model& model, double thickness) {
+  const std::vector<Brick> bricks = makeBricks(model.tiles, {.thickness = thickness});
+  const auto at = [&](const Corner& corner) {
+    return neckCorner(bricks[static_cast<std::size_t>(corner.tile)], corner.vertex);
+  };
+  std::vector<std::array<NeckCorner, 2>> corners;
+  for (const Joint& joint : model.joints) corners.push_back({at(joint.a), at(joint.b)});
+  return corners;
+}
+
+}  // namespace
+
 ElementMesh makeNeckMesh(const Model& model, double thickness, const ElementRule& rule) {
   requireValidRule(rule);
   const NeckOutline outline = neckOutline(model, rule.neck);
@@ -341,6 +355,7 @@ ElementMesh makeNeckMesh(const Model& model, double thickness, const ElementRule
   tidy(region);
   ElementMesh mesh;
   mesh.rule = rule;
+  mesh.neckCorners = neckCornersOf(model, thickness);
   PrismLayers layers(mesh, region.cells, levelsOf(region, outline.sheet, thickness, rule));
   const std::vector<std::vector<FootprintSide>> sides = freeSides(region);
   for (std::size_t k = 0; k < regions; ++k) {

@@ -659,9 +659,9 @@ std::vector<double> Colourist::values(const Poses& poses) const {
       return degrees;
     }
     case Colouring::Moment:
-      return brickMoments(motif_.hingeSprings, poses);
+      return brickMoments(motif_.hingeSprings, motif_.ligaments, poses);
     case Colouring::Energy:
-      return brickElasticEnergies(motif_.hingeSprings, poses);
+      return brickElasticEnergies(motif_.hingeSprings, motif_.ligaments, poses);
     default:
       return brickJointGaps(motif_.pivots, poses);
   }

@@ -101,6 +101,7 @@ Json accuracyJson(const RunSummary& summary, bool hasTarget) {
 Json elasticityJson(const std::optional<Elasticity>& elasticity) {
   if (!elasticity) return nullptr;
   return {{"springs", elasticity->springs},
+          {"ligaments", elasticity->ligaments},
           {"energy_start", elasticity->energyStart},
           {"energy_end", elasticity->energyEnd},
           {"moment_end", elasticity->momentEnd}};

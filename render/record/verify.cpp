@@ -242,7 +242,7 @@ class Verifier {
       compare(kSummary, "rigid_bound", stated.at("rigid_bound"),
               rigidBound(subject.model.tiles, *subject.model.target));
     }
-    compareElasticity(summary, subject.hingeSprings, first.poses, last.poses);
+    compareElasticity(summary, subject, first.poses, last.poses);
     // A run that ended among the samples of an earlier process does not know these states.
     if (summary.at("outcome") == "interrupted" && run.end().figureStates.empty()) return;
     for (const StateFigure& figure : stateFigures(summary, subject, pivots, asRead)) {
@@ -256,15 +256,18 @@ class Verifier {
     }
   }
 
-  void compareElasticity(const Json& summary, const std::vector<HingeSpring>& springs,
-                         const Poses& start, const Poses& end) {
+  void compareElasticity(const Json& summary, const Subject& subject, const Poses& start,
+                         const Poses& end) {
     const Json stated = summary.value("elasticity", Json());
-    if (springs.empty() != stated.is_null()) {
+    const bool isElastic = !subject.hingeSprings.empty();
+    if (isElastic == stated.is_null()) {
       complain(kSummary, "elasticity and the springs in trajectory.h5 do not go together");
     }
-    if (springs.empty() || stated.is_null()) return;
-    const Elasticity found = elasticityOf(springs, start, end);
+    if (!isElastic || stated.is_null()) return;
+    const Elasticity found = elasticityOf(subject.hingeSprings, subject.ligaments, start, end);
     compare(kSummary, "elasticity.springs", stated.at("springs"), found.springs);
+    // Files of version 2 and their summaries do not tell of ligaments.
+    compare(kSummary, "elasticity.ligaments", stated.value("ligaments", 0), found.ligaments);
     compare(kSummary, "elasticity.energy_start", stated.at("energy_start"), found.energyStart);
     compare(kSummary, "elasticity.energy_end", stated.at("energy_end"), found.energyEnd);
     compare(kSummary, "elasticity.moment_end", stated.at("moment_end"), found.momentEnd);

@@ -180,26 +180,6 @@ std::unique_ptr<Dynamics> makeBulletDynamics(const Scene& scene, const std::vect
                                              const Poses& start);
 
 // ------------------------------------------------------------------------------------------------
-// What holds the tiles of a sheet together where its joints are necks of material.
-
-/// Joints that are exact, and ligaments in the place of the others. In the plane.
-struct Ties {
-  std::vector<Pivot> pivots;
-  std::vector<Ligament> ligaments;
-};
-
-/// The ties of a planar scene with these springs, which are at its hinges: a joint at a hinge is a
-/// neck where the scene has necks. Throws InputError for ligaments that could neither stretch nor
-/// shear.
-Ties tiesOf(const Scene& scene, const std::vector<Brick>& bricks,
-            const std::vector<HingeSpring>& springs);
-
-/// The ties of a scene that moves masses: as tiesOf() where it asks for ligaments, which needs a
-/// planar one; else its joints are exact, and turn about the tiles' corners. Throws InputError.
-Ties dynamicTies(const Scene& scene, const std::vector<Brick>& bricks,
-                 const std::vector<HingeSpring>& springs);
-
-// ------------------------------------------------------------------------------------------------
 // States that keep the symmetries of their model.
 
 /// Keeps a path to the symmetries that its model and its ends have: rounding, and contacts that are

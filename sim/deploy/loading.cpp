@@ -190,7 +190,7 @@ DeploymentResult followGrips(const Scene& scene, double sampleInterval,
   const std::vector<HingeSpring> springs = hingeSprings(scene, bricks);
   const std::vector<GripOrder> grips = gripsOf(scene);
   const std::size_t leading = leadingOf(grips);
-  const Ties ties = scene.hinges.panels ? Ties{} : tiesOf(scene, bricks, springs);
+  const Ties ties = tiesOf(scene, bricks, springs);
   const std::unique_ptr<LoadedSheet> sheet =
       scene.hinges.panels ? makeBarHingeSheet(scene, bricks, springs, pinnedTiles(scene), grips)
                           : planarSheet(scene, bricks, springs, ties, grips);
@@ -208,7 +208,7 @@ DeploymentResult followGrips(const Scene& scene, double sampleInterval,
   DeploymentResult result = walk(scene, path, assembleAtTarget(scene), sampleInterval, watch);
   result.loadCurve = LoadCurve{{}, leading, loaded.states};
   for (const GripOrder& grip : grips) result.loadCurve->grips.push_back(grip.name);
-  result.elasticity = elasticityOf(springs, loaded.states.front().poses, last);
+  result.elasticity = elasticityOf(springs, ties.ligaments, loaded.states.front().poses, last);
   result.atTarget.reset();
   noteTurnings(*result.loadCurve, path.path, std::min(scene.path.walkTime, scene.stop.duration),
                result);
@@ -328,15 +328,19 @@ class BarHingeMaker {
     }
   }
 
-  /// Folds between all tiles, by the length scale of folds.
+  /// Folds between all tiles, by the length scale of folds; at rest where the model's file says,
+  /// else as they stand.
   void addUsualFolds() {
     for (const auto& [edge, sides] : edges_) {
       for (std::size_t b = 1; b < sides.size(); ++b) {
         for (std::size_t a = 0; a < b; ++a) {
           if (sides[a].tile == sides[b].tile) continue;
-          addFold(sides[a], sides[b],
-                  foldStiffness(lengthOf(edge), material_.foldLength, material_.youngs,
-                                material_.poisson, thickness_));
+          Fold& fold = addFold(sides[a], sides[b],
+                               foldStiffness(lengthOf(edge), material_.foldLength, material_.youngs,
+                                             material_.poisson, thickness_));
+          const auto& angles = scene_.model.foldAngles;
+          const auto own = angles.find({sides[a].tile, sides[b].tile});
+          if (own != angles.end()) fold.rest = own->second;
         }
       }
     }

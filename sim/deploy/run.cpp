@@ -202,7 +202,8 @@ DeploymentResult Run::result() {
   if (target_.isPulledTo()) result.atTarget = target_.hasArrived(motion_.poses());
   const std::vector<HingeSpring>& springs = trajectory.hingeSprings;
   if (!springs.empty()) {
-    result.elasticity = elasticityOf(springs, motion_.start(), motion_.poses());
+    result.elasticity =
+        elasticityOf(springs, bricks_.ties.ligaments, motion_.start(), motion_.poses());
   }
   result.needs = bricks_.needs;
   result.path = bricks_.scene.path;

@@ -8,6 +8,7 @@
 #include "sim/measure/run_curves.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -401,23 +402,32 @@ std::vector<double> brickJointGaps(std::span<const Pivot> pivots, const Poses& p
   return gaps;
 }
 
-std::vector<double> brickMoments(std::span<const HingeSpring> springs, const Poses& poses) {
+std::vector<double> brickMoments(std::span<const HingeSpring> springs,
+                                 std::span<const Ligament> ligaments, const Poses& poses) {
   std::vector<double> largest(poses.size(), 0);
-  const std::vector<double> moments = hingeMoments(springs, poses);
+  const std::vector<std::array<double, 2>> moments = endMoments(springs, ligaments, poses);
   for (std::size_t s = 0; s < springs.size(); ++s) {
-    for (const int brick : {springs[s].hinge.brickA, springs[s].hinge.brickB}) {
-      largest[brick] = std::max(largest[brick], std::abs(moments[s]));
-    }
+    const auto [onA, onB] = moments[s];
+    double& a = largest[springs[s].hinge.brickA];
+    double& b = largest[springs[s].hinge.brickB];
+    a = std::max(a, std::abs(onA));
+    b = std::max(b, std::abs(onB));
   }
   return largest;
 }
 
-std::vector<double> brickElasticEnergies(std::span<const HingeSpring> springs, const Poses& poses) {
+std::vector<double> brickElasticEnergies(std::span<const HingeSpring> springs,
+                                         std::span<const Ligament> ligaments, const Poses& poses) {
   std::vector<double> energies(poses.size(), 0);
+  const auto share = [&](int brickA, int brickB, double energy) {
+    energies[brickA] += 0.5 * energy;
+    energies[brickB] += 0.5 * energy;
+  };
   for (const HingeSpring& spring : springs) {
-    const double half = 0.5 * elasticEnergy({&spring, 1}, poses);
-    energies[spring.hinge.brickA] += half;
-    energies[spring.hinge.brickB] += half;
+    share(spring.hinge.brickA, spring.hinge.brickB, elasticEnergy({&spring, 1}, poses));
+  }
+  for (const Ligament& ligament : ligaments) {
+    share(ligament.brickA, ligament.brickB, ligamentEnergy(ligament, poses).energy);
   }
   return energies;
 }

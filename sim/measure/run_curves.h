@@ -127,11 +127,14 @@ std::vector<double> brickRotations(const Poses& start, const Poses& poses);
 /// For each brick the largest gap of its pivots, metres; 0 for a brick without joints.
 std::vector<double> brickJointGaps(std::span<const Pivot> pivots, const Poses& poses);
 
-/// For each brick the largest moment of the springs at its hinges, in size, N m; 0 without any.
-std::vector<double> brickMoments(std::span<const HingeSpring> springs, const Poses& poses);
+/// For each brick the largest moment on it of what joins it at its hinges, in size, N m; 0 without
+/// any. See endMoments().
+std::vector<double> brickMoments(std::span<const HingeSpring> springs,
+                                 std::span<const Ligament> ligaments, const Poses& poses);
 
-/// For each brick what the springs at its hinges hold, joules: each of a spring's two bricks counts
-/// one half, so that all bricks together hold what all springs do.
-std::vector<double> brickElasticEnergies(std::span<const HingeSpring> springs, const Poses& poses);
+/// For each brick what springs and ligaments at its hinges hold, joules: each of their two bricks
+/// counts one half, so that all bricks together hold what all of them do.
+std::vector<double> brickElasticEnergies(std::span<const HingeSpring> springs,
+                                         std::span<const Ligament> ligaments, const Poses& poses);
 
 }  // namespace kirireel

@@ -12,8 +12,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <tuple>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -361,6 +363,7 @@ class Splitter {
     }
     // Before the tiles are cut, while corner numbers are still those of the whole tile.
     moveCorners(tile, parts, numbers);
+    moveFolds(tile, parts, numbers);
     cutTiles(model_.tiles, tile, parts);
     if (model_.target) cutTiles(*model_.target, tile, parts);
     joinParts(parts, numbers);
@@ -408,6 +411,26 @@ class Splitter {
     }
     if (model_.hull) std::ranges::for_each(*model_.hull, move);
     for (Mend& mend : model_.mends) std::ranges::for_each(mend.corners, move);
+  }
+
+  // A fold goes to the part that has its edge: two corners in common with the other tile.
+  void moveFolds(int tile, const std::vector<Part>& parts, const std::vector<int>& numbers) {
+    const std::vector<Tile>& tiles = model_.tiles;
+    const auto moved = [&](int own, int other) {
+      if (own != tile) return own;
+      const auto isShared = [&](int corner) {
+        return std::ranges::count(tiles[other].vertices, tiles[tile].vertices[corner]) > 0;
+      };
+      for (std::size_t k = 0; k < parts.size(); ++k) {
+        if (std::ranges::count_if(parts[k], isShared) >= 2) return numbers[k];
+      }
+      return own;
+    };
+    std::map<std::pair<int, int>, double> folds;
+    for (const auto& [pair, angle] : model_.foldAngles) {
+      folds[{moved(pair.first, pair.second), moved(pair.second, pair.first)}] = angle;
+    }
+    model_.foldAngles = std::move(folds);
   }
 
   static void cutTiles(std::vector<Tile>& tiles, int tile, const std::vector<Part>& parts) {

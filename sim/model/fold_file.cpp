@@ -6,7 +6,8 @@
 //    the last the target.
 // 3. Joints: the key kirireel:joints, where there is one ([tile, vertex, tile, vertex, face, kind]
 //    for each; kind 0 pivot, 1 link, 2 fixed, absent for 0), else the edges (fold_file.h).
-// 4. With one state, the target of a flat sheet is that state folded by its edges_foldAngle.
+// 4. With one state, the target of a flat sheet is that state folded by its edges_foldAngle. With
+//    any number of them, springs at folds rest at these angles.
 //
 // Writing merges corners into one vertex only where they agree to the last bit in both states, so
 // that reading gives the same doubles back. Joints of corners that differ by rounding survive
@@ -380,7 +381,7 @@ void foldAlong(const std::vector<Crease>& creases, const CornerNumbers& faces, M
   if (worst > kTorn * tileSize(model)) {
     warnings.push_back(
         fmt::format("{}: warning: folded by its edges_foldAngle, joints would open by "
-                    "{:.2g} m; the angles are left out, and there is no target",
+                    "{:.2g} m; there is no target, and springs at folds rest at these angles",
                     file.string(), worst));
     return;
   }
@@ -438,6 +439,7 @@ Model readFold(const fs::path& file, std::vector<std::string>& warnings) {
   if (states.size() == 1) foldAlong(creases, faces, model, file, warnings);
   model.pulledTiles = reader.pulledTiles(model.tiles.size());
   turnClockwiseTiles(start, model, warnings);
+  model.foldAngles = foldAnglesOf(faces, creases, model, file);
   return model;
 }
 
@@ -455,7 +457,7 @@ void writeFold(const Model& inOrder, const fs::path& file) {
   json["frame_classes"] = {isFlat ? "creasePattern" : "foldedForm"};
   json["vertices_coords"] = coordinatesOf(model.tiles, numbers);
   json["faces_vertices"] = numbers;
-  addCreases(creasesOf(numbers, model.target && isFlat ? *model.target : model.tiles), json);
+  addCreases(creasesOf(numbers, inOrder), json);
   if (model.target) {
     Json frame;
     frame["frame_title"] = "target";
@@ -676,6 +678,50 @@ std::optional<std::vector<Tile>> foldedTiles(const CornerNumbers& faces,
   return folded;
 }
 
+namespace {
+
+/// 1 where a file's angle counts seen from the upper side of a tile, else -1: those of a flat sheet
+/// count seen from above.
+double fileSign(const Model& model, bool isFlat, int tile) {
+  return isFlat && tileNormal(model.tiles[tile]).z() < 0 ? -1 : 1;
+}
+
+void foldBy(double degrees, Crease& crease) {
+  crease.foldAngle = std::abs(degrees) > kFlatEdge ? degrees : 0;
+  crease.assignment = *crease.foldAngle > 0 ? 'V' : *crease.foldAngle < 0 ? 'M' : 'F';
+}
+
+}  // namespace
+
+std::map<std::pair<int, int>, double> foldAnglesOf(const CornerNumbers& faces,
+                                                   const std::vector<Crease>& creases,
+                                                   const Model& model, const fs::path& file) {
+  const auto sides = sidesByEnds(faces);
+  const bool isFlat = liesFlat(model.tiles, 1e-9 * modelSize(model));
+  std::map<std::pair<int, int>, double> angles;
+  for (const Crease& crease : creases) {
+    const auto both = sides.find(std::minmax(crease.from, crease.to));
+    const bool folds = std::string_view("BCJ").find(crease.assignment) == std::string_view::npos;
+    if (!crease.foldAngle || !folds || both == sides.end() || both->second.size() != 2) continue;
+    const FaceSide &first = both->second[0], &second = both->second[1];
+    if (first.face == second.face) continue;
+    const double angle = fileSign(model, isFlat, first.face) * *crease.foldAngle * kDegree;
+    const auto [known, isNew] = angles.try_emplace({first.face, second.face}, angle);
+    if (!isNew && std::abs(known->second - angle) > kFlatEdge * kDegree) {
+      throw inputErrorAt(
+          {file}, fmt::format("edges_foldAngle has the angles {:g} and {:g} for two "
+                              "edges of the faces {} and {}, which turn about one "
+                              "line; correct one of the two",
+                              known->second / kDegree, angle / kDegree, first.face, second.face));
+    }
+    // Faces of one sense, which flat ones have, run along their edge in opposite directions.
+    const bool isAlike =
+        isFlat || faces[first.face][first.corner] != faces[second.face][second.corner];
+    angles.try_emplace({second.face, first.face}, isAlike ? angle : -angle);
+  }
+  return angles;
+}
+
 std::vector<Crease> creasesOf(const CornerNumbers& faces, const std::vector<Tile>& state) {
   std::vector<Crease> creases;
   for (const auto& [ends, both] : sidesByEnds(faces)) {
@@ -689,8 +735,25 @@ std::vector<Crease> creasesOf(const CornerNumbers& faces, const std::vector<Tile
     const bool isAlike = faces[first.face][first.corner] != faces[second.face][second.corner];
     const Vector3 other = (isAlike ? 1 : -1) * tileNormal(state[second.face]);
     const double angle = -std::atan2(normal.cross(other).dot(along), normal.dot(other)) / kDegree;
-    crease.foldAngle = std::abs(angle) > kFlatEdge ? angle : 0;
-    crease.assignment = *crease.foldAngle > 0 ? 'V' : *crease.foldAngle < 0 ? 'M' : 'F';
+    foldBy(angle, crease);
+  }
+  return creases;
+}
+
+// The edges come in the order of sidesByEnds(), as there. Tiles that were turned round have the
+// angles of the sheet as it lies now.
+std::vector<Crease> creasesOf(const CornerNumbers& faces, const Model& inOrder) {
+  const Model model = inFileOrder(inOrder);
+  const bool isFlat = liesFlat(model.tiles, 1e-9 * modelSize(model));
+  std::vector<Crease> creases =
+      creasesOf(faces, model.target && isFlat ? *model.target : model.tiles);
+  auto crease = creases.begin();
+  for (const auto& [ends, both] : sidesByEnds(faces)) {
+    Crease& own = *crease++;
+    if (both.size() != 2) continue;
+    const auto found = inOrder.foldAngles.find({both[0].face, both[1].face});
+    if (found == inOrder.foldAngles.end()) continue;
+    foldBy(fileSign(inOrder, isFlat, both[0].face) * found->second / kDegree, own);
   }
   return creases;
 }

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sim/model/model.h"
@@ -14,10 +16,11 @@ namespace kirireel {
 /// Reads a sheet: the first frame with coordinates is the start, the last one, if there are more,
 /// the target. faces_vertices are tiles; vertices that faces share are joints, so that faces with a
 /// common edge are hinged, unless the edge is a cut or joins them to one piece. A flat sheet in one
-/// frame goes where its edges_foldAngle fold it. Keys of Kirireel's own, which writeFold leaves,
-/// say more.
+/// frame goes where its edges_foldAngle fold it, and springs at folds rest at these angles. Keys of
+/// Kirireel's own, which writeFold leaves, say more.
 ///
-/// Throws InputError for text that is no JSON, no faces, wrong numbers, tiles that make no bricks.
+/// Throws InputError for text that is no JSON, no faces, wrong numbers, tiles that make no bricks,
+/// and two edges of the same two faces that fold by different angles.
 /// Coordinates count as metres, whatever the file's frame_unit says. Appends to warnings what a run
 /// can live with: tiles of a target that are not congruent, angles that do not close.
 Model readFold(const std::filesystem::path& file, std::vector<std::string>& warnings);
@@ -57,10 +60,25 @@ std::optional<std::vector<Tile>> foldedTiles(const CornerNumbers& faces,
                                              const std::vector<Crease>& creases,
                                              const std::vector<Tile>& tiles);
 
+/// The angles of the folds between two faces, as Model::foldAngles has them: of all edges that two
+/// faces share and a crease gives an angle, but for cuts and joins. `model` has the faces as tiles;
+/// where they lie flat, angles count seen from above as in foldedTiles(), else seen from the face
+/// with the lower number as in creasesOf(). Throws InputError, which names the file, where two
+/// edges of the same faces have different angles.
+std::map<std::pair<int, int>, double> foldAnglesOf(const CornerNumbers& faces,
+                                                   const std::vector<Crease>& creases,
+                                                   const Model& model,
+                                                   const std::filesystem::path& file);
+
 /// The edges of all faces, each once: boundary where one face has it, else mountain, valley or flat
 /// with the angle by which `state`, the folded faces, turns about it.
 /// Edges come in the order of their vertex numbers. Where more than two faces share one, the angle
 /// is that between the first two.
 std::vector<Crease> creasesOf(const CornerNumbers& faces, const std::vector<Tile>& state);
+
+/// Those that the model's file is written with: a flat sheet folds to its target, others are as
+/// they stand, and Model::foldAngles come before both. `faces` number the corners in the order of
+/// the model's own file.
+std::vector<Crease> creasesOf(const CornerNumbers& faces, const Model& model);
 
 }  // namespace kirireel

@@ -183,16 +183,6 @@ double elasticEnergy(std::span<const HingeSpring> springs, const Poses& poses) {
   return sum;
 }
 
-Elasticity elasticityOf(std::span<const HingeSpring> springs, const Poses& start,
-                        const Poses& end) {
-  Elasticity found{static_cast<int>(springs.size()), elasticEnergy(springs, start),
-                   elasticEnergy(springs, end)};
-  for (const double moment : hingeMoments(springs, end)) {
-    found.momentEnd = std::max(found.momentEnd, std::abs(moment));
-  }
-  return found;
-}
-
 // ------------------------------------------------------------------------------------------------
 // With l the vector from point A to point B, l0 that of the start and phi the turns of the bricks,
 //   E = k_l (|l| - |l0|)^2 / 2 + k_s gamma^2 / 2,   gamma = angle(l0, l) - (phi_A + phi_B) / 2,
@@ -327,15 +317,25 @@ LigamentEnergy ligamentEnergy(const Ligament& ligament, const Vector3& between, 
               ks * (ofShear * ofShear.transpose() + shear * shearBend)};
 }
 
+namespace {
+
+/// The turns of both bricks about z since the start. That of B is taken near that of A, since each
+/// is known to whole turns alone.
+std::array<double, 2> turnsOf(const Ligament& ligament, const Poses& poses) {
+  const auto turnOf = [&](int brick) {
+    const Quaternion& rotation = poses[static_cast<std::size_t>(brick)].rotation;
+    return 2 * std::atan2(rotation.z(), rotation.w());
+  };
+  const double turnA = turnOf(ligament.brickA), turnB = turnOf(ligament.brickB);
+  return {turnA, turnA + std::remainder(turnB - turnA, 2 * std::numbers::pi)};
+}
+
+}  // namespace
+
 LigamentEnergy ligamentEnergy(const Ligament& ligament, const Poses& poses) {
   const Pose& a = poses[static_cast<std::size_t>(ligament.brickA)];
   const Pose& b = poses[static_cast<std::size_t>(ligament.brickB)];
-  const auto turnOf = [](const Quaternion& rotation) {
-    return 2 * std::atan2(rotation.z(), rotation.w());
-  };
-  const double turnA = turnOf(a.rotation);
-  // The turn of B is taken near that of A, since each is known to whole turns alone.
-  const double turnB = turnA + std::remainder(turnOf(b.rotation) - turnA, 2 * std::numbers::pi);
+  const auto [turnA, turnB] = turnsOf(ligament, poses);
   return ligamentEnergy(ligament, b.position - a.position, a.rotation * ligament.pointA,
                         b.rotation * ligament.pointB, turnA, turnB);
 }
@@ -344,6 +344,56 @@ double elasticEnergy(std::span<const Ligament> ligaments, const Poses& poses) {
   double sum = 0;
   for (const Ligament& ligament : ligaments) sum += ligamentEnergy(ligament, poses).energy;
   return sum;
+}
+
+// ------------------------------------------------------------------------------------------------
+// Springs and ligaments together.
+
+namespace {
+
+/// What a ligament turns a brick by about its own end there, N m about z: with its ends in the
+/// place of both bricks' centres its energy changes by turns alone.
+double endMoment(const Ligament& ligament, int brick, const Poses& poses) {
+  const Vector3 between = poses[static_cast<std::size_t>(ligament.brickB)].apply(ligament.pointB) -
+                          poses[static_cast<std::size_t>(ligament.brickA)].apply(ligament.pointA);
+  const auto [turnA, turnB] = turnsOf(ligament, poses);
+  const Vector6 slope =
+      ligamentEnergy(ligament, between, Vector3::Zero(), Vector3::Zero(), turnA, turnB).gradient;
+  return brick == ligament.brickA ? -slope[2] : -slope[5];
+}
+
+}  // namespace
+
+std::vector<std::array<double, 2>> endMoments(std::span<const HingeSpring> springs,
+                                              std::span<const Ligament> ligaments,
+                                              const Poses& poses) {
+  std::map<std::pair<int, int>, const Ligament*> byBricks;
+  for (const Ligament& one : ligaments) byBricks[std::minmax(one.brickA, one.brickB)] = &one;
+  std::vector<std::array<double, 2>> moments;
+  for (const HingeSpring& spring : springs) {
+    const Hinge& hinge = spring.hinge;
+    const double own = hingeMoments({&spring, 1}, poses).front();
+    std::array<double, 2>& both = moments.emplace_back(std::array{-own, own});
+    const auto found = byBricks.find(std::minmax(hinge.brickA, hinge.brickB));
+    if (found == byBricks.end()) continue;
+    // In the plane the hinge's axis is z or its opposite, whatever the pose.
+    both[0] += hinge.axis.z() * endMoment(*found->second, hinge.brickA, poses);
+    both[1] += hinge.axis.z() * endMoment(*found->second, hinge.brickB, poses);
+  }
+  return moments;
+}
+
+Elasticity elasticityOf(std::span<const HingeSpring> springs, std::span<const Ligament> ligaments,
+                        const Poses& start, const Poses& end) {
+  const auto energyAt = [&](const Poses& poses) {
+    return elasticEnergy(springs, poses) + elasticEnergy(ligaments, poses);
+  };
+  Elasticity found{static_cast<int>(springs.size()), static_cast<int>(ligaments.size()),
+                   energyAt(start), energyAt(end)};
+  for (const auto& [onA, onB] : endMoments(springs, ligaments, end)) {
+    found.momentEnd = std::max({found.momentEnd, std::abs(onA), std::abs(onB)});
+  }
+  return found;
 }
 
 }  // namespace kirireel

@@ -72,16 +72,6 @@ std::vector<double> hingeMoments(std::span<const HingeSpring> springs, const Pos
 /// What the springs hold at these poses, joules: the sum of stiffness (angle - rest)^2 / 2.
 double elasticEnergy(std::span<const HingeSpring> springs, const Poses& poses);
 
-/// What springs hold at the two ends of a run.
-struct Elasticity {
-  int springs = 0;         ///< how many
-  double energyStart = 0;  ///< joules
-  double energyEnd = 0;    ///< joules
-  double momentEnd = 0;    ///< the largest of all springs in size at the end, N m
-};
-
-Elasticity elasticityOf(std::span<const HingeSpring> springs, const Poses& start, const Poses& end);
-
 // ------------------------------------------------------------------------------------------------
 // Elastic ligaments in place of exact joints: what stretching and shearing a neck costs. Its
 // bending is that of the spring at its hinge. In the plane.
@@ -134,5 +124,28 @@ LigamentEnergy ligamentEnergy(const Ligament& ligament, const Poses& poses);
 
 /// What ligaments hold at these poses, joules.
 double elasticEnergy(std::span<const Ligament> ligaments, const Poses& poses);
+
+// ------------------------------------------------------------------------------------------------
+// Springs and ligaments together: a neck is a ligament, and the spring at its hinge.
+
+/// The moments on both bricks of each spring's hinge, N m, about the hinge's axis: on brick A, then
+/// on brick B, at rest. Those of the spring alone are opposite and equal. A ligament between the
+/// two adds its own about its end at each brick, so that these are what a neck's ends carry: as a
+/// beam that is sheared, each end carries half of shear stiffness times angle more, or less.
+std::vector<std::array<double, 2>> endMoments(std::span<const HingeSpring> springs,
+                                              std::span<const Ligament> ligaments,
+                                              const Poses& poses);
+
+/// What springs and ligaments hold at the two ends of a run.
+struct Elasticity {
+  int springs = 0;         ///< how many
+  int ligaments = 0;       ///< how many
+  double energyStart = 0;  ///< of both, joules
+  double energyEnd = 0;    ///< joules
+  double momentEnd = 0;    ///< the largest of endMoments() in size at the end, N m
+};
+
+Elasticity elasticityOf(std::span<const HingeSpring> springs, std::span<const Ligament> ligaments,
+                        const Poses& start, const Poses& end);
 
 }  // namespace kirireel

@@ -1,8 +1,10 @@
 /// The model: what a kirigami sheet is, before any physics.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sim/base/geometry.h"
@@ -73,9 +75,14 @@ struct Model {
   std::vector<Joint> joints;                    ///< in file order
   std::optional<std::vector<Tile>> target;      ///< wanted positions, vertex by vertex as in tiles
   std::optional<std::vector<int>> pulledTiles;  ///< tiles that feel target forces; all if absent
-  std::optional<std::vector<Corner>> hull;      ///< the corners round the outside, in order
-  std::string hullFault;                        ///< why a hull that is there was left out, if so
-  FileOrder fileOrder;                          ///< how its file counts and orders
+  /// By how much its file folds the edge that two tiles share, radians from -pi to pi, 0 flat:
+  /// above 0 where they turn towards the upper side of the first of the two, a valley. Springs of
+  /// folds rest there. Each fold is in it both ways round; those that the file says nothing of are
+  /// not.
+  std::map<std::pair<int, int>, double> foldAngles;
+  std::optional<std::vector<Corner>> hull;  ///< the corners round the outside, in order
+  std::string hullFault;                    ///< why a hull that is there was left out, if so
+  FileOrder fileOrder;                      ///< how its file counts and orders
   double rounding = 0;      ///< the last digit that coordinates were rounded to, metres; 0 for none
   std::vector<Mend> mends;  ///< what its reader put right
 };

@@ -155,6 +155,12 @@ CornerNeck cornerNeck(double youngs, double thickness, double width,
           sheet / row.shear, kCornerNeckOpening};
 }
 
+double neckStiffness(double youngs, double thickness, double width, double length,
+                     const std::array<NeckCorner, 2>& tiles) {
+  return length > 0 ? neckStiffness(youngs, thickness, width, length)
+                    : cornerNeck(youngs, thickness, width, tiles).bending;
+}
+
 // ------------------------------------------------------------------------------------------------
 // The stiffnesses of the bar and hinge model.
 //

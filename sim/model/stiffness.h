@@ -64,6 +64,12 @@ struct CornerNeck {
 CornerNeck cornerNeck(double youngs, double thickness, double width,
                       const std::array<NeckCorner, 2>& tiles);
 
+/// The moment per angle, N m/rad, of a neck between two tiles with these corners beside a shut
+/// slit: without a length cornerNeck()'s bending, else neckStiffness(), whose ends are those of
+/// squares for all tiles.
+double neckStiffness(double youngs, double thickness, double width, double length,
+                     const std::array<NeckCorner, 2>& tiles);
+
 // ------------------------------------------------------------------------------------------------
 // How stiffly tiles stretch and bend, and folds turn, as bars and hinges.
 //

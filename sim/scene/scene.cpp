@@ -62,6 +62,14 @@ bool leavesPlane(const InitialVelocity& velocity) {
   return velocity.linear.z() != 0 || !velocity.angular.head<2>().isZero(0);
 }
 
+/// Whether springs at folds rest where the model's file has them folded.
+bool foldsOutOfPlane(const Scene& scene) {
+  constexpr double kFlatFold = 1e-6 * kDegree;
+  return scene.hinges.areOn() && !scene.hinges.rest &&
+         std::ranges::any_of(scene.model.foldAngles,
+                             [](const auto& fold) { return std::abs(fold.second) > kFlatFold; });
+}
+
 // The first reason found is the one told; their order goes from the most to the least basic.
 Need planarNeed(const Scene& scene) {
   // An answer that was asked for is not questioned.
@@ -82,6 +90,7 @@ Need planarNeed(const Scene& scene) {
   if (std::ranges::any_of(scene.velocities, leavesPlane)) {
     return {false, "tiles begin with a speed out of the plane"};
   }
+  if (foldsOutOfPlane(scene)) return {false, "springs fold the sheet as its file says"};
   if (dragsOutOfPlane(scene, tolerance)) return {false, "a tile is dragged out of the plane"};
   if (!scene.environment.obstacles.empty()) return {false, "obstacles push out of the plane"};
   const Vector3& gravity = scene.environment.gravity;

@@ -178,7 +178,8 @@ void completeScene(const SceneParts& parts, Scene& scene, std::vector<std::strin
 //    an origami meet and the joints form a chain. For these folds all corners at one place are
 //    joined pair by pair first, face by face, and folds that this adds are hinges too.
 // 2. Each hinge gets a stiffness (N m/rad), a rest angle (rad) and a damping (N m s/rad): those of
-//    its line in the file where the line has them, else those of all hinges. The stiffness of all
+//    its line in the file where the line has them, else those of all hinges; a fold rests else at
+//    the angle that a FOLD file has for it, all others at that of the start. The stiffness of all
 //    hinges may be that of a neck of material (stiffness.h) where tiles turn about a corner. A
 //    neck without length beside a slit that is shut at the start has the stiffness of the end of a
 //    crack, which is its own table.
@@ -329,14 +330,19 @@ double stiffnessOf(const HingeSettings& all, const Hinge& hinge, const std::vect
   // Necks stand at corners. A fold has the stiffness of all hinges.
   const bool isCorner = hinge.least == 0;
   if (!all.neck || !isCorner) return all.stiffness;
+  const HingeNeck& neck = *all.neck;
   const bool isShut = hinge.start <= kAngleRounding;
-  if (isShut && all.neck->length == 0) {
-    const std::array<NeckCorner, 2> tiles = {
-        neckCorner(bricks[static_cast<std::size_t>(hinge.brickA)], hinge.cornerA),
-        neckCorner(bricks[static_cast<std::size_t>(hinge.brickB)], hinge.cornerB)};
-    return cornerNeck(all.neck->youngs, rule.thickness, all.neck->width, tiles).bending;
-  }
-  return neckStiffness(all.neck->youngs, rule.thickness, all.neck->width, all.neck->length);
+  if (!isShut) return neckStiffness(neck.youngs, rule.thickness, neck.width, neck.length);
+  return neckStiffness(neck.youngs, rule.thickness, neck.width, neck.length,
+                       {neckCorner(bricks[static_cast<std::size_t>(hinge.brickA)], hinge.cornerA),
+                        neckCorner(bricks[static_cast<std::size_t>(hinge.brickB)], hinge.cornerB)});
+}
+
+/// The angle that the model's file has for a fold.
+std::optional<double> fileAngle(const Model& model, const Hinge& hinge) {
+  const auto found = model.foldAngles.find({hinge.brickA, hinge.brickB});
+  if (!isFold(hinge) || found == model.foldAngles.end()) return std::nullopt;
+  return found->second;
 }
 
 /// The lines of the file by their tiles, the lower first.
@@ -394,9 +400,10 @@ std::vector<HingeSpring> hingeSprings(const Scene& scene, const std::vector<Bric
       lines.erase(line);
     }
     const std::optional<double> rest = own.rest ? own.rest : all.rest;
+    const double usualRest = fileAngle(scene.model, hinge).value_or(hinge.start);
     const HingeSpring spring{hinge,
                              own.stiffness.value_or(stiffnessOf(all, hinge, bricks, scene.brick)),
-                             rest.value_or(hinge.start), own.damping.value_or(all.damping)};
+                             rest.value_or(usualRest), own.damping.value_or(all.damping)};
     if (spring.stiffness == 0 && spring.damping == 0) continue;
     if (rest) requireRoomAtRest(spring, own.rest ? &own : nullptr, scene.model);
     springs.push_back(spring);
@@ -405,6 +412,156 @@ std::vector<HingeSpring> hingeSprings(const Scene& scene, const std::vector<Bric
     refuseLine(*lines.begin()->second, found, scene.model.fileOrder.countsFrom);
   }
   return springs;
+}
+
+// ------------------------------------------------------------------------------------------------
+// Joints of necks: which joint is exact, which one a ligament.
+//
+// A neck at a joint of two tiles has, where the slit beside it is shut at the start, an axis that
+// lies beside the corner along the slit (neckAxis()). With a length, and where ligaments are asked
+// for, it becomes a straight ligament whose middle is the joint and which runs from tile A to tile
+// B. Without a length it is the end of the slit: a pin that parts across the slit and slides along
+// it. All other joints stay exact.
+
+namespace {
+
+/// The directions of both edges from a corner, unit.
+/// The corner's next and last neighbour give them, in the order of the tile's corners.
+std::array<Vector3, 2> edgesAt(const Brick& brick, int corner) {
+  const std::size_t count = brick.bottom.size();
+  const auto k = static_cast<std::size_t>(corner);
+  return {(brick.bottom[(k + 1) % count] - brick.bottom[k]).normalized(),
+          (brick.bottom[(k + count - 1) % count] - brick.bottom[k]).normalized()};
+}
+
+/// The direction from a corner into its tile.
+/// The sum of two unit edges bisects the corner's angle; its length is no measure.
+Vector3 inwardAt(const Brick& brick, int corner) {
+  const auto [next, last] = edgesAt(brick, corner);
+  return next + last;
+}
+
+/// The edge of both tiles that starts at their joint, unit, where a shut slit lies along one.
+std::optional<Vector3> slitAt(const Pivot& pivot, const std::vector<Brick>& bricks) {
+  constexpr double kFlush = 1e-6;  // of the cosine
+  const Brick& brickA = bricks[static_cast<std::size_t>(pivot.brickA)];
+  const Brick& brickB = bricks[static_cast<std::size_t>(pivot.brickB)];
+  for (const Vector3& a : edgesAt(brickA, pivot.cornerA)) {
+    for (const Vector3& b : edgesAt(brickB, pivot.cornerB)) {
+      if (a.dot(b) > 1 - kFlush) return a;
+    }
+  }
+  return std::nullopt;
+}
+
+/// The corners of both tiles at their joint.
+std::array<NeckCorner, 2> neckCorners(const Pivot& pivot, const std::vector<Brick>& bricks) {
+  return {neckCorner(bricks[static_cast<std::size_t>(pivot.brickA)], pivot.cornerA),
+          neckCorner(bricks[static_cast<std::size_t>(pivot.brickB)], pivot.cornerB)};
+}
+
+/// The neck at a joint as a ligament: its middle is the joint, and it runs from one tile to the
+/// other.
+Ligament ligamentAt(const Pivot& pivot, const std::vector<Brick>& bricks, const Scene& scene) {
+  const HingeNeck& neck = *scene.hinges.neck;
+  const Vector3 across =
+      inwardAt(bricks[static_cast<std::size_t>(pivot.brickB)], pivot.cornerB).normalized() -
+      inwardAt(bricks[static_cast<std::size_t>(pivot.brickA)], pivot.cornerA).normalized();
+  Ligament ligament{pivot.brickA, pivot.brickB, pivot.joint};
+  // The ligament runs along the difference of the two inward directions: from tile A to tile B
+  // across the slit.
+  ligament.start = neck.length * across.normalized();
+  ligament.pointA = pivot.pointA - 0.5 * ligament.start;
+  ligament.pointB = pivot.pointB + 0.5 * ligament.start;
+  setNeckStiffness(neck.youngs, neck.poisson, scene.brick.thickness, neck.width, neck.length,
+                   ligament);
+  return ligament;
+}
+
+/// A neck without a length at the end of a shut slit, as the pin that its tiles make of it.
+Ligament pinAt(const Pivot& pivot, const std::vector<Brick>& bricks, const Vector3& slit,
+               const Scene& scene) {
+  const CornerNeck neck = cornerNeck(scene.hinges.neck->youngs, scene.brick.thickness,
+                                     scene.hinges.neck->width, neckCorners(pivot, bricks));
+  Ligament pin{pivot.brickA, pivot.brickB, pivot.joint,
+               pivot.pointA, pivot.pointB, Vector3::Zero()};
+  pin.across = slit.cross(Vector3::UnitZ());
+  pin.stretchStiffness = neck.stretch;
+  pin.shearStiffness = neck.shear;
+  // B turns by z as the slit opens where it lies on that side of it.
+  const Brick& brickB = bricks[static_cast<std::size_t>(pivot.brickB)];
+  const double sign = inwardAt(brickB, pivot.cornerB).dot(pin.across) < 0 ? 1 : -1;
+  pin.opening = {sign * neck.bending * neck.opening[0], neck.bending * neck.opening[1]};
+  return pin;
+}
+
+/// Adds what a neck at a hinge is: under grips one that is no more than the end of a slit always
+/// gives as its tiles do, and others where ligaments are asked for.
+void addNeck(Pivot pivot, const std::vector<Brick>& bricks, const Scene& scene, Ties& ties) {
+  const HingeNeck& neck = *scene.hinges.neck;
+  const std::optional<Vector3> slit = slitAt(pivot, bricks);
+  if (slit) {
+    // Its axis is beside the corner.
+    const double axis = neckAxis(neck.width, neck.length, neckCorners(pivot, bricks));
+    pivot.pointA += axis * *slit;
+    pivot.pointB += axis * *slit;
+  }
+  if (slit && neck.length == 0) {
+    ties.ligaments.push_back(pinAt(pivot, bricks, *slit, scene));
+  } else if (scene.hinges.areLigaments) {
+    if (neck.length == 0) {
+      throw InputError(
+          "error: --ligaments needs necks with a length where no slit is shut, for a neck without "
+          "one neither stretches nor shears there; give one in --hinge-neck, or leave --ligaments "
+          "away");
+    }
+    ties.ligaments.push_back(ligamentAt(pivot, bricks, scene));
+  } else {
+    ties.pivots.push_back(pivot);
+  }
+}
+
+}  // namespace
+
+// A joint is a neck where its two bricks share a hinge that has a spring. Upper pivots coincide
+// with lower ones in the plane and are left out.
+Ties tiesOf(const Scene& scene, const std::vector<Brick>& bricks,
+            const std::vector<HingeSpring>& springs) {
+  if (scene.hinges.panels) return {};
+  std::set<std::pair<int, int>> hinges;
+  for (const HingeSpring& spring : springs) {
+    hinges.insert(std::minmax(spring.hinge.brickA, spring.hinge.brickB));
+  }
+  Ties ties;
+  for (const Pivot& pivot : makePivots(scene.model.joints, bricks)) {
+    if (pivot.isUpper) continue;
+    const bool isNeck =
+        scene.hinges.neck && hinges.contains(std::minmax(pivot.brickA, pivot.brickB));
+    if (isNeck) {
+      addNeck(pivot, bricks, scene, ties);
+    } else {
+      ties.pivots.push_back(pivot);
+    }
+  }
+  return ties;
+}
+
+// Without ligaments all pivots are exact, upper ones too, since the scene may be in space.
+Ties dynamicTies(const Scene& scene, const std::vector<Brick>& bricks,
+                 const std::vector<HingeSpring>& springs) {
+  if (!scene.hinges.areLigaments) return {makePivots(scene.model.joints, bricks), {}};
+  if (const Need planar = sceneNeeds(scene).planar; !planar.on) {
+    throw InputError(fmt::format(
+        "error: --ligaments gives necks in the plane alone, but {}; leave it away", planar.reason));
+  }
+  return tiesOf(scene, bricks, springs);
+}
+
+std::vector<Ligament> ligamentsOf(const Scene& scene, const std::vector<Brick>& bricks,
+                                  const std::vector<HingeSpring>& springs) {
+  if (springs.empty()) return {};  // ligaments stand at hinges with springs alone
+  const bool isLoaded = !scene.grips.empty();
+  return (isLoaded ? tiesOf : dynamicTies)(scene, bricks, springs).ligaments;
 }
 
 }  // namespace kirireel

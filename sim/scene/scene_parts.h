@@ -42,9 +42,35 @@ std::vector<OwnHingeSpring> readHingeSprings(const std::filesystem::path& file, 
 
 /// The springs of a scene's hinges, in the order of findHinges(), and then of the folds between
 /// tiles whose common corners are joined by way of others: those with a stiffness or a damping.
-/// `bricks` are the scene's. Throws InputError where nothing has an axis to turn about, where a
-/// line of the file names no hinge, and where bricks would lie in each other at the rest angle.
-/// Empty where scene.hinges asks for nothing. Costs about O(joints log joints).
+/// Their rest angle is that of the line, else that of all hinges, else at a fold that of the
+/// model's file (Model::foldAngles), else the angle at the start. `bricks` are the scene's. Throws
+/// InputError where nothing has an axis to turn about, where a line of the file names no hinge, and
+/// where bricks would lie in each other at the rest angle. Empty where scene.hinges asks for
+/// nothing. Costs about O(joints log joints).
 std::vector<HingeSpring> hingeSprings(const Scene& scene, const std::vector<Brick>& bricks);
+
+// ------------------------------------------------------------------------------------------------
+// What holds the tiles of a sheet together where its joints are necks of material.
+
+/// Joints that are exact, and ligaments in the place of the others. In the plane.
+struct Ties {
+  std::vector<Pivot> pivots;
+  std::vector<Ligament> ligaments;
+};
+
+/// The ties of a planar scene under grips with these springs, which are at its hinges: a joint at a
+/// hinge is a neck where the scene has necks. None where tiles bend, whose corners are nodes.
+/// Throws InputError for ligaments that could neither stretch nor shear.
+Ties tiesOf(const Scene& scene, const std::vector<Brick>& bricks,
+            const std::vector<HingeSpring>& springs);
+
+/// The ties of a scene that moves masses: as tiesOf() where it asks for ligaments, which needs a
+/// planar one; else its joints are exact, and turn about the tiles' corners. Throws InputError.
+Ties dynamicTies(const Scene& scene, const std::vector<Brick>& bricks,
+                 const std::vector<HingeSpring>& springs);
+
+/// The ligaments of a scene's run, whether grips load it or masses move. Throws InputError.
+std::vector<Ligament> ligamentsOf(const Scene& scene, const std::vector<Brick>& bricks,
+                                  const std::vector<HingeSpring>& springs);
 
 }  // namespace kirireel

@@ -213,7 +213,7 @@ SettingGroup springSettings() {
 
 Setting hingeRest() {
   return specialNumber(
-      "hinge_rest", "DEGREES", "the angle at the start",
+      "hinge_rest", "DEGREES", "a fold's in a FOLD file, else the angle at the start",
       "angle at which they pull no more: at a corner between the tiles' edges, 0 where they lie "
       "flush; at a fold from flat, valleys above 0",
       [](Scene& scene, const TypedValue& typed) {

@@ -18,12 +18,14 @@ void Sample::transfer(StateTape& tape) {
 Subject subjectOf(const Scene& scene) {
   std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
   std::vector<HingeSpring> springs = hingeSprings(scene, bricks);
+  std::vector<Ligament> ligaments = ligamentsOf(scene, bricks, springs);
   return {.model = scene.model,
           .brickRule = scene.brick,
           .bricks = std::move(bricks),
           .ground = scene.environment.ground,
           .obstacles = obstacleFaces(scene.environment.obstacles),
           .hingeSprings = std::move(springs),
+          .ligaments = std::move(ligaments),
           .settings = {}};
 }
 

@@ -33,7 +33,7 @@ struct Energies {
   double kinetic = 0;  ///< of the bricks, from 0
   /// Stored in the springs of the drive and of drags, and in joints that give; from 0.
   double spring = 0;
-  double elastic = 0;  ///< stored in springs at hinges, see HingeSpring; from 0
+  double elastic = 0;  ///< stored in springs at hinges and in ligaments; from 0
   /// What drives have put in since before the start: they tighten and move springs, stiffen them
   /// and the joints, expand the bricks; and gravity.
   double work = 0;
@@ -130,6 +130,7 @@ struct Subject {
   std::optional<Ground> ground;           ///< absent when the scene had none
   std::vector<Tile> obstacles;            ///< the faces of what stays where it is, world axes
   std::vector<HingeSpring> hingeSprings;  ///< of the bricks' hinges
+  std::vector<Ligament> ligaments;        ///< in place of exact joints, each at a spring's hinge
   std::string settings;                   ///< of the run, as JSON; may be empty
 };
 

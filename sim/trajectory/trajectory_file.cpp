@@ -235,6 +235,30 @@ void writeHingeSprings(ArrayWriter& file, std::vector<HingeSpring> springs) {
   }
 }
 
+// By value, as springs are.
+void writeLigaments(ArrayWriter& file, std::vector<Ligament> ligaments) {
+  if (ligaments.empty()) return;
+  const std::size_t count = ligaments.size();
+  std::vector<int> bricks, joints;
+  for (const Ligament& ligament : ligaments) {
+    bricks.insert(bricks.end(), {ligament.brickA, ligament.brickB});
+    joints.push_back(ligament.joint);
+  }
+  file.addGroup("ligaments");
+  file.write("ligaments/bricks", std::span<const int>(bricks), {count, 2});
+  file.write("ligaments/joint", std::span<const int>(joints), {count});
+  for (const layout::LigamentVector& vector : layout::kLigamentVectors) {
+    std::vector<double> numbers;
+    for (const Ligament& ligament : ligaments) append(numbers, ligament.*vector.field);
+    writeArray(file, vector.name, numbers, {count, 3}, vector.unit);
+  }
+  for (const layout::LigamentColumn& column : layout::kLigamentColumns) {
+    std::vector<double> numbers;
+    for (Ligament& ligament : ligaments) numbers.push_back(column.field(ligament));
+    writeArray(file, column.name, numbers, {count}, column.unit);
+  }
+}
+
 /// Appends poses to two lists of numbers.
 void appendPoses(const Poses& poses, std::vector<double>& positions,
                  std::vector<double>& rotations) {
@@ -403,6 +427,7 @@ TrajectoryWriter::TrajectoryWriter(const std::filesystem::path& path, const Subj
   }
   writeObstacles(file, subject.obstacles);
   writeHingeSprings(file, subject.hingeSprings);
+  writeLigaments(file, subject.ligaments);
   addSeries(file, "time", {}, "s");
   addSeries(file, "position", {subject.bricks.size(), 3}, "m");
   addSeries(file, "rotation", {subject.bricks.size(), 4}, "1");
@@ -505,6 +530,7 @@ class SubjectReader {
       subject.obstacles = tiles("obstacles/vertices", readSizes("obstacles/face_sizes"));
     }
     if (file_.has("hinges")) subject.hingeSprings = readHingeSprings();
+    if (file_.has("ligaments")) subject.ligaments = readLigaments(subject.model.joints.size());
     return subject;
   }
 
@@ -515,8 +541,10 @@ class SubjectReader {
       file_.refuse("this HDF5 file is not a trajectory");
     }
     const double version = file_.numberAttribute("/", "format_version");
-    if (version != layout::kFormatVersion && version != layout::kFirstVersion) {
-      file_.refuse(fmt::format("the format's version is {:g}, but this program reads {:g} and {:g}",
+    const bool isKnown = version >= layout::kFirstVersion && version <= layout::kFormatVersion &&
+                         version == std::floor(version);
+    if (!isKnown) {
+      file_.refuse(fmt::format("the format's version is {:g}, but this program reads {:g} to {:g}",
                                version, layout::kFirstVersion, layout::kFormatVersion));
     }
   }
@@ -618,15 +646,24 @@ class SubjectReader {
     return tiles;
   }
 
+  /// The two bricks of each hinge or ligament, one after the other.
+  std::vector<int> readPairs(const std::string& name, const char* owner) const {
+    std::vector<int> bricks = file_.integers(name);
+    if (bricks.size() % 2 != 0) {
+      file_.refuse(fmt::format("{} does not hold two bricks a {}", name, owner));
+    }
+    for (const int brick : bricks) static_cast<void>(corner(brick, 0));
+    return bricks;
+  }
+
   std::vector<HingeSpring> readHingeSprings() const {
-    const std::vector<int> bricks = file_.integers("hinges/bricks");
-    if (bricks.size() % 2 != 0) file_.refuse("hinges/bricks does not hold two bricks a hinge");
+    const std::vector<int> bricks = readPairs("hinges/bricks", "hinge");
     std::vector<HingeSpring> springs(bricks.size() / 2);
     const std::vector<double> axes = numbers("hinges/axis", {springs.size(), 3});
     for (std::size_t s = 0; s < springs.size(); ++s) {
       Hinge& hinge = springs[s].hinge;
-      hinge.brickA = corner(bricks[2 * s], 0).tile;
-      hinge.brickB = corner(bricks[2 * s + 1], 0).tile;
+      hinge.brickA = bricks[2 * s];
+      hinge.brickB = bricks[2 * s + 1];
       hinge.axis = Vector3(&axes[3 * s]);
     }
     for (const layout::SpringColumn& column : layout::kSpringColumns) {
@@ -634,6 +671,49 @@ class SubjectReader {
       for (std::size_t s = 0; s < springs.size(); ++s) column.field(springs[s]) = entries[s];
     }
     return springs;
+  }
+
+  /// The numbers of joints in whose place ligaments stand.
+  std::vector<int> readLigamentJoints(std::size_t ligaments, std::size_t joints) const {
+    std::vector<int> numbers = file_.integers("ligaments/joint");
+    const bool areThere = std::ranges::all_of(numbers, [&](int number) {
+      return number >= 0 && static_cast<std::size_t>(number) < joints;
+    });
+    if (numbers.size() != ligaments || !areThere) {
+      file_.refuse("ligaments/joint does not name a joint of the model for each ligament");
+    }
+    return numbers;
+  }
+
+  std::vector<Ligament> readLigaments(std::size_t joints) const {
+    const std::vector<int> bricks = readPairs("ligaments/bricks", "ligament");
+    std::vector<Ligament> ligaments(bricks.size() / 2);
+    const std::vector<int> numbersOfJoints = readLigamentJoints(ligaments.size(), joints);
+    for (std::size_t k = 0; k < ligaments.size(); ++k) {
+      ligaments[k].brickA = bricks[2 * k];
+      ligaments[k].brickB = bricks[2 * k + 1];
+      ligaments[k].joint = numbersOfJoints[k];
+    }
+    for (const layout::LigamentVector& vector : layout::kLigamentVectors) {
+      const std::vector<double> entries = numbers(vector.name, {ligaments.size(), 3});
+      for (std::size_t k = 0; k < ligaments.size(); ++k) {
+        ligaments[k].*vector.field = Vector3(&entries[3 * k]);
+      }
+    }
+    for (const layout::LigamentColumn& column : layout::kLigamentColumns) {
+      const std::vector<double> entries = numbers(column.name, {ligaments.size()});
+      for (std::size_t k = 0; k < ligaments.size(); ++k) column.field(ligaments[k]) = entries[k];
+    }
+    requireUnitAcross(ligaments);
+    return ligaments;
+  }
+
+  void requireUnitAcross(const std::vector<Ligament>& ligaments) const {
+    for (std::size_t k = 0; k < ligaments.size(); ++k) {
+      if (std::abs(ligaments[k].across.norm() - 1) <= kUnitTolerance) continue;
+      file_.refuse(fmt::format("the direction of ligament {} in {} is not a unit vector", k,
+                               layout::kLigamentAcross));
+    }
   }
 
   FileOrder readFileOrder() const {

@@ -16,13 +16,21 @@
 ///       normal                bricks x 3
 ///       thickness, volume, mass                m, m^3, kg
 ///       inertia               bricks x 3 x 3   kg m^2, about the centre of mass
-///   ///     obstacles/face_sizes    faces            vertices of each face; only if there are some
-///   ///     obstacles/vertices      vertices x 3     m, world axes
-///   ///     hinges/                 only if hinges have springs
-///   ///       bricks                springs x 2      the two bricks of each hinge
-///   ///       axis                  springs x 3
-///   ///       start, least, most, rest   springs     rad
-///   ///       stiffness, damping    springs          N m/rad, N m s/rad
+///     obstacles/face_sizes    faces            vertices of each face; only if there are some
+///     obstacles/vertices      vertices x 3     m, world axes
+///     hinges/                 only if hinges have springs
+///       bricks                springs x 2      the two bricks of each hinge
+///       axis                  springs x 3
+///       start, least, most, rest   springs     rad
+///       stiffness, damping    springs          N m/rad, N m s/rad
+///     ligaments/              only if ligaments stand in place of joints; see Ligament
+///       bricks                ligaments x 2    the two bricks that each joins
+///       joint                 ligaments        in whose place it stands
+///       point_a, point_b      ligaments x 3    m, in the axes of its bricks
+///       start                 ligaments x 3    m, from point a to point b; 0 of a pin
+///       across                ligaments x 3    unit, of a pin
+///       stretch, shear        ligaments        N/m, N m/rad (of a pin N/m)
+///       opening_2, opening_3  ligaments        N m/rad^2, N m/rad^3
 ///     ground/                 attributes height, friction; only if there is one
 ///     time                    samples          s
 ///     position                samples x bricks x 3   m, of the centres of mass
@@ -51,8 +59,8 @@
 ///     figures/rotation        figures x bricks x 4
 ///     findings                what the run found out about its scene, JSON (one text)
 ///
-/// Files of version 1 have no steps, figures and findings. energy, forces and holds are there for
-/// runs with dynamics by the direct solver alone.
+/// Files of version 1 have no steps, figures and findings, those of version 2 no ligaments. energy,
+/// forces and holds are there for runs with dynamics by the direct solver alone.
 #pragma once
 
 #include <array>
@@ -164,8 +172,8 @@ namespace kirireel::layout {
 
 /// The attribute "format" of the file itself.
 inline constexpr const char* kFormat = "kirireel trajectory";
-inline constexpr double kFormatVersion = 2;
-inline constexpr double kFirstVersion = 1;  ///< had neither steps nor figures
+inline constexpr double kFormatVersion = 3;  ///< older ones are read too, from the first on
+inline constexpr double kFirstVersion = 1;   ///< had neither steps nor figures
 /// Columns of model/joints: tile, vertex, tile, vertex, face, kind.
 inline constexpr std::size_t kJointColumns = 6;
 
@@ -185,6 +193,35 @@ inline constexpr std::array kSpringColumns = {
     SpringColumn{"hinges/rest", [](HingeSpring& s) -> double& { return s.rest; }, "rad"},
     SpringColumn{"hinges/damping", [](HingeSpring& s) -> double& { return s.damping; },
                  "N m s/rad"}};
+
+/// A number that each ligament has; runs with exact joints have no group "ligaments".
+struct LigamentColumn {
+  const char* name;  ///< of its array
+  double& (*field)(Ligament&);
+  const char* unit;
+};
+inline constexpr std::array kLigamentColumns = {
+    LigamentColumn{"ligaments/stretch", [](Ligament& l) -> double& { return l.stretchStiffness; },
+                   "N/m"},
+    LigamentColumn{"ligaments/shear", [](Ligament& l) -> double& { return l.shearStiffness; },
+                   "N m/rad, of pins N/m"},
+    LigamentColumn{"ligaments/opening_2", [](Ligament& l) -> double& { return l.opening[0]; },
+                   "N m/rad^2"},
+    LigamentColumn{"ligaments/opening_3", [](Ligament& l) -> double& { return l.opening[1]; },
+                   "N m/rad^3"}};
+
+/// A vector that each ligament has.
+struct LigamentVector {
+  const char* name;  ///< of its array
+  Vector3 Ligament::*field;
+  const char* unit;
+};
+inline constexpr const char* kLigamentAcross = "ligaments/across";
+inline constexpr std::array kLigamentVectors = {
+    LigamentVector{"ligaments/point_a", &Ligament::pointA, "m"},
+    LigamentVector{"ligaments/point_b", &Ligament::pointB, "m"},
+    LigamentVector{"ligaments/start", &Ligament::start, "m"},
+    LigamentVector{kLigamentAcross, &Ligament::across, "1"}};
 
 /// A figure that each sample has.
 struct Measure {
@@ -222,7 +259,8 @@ inline constexpr std::array kEnergies = {
     EnergyChannel{"energy/kinetic", &Energies::kinetic, "of the bricks"},
     EnergyChannel{"energy/spring", &Energies::spring,
                   "stored in springs that pull tiles, and in joints that give"},
-    EnergyChannel{"energy/elastic", &Energies::elastic, "stored in springs at hinges"},
+    EnergyChannel{"energy/elastic", &Energies::elastic,
+                  "stored in springs at hinges and ligaments"},
     EnergyChannel{"energy/work", &Energies::work, "put in so far by drives and gravity"},
     EnergyChannel{"energy/damped", &Energies::damped, "taken so far by dampers"},
     EnergyChannel{"energy/impacted", &Energies::impacted,

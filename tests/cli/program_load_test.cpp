@@ -22,14 +22,15 @@ std::string listed(int first, int count) {
   return list;
 }
 
-/// A scene in which the first `column` tiles are held along x and the last ones moved.
-std::string squeezed(int tiles, int column, double move, const std::string& model) {
+/// A scene in which some tiles are held along x, one along y too, and others moved.
+std::string squeezed(const std::string& held, const std::string& moved, double move,
+                     const std::string& model) {
   return fmt::format(
       "[model]\nno_align = true\n{}\n"
       "[[grip]]\ntiles = [{}]\nmove = {{x = 0}}\n"
       "[[grip]]\ntile = 0\nmove = {{y = 0}}\n"
       "[[grip]]\ntiles = [{}]\nmove = {{x = {}}}\n",
-      model, listed(0, column), listed(tiles - column, column), move);
+      model, held, moved, move);
 }
 
 // 8 x 8 irregular quads on necks under compression, state by state, against SciPy's minimiser of
@@ -42,7 +43,7 @@ TEST(ProgramLoad, FindsTheEquilibriaOfScipysMinimiser) {
   const std::string model = scratch / "quads", run = scratch / "run",
                     scene = scratch / "scene.toml";
   runKirireel({"generate", "quads", "--columns", "8", "--rows", "8", "--start-angle", "40", model});
-  writeText(scene, squeezed(64, 8, -0.8,
+  writeText(scene, squeezed(listed(0, 8), listed(56, 8), -0.8,
                             "ligaments = true\nhinge_neck = \"0.02,0.1,1e6,0.3\"\n"
                             "thickness = 0.02\n"));
   const ProgramEnd end = runKirireel({"simulate", model, "--scene", scene, "--out", run});
@@ -108,9 +109,9 @@ TEST(ProgramLoad, SnapsAKreslingTowerAsBarsAndHingesDo) {
 /// A flat sheet that is pulled along x by its last tiles, its first ones held.
 struct PulledSheet {
   std::vector<std::string> generated = {"tessellation"};  ///< the words that generate it
-  int tiles = 16;
-  int column = 4;     ///< the tiles that are held, and those that are moved
-  double move = 0.3;  ///< metres
+  std::string held = listed(0, 4);    ///< the tiles that are held, the first along y too
+  std::string moved = listed(12, 4);  ///< those that are moved
+  double move = 0.3;                  ///< metres
 };
 
 /// What such a sheet on necks takes in CalculiX and here: by how much the forces here miss those
@@ -124,7 +125,7 @@ double missOfNecks(double width, double length, const std::vector<std::string>& 
   generate.insert(generate.end(), sheet.generated.begin(), sheet.generated.end());
   generate.push_back(model);
   runKirireel(generate);
-  writeText(scene, squeezed(sheet.tiles, sheet.column, sheet.move,
+  writeText(scene, squeezed(sheet.held, sheet.moved, sheet.move,
                             fmt::format("hinge_neck = \"{},{},1e9,0.3\"\nthickness = 0.02\n{}"
                                         "[actuation]\nload_steps = 100\n",
                                         width, length, joints)));
@@ -145,11 +146,9 @@ double missOfNecks(double width, double length, const std::vector<std::string>& 
                                     "2"};
   words.insert(words.end(), cut.begin(), cut.end());
   EXPECT_EQ(runKirireel(words).exitCode, 0);
-  const ProgramEnd pulled =
-      runTool(kPython, {KIRIREEL_SOURCE_DIR "/tests/cli/neck_pull.py", run + "/sheet_mesh.inp",
-                        "0.02", "1e9", "0.3", listed(0, sheet.column),
-                        listed(sheet.tiles - sheet.column, sheet.column),
-                        fmt::format("{}", sheet.move), "3", run});
+  const ProgramEnd pulled = runTool(
+      kPython, {KIRIREEL_SOURCE_DIR "/tests/cli/neck_pull.py", run + "/sheet_mesh.inp", "0.02",
+                "1e9", "0.3", sheet.held, sheet.moved, fmt::format("{}", sheet.move), "3", run});
   EXPECT_EQ(pulled.exitCode, 0) << pulled.err;
   double largest = 0;
   std::istringstream lines(pulled.out);
@@ -179,10 +178,24 @@ TEST(ProgramNecks, OpenTrianglesAsDecksInCalculixDo) {
   for (const char* program : {"ccx", "gmsh"}) {
     if (!test::hasProgram(program)) GTEST_SKIP() << "install " << program << " to judge necks";
   }
-  const PulledSheet triangles{{"triangles", "--columns", "3", "--rows", "3"}, 18, 3, 0.15};
+  const PulledSheet triangles{
+      {"triangles", "--columns", "3", "--rows", "3"}, listed(0, 3), listed(15, 3), 0.15};
   // Measured: 0.043, 0.037.
   for (const double width : {0.05, 0.1}) {
     EXPECT_LT(missOfNecks(width, 0, {}, "", triangles), 0.1) << width;
+  }
+}
+
+// Tiles with corners of 120 degrees beside others of 60.
+TEST(ProgramNecks, OpenHexagonsAsDecksInCalculixDo) {
+  for (const char* program : {"ccx", "gmsh"}) {
+    if (!test::hasProgram(program)) GTEST_SKIP() << "install " << program << " to judge necks";
+  }
+  const PulledSheet hexagons{
+      {"hexagons", "--columns", "3", "--rows", "3"}, "0,3,6", "14,15,16", 0.15};
+  // Measured: 0.026, 0.011.
+  for (const double width : {0.05, 0.1}) {
+    EXPECT_LT(missOfNecks(width, 0, {}, "", hexagons), 0.05) << width;
   }
 }
 

@@ -11,6 +11,7 @@
 namespace kirireel {
 namespace {
 
+using ::testing::Contains;
 using ::testing::HasSubstr;
 
 class Verify : public testing::Test {
@@ -120,21 +121,55 @@ TEST_F(Verify, ComputesTheFiguresAgain) {
   writeText(folder() / "summary.json", summary);
 }
 
+/// Writes another trajectory into a run's folder, whose summary notes the new file.
+void exchangeTrajectory(const std::filesystem::path& folder, const Trajectory& run) {
+  const std::filesystem::path file = folder / "trajectory.h5";
+  const std::string hash = digestOf(folder, "trajectory.h5").sha256;
+  const std::string size = "\"trajectory.h5\": {\n      \"bytes\": ";
+  const std::string bytes = std::to_string(readText(file).size());
+  writeTrajectory(run, file);
+  falsify(folder / "summary.json", size + bytes, size + std::to_string(readText(file).size()));
+  falsify(folder / "summary.json", hash, digestOf(folder, "trajectory.h5").sha256);
+}
+
 TEST_F(Verify, ComputesTheSamplesMeasuresAgain) {
   const std::filesystem::path file = folder() / "trajectory.h5";
   const std::string whole = readText(file);
   const std::string summary = readText(folder() / "summary.json");
-  const std::string hash = digestOf(folder(), "trajectory.h5").sha256;
   Trajectory run = readTrajectory(file);
   run.samples[2].penetration += 1;
-  writeTrajectory(run, file);
-  const std::string size = "\"trajectory.h5\": {\n      \"bytes\": ";
-  falsify(folder() / "summary.json", size + std::to_string(whole.size()),
-          size + std::to_string(readText(file).size()));
-  falsify(folder() / "summary.json", hash, digestOf(folder(), "trajectory.h5").sha256);
+  exchangeTrajectory(folder(), run);
   EXPECT_THAT(verify().out, HasSubstr("trajectory.h5: penetration at 0.2 s is 1"));
   writeText(file, whole);
   writeText(folder() / "summary.json", summary);
+}
+
+// A sheet on necks that give: what its ligaments hold is computed again from the file.
+TEST(VerifyLigaments, NoticesThoseThatAreAnother) {
+  const ScratchFolder scratch;
+  const std::string model = scratch / "sheet", run = scratch / "run",
+                    scene = scratch / "scene.toml";
+  runKirireel(
+      {"generate", "tessellation", "--columns", "2", "--rows", "2", "--start-angle", "20", model});
+  writeText(scene,
+            "[model]\nligaments = true\nhinge_neck = \"0.1,0.1,1e6\"\n"
+            "[[grip]]\ntiles = [0, 1]\nmove = {x = 0, y = 0}\n"
+            "[[grip]]\ntiles = [2, 3]\nmove = {x = -0.1}\n");
+  const ProgramEnd end = runKirireel({"simulate", model, "--scene", scene, "--out", run});
+  ASSERT_EQ(end.exitCode, 0) << end.err;
+  EXPECT_THAT(end.out, HasSubstr("springs at 4 hinges and 4 ligaments: "));
+  ASSERT_TRUE(verifyRun(run).complaints.empty());
+  const Trajectory whole = readTrajectory(run + "/trajectory.h5");
+  Trajectory other = whole;
+  other.ligaments[2].shearStiffness *= 1.001;
+  exchangeTrajectory(run, other);
+  EXPECT_THAT(verifyRun(run).complaints, Contains(HasSubstr("elasticity.energy_end is ")));
+  other.ligaments.pop_back();
+  exchangeTrajectory(run, other);
+  EXPECT_THAT(verifyRun(run).complaints,
+              Contains(HasSubstr("elasticity.ligaments is 4, yet the poses give 3")));
+  exchangeTrajectory(run, whole);
+  EXPECT_TRUE(verifyRun(run).complaints.empty());
 }
 
 TEST_F(Verify, LooksAtNothingOutsideTheFolder) {

@@ -237,6 +237,30 @@ TEST(ExportWarnings, TellOfElementsFewerThanUsual) {
   EXPECT_THAT(warnings(22, settings), ElementsAre());
 }
 
+TEST(ExportWarnings, TellOfLigamentsThatDecksDoNotHave) {
+  Scene scene;
+  scene.model = makeTessellation(test::squares(2, 2, 0.5));
+  scene.brick.thickness = 0.02;
+  scene.hinges.neck = HingeNeck{0.02, 0.1, 1e6, 0.3};
+  scene.hinges.areLigaments = true;
+  Trajectory run{subjectOf(scene)};
+  run.samples.push_back({.time = 0, .poses = startPoses(run.model.tiles, run.bricks)});
+  const TemporaryFolder folder;
+  writeTrajectory(run, folder / "trajectory.h5");
+  ExportSettings settings;
+  settings.states = {"initial"};
+  settings.formats = {ExportFormat::Inp};
+  settings.elements.joints = JointStyle::Patch;
+  const std::string warning =
+      "warning: these decks join tiles exactly, where the run's ligaments stretch and shear; "
+      "--joints neck has the start with its necks";
+  EXPECT_THAT(exportWarnings(TrajectoryReader(folder / "trajectory.h5"), settings),
+              ElementsAre(warning));
+  run.ligaments.clear();
+  writeTrajectory(run, folder / "trajectory.h5");
+  EXPECT_THAT(exportWarnings(TrajectoryReader(folder / "trajectory.h5"), settings), ElementsAre());
+}
+
 TEST_F(Export, RefusesAFormatGivenTwice) {
   ExportSettings settings;
   settings.formats = {ExportFormat::Obj, ExportFormat::Ply, ExportFormat::Obj};

@@ -271,6 +271,55 @@ void expectAsItsDeck(const NeckPair& pair, double width, const Misses& misses,
   EXPECT_NEAR(1 / neck.shear / found[3], 1, misses[3]) << what;
 }
 
+/// The numbers of N m/rad that a deck says of its necks.
+std::vector<double> saidStiffness(const std::vector<Tile>& tiles, const std::vector<Joint>& joints,
+                                  const NeckShape& neck) {
+  Model model;
+  model.tiles = tiles;
+  model.joints = joints;
+  DeckSettings settings;
+  settings.material.youngs = 1e9;
+  DeckOrigin origin = kOrigin;
+  origin.thickness = 0.002;
+  const std::string deck = meshDeck(makeNeckMesh(model, 0.002, plane(neck, 16)), settings, origin);
+  const std::string words = "is a rotational spring of ";
+  std::istringstream said(deck.substr(deck.find(words) + words.size(), 40));
+  std::vector<double> found(1);
+  std::string to;
+  said >> found[0] >> to;
+  if (to == "to") said >> found.emplace_back();
+  return found;
+}
+
+// What a deck says of its necks is what CalculiX finds of them, whatever the tiles' angles.
+TEST_F(NeckSheet, DecksSayHowStiffTheirNecksAre) {
+  const double width = 0.1;
+  for (const double angle : {60.0, 90.0, 120.0}) {
+    const NeckPair pair = pairOf(tableTile(angle), tableTile(angle));
+    const std::vector<double> said =
+        saidStiffness(pair.model.tiles, pair.model.joints, {.width = width});
+    ASSERT_EQ(said.size(), 1U);
+    const double found = 1e9 * 0.002 * width * width / cornerByDeck(pair.model, width).at(0);
+    EXPECT_NEAR(said[0] / found, 1, 0.01) << angle;  // measured: misses by 9e-4 at most
+  }
+  // With a length they are those of squares, and unlike ones have a range.
+  const NeckPair triangles = pairOf(tableTile(60), tableTile(60));
+  const auto slender =
+      saidStiffness(triangles.model.tiles, triangles.model.joints, {.width = 0.02, .length = 0.1});
+  EXPECT_NEAR(slender.at(0), neckStiffness(1e9, 0.002, 0.02, 0.1), 1e-3 * slender.at(0));
+  // A square, a triangle below it and another square to its right.
+  const Tile square{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}};
+  const Tile triangle{{{0, 0, 0}, {0.5, -std::sqrt(0.75), 0}, {1, 0, 0}}};
+  const Tile right{{{1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}}};
+  const std::vector<double> range = saidStiffness(
+      {square, triangle, right}, {{{0, 0}, {1, 0}}, {{0, 2}, {2, 3}}}, {.width = width});
+  ASSERT_EQ(range.size(), 2U);
+  EXPECT_NEAR(range[1], saidStiffness({square, right}, {{{0, 2}, {1, 3}}}, {.width = width})[0],
+              1e-3 * range[1]);
+  EXPECT_NEAR(range[0], saidStiffness({square, triangle}, {{{0, 0}, {1, 0}}}, {.width = width})[0],
+              1e-3 * range[0]);
+}
+
 // Between the table's widths.
 TEST_F(NeckSheet, CornersBetweenThoseOfTheTableAreAsDecksHaveThem) {
   for (const double width : {0.035, 0.13, 0.23, 0.35}) {

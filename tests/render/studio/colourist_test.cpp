@@ -78,6 +78,31 @@ TEST(Colourist, ShowsWhatSpringsAtHingesPullWithAndHold) {
   EXPECT_NEAR(energy.scale()->most, 0.125, 1e-12);  // half of 2 * 0.5^2 / 2
 }
 
+// The springs' bricks are coloured by what a neck's ligament holds, too.
+TEST(Colourist, ShowsWhatLigamentsPullWithAndHold) {
+  Motif motif = tessellationMotif();
+  motif.hingeSprings = {{{0, 1, Vector3::UnitZ(), 0, -10, 10}, 2, 0, 0}};
+  Ligament ligament{0, 1};
+  // From centre to centre: at rest at the start.
+  ligament.start = motif.start[1].position - motif.start[0].position;
+  ligament.stretchStiffness = 6;
+  ligament.shearStiffness = 3;
+  motif.ligaments = {ligament};
+  Poses turned = motif.start, parted = motif.start;
+  turned[1].rotation = rotationFromVector({0, 0, 0.4});
+  parted[1].position += 0.5 * ligament.start.normalized();
+  motif.states = {turned, parted};
+  // Turned, the neck is sheared by half of the angle: at brick B its end adds half of 3 * 0.2.
+  const Colourist moment(coloured(Colouring::Moment), motif);
+  EXPECT_NEAR(moment.scale()->most, 2 * 0.4 + 0.3, 1e-12);
+  EXPECT_EQ(moment.colours(parted)[0].top, mapColour(ColourMap::Viridis, 0));
+  // Parted, each brick has half of 6 * 0.5^2 / 2.
+  const Colourist energy(coloured(Colouring::Energy), motif);
+  EXPECT_NEAR(energy.scale()->most, 0.375, 1e-12);
+  EXPECT_EQ(energy.colours(parted)[1].top, mapColour(ColourMap::Viridis, 1));
+  EXPECT_EQ(energy.colours(parted)[2].top, mapColour(ColourMap::Viridis, 0));
+}
+
 TEST(Colourist, MomentsNeedSpringsAtHinges) {
   const Motif motif = tessellationMotif();
   for (const Colouring colouring : {Colouring::Moment, Colouring::Energy}) {

@@ -1,9 +1,14 @@
 // Runs of sheets with springs at their hinges.
+#include <cmath>
+#include <fstream>
+
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "sim/deploy/deployment.h"
 #include "sim/measure/measures.h"
 #include "sim/model/lattice.h"
+#include "sim/model/read_model.h"
 #include "sim/trajectory/trajectory_file.h"
 #include "tests/support/files.h"
 
@@ -59,6 +64,40 @@ TEST(SprungSheets, LieBetweenTheirTargetAndTheirRest) {
   EXPECT_GT(openingAtEnd(run), 40 * kDegree);
   EXPECT_LT(openingAtEnd(run), 89.9 * kDegree);
   EXPECT_GT(run.elasticity->energyEnd, 1);
+}
+
+// Four panels round one vertex, as in a Miura sheet with corners of 60 degrees. The creases in line
+// fold by c and -c, the two others by -z: tan(c / 2) = cos(60 degrees) tan(z / 2), as the vertex
+// closes (T. A. Evans, R. J. Lang, S. P. Magleby, L. L. Howell, Rigidly foldable origami gadgets
+// and tessellations, R. Soc. Open Sci. 2, 2015).
+TEST(SprungSheets, FoldThemselvesAsTheirFileSays) {
+  const double z = 50, c = 2 * std::atan(0.5 * std::tan(0.5 * z * kDegree)) / kDegree;
+  const double h = std::sqrt(0.75);
+  const test::TemporaryFolder folder;
+  std::ofstream(folder / "a.fold") << fmt::format(
+      R"({{"vertices_coords": [[0,0],[1,0],[0.5,{0}],[-1,0],[0.5,{1}],[1.5,{0}],[-0.5,{0}],
+                               [-0.5,{1}],[1.5,{1}]],
+           "faces_vertices": [[0,1,5,2],[0,2,6,3],[0,3,7,4],[0,4,8,1]],
+           "edges_vertices": [[0,1],[0,2],[0,3],[0,4]],
+           "edges_foldAngle": [{2},{3},{4},{3}]}})",
+      h, -h, c, -z, -c);
+  std::vector<std::string> warnings;
+  Scene scene;
+  scene.model = readModel(folder / "a.fold", std::nullopt, warnings);
+  ASSERT_TRUE(warnings.empty()) << warnings[0];
+  scene.actuation.drive = Drive::None;
+  scene.hinges.stiffness = 5;
+  scene.environment.linearDamping = scene.environment.angularDamping = 0.9;
+  const DeploymentResult run = deploy(scene, 0.1, nullptr);
+  EXPECT_EQ(run.outcome, Outcome::Settled) << run.reason;
+  ASSERT_EQ(run.elasticity->springs, 4);
+  EXPECT_GT(run.elasticity->energyStart, 4);
+  EXPECT_LT(run.elasticity->energyEnd, 1e-8);
+  // The sheet is free, so that its folds tell where it is.
+  const Poses& last = run.trajectory.samples.back().poses;
+  for (const HingeSpring& spring : run.trajectory.hingeSprings) {
+    EXPECT_NEAR(hingeAngle(spring.hinge, last), spring.rest, 1e-5);
+  }
 }
 
 TEST(SprungSheets, LeaveTheirSpringsInTheTrajectory) {

@@ -10,6 +10,8 @@
 #include "sim/base/error.h"
 #include "sim/measure/measures.h"
 #include "sim/model/lattice.h"
+#include "sim/trajectory/trajectory_file.h"
+#include "tests/support/files.h"
 
 namespace kirireel {
 namespace {
@@ -33,6 +35,18 @@ Scene turnedUnit() {
   turned.turn = 40 * kDegree;
   scene.grips = {held, turned};
   return scene;
+}
+
+/// Likewise shut: all slits are.
+Model shutUnit() {
+  TessellationShape shape;
+  shape.columns = shape.rows = 2;
+  return makeTessellation(shape);
+}
+
+/// What springs and ligaments hold, joules.
+double elasticEnergyOf(const Subject& subject, const Poses& poses) {
+  return elasticEnergy(subject.hingeSprings, poses) + elasticEnergy(subject.ligaments, poses);
 }
 
 TEST(Loading, IsSampledAsAWalkWithItsLoadCurve) {
@@ -103,8 +117,33 @@ TEST(Loading, NecksGiveInMotionToo) {
   const DeploymentResult run = deploy(scene, 0.1, nullptr);
   EXPECT_GT(run.accuracy.jointOpeningMax, 1e-6);
   ASSERT_TRUE(run.elasticity.has_value());
-  const Poses& last = run.trajectory.samples.back().poses;
-  EXPECT_EQ(run.elasticity->energyEnd, elasticEnergy(run.trajectory.hingeSprings, last));
+  const Sample& last = run.trajectory.samples.back();
+  EXPECT_EQ(run.trajectory.ligaments.size(), 4u);
+  EXPECT_EQ(run.elasticity->energyEnd, elasticEnergyOf(run.trajectory, last.poses));
+  EXPECT_EQ(run.elasticity->energyEnd, last.mechanics->energies.elastic);
+}
+
+// What the file has of springs and ligaments holds what the equilibria hold.
+TEST(Loading, LeavesItsLigamentsInTheTrajectory) {
+  for (const double length : {0.0, 0.1}) {
+    Scene scene = turnedUnit();
+    scene.model = shutUnit();
+    scene.hinges.stiffness = 0;
+    scene.hinges.neck = HingeNeck{0.05, length, 1e6, 0.3};
+    scene.hinges.areLigaments = length > 0;
+    const DeploymentResult run = deploy(scene, 0.5, nullptr);
+    ASSERT_EQ(run.outcome, Outcome::Settled) << run.reason;
+    const test::TemporaryFolder folder;
+    writeTrajectory(run.trajectory, folder / "run.h5");
+    const Trajectory read = readTrajectory(folder / "run.h5");
+    ASSERT_EQ(read.ligaments.size(), 4u);
+    const double held = elasticEnergyOf(read, read.samples.back().poses);
+    const double wanted = run.loadCurve->states.back().energy;
+    EXPECT_GT(elasticEnergy(read.ligaments, read.samples.back().poses), 1e-6 * wanted);
+    EXPECT_NEAR(held, wanted, 1e-12 * wanted);  // measured 1.4e-16 of it
+    EXPECT_EQ(run.elasticity->energyEnd, held);
+    EXPECT_EQ(run.elasticity->ligaments, 4);
+  }
 }
 
 std::string refusalOf(const Scene& scene) {
@@ -193,6 +232,26 @@ TEST(Loading, FoldsAreAsStiffAsTheirLengthScaleSays) {
   const DeploymentResult run = deploy(scene, 0.5, nullptr);
   const double angle = std::asin(0.6), stiffness = 1e9 * 1e-6 / (12 * 0.91) / 200;
   EXPECT_NEAR(run.loadCurve->states.back().forces[3], stiffness * angle / 0.8, 1e-5);
+}
+
+// A fold that the model's file has folded: free of its grip it stands there, whether springs or the
+// length scale say how stiff it is.
+TEST(Loading, BeginsWhereTheFilesFoldsRest) {
+  for (const double stiffness : {0.5, 0.0}) {
+    Scene scene = liftedFold();
+    const double rest = 0.3;
+    scene.model.foldAngles = {{{0, 1}, rest}, {{1, 0}, rest}};
+    scene.hinges.stiffness = stiffness;
+    scene.hinges.panels->foldLength = stiffness > 0 ? 0 : 200;
+    scene.grips[1].isForce = true;
+    scene.grips[1].z = 1e-3;
+    const DeploymentResult run = deploy(scene, 0.5, nullptr);
+    ASSERT_EQ(run.outcome, Outcome::Settled) << run.reason;
+    const Equilibrium& first = run.loadCurve->states.front();
+    EXPECT_NEAR(first.energy, 0, 1e-15);
+    EXPECT_NEAR(first.displacements[3], std::sin(rest), 1e-9);
+    EXPECT_GT(run.loadCurve->states.back().displacements[3], std::sin(rest));
+  }
 }
 
 TEST(Loading, RefusesWhatBarsAndHingesDoNotKnow) {

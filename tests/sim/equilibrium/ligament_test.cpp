@@ -126,6 +126,74 @@ TEST(Ligaments, WithTheirBendingAreBeams) {
   EXPECT_NEAR(byMoment.y(), length * length / (2 * bending), 1e-9 * byMoment.y());
 }
 
+/// A slender neck along x between two points, as a ligament and the spring at its hinge.
+struct ClampedBeam {
+  Ligament ligament;
+  HingeSpring spring{{0, 1, Vector3::UnitZ(), 0, -4, 4}};
+  double bending = 0;  // E I
+  static constexpr double kLength = 0.5;
+
+  ClampedBeam() {
+    const double youngs = 2e6, width = 1e-4, thickness = 0.02;
+    bending = youngs * thickness * width * width * width / 12;
+    ligament.brickB = 1;
+    ligament.start = Vector3(kLength, 0, 0);
+    ligament.pointA = Vector3(0.3, 0.2, 0);
+    ligament.pointB = Vector3(-0.1, 0.4, 0);
+    setNeckStiffness(youngs, 0.3, thickness, width, kLength, ligament);
+    spring.stiffness = bending / kLength;
+  }
+  /// Brick A as at the start; the neck's end at brick B moved, and that brick turned about it.
+  Poses posesAt(const Vector3& moved, double turned) const {
+    const Quaternion turn = rotationFromVector({0, 0, turned});
+    const Vector3 end = ligament.pointA + ligament.start + moved;
+    return {Pose{}, {end - turn * ligament.pointB, turn}};
+  }
+  std::array<double, 2> momentsAt(const Vector3& moved, double turned) const {
+    return endMoments({&spring, 1}, {&ligament, 1}, posesAt(moved, turned)).at(0);
+  }
+};
+
+// The moments that a clamped beam puts on its ends: 6 E I d / L^2 on both where one moves across by
+// d; 4 E I a / L on the end that turns by a, and half of that on the other.
+TEST(Ligaments, PutTheMomentsOfABeamOnTheirEnds) {
+  ClampedBeam beam;
+  const double length = ClampedBeam::kLength, small = 1e-4;
+  const double moved = 6 * beam.bending * small / (length * length);
+  const double turned = 4 * beam.bending * small / length;
+  for (const double sign : {1.0, -1.0}) {
+    beam.spring.hinge.axis = Vector3(0, 0, sign);
+    const auto [acrossA, acrossB] = beam.momentsAt({0, small, 0}, 0);
+    EXPECT_NEAR(acrossA, sign * moved, 1e-6 * moved);  // measured 1.2e-7, of the shear
+    EXPECT_NEAR(acrossB, sign * moved, 1e-6 * moved);
+    const auto [turnA, turnB] = beam.momentsAt({0, 0, 0}, small);
+    EXPECT_NEAR(turnA, -sign * 0.5 * turned, 1e-6 * turned);
+    EXPECT_NEAR(turnB, -sign * turned, 1e-6 * turned);
+  }
+}
+
+// A pin's moments are the spring's and what its opening adds.
+TEST(Ligaments, WithoutLengthAddWhatTheirOpeningCosts) {
+  ClampedBeam pin;
+  pin.ligament.start.setZero();
+  pin.ligament.opening = {0.9, -0.4};
+  const double a = 0.3, moment = pin.spring.stiffness * a + 0.9 * a * a - 0.4 * a * a * a;
+  const auto [onA, onB] = pin.momentsAt({0, 0, 0}, a);
+  EXPECT_NEAR(onA, moment, 1e-12);
+  EXPECT_NEAR(onB, -moment, 1e-12);
+}
+
+TEST(Ligaments, CountInWhatARunHoldsAtItsEnds) {
+  const ClampedBeam beam;
+  const Poses start = beam.posesAt({0, 0, 0}, 0), end = beam.posesAt({0, 1e-4, 0}, 0);
+  const Elasticity found = elasticityOf({&beam.spring, 1}, {&beam.ligament, 1}, start, end);
+  EXPECT_EQ(found.springs, 1);
+  EXPECT_EQ(found.ligaments, 1);
+  EXPECT_NEAR(found.energyStart, 0, 1e-25);
+  EXPECT_EQ(found.energyEnd, ligamentEnergy(beam.ligament, end).energy);
+  EXPECT_NEAR(found.momentEnd, 6e-4 * beam.bending / 0.25, 1e-9 * beam.bending);
+}
+
 /// A sheet of squares whose hinges are ligaments of a length, along x.
 struct LigamentSheet {
   LigamentSheet(int side, double angle, double stretch, double shear, double length) {

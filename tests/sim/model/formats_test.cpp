@@ -201,6 +201,58 @@ TEST(Formats, FoldAnglesMakeTheTarget) {
   EXPECT_NE(text.find("90.0"), text.npos);
 }
 
+using FoldAngles = std::map<std::pair<int, int>, double>;
+
+/// Two unit squares like these as a file has them folded up by 90 degrees.
+std::string standingSquares(const std::string& more) {
+  return R"({"file_spec": 1.2, "vertices_coords": [[0,0,0],[1,0,0],[1,0,1],[1,1,1],[1,1,0],[0,1,0]],
+             "faces_vertices": [[0,1,4,5],[1,2,3,4]], "edges_vertices": [[0,1],[1,4],[4,3]], )" +
+         more + "}";
+}
+
+TEST(Formats, FoldAnglesAreKeptForSprings) {
+  const TemporaryFolder folder;
+  folder.write("a.fold", twoSquares(R"("edges_assignment": ["B","V","B","B","B","B","B"],
+      "edges_foldAngle": [null,90,null,null,null,null,null])"));
+  const FoldAngles valley = {{{0, 1}, 90 * kDegree}, {{1, 0}, 90 * kDegree}};
+  EXPECT_EQ(read(folder.path() / "a.fold").foldAngles, valley);
+  // Whatever the start is folded by.
+  folder.write("b.fold", standingSquares(R"("edges_assignment": ["B","M","B"],
+      "edges_foldAngle": [null,-30,null])"));
+  const Model standing = read(folder.path() / "b.fold");
+  EXPECT_FALSE(standing.target);
+  const FoldAngles mountain = {{{0, 1}, -30 * kDegree}, {{1, 0}, -30 * kDegree}};
+  EXPECT_EQ(standing.foldAngles, mountain);
+  // Written again too.
+  writeModel(standing, folder.path() / "c.fold");
+  EXPECT_NEAR(read(folder.path() / "c.fold").foldAngles.at({0, 1}), -30 * kDegree, 1e-15);
+  EXPECT_NE(readWhole(folder.path() / "c.fold").find("\"M\""), std::string::npos);
+  for (const char* unfolded :
+       {R"("edges_foldAngle": [null,null,null])",
+        R"("edges_assignment": ["B","C","B"], "edges_foldAngle": [0,90,0])",
+        R"("edges_assignment": ["B","J","B"], "edges_foldAngle": [0,90,0])"}) {
+    folder.write("d.fold", standingSquares(unfolded));
+    EXPECT_TRUE(read(folder.path() / "d.fold").foldAngles.empty()) << unfolded;
+  }
+}
+
+// Two squares with a vertex in the middle of their common edge.
+TEST(FormatErrors, FoldsByTwoAnglesAboutOneLine) {
+  const TemporaryFolder folder;
+  folder.write("a.fold", R"({"vertices_coords": [[0,0],[1,0],[2,0],[2,1],[1,1],[0,1],[1,0.5]],
+      "faces_vertices": [[0,1,6,4,5],[1,2,3,4,6]], "edges_vertices": [[1,6],[4,6]],
+      "edges_foldAngle": [90,45]})");
+  try {
+    read(folder.path() / "a.fold");
+    FAIL() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_EQ(std::string(error.what()),
+              (folder.path() / "a.fold").string() +
+                  ": error: edges_foldAngle has the angles 90 and 45 for two edges of the faces 0 "
+                  "and 1, which turn about one line; correct one of the two");
+  }
+}
+
 TEST(Formats, FoldCutsPartAndJoinsFix) {
   const TemporaryFolder folder;
   folder.write("a.fold", twoSquares(R"("edges_assignment": ["B","C","B","B","B","B","B"])"));

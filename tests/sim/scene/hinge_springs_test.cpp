@@ -1,9 +1,12 @@
+#include <cmath>
 #include <fstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "sim/model/convex_parts.h"
 #include "sim/model/lattice.h"
+#include "sim/model/read_model.h"
 #include "sim/model/stiffness.h"
 #include "sim/scene/scene_parts.h"
 #include "tests/support/files.h"
@@ -126,6 +129,72 @@ TEST_F(HingeSpringsOfAScene, AreRefusedWhereNothingHasAnAxis) {
   EXPECT_EQ(refusal(),
             "error: springs need hinges, but no two tiles turn about a corner or an edge that they "
             "share; leave --hinge-stiffness away");
+}
+
+/// A scene of two squares side by side in a FOLD file, folded by 90 degrees along their edge.
+Scene foldedByFile(const test::TemporaryFolder& folder, const std::string& faces) {
+  std::ofstream(folder / "a.fold", std::ios::binary)
+      << R"({"vertices_coords": [[0,0],[1,0],[2,0],[2,1],[1,1],[0,1]], "faces_vertices": )" << faces
+      << R"(, "edges_vertices": [[1,4]], "edges_foldAngle": [90]})";
+  std::vector<std::string> warnings;
+  Scene scene;
+  scene.brick.thickness = 0.02;
+  scene.model = readModel(folder / "a.fold", std::nullopt, warnings);
+  scene.hinges.stiffness = 1;
+  return scene;
+}
+
+/// The only spring of a scene.
+HingeSpring springOf(const Scene& scene) {
+  const std::vector<HingeSpring> springs =
+      hingeSprings(scene, makeBricks(scene.model.tiles, scene.brick));
+  EXPECT_EQ(springs.size(), 1u);
+  return springs.at(0);
+}
+
+// They rest as the hinge stands at the target, to which the same angle folds the sheet, whichever
+// way round the file lists the faces.
+TEST(FoldSprings, RestWhereTheirFileFoldsThem) {
+  const test::TemporaryFolder folder;
+  for (const char* faces : {"[[0,1,4,5],[1,2,3,4]]", "[[0,1,4,5],[4,3,2,1]]",
+                            "[[5,4,1,0],[4,3,2,1]]", "[[1,2,3,4],[0,1,4,5]]"}) {
+    Scene scene = foldedByFile(folder, faces);
+    const HingeSpring spring = springOf(scene);
+    EXPECT_NEAR(std::abs(spring.rest), 90 * kDegree, 1e-15);
+    EXPECT_NEAR(spring.hinge.start, 0, 1e-15);
+    Scene there = scene;
+    there.model.tiles = *scene.model.target;
+    EXPECT_NEAR(spring.rest, springOf(there).hinge.start, 1e-15) << faces;
+    scene.hinges.rest = 20 * kDegree;
+    EXPECT_EQ(springOf(scene).rest, 20 * kDegree);
+    scene.hinges.own = {{0, 1, {}, 40 * kDegree, {}, {}}};
+    EXPECT_EQ(springOf(scene).rest, 40 * kDegree);
+  }
+}
+
+// Each triangle is hinged to its other half, where the tile was flat, and one to the other square.
+TEST(FoldSprings, StayAtTheirEdgeWhereTilesAreSplit) {
+  const test::TemporaryFolder folder;
+  Scene scene = foldedByFile(folder, "[[0,1,4,5],[1,2,3,4]]");
+  scene.model = splitTiles(scene.model, {});
+  int folded = 0;
+  for (const HingeSpring& spring :
+       hingeSprings(scene, makeBricks(scene.model.tiles, scene.brick))) {
+    EXPECT_TRUE(std::abs(spring.rest) < 1e-12 || spring.rest == 90 * kDegree) << spring.rest;
+    folded += spring.rest > 1 ? 1 : 0;
+  }
+  EXPECT_EQ(folded, 1);
+  EXPECT_EQ(scene.model.foldAngles.size(), 2u);
+}
+
+// Angles that close round no loop fold the sheet out of its plane though there is no target.
+TEST(FoldSprings, LeaveThePlane) {
+  const test::TemporaryFolder folder;
+  Scene scene = foldedByFile(folder, "[[0,1,4,5],[1,2,3,4]]");
+  scene.model.target.reset();
+  EXPECT_EQ(sceneNeeds(scene).planar.reason, "springs fold the sheet as its file says");
+  scene.hinges.stiffness = 0;
+  EXPECT_TRUE(sceneNeeds(scene).planar.on);
 }
 
 TEST_F(HingeSpringsOfAScene, RefuseLinesThatMakeNoSense) {

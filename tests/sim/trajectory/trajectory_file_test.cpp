@@ -5,6 +5,7 @@
 #include <map>
 #include <random>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -22,6 +23,19 @@ using test::hasProgram;
 using test::outputOf;
 using test::TemporaryFolder;
 using ::testing::HasSubstr;
+
+/// A pin and a neck of random bits.
+std::vector<Ligament> randomLigaments(std::mt19937_64& generator) {
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  const auto vector = [&] { return Vector3(uniform(generator), uniform(generator), 1e-300); };
+  Ligament pin{0, 4, 3, vector(), vector(), Vector3::Zero(), vector().normalized()};
+  pin.stretchStiffness = uniform(generator);
+  pin.shearStiffness = uniform(generator);
+  pin.opening = {uniform(generator), uniform(generator)};
+  Ligament neck{5, 1, 2, vector(), vector(), vector(), Vector3::UnitY()};
+  neck.stretchStiffness = 1e300;
+  return {pin, neck};
+}
 
 /// Poses of random bits, so that no digit can be lost unseen.
 Trajectory randomTrajectory(int samples) {
@@ -101,6 +115,19 @@ void expectSameSubject(const Subject& a, const Subject& b) {
   EXPECT_EQ(a.brickRule.density, b.brickRule.density);
   EXPECT_EQ(a.ground.has_value(), b.ground.has_value());
   EXPECT_EQ(a.settings, b.settings);
+  ASSERT_EQ(a.ligaments.size(), b.ligaments.size());
+  for (std::size_t k = 0; k < a.ligaments.size(); ++k) {
+    const Ligament &one = a.ligaments[k], &other = b.ligaments[k];
+    EXPECT_EQ(one.brickA, other.brickA);
+    EXPECT_EQ(one.brickB, other.brickB);
+    EXPECT_EQ(one.joint, other.joint);
+    for (const layout::LigamentVector& vector : layout::kLigamentVectors) {
+      EXPECT_EQ(one.*vector.field, other.*vector.field) << vector.name;
+    }
+    EXPECT_EQ(one.stretchStiffness, other.stretchStiffness);
+    EXPECT_EQ(one.shearStiffness, other.shearStiffness);
+    EXPECT_EQ(one.opening, other.opening);
+  }
 }
 
 void expectSameBricks(const std::vector<Brick>& a, const std::vector<Brick>& b) {
@@ -187,6 +214,8 @@ TEST(TrajectoryFile, KeepsEveryBit) {
   const TemporaryFolder folder;
   Trajectory written = randomTrajectory(7);
   written.model.pulledTiles = {0, 3};
+  std::mt19937_64 generator(2);
+  written.ligaments = randomLigaments(generator);
   written.model.joints.push_back(makeFixedJoint(written.model.tiles, 0, 5));
   for (Sample& sample : written.samples) {
     sample.mechanics->jointForces.emplace_back(1, 2, 3);
@@ -213,6 +242,35 @@ TEST(TrajectoryFile, OpensVersionOne) {
   EXPECT_TRUE(reader.sample(1).steps.empty());
   EXPECT_TRUE(reader.steps().empty());
   EXPECT_TRUE(reader.end().figureStates.empty());
+}
+
+// Of a run on a ligament, from before files had those: what its spring alone holds at the end is
+// what its summary said then.
+TEST(TrajectoryFile, OpensVersionTwo) {
+  const Trajectory run =
+      readTrajectory(KIRIREEL_SOURCE_DIR "/tests/fuzz/corpus/trajectory/version_two");
+  EXPECT_FALSE(run.figureStates.empty());
+  EXPECT_FALSE(run.samples.at(1).steps.empty());
+  ASSERT_EQ(run.hingeSprings.size(), 1U);
+  EXPECT_TRUE(run.ligaments.empty());
+  const Elasticity found = elasticityOf(run.hingeSprings, run.ligaments, run.samples.front().poses,
+                                        run.samples.back().poses);
+  EXPECT_NEAR(found.energyEnd, 0.006440944817614345, 1e-15);
+  EXPECT_NEAR(found.momentEnd, 0.03702402408834648, 1e-15);
+}
+
+TEST(TrajectoryFile, RefusesVersionsToCome) {
+  const TemporaryFolder folder;
+  for (const double version : {0.0, 2.5, 4.0}) {
+    ArrayWriter file(folder / "run.h5", folder / "run.h5");
+    file.setAttribute("/", "format", std::string(layout::kFormat));
+    file.setAttribute("/", "format_version", version);
+    file.close();
+    EXPECT_THAT(refusalOf(folder / "run.h5"),
+                HasSubstr(fmt::format("error: the format's version is {:g}, but this program reads "
+                                      "1 to 3; give a whole trajectory.h5",
+                                      version)));
+  }
 }
 
 TEST(TrajectoryFile, RefusesStepsThatDoNotFit) {
@@ -283,7 +341,7 @@ print(f["settings"].asstr()[0])
 )";
   const std::string text = outputOf("/usr/bin/python3 '" + (folder / "read.py").string() + "' '" +
                                     (folder / "run.h5").string() + "'");
-  EXPECT_THAT(text, HasSubstr("kirireel trajectory 2.0 " + written.model.name + "\n"));
+  EXPECT_THAT(text, HasSubstr("kirireel trajectory 3.0 " + written.model.name + "\n"));
   EXPECT_THAT(text, HasSubstr("(50, 16, 3) float64 m\n(50, 16, 4) (24, 6) paused\n"));
   // Python's hex() of a double reads back exactly; strtod reads it.
   const std::size_t at = text.find("paused\n") + 7;
@@ -371,6 +429,27 @@ TEST(TrajectoryFile, RefusesContradictions) {
             "error: a brick in position is more than 1e+10 m away" + mend);
   EXPECT_EQ(refusalAfter([](Trajectory& t) { t.model.tiles[0].vertices.clear(); }),
             "error: a tile in model/tile_sizes has 0 vertices" + mend);
+}
+
+TEST(TrajectoryFile, RefusesLigamentsOfNoJoint) {
+  const std::string mend = "; give a whole trajectory.h5 as kirireel record leaves it";
+  const auto refusalWith = [](const auto& change) {
+    return refusalAfter([&](Trajectory& t) {
+      std::mt19937_64 generator(2);
+      t.ligaments = randomLigaments(generator);
+      change(t.ligaments[1]);
+    });
+  };
+  EXPECT_EQ(refusalWith([](Ligament& l) { l.brickB = 16; }),
+            "error: model/joints names vertex 0 of tile 16, which is not there" + mend);
+  const std::string noJoint =
+      "error: ligaments/joint does not name a joint of the model for each ligament" + mend;
+  EXPECT_EQ(refusalWith([](Ligament& l) { l.joint = 24; }), noJoint);
+  EXPECT_EQ(refusalWith([](Ligament& l) { l.joint = -1; }), noJoint);
+  EXPECT_EQ(refusalWith([](Ligament& l) { l.across *= 2; }),
+            "error: the direction of ligament 1 in ligaments/across is not a unit vector" + mend);
+  EXPECT_EQ(refusalWith([](Ligament& l) { l.shearStiffness = NAN; }),
+            "error: the array ligaments/shear holds a number that is not finite" + mend);
 }
 
 TEST(TrajectoryFile, RefusesBricksThatAreNotSolid) {
