@@ -15,6 +15,7 @@
 #include "sim/model/brick.h"
 #include "sim/model/hinge.h"
 #include "sim/scene/scene.h"
+#include "sim/scene/scene_parts.h"
 
 namespace kirireel {
 
