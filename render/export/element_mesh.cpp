@@ -366,7 +366,7 @@ ElementMesh makeElementMesh(const std::vector<Brick>& bricks, const std::vector<
   mesh.rule = rule;
   if (rule.patchRadius == 0) mesh.rule.patchRadius = usualPatchRadius(bricks);
   divideBricks(bricks, joints, poses, mesh);
-  mesh.joints = jointNodes(joints, mesh.tiles);
+  mesh.joints = jointNodes(joints, mesh.tiles, mesh.rule.countsFrom);
   mesh.clusters = findClusters(mesh);
   for (const NodeCluster& cluster : mesh.clusters) {
     mesh.largestGap = std::max(mesh.largestGap, cluster.gap);
@@ -909,14 +909,14 @@ double leastDistance(const std::vector<Vector3>& points) {
 }
 
 std::vector<JointNodes> jointNodes(const std::vector<Joint>& joints,
-                                   const std::vector<TileElements>& tiles) {
+                                   const std::vector<TileElements>& tiles, int countsFrom) {
   std::vector<JointNodes> nodes;
   for (const Joint& joint : joints) {
     if (joint.kind != JointKind::Pivot) {
       throw InputError(
           fmt::format("error: joint {} does not hold two corners together; a mesh can "
                       "hold pivots alone",
-                      nodes.size()));
+                      nodes.size() + static_cast<std::size_t>(countsFrom)));
     }
     nodes.push_back({joint.a.tile, joint.b.tile, joint.face == JointFace::Both,
                      nodesAt(tiles[joint.a.tile].edges[joint.a.vertex], joint.face),

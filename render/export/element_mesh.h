@@ -279,9 +279,10 @@ class PrismLayers {
 double leastDistance(const std::vector<Vector3>& points);
 
 /// The nodes of each joint. Throws InputError for a joint that no deck can hold. That is any joint
-/// but a pivot. One entry a joint, in their order.
+/// but a pivot. One entry a joint, in their order. `countsFrom`: the first joint's number in
+/// messages.
 std::vector<JointNodes> jointNodes(const std::vector<Joint>& joints,
-                                   const std::vector<TileElements>& tiles);
+                                   const std::vector<TileElements>& tiles, int countsFrom);
 
 /// The nodes that the mesh's joints bring together, before any are merged. Throws InputError when
 /// two of them belong to one tile. In order of their lowest node; patches are empty.

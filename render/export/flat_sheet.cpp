@@ -30,20 +30,21 @@ constexpr double kFlatness = 1e-6;  ///< of the model size, that vertices may be
 void requireFlat(const Model& model, const Vector3& normal) {
   const Vector3& origin = model.tiles[0].vertices[0];
   const double allowed = kFlatness * modelSize(model);
+  const auto first = static_cast<std::size_t>(model.fileOrder.countsFrom);
   for (std::size_t t = 0; t < model.tiles.size(); ++t) {
     if (tileNormal(model.tiles[t]).dot(normal) < 0) {
       throw InputError(
-          fmt::format("error: tile {} faces the other way than tile 0; a cut pattern "
+          fmt::format("error: tile {} faces the other way than tile {}; a cut pattern "
                       "needs all tiles on one side: reverse its vertices",
-                      t));
+                      first + t, first));
     }
     for (const Vector3& vertex : model.tiles[t].vertices) {
       const double height = std::abs((vertex - origin).dot(normal));
       if (height <= allowed) continue;
       throw InputError(
           fmt::format("error: the start is not flat: tile {} reaches {:.3g} m out of "
-                      "the plane of tile 0; only planar models have a cut pattern",
-                      t, height));
+                      "the plane of tile {}; only planar models have a cut pattern",
+                      first + t, height, first));
     }
   }
 }
@@ -131,7 +132,10 @@ double trimAt(const Trims& trims, const EdgeEnd& end) {
 class PatternMaker {
  public:
   PatternMaker(const Model& model, double hingeWidth)
-      : tiles_(flatSheet(model).tiles), width_(hingeWidth), same_(kSameVertex * tileSize(model)) {
+      : tiles_(flatSheet(model).tiles),
+        first_(model.fileOrder.countsFrom),
+        width_(hingeWidth),
+        same_(kSameVertex * tileSize(model)) {
     for (std::size_t j = 0; j < model.joints.size(); ++j) addHinge(model.joints[j], j);
     addEdges();
   }
@@ -145,7 +149,7 @@ class PatternMaker {
   const Vector2& corner(const Corner& c) const { return tiles_[c.tile][c.vertex]; }
 
   void addHinge(const Joint& joint, std::size_t number) {
-    requirePivot(joint, number);
+    requirePivot(joint, static_cast<std::size_t>(first_) + number);
     const CornerGap gap = narrowGap(tiles_, joint);
     const double trim = width_ / std::cos(gap.angle / 2);
     const Vector2 middle = 0.5 * (corner(joint.a) + corner(joint.b));
@@ -212,7 +216,7 @@ class PatternMaker {
       throw InputError(
           fmt::format("error: hinges {} m wide leave nothing to cut of edge {} of tile "
                       "{}, {:.3g} m long; choose a smaller --hinge-width",
-                      width_, edge, tile, length));
+                      width_, first_ + edge, first_ + tile, length));
     }
     const Vector2 along = (to - from) / length;
     lines_.push_back({twin ? PatternLayer::Slits : PatternLayer::Cuts, from + atStart * along,
@@ -220,6 +224,7 @@ class PatternMaker {
   }
 
   std::vector<FlatTile> tiles_;
+  int first_;  ///< number of tiles, edges and joints in messages
   double width_;
   double same_;  ///< metres within which points coincide
   Trims trims_;
@@ -558,6 +563,11 @@ class OutlineMaker {
  private:
   const std::vector<FlatTile>& tiles() const { return outline_.sheet.tiles; }
 
+  /// Of a tile, edge or joint, in messages.
+  int numberOf(std::size_t index) const {
+    return model_.fileOrder.countsFrom + static_cast<int>(index);
+  }
+
   int addPoint(const Vector2& at, bool isAtNeck) {
     outline_.points.push_back(at);
     outline_.isAtNeck.push_back(isAtNeck);
@@ -630,7 +640,7 @@ class OutlineMaker {
       throw InputError(
           fmt::format("error: joint {} shares a corner with another one, where necks with a length "
                       "or a kerf would cross; leave --neck-length and --kerf out",
-                      joint));
+                      numberOf(joint)));
     }
     const double half = gap.angle / 2;
     const Wedge wedges[] = {wedgeOf(gap.first, half), wedgeOf(gap.second, half)};
@@ -638,7 +648,7 @@ class OutlineMaker {
     const double bottom = std::max(wedges[0].bottom(x), wedges[1].bottom(x));
     const double top = std::min(wedges[0].top(x), wedges[1].top(x));
     if (top - bottom < shape_.width - tiny_) {
-      throw Misfit{Misfit::TooShort, fmt::format("joint {}", joint)};
+      throw Misfit{Misfit::TooShort, fmt::format("joint {}", numberOf(joint))};
     }
     const double low = std::max(std::min(-shape_.width / 2, top - shape_.width), bottom);
     const NeckEnd ends[] = {endOf(wedges[0], low, joint), endOf(wedges[1], low, joint)};
@@ -678,7 +688,7 @@ class OutlineMaker {
     end.roundAbove = radius > 0 && roomAbove > tiny_;
     end.roundBelow = radius > 0 && roomBelow > tiny_;
     if ((end.roundAbove && roomAbove < radius) || (end.roundBelow && roomBelow < radius)) {
-      throw Misfit{Misfit::TooRound, fmt::format("joint {}", joint)};
+      throw Misfit{Misfit::TooRound, fmt::format("joint {}", numberOf(joint))};
     }
     end.high = {x, end.roundAbove ? high + radius : high};
     end.low = {x, end.roundBelow ? low - radius : low};
@@ -765,7 +775,8 @@ class OutlineMaker {
     const Vector2 along = points[(edge + 1) % points.size()] - points[edge];
     const Vector2 rest = outline_.points[to] - outline_.points[from];
     if (rest.dot(along.normalized()) > tiny_) return;
-    throw Misfit{Misfit::TooWide, fmt::format("edge {} of tile {}", edge, tile)};
+    throw Misfit{Misfit::TooWide,
+                 fmt::format("edge {} of tile {}", numberOf(edge), numberOf(tile))};
   }
 
   /// No two lines of a tile's outline may cross.
@@ -779,7 +790,7 @@ class OutlineMaker {
       for (std::size_t b = a + 2; b < count; ++b) {
         if (b + 1 == count && a == 0) continue;
         const bool crosses = side(a, b) * side(a, b + 1) < 0 && side(b, a) * side(b, a + 1) < 0;
-        if (crosses) throw Misfit{Misfit::TooWide, fmt::format("tile {}", tile)};
+        if (crosses) throw Misfit{Misfit::TooWide, fmt::format("tile {}", numberOf(tile))};
       }
     }
   }
@@ -865,7 +876,8 @@ std::optional<double> boundOf(const Model& model, const FlatSheet& sheet, NeckSh
 
 NeckOutline neckOutline(const Model& model, const NeckShape& shape) {
   requirePossible(shape);
-  for (std::size_t j = 0; j < model.joints.size(); ++j) requirePivot(model.joints[j], j);
+  const auto first = static_cast<std::size_t>(model.fileOrder.countsFrom);
+  for (std::size_t j = 0; j < model.joints.size(); ++j) requirePivot(model.joints[j], first + j);
   const FlatSheet sheet = flatSheet(model);
   try {
     return OutlineMaker(model, sheet, shape).make();

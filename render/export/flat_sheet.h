@@ -34,7 +34,8 @@ struct FlatSheet {
 /// order and number.
 FlatSheet flatSheet(const Model& model);
 
-/// Throws InputError for a joint, of this number, that does not hold two corners together.
+/// Throws InputError for a joint, of this number in messages, that does not hold two corners
+/// together.
 void requirePivot(const Joint& joint, std::size_t number);
 
 /// The end of an edge of a tile: edge k runs from vertex k to the next.

@@ -118,6 +118,14 @@ std::unique_ptr<JointSolver> solverOf(const Scene& scene, const Needs& needs,
        std::move(ties.ligaments)});
 }
 
+// `countsFrom`: the first tile's number.
+void requireFree(const std::optional<ObstacleOverlap>& overlap, int countsFrom) {
+  if (!overlap) return;
+  throw InputError(fmt::format(
+      "error: tile {} reaches {:.3g} m into obstacle {} at the start; move the obstacle away",
+      countsFrom + overlap->brick, overlap->depth, overlap->obstacle));
+}
+
 // Obstacles are bodies in space.
 void requireSpace(const Scene& scene, const Needs& needs) {
   if (!needs.planar.on || scene.environment.obstacles.empty()) return;
@@ -146,9 +154,11 @@ DirectDynamics::DirectDynamics(const Scene& scene, const Needs& needs,
   Poses poses = start;
   appendObstacles(poses);
   const auto finder = [&](double tolerance) {
-    return std::make_unique<ContactFinder>(bodies_, poses, makePivots(scene.model.joints, bricks),
-                                           scene.environment, needs.planar.on, tolerance,
-                                           obstacles_);
+    auto made =
+        std::make_unique<ContactFinder>(bodies_, poses, makePivots(scene.model.joints, bricks),
+                                        scene.environment, needs.planar.on, tolerance, obstacles_);
+    requireFree(made->overlapWithObstacle(poses), countsFrom_);
+    return made;
   };
   contacts_ = finder(touching_);
   if (!keepsTolerance(scene)) return;

@@ -273,10 +273,22 @@ void TargetSprings::setTarget(const std::vector<Tile>& target) {
 
 Load TargetSprings::load(int brick, const Pose& pose, double stiffening) const {
   Load load;
-  load.damping.diagonal() << Vector3::Constant(settings_.forceDamping),
-      Vector3::Constant(settings_.torqueDamping);
-  const Spring& spring = springs_[brick];
-  if (!spring.pulled) return load;
+  addLoad(springs_[brick], pose, stiffening, load);
+  return load;
+}
+
+void TargetSprings::addLoads(const Poses& poses, double stiffening,
+                             std::vector<Load>& loads) const {
+  for (std::size_t i = 0; i < springs_.size(); ++i) {
+    addLoad(springs_[i], poses[i], stiffening, loads[i]);
+  }
+}
+
+void TargetSprings::addLoad(const Spring& spring, const Pose& pose, double stiffening,
+                            Load& load) const {
+  load.damping.diagonal().head<3>().array() += settings_.forceDamping;
+  load.damping.diagonal().tail<3>().array() += settings_.torqueDamping;
+  if (!spring.pulled) return;
 
   // The force at the mean of the bottom, seen from the centre of mass through the arm s.
   const Matrix3 R = pose.rotation.toRotationMatrix();
@@ -288,13 +300,13 @@ Load TargetSprings::load(int brick, const Pose& pose, double stiffening) const {
 
   // Both the torque springs and the turning arm have the same kind of second derivative.
   const Matrix3 C = kt * R * spring.moment + kf * s * gap.transpose();
-  load.force << kf * gap, crossSum(C);
-  load.stiffness.topLeftCorner<3, 3>().diagonal().setConstant(kf);
-  load.stiffness.topRightCorner<3, 3>() = -kf * S;
-  load.stiffness.bottomLeftCorner<3, 3>() = kf * S;
-  load.stiffness.bottomRightCorner<3, 3>() =
+  load.force.head<3>() += kf * gap;
+  load.force.tail<3>() += crossSum(C);
+  load.stiffness.topLeftCorner<3, 3>().diagonal().array() += kf;
+  load.stiffness.topRightCorner<3, 3>() -= kf * S;
+  load.stiffness.bottomLeftCorner<3, 3>() += kf * S;
+  load.stiffness.bottomRightCorner<3, 3>() +=
       kf * S.transpose() * S + positivePart(rotationalStiffness(C));
-  return load;
 }
 
 double TargetSprings::energy(const Poses& poses, double stiffening) const {

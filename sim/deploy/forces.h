@@ -149,6 +149,9 @@ class TargetSprings {
   /// About 100 multiplications and, far from the target, a 3 x 3 eigenvalue problem.
   Load load(int brick, const Pose& pose, double stiffening) const;
 
+  /// Adds the loads on all bricks at these poses, one a brick, to what is there.
+  void addLoads(const Poses& poses, double stiffening, std::vector<Load>& loads) const;
+
   /// Energy stored in all springs, joules.
   double energy(const Poses& poses, double stiffening) const;
 
@@ -162,6 +165,8 @@ class TargetSprings {
     double spread = 0;   ///< sum over vertices of |p'_k|^2 + |t'_k|^2
     bool pulled = true;
   };
+
+  void addLoad(const Spring& spring, const Pose& pose, double stiffening, Load& load) const;
 
   const std::vector<Brick>& bricks_;
   std::vector<Spring> springs_;

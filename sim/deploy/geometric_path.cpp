@@ -315,35 +315,36 @@ class Walk {
   Walk(const Scene& scene, const GeometricPath& found, const AssembledState& nearest,
        double sampleInterval, const SampleObserver& observer)
       : scene_(scene),
-        path_(found.path),
-        hasCompliantJoints_(found.hasCompliantJoints),
+        found_(found),
         symmetries_(scene, found.path.symmetries),
         interval_(sampleInterval),
         observer_(observer),
         bricks_(makeBricks(scene.model.tiles, scene.brick)),
         pivots_(makePivots(scene.model.joints, bricks_)),
-        asRead_(startPoses(scene.model.tiles, bricks_)),
-        figures_(scene.model, bricks_, pivots_, scene.environment.pivotZone, asRead_, nearest) {
+        figures_(scene.model, bricks_, pivots_, scene.environment.pivotZone,
+                 startPoses(scene.model.tiles, bricks_), nearest) {
     Scene alone = scene;
     alone.environment = Environment{};
-    projection_ = makeDynamics(alone, sceneNeeds(alone), bricks_, asRead_);
+    projection_ =
+        makeDynamics(alone, sceneNeeds(alone), bricks_, startPoses(scene.model.tiles, bricks_));
   }
 
   // Walks all states, samples included, and returns the result without outcome and reason.
   DeploymentResult finish() {
-    static_cast<Subject&>(result_.trajectory) = subjectOf(scene_);
-    figures_.begin(path_.states.front(), hasCompliantJoints_);
-    takeSample(0, path_.states.front());
+    figures_.begin(found_.path.states.front(), found_.hasCompliantJoints);
+    takeSample(0, found_.path.states.front());
     try {
       const InterruptionCatcher catcher;
-      for (std::size_t k = 1; k < path_.states.size() && !isAskedToEnd_; ++k) step(k);
+      for (std::size_t k = 1; k < found_.path.states.size() && !isAskedToEnd_; ++k) step(k);
     } catch (const Interrupted&) {
       isAskedToEnd_ = true;  // within a state that lies between two others
     }
     // The last state is sampled though no sample is due.
     if (lastTime_ < time_ && !isAskedToEnd_) takeSample(time_, *poses_);
-    figures_.leave(result_);
-    return std::move(result_);
+    DeploymentResult result;
+    static_cast<Subject&>(result.trajectory) = subjectOf(scene_);
+    figures_.leave(result);
+    return result;
   }
 
   bool isInterrupted() const { return isAskedToEnd_ && !isWhole_; }
@@ -353,21 +354,22 @@ class Walk {
   /// When a state is reached, seconds.
   double timeAt(std::size_t state) const {
     const double whole = std::min(scene_.path.walkTime, scene_.stop.duration);
-    return path_.length() > 0 ? whole * (path_.lengths[state] / path_.length()) : 0;
+    return found_.path.length() > 0 ? whole * (found_.path.lengths[state] / found_.path.length())
+                                    : 0;
   }
 
   // One state of the path, and the samples that came due on the way to it.
   void step(std::size_t state) {
     const double before = time_;
     const double next = timeAt(state);
-    isWhole_ = state + 1 == path_.states.size();
+    isWhole_ = state + 1 == found_.path.states.size();
     if (!(next > before)) return;  // a state that is the one before but for rounding
     time_ = next;
     const Poses& from = *poses_;
-    poses_ = &path_.states[state];
+    poses_ = &found_.path.states[state];
     StepReport report;
     report.steps = 1;
-    figures_.observe(time_, *poses_, report, hasCompliantJoints_);
+    figures_.observe(time_, *poses_, report, found_.hasCompliantJoints);
     for (;;) {
       const double due = static_cast<double>(samples_) * interval_;
       if (!(due <= time_) || isAskedToEnd_) return;
@@ -380,7 +382,7 @@ class Walk {
   Poses between(const Poses& from, double share) {
     if (share >= 1) return *poses_;
     Poses poses = interpolate(from, *poses_, share);
-    if (hasCompliantJoints_) return symmetricMean(poses, path_.symmetries);
+    if (found_.hasCompliantJoints) return symmetricMean(poses, found_.path.symmetries);
     closeInPlace(poses, *projection_);
     symmetries_.restore(poses, *projection_);
     return poses;
@@ -396,23 +398,20 @@ class Walk {
   }
 
   const Scene& scene_;
-  const MechanismPath& path_;
-  bool hasCompliantJoints_;
+  const GeometricPath& found_;
   SymmetricStates symmetries_;
   double interval_;  // seconds
   const SampleObserver& observer_;
   std::vector<Brick> bricks_;
   std::vector<Pivot> pivots_;
-  Poses asRead_;
   RunFigures figures_;
   std::unique_ptr<Dynamics> projection_;  // closes joints of states between two others
-  const Poses* poses_ = &path_.states.front();
+  const Poses* poses_ = &found_.path.states.front();
   double time_ = 0;      // of the last state, seconds
   double lastTime_ = 0;  // of the last sample, seconds
   long samples_ = 0;
   bool isWhole_ = false;
   bool isAskedToEnd_ = false;
-  DeploymentResult result_;
 };
 
 /// How a walk ends that nobody interrupts, `error` metres from the target.

@@ -196,9 +196,7 @@ void RunDrive::addLoads(const Poses& poses, std::vector<Load>& loads) const {
   if (const DriveForce* drive = presentDrive()) {
     drive->addLoads(poses, loads);
   } else if (const TargetSprings* springs = presentSprings()) {
-    for (std::size_t i = 0; i < poses.size(); ++i) {
-      loads[i] = springs->load(static_cast<int>(i), poses[i], stiffness_.factor());
-    }
+    springs->addLoads(poses, stiffness_.factor(), loads);
   }
 }
 

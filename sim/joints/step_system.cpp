@@ -273,6 +273,98 @@ typename Coordinates<D>::Block massMatrix(const Brick& brick, const Pose& pose) 
 
 }  // namespace
 
+int BrickGraph::edgeOf(int brickA, int brickB) {
+  const auto [low, high] = std::minmax(brickA, brickB);
+  for (const auto& [other, edge] : edgesAt_[low]) {
+    if (other == high) return edge;
+  }
+  const int edge = static_cast<int>(edges_.size());
+  edges_.emplace_back(low, high);
+  edgesAt_[low].emplace_back(high, edge);
+  hasGrown_ = true;
+  return edge;
+}
+
+void BrickGraph::transfer(StateTape& tape) {
+  std::vector<std::pair<int, int>> edges = edges_;
+  tape.transfer(edges);
+  for (const auto& [low, high] : edges) edgeOf(low, high);
+}
+
+template <int D>
+SpringRows<D>::SpringRows(std::vector<HingeSpring> springs, BrickGraph& graph)
+    : springs_(std::move(springs)), rows_(springs_.size()) {
+  for (std::size_t s = 0; s < springs_.size(); ++s) {
+    rows_[s].edge = graph.edgeOf(springs_[s].hinge.brickA, springs_[s].hinge.brickB);
+  }
+}
+
+template <int D>
+void SpringRows<D>::begin(const Poses& poses, double step, const std::vector<bool>& held) {
+  if (springs_.empty()) return;
+  const std::vector<double> moments = hingeMoments(springs_, poses);
+  for (std::size_t s = 0; s < springs_.size(); ++s) {
+    const HingeSpring& spring = springs_[s];
+    const Hinge& hinge = spring.hinge;
+    SpringRow<D>& row = rows_[s];
+    row.b = Coordinates<D>::turning(poses[hinge.brickA].rotation * hinge.axis);
+    row.a = -row.b;
+    if (held[hinge.brickA]) row.a.setZero();
+    if (held[hinge.brickB]) row.b.setZero();
+    row.moment = moments[s];
+    row.weight = step * (step * spring.stiffness + spring.damping);
+  }
+}
+
+template <int D>
+void SpringRows<D>::clear() {
+  for (SpringRow<D>& row : rows_) row.weight = row.moment = 0;
+}
+
+template <int D>
+double SpringRows<D>::rate(std::size_t s, const Vector& x) const {
+  const Hinge& hinge = springs_[s].hinge;
+  return rows_[s].a.dot(x.segment<D>(D * hinge.brickA)) +
+         rows_[s].b.dot(x.segment<D>(D * hinge.brickB));
+}
+
+template <int D>
+void SpringRows<D>::addForce(double step, Vector& f) const {
+  for (std::size_t s = 0; s < springs_.size(); ++s) {
+    const Hinge& hinge = springs_[s].hinge;
+    f.segment<D>(D * hinge.brickA) += step * rows_[s].moment * rows_[s].a.transpose();
+    f.segment<D>(D * hinge.brickB) += step * rows_[s].moment * rows_[s].b.transpose();
+  }
+}
+
+template <int D>
+void SpringRows<D>::addProduct(const Vector& x, Vector& to) const {
+  for (std::size_t s = 0; s < springs_.size(); ++s) {
+    const Hinge& hinge = springs_[s].hinge;
+    const double share = rows_[s].weight * rate(s, x);
+    to.segment<D>(D * hinge.brickA) += share * rows_[s].a.transpose();
+    to.segment<D>(D * hinge.brickB) += share * rows_[s].b.transpose();
+  }
+}
+
+template <int D>
+void SpringRows<D>::addWorkAgainst(const Vector& first, const Vector& further, double& work) const {
+  for (std::size_t s = 0; s < springs_.size(); ++s) {
+    const double turn = rate(s, further);
+    const double middle = rate(s, first) + 0.5 * turn;
+    work -= turn * (rows_[s].moment - springs_[s].stiffness * middle);
+  }
+}
+
+template <int D>
+double SpringRows<D>::damped(double step, const Vector& x) const {
+  double energy = 0;
+  for (std::size_t s = 0; s < springs_.size(); ++s) {
+    energy += step * springs_[s].damping * std::pow(rate(s, x), 2);
+  }
+  return energy;
+}
+
 template <int D>
 StepSystem<D>::StepSystem(const std::vector<Brick>& bricks, std::span<const Pivot> pivots,
                           double lengthScale, std::vector<HingeSpring> springs,
@@ -280,9 +372,8 @@ StepSystem<D>::StepSystem(const std::vector<Brick>& bricks, std::span<const Pivo
     : bricks_(bricks),
       lengthScale_(lengthScale),
       pinned_(bricks.size(), false),
-      edgesAt_(bricks.size()),
-      springs_(std::move(springs)),
-      springRows_(springs_.size()),
+      graph_(bricks.size()),
+      springs_({}, graph_),
       ligaments_(std::move(ligaments), lengthScale),
       A_(bricks.size()),
       f_(D * bricks.size()) {
@@ -292,36 +383,13 @@ StepSystem<D>::StepSystem(const std::vector<Brick>& bricks, std::span<const Pivo
   }
   jointRows_.resize(pivots_.size());
   for (std::size_t p = 0; p < pivots_.size(); ++p) {
-    jointRows_[p].edge = edgeOf(pivots_[p].brickA, pivots_[p].brickB);
+    jointRows_[p].edge = graph_.edgeOf(pivots_[p].brickA, pivots_[p].brickB);
   }
-  for (std::size_t s = 0; s < springs_.size(); ++s) {
-    springRows_[s].edge = edgeOf(springs_[s].hinge.brickA, springs_[s].hinge.brickB);
-  }
+  // After the joints: the order of edges decides the rounding.
+  springs_ = SpringRows<D>(std::move(springs), graph_);
   for (std::size_t k = 0; k < ligaments_.size(); ++k) {
-    const Ligament& ligament = ligaments_.ligament(k);
-    ligamentEdges_.push_back(edgeOf(ligament.brickA, ligament.brickB));
+    graph_.edgeOf(ligaments_.ligament(k).brickA, ligaments_.ligament(k).brickB);
   }
-}
-
-template <int D>
-// The number of the edge between two bricks, which is made where there is none yet.
-int StepSystem<D>::edgeOf(int brickA, int brickB) {
-  const auto [low, high] = std::minmax(brickA, brickB);
-  for (const auto& [other, edge] : edgesAt_[low]) {
-    if (other == high) return edge;
-  }
-  const int edge = static_cast<int>(edges_.size());
-  edges_.emplace_back(low, high);
-  edgesAt_[low].emplace_back(high, edge);
-  graphChanged_ = true;
-  return edge;
-}
-
-template <int D>
-void StepSystem<D>::transfer(StateTape& tape) {
-  std::vector<std::pair<int, int>> edges = edges_;
-  tape.transfer(edges);
-  for (const auto& [low, high] : edges) edgeOf(low, high);
 }
 
 template <int D>
@@ -332,7 +400,7 @@ void StepSystem<D>::setMasses(const Poses& poses) {
     sum += A_[i](0, 0);
   }
   f_.setZero();
-  for (SpringRow& row : springRows_) row.weight = row.moment = 0;
+  springs_.clear();
   ligaments_.clear();
   kappa_ = kJointWeight * sum / static_cast<double>(bricks_.size());
   rho_ = kContactWeight * sum / static_cast<double>(bricks_.size());
@@ -356,7 +424,8 @@ void StepSystem<D>::setStep(const Motion& motion, const std::vector<Load>& loads
     }
     sum += A_[i](0, 0);
   }
-  setSprings(motion.poses, step);
+  springs_.begin(motion.poses, step, pinned_);
+  springs_.addForce(step, f_);
   ligaments_.begin(motion.poses, step, pinned_);
   ownForce_ = f_;
   kappa_ = std::isfinite(jointStiffness) ? step * step * jointStiffness
@@ -376,39 +445,12 @@ double StepSystem<D>::potential(double step, const Vector& x) const {
   return x.dot(0.5 * ownTimesA(x) - ownForce_) + ligaments_.energyAfter(step * x);
 }
 
-/// Sets the rate of a hinge's angle; a brick that is held takes no part in it.
-template <int D>
-void StepSystem<D>::placeSpring(const HingeSpring& spring, const Poses& poses,
-                                SpringRow& row) const {
-  const Hinge& hinge = spring.hinge;
-  row.b = Space::turning(poses[hinge.brickA].rotation * hinge.axis);
-  row.a = -row.b;
-  if (pinned_[hinge.brickA]) row.a.setZero();
-  if (pinned_[hinge.brickB]) row.b.setZero();
-}
-
-/// Sets the springs' part of A and adds theirs to f.
-template <int D>
-void StepSystem<D>::setSprings(const Poses& poses, double step) {
-  if (springs_.empty()) return;
-  const std::vector<double> moments = hingeMoments(springs_, poses);
-  for (std::size_t s = 0; s < springs_.size(); ++s) {
-    const HingeSpring& spring = springs_[s];
-    SpringRow& row = springRows_[s];
-    placeSpring(spring, poses, row);
-    row.moment = moments[s];
-    row.weight = step * (step * spring.stiffness + spring.damping);
-    f_.segment<D>(D * spring.hinge.brickA) += step * row.moment * row.a.transpose();
-    f_.segment<D>(D * spring.hinge.brickB) += step * row.moment * row.b.transpose();
-  }
-}
-
 template <int D>
 void StepSystem<D>::placeJoints(const Poses& poses) {
   const std::vector<Matrix3> turns = rotationMatrices(poses);
   for (std::size_t p = 0; p < pivots_.size(); ++p) {
     const Pivot& pivot = pivots_[p];
-    JointRows& rows = jointRows_[p];
+    JointRows<D>& rows = jointRows_[p];
     rows.a = Space::pointVelocity(turns[pivot.brickA] * pivot.pointA);
     rows.b = -Space::pointVelocity(turns[pivot.brickB] * pivot.pointB);
     if (pivot.distance > 0) keepLengthwiseRow(pivot, poses, rows);
@@ -419,7 +461,7 @@ void StepSystem<D>::placeJoints(const Poses& poses) {
 
 /// A link is one row, the velocity along it; its other rows are empty.
 template <int D>
-void StepSystem<D>::keepLengthwiseRow(const Pivot& pivot, const Poses& poses, JointRows& rows) {
+void StepSystem<D>::keepLengthwiseRow(const Pivot& pivot, const Poses& poses, JointRows<D>& rows) {
   const typename Space::Gap along =
       Space::gap(poses[pivot.brickA].apply(pivot.pointA) - poses[pivot.brickB].apply(pivot.pointB));
   const typename Space::RowVector alongA = along.normalized().transpose() * rows.a;
@@ -452,7 +494,7 @@ void StepSystem<D>::addRowsToMatrix(const PairOnGraph& pair,
 template <int D>
 void StepSystem<D>::addJointsToMatrix() {
   for (std::size_t p = 0; p < pivots_.size(); ++p) {
-    const JointRows& rows = jointRows_[p];
+    const JointRows<D>& rows = jointRows_[p];
     addRowsToMatrix<Space::kJointRows>({pivots_[p].brickA, pivots_[p].brickB, rows.edge}, rows.a,
                                        rows.b, kappa_);
   }
@@ -461,10 +503,10 @@ void StepSystem<D>::addJointsToMatrix() {
 template <int D>
 void StepSystem<D>::addSpringsToMatrix() {
   for (std::size_t s = 0; s < springs_.size(); ++s) {
-    const SpringRow& row = springRows_[s];
+    const SpringRow<D>& row = springs_.row(s);
+    const Hinge& hinge = springs_.spring(s).hinge;
     if (row.weight == 0) continue;
-    addRowsToMatrix<1>({springs_[s].hinge.brickA, springs_[s].hinge.brickB, row.edge}, row.a, row.b,
-                       row.weight);
+    addRowsToMatrix<1>({hinge.brickA, hinge.brickB, row.edge}, row.a, row.b, row.weight);
   }
 }
 
@@ -478,7 +520,8 @@ void StepSystem<D>::addLigamentsToMatrix() {
       matrix_.addToDiagonal(ligament.brickB, weight.template bottomRightCorner<3, 3>());
       const Block across = weight.template topRightCorner<3, 3>();
       const bool isInOrder = ligament.brickA < ligament.brickB;
-      matrix_.addToOffDiagonal(ligamentEdges_[k], isInOrder ? across : Block(across.transpose()));
+      const int edge = graph_.edgeOf(ligament.brickA, ligament.brickB);
+      matrix_.addToOffDiagonal(edge, isInOrder ? across : Block(across.transpose()));
     }
   }
 }
@@ -486,7 +529,7 @@ void StepSystem<D>::addLigamentsToMatrix() {
 template <int D>
 void StepSystem<D>::addContactToMatrix(const ContactRow<D>& row) {
   PairOnGraph pair{row.contact.brickA, row.contact.brickB};
-  if (pair.brickB != kFixed) pair.edge = edgeOf(pair.brickA, pair.brickB);
+  if (pair.brickB != kFixed) pair.edge = graph_.edgeOf(pair.brickA, pair.brickB);
   if (row.active) addRowsToMatrix<1>(pair, row.normalA, row.normalB, rho_);
   if (!row.rubs()) return;
   // The tangents along the slip stiffness' own directions.
@@ -502,10 +545,10 @@ void StepSystem<D>::addContactToMatrix(const ContactRow<D>& row) {
 template <int D>
 bool StepSystem<D>::factor(const std::vector<ContactRow<D>>& contacts) {
   for (const ContactRow<D>& row : contacts) {
-    if (row.acts() && row.contact.brickB != kFixed) edgeOf(row.contact.brickA, row.contact.brickB);
+    if (!row.acts() || row.contact.brickB == kFixed) continue;
+    graph_.edgeOf(row.contact.brickA, row.contact.brickB);
   }
-  if (graphChanged_) matrix_.analyze(brickCount(), edges_);
-  graphChanged_ = false;
+  if (graph_.hasGrown()) matrix_.analyze(brickCount(), graph_.edges());
   matrix_.setZero();
   for (int i = 0; i < brickCount(); ++i) matrix_.addToDiagonal(i, A_[i]);
   addJointsToMatrix();
@@ -514,10 +557,10 @@ bool StepSystem<D>::factor(const std::vector<ContactRow<D>>& contacts) {
   for (const ContactRow<D>& row : contacts) {
     if (row.acts()) addContactToMatrix(row);
   }
-  ++factorizations_;
-  work_ +=
+  ++cost_.factorizations;
+  cost_.work +=
       matrix_.work() + kWorkOfBrick * brickCount() +
-      kWorkOfRow * static_cast<double>(jointRows_.size() + springRows_.size() + contacts.size());
+      kWorkOfRow * static_cast<double>(jointRows_.size() + springs_.size() + contacts.size());
   return matrix_.factor();
 }
 
@@ -541,21 +584,13 @@ double StepSystem<D>::workAgainst(const std::vector<Load>& loads, const Vector& 
     work -=
         move.dot(Space::restrict(loads[i].force) - Space::restrict(loads[i].stiffness) * middle);
   }
-  for (std::size_t s = 0; s < springs_.size(); ++s) {
-    const double turn = springRate(s, further);
-    const double middle = springRate(s, first) + 0.5 * turn;
-    work -= turn * (springRows_[s].moment - springs_[s].stiffness * middle);
-  }
+  springs_.addWorkAgainst(first, further, work);
   return work + ligaments_.energyAfter(first + further) - ligaments_.energyAfter(first);
 }
 
 template <int D>
 double StepSystem<D>::dampedBySprings(double step, const Vector& x) const {
-  double energy = 0;
-  for (std::size_t s = 0; s < springs_.size(); ++s) {
-    energy += step * springs_[s].damping * std::pow(springRate(s, x), 2);
-  }
-  return energy;
+  return springs_.damped(step, x);
 }
 
 /// A x, but for ligaments.
@@ -565,12 +600,7 @@ Eigen::VectorXd StepSystem<D>::ownTimesA(const Vector& x) const {
   for (int i = 0; i < brickCount(); ++i) {
     result.segment<D>(D * i) = A_[i] * x.segment<D>(D * i);
   }
-  for (std::size_t s = 0; s < springs_.size(); ++s) {
-    const SpringRow& row = springRows_[s];
-    const double share = row.weight * springRate(s, x);
-    result.segment<D>(D * springs_[s].hinge.brickA) += share * row.a.transpose();
-    result.segment<D>(D * springs_[s].hinge.brickB) += share * row.b.transpose();
-  }
+  springs_.addProduct(x, result);
   return result;
 }
 
@@ -579,14 +609,6 @@ Eigen::VectorXd StepSystem<D>::timesA(const Vector& x) const {
   Vector result = ownTimesA(x);
   ligaments_.addProduct(x, result);
   return result;
-}
-
-/// The rate of a hinge's angle at velocities x, rad/s.
-template <int D>
-double StepSystem<D>::springRate(std::size_t spring, const Vector& x) const {
-  const SpringRow& row = springRows_[spring];
-  const Hinge& hinge = springs_[spring].hinge;
-  return row.a.dot(x.segment<D>(D * hinge.brickA)) + row.b.dot(x.segment<D>(D * hinge.brickB));
 }
 
 template <int D>
@@ -604,8 +626,9 @@ Eigen::VectorXd StepSystem<D>::jointVelocity(const Vector& u) const {
   constexpr int kRows = Space::kJointRows;
   Vector result(jointRowCount());
   for (std::size_t p = 0; p < pivots_.size(); ++p) {
-    result.segment<kRows>(kRows * p) = jointRows_[p].a * u.segment<D>(D * pivots_[p].brickA) +
-                                       jointRows_[p].b * u.segment<D>(D * pivots_[p].brickB);
+    auto speed = result.segment<kRows>(kRows * p);
+    speed.noalias() = jointRows_[p].a * u.segment<D>(D * pivots_[p].brickA);
+    speed.noalias() += jointRows_[p].b * u.segment<D>(D * pivots_[p].brickB);
   }
   return result;
 }

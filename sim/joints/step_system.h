@@ -280,7 +280,99 @@ class LigamentBlocks {
 };
 
 // ------------------------------------------------------------------------------------------------
+// The graph that the system of a step stands on.
+
+/// An edge for each two bricks that share a joint, a spring or a ligament, or have touched.
+class BrickGraph {
+ public:
+  /// Without edges, of so many bricks.
+  explicit BrickGraph(std::size_t bricks) : edgesAt_(bricks) {}
+
+  /// The number of the edge between two bricks, which is made where there is none yet.
+  int edgeOf(int brickA, int brickB);
+  /// Sorted pairs, in the order in which they were made.
+  const std::vector<std::pair<int, int>>& edges() const { return edges_; }
+  /// Whether there are edges that were not there when this was asked last; true at first.
+  bool hasGrown() { return std::exchange(hasGrown_, false); }
+
+  /// The order of edges decides the order of elimination, and so the rounding.
+  void transfer(StateTape& tape);
+
+ private:
+  std::vector<std::pair<int, int>> edges_;
+  std::vector<std::vector<std::pair<int, int>>> edgesAt_;  // of the lower brick: (higher, edge)
+  bool hasGrown_ = true;
+};
+
+/// Two bricks, the second perhaps kFixed, and their edge of the graph.
+struct PairOnGraph {
+  int brickA = 0;
+  int brickB = 0;
+  int edge = 0;
+};
+
+// ------------------------------------------------------------------------------------------------
+// Springs at hinges in a step.
+
+/// The row of a spring in a step, the rate of its hinge's angle.
+template <int D>
+struct SpringRow {
+  int edge = 0;
+  typename Coordinates<D>::RowVector a, b;
+  double moment = 0;  ///< at the start of the step, N m
+  double weight = 0;  ///< of the row in A
+};
+
+/// What springs at hinges add to a step: S, W and m of StepSystem. About the axis of a closed hinge
+/// the rate is exact.
+template <int D>
+class SpringRows {
+ public:
+  using Vector = Eigen::VectorXd;
+
+  SpringRows(std::vector<HingeSpring> springs, BrickGraph& graph);
+
+  std::size_t size() const { return springs_.size(); }
+  const HingeSpring& spring(std::size_t s) const { return springs_[s]; }
+  const SpringRow<D>& row(std::size_t s) const { return rows_[s]; }
+
+  /// Sets the rows for a step of so many seconds from these poses. One entry a brick: those that
+  /// are held take no part.
+  void begin(const Poses& poses, double step, const std::vector<bool>& held);
+  /// Takes all weights and moments away.
+  void clear();
+
+  /// The rate of a hinge's angle at velocities x, rad/s.
+  double rate(std::size_t s, const Vector& x) const;
+  /// Adds h S^T m to f.
+  void addForce(double step, Vector& f) const;
+  /// Adds S^T W S x.
+  void addProduct(const Vector& x, Vector& to) const;
+  /// Adds what a further displacement costs against the springs after a first one, joules.
+  void addWorkAgainst(const Vector& first, const Vector& further, double& work) const;
+  /// What the dashpots take in a step with velocities x, joules.
+  double damped(double step, const Vector& x) const;
+
+ private:
+  std::vector<HingeSpring> springs_;
+  std::vector<SpringRow<D>> rows_;
+};
+
+// ------------------------------------------------------------------------------------------------
 // One implicit step of the joined bricks as a linear system, and its factor.
+
+/// The rows of a pivot, and its bricks' edge of the graph.
+template <int D>
+struct JointRows {
+  int edge = 0;
+  typename Coordinates<D>::Rows a, b;
+};
+
+/// What factoring has cost so far.
+struct FactorCost {
+  int factorizations = 0;
+  double work = 0;  ///< in multiplications with an addition: counted, not measured
+};
 
 /// The matrices of one step in D degrees of freedom a brick:
 ///   A = M + h D + h^2 K + S^T W S,   f = M u0 + h F + h S^T m,   joint rows J, contact rows C,
@@ -355,41 +447,16 @@ class StepSystem {
 
   double kappa() const { return kappa_; }
   double rho() const { return rho_; }
-  int factorizations() const { return factorizations_; }
+  int factorizations() const { return cost_.factorizations; }
   /// What they cost so far, in multiplications with an addition: counted, not measured.
-  double work() const { return work_; }
+  double work() const { return cost_.work; }
 
   /// The graph: which bricks have touched decides the order of elimination, and so the rounding.
-  void transfer(StateTape& tape);
+  void transfer(StateTape& tape) { graph_.transfer(tape); }
 
  private:
-  /// The two bricks of a pivot, as an edge of the graph.
-  struct JointRows {
-    int edge = 0;
-    typename Space::Rows a, b;
-  };
-
-  /// The spring of a hinge in the step at hand.
-  struct SpringRow {
-    int edge = 0;
-    RowVector a, b;     // the rate of its angle
-    double moment = 0;  // at the start of the step, N m
-    double weight = 0;  // of the row in A
-  };
-
-  void keepLengthwiseRow(const Pivot& pivot, const Poses& poses, JointRows& rows);
-  void placeSpring(const HingeSpring& spring, const Poses& poses, SpringRow& row) const;
-  void setSprings(const Poses& poses, double step);
-  double springRate(std::size_t spring, const Vector& x) const;
-  /// Two bricks, the second perhaps kFixed, and their edge of the graph.
-  struct PairOnGraph {
-    int brickA = 0;
-    int brickB = 0;
-    int edge = 0;
-  };
-
+  void keepLengthwiseRow(const Pivot& pivot, const Poses& poses, JointRows<D>& rows);
   Vector ownTimesA(const Vector& x) const;
-  int edgeOf(int brickA, int brickB);
   template <int kRows>
   void addRowsToMatrix(const PairOnGraph& pair, const Eigen::Matrix<double, kRows, D>& a,
                        const Eigen::Matrix<double, kRows, D>& b, double weight);
@@ -402,22 +469,16 @@ class StepSystem {
   double lengthScale_;
   std::vector<Pivot> pivots_;
   std::vector<bool> pinned_;
-  std::vector<std::pair<int, int>>
-      edges_;  // sorted pairs; joints first, then contacts as they come
-  std::vector<std::vector<std::pair<int, int>>> edgesAt_;  // of the lower brick: (higher, edge)
-  bool graphChanged_ = true;
-  std::vector<JointRows> jointRows_;
-  std::vector<HingeSpring> springs_;
-  std::vector<SpringRow> springRows_;  // without weight while only masses count
-  LigamentBlocks ligaments_;           // likewise
-  std::vector<int> ligamentEdges_;
-  Vector ownForce_;  // f without ligaments
+  BrickGraph graph_;  // joints first, then contacts as they come
+  std::vector<JointRows<D>> jointRows_;
+  SpringRows<D> springs_;     // without weight while only masses count
+  LigamentBlocks ligaments_;  // likewise
+  Vector ownForce_;           // f without ligaments
   std::vector<Block, Eigen::aligned_allocator<Block>> A_;
   Vector f_;
   double kappa_ = 0;
   double rho_ = 0;
-  int factorizations_ = 0;
-  double work_ = 0;
+  FactorCost cost_;
   BlockCholesky<D> matrix_;
 };
 

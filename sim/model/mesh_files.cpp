@@ -238,13 +238,14 @@ Model readObjPair(const fs::path& start, const std::optional<fs::path>& target,
 
 void writeObjPair(const Model& inOrder, const fs::path& file) {
   const Model model = inFileOrder(inOrder);
+  const int first = model.fileOrder.countsFrom;
   std::string comments;
   for (const Joint& joint : model.joints) {
     if (joint.kind != JointKind::Pivot) {
       throw InputError(
           fmt::format("{}: error: OBJ holds joints at shared vertices, not the link between tiles "
                       "{} and {}; convert to a .fold file",
-                      file.string(), joint.a.tile, joint.b.tile));
+                      file.string(), first + joint.a.tile, first + joint.b.tile));
     }
     comments += fmt::format("# joint {} {} {} {} {}\n", joint.a.tile, joint.a.vertex, joint.b.tile,
                             joint.b.vertex, static_cast<int>(joint.face));

@@ -195,7 +195,7 @@ void checkSameCounts(const TileTable& target, const TileTable& start) {
     throw inputErrorAt(target.at(tile),
                        fmt::format("target tile {} has {} vertices, the tile at {} has {}; write "
                                    "the same tiles with the same vertices in the same order",
-                                   tile, found, start.shortName(tile), wanted));
+                                   start.countsFrom + tile, found, start.shortName(tile), wanted));
   }
   if (target.tiles.size() == start.tiles.size()) return;
   throw inputErrorAt(
@@ -260,12 +260,14 @@ void checkTarget(const TileTable& target, const Model& start, const TileTable& t
     const int tile = static_cast<int>(i);
     const ShapeChange change = shapeChange(start.tiles[i], target.tiles[i], tile);
     if (change.size() > allowed) {
-      throw inputErrorAt(target.at(tile, change.vertexB),
-                         fmt::format("vertices {} and {} of target tile {} are {:.4g} m apart, at "
-                                     "{} {:.4g}; a target is the same rigid tiles moved: correct "
-                                     "it or give this model's own",
-                                     change.vertexA, change.vertexB, tile, change.targetDistance,
-                                     table.shortName(tile), change.startDistance));
+      throw inputErrorAt(
+          target.at(tile, change.vertexB),
+          fmt::format("vertices {} and {} of target tile {} are {:.4g} m apart, at "
+                      "{} {:.4g}; a target is the same rigid tiles moved: correct "
+                      "it or give this model's own",
+                      table.countsFrom + change.vertexA, table.countsFrom + change.vertexB,
+                      table.countsFrom + tile, change.targetDistance, table.shortName(tile),
+                      change.startDistance));
     }
     changed += change.size() > rounding ? 1 : 0;
     if (change.size() > worst.size()) worst = change;

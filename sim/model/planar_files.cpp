@@ -412,6 +412,7 @@ std::string planarJointText(const std::vector<Joint>& joints) {
 
 /// Planar files have no place for heights, nor for tiles that move as one.
 void requirePlanar(const Model& model, const fs::path& file) {
+  const int first = model.fileOrder.countsFrom;
   if (!liesFlat(model.tiles, 1e-9 * modelSize(model))) {
     throw InputError(
         fmt::format("{}: error: planar files hold x and y alone, and the start does "
@@ -423,7 +424,7 @@ void requirePlanar(const Model& model, const fs::path& file) {
     throw InputError(
         fmt::format("{}: error: planar files hold corners that stay together, not the "
                     "fixed tiles {} and {}; convert to a .fold file",
-                    file.string(), joint.a.tile, joint.b.tile));
+                    file.string(), first + joint.a.tile, first + joint.b.tile));
   }
 }
 

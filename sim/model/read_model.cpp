@@ -332,12 +332,13 @@ void requireFree(const fs::path& file, const std::string& text) {
 }
 
 void requirePivots(const Model& model, const fs::path& folder) {
+  const int first = model.fileOrder.countsFrom;
   for (const Joint& joint : model.joints) {
     if (joint.kind == JointKind::Pivot) continue;
     throw InputError(fmt::format(
         "{}: error: constraints.txt holds joints at corners, not the link between tiles "
         "{} and {}; convert to a .fold file",
-        folder.string(), joint.a.tile, joint.b.tile));
+        folder.string(), first + joint.a.tile, first + joint.b.tile));
   }
 }
 
@@ -404,6 +405,7 @@ std::vector<Tile> readTargetFile(const fs::path& file, const Model& model,
   const TileTable target = readTiles(file);
   const Model asInFile = inFileOrder(model);
   TileTable start{model.name, asInFile.tiles, {}};
+  start.countsFrom = model.fileOrder.countsFrom;
   for (std::size_t i = 0; i < model.tiles.size(); ++i) {
     start.sources.push_back({static_cast<int>(i) + 1, {}});
   }

@@ -50,9 +50,8 @@ SteppedScene::SteppedScene(const Scene& scene, std::vector<Brick> bricks,
     springs_.emplace(bricks_, *scene_.model.target, scene_.model.pulledTiles, scene_.springs);
   }
   loads_ = [this](const Poses& poses, std::vector<Load>& out) {
-    for (std::size_t i = 0; i < poses.size(); ++i) {
-      out[i] = springs_ ? springs_->load(static_cast<int>(i), poses[i], 1) : Load{};
-    }
+    std::ranges::fill(out, Load{});
+    if (springs_) springs_->addLoads(poses, 1, out);
   };
   timedLoads_ = [this](double, const Poses& poses, std::vector<Load>& out) { loads_(poses, out); };
   const double before = threadCpuSeconds();

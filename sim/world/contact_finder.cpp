@@ -25,9 +25,7 @@
 #include <unordered_map>
 
 #include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
-#include <fmt/format.h>
 
-#include "sim/base/error.h"
 #include "sim/base/interruption.h"
 #include "sim/model/contact.h"
 #include "sim/world/bullet_values.h"
@@ -101,7 +99,6 @@ struct ContactFinder::Internals {
   void transfer(StateTape& tape);
   double appendGround(int brick, const Pose& end, std::vector<Contact>& contacts);
   double frictionWith(int a, int b) const;
-  void requireFree(int brick, int body, double overlap) const;
 
   const ContactBodies bodies;
   std::map<std::pair<int, int>, SharedCorners> joined;
@@ -200,15 +197,6 @@ double ContactFinder::Internals::frictionWith(int a, int b) const {
   return part ? part->friction : environment.brickFriction;
 }
 
-// A brick in an obstacle could not be got out without a jump.
-void ContactFinder::Internals::requireFree(int brick, int body, double overlap) const {
-  const ObstaclePart* part = bodies.partOf(body);
-  if (!part || overlap <= tolerance) return;
-  throw InputError(fmt::format(
-      "error: tile {} reaches {:.3g} m into obstacle {} at the start; move the obstacle away",
-      brick, overlap, part->obstacle));
-}
-
 double ContactFinder::Internals::appendGround(int brick, const Pose& end,
                                               std::vector<Contact>& contacts) {
   const double height = environment.ground->height;
@@ -250,12 +238,7 @@ ContactFinder::ContactFinder(const std::vector<Brick>& bricks, const Poses& star
     // Flush bricks of rounded models overlap a little where the run begins. They may keep that, but
     // an obstacle may not be entered at all.
     pair->keepOverlap(seenFrom(start[pair->a()], start[pair->b()]));
-    in.requireFree(pair->a(), pair->b(), pair->slack());
     if (pair->slack() > 0) in.overlapping.push_back(pair);
-  }
-  for (const SpherePair* pair : in.nearSpheres) {
-    const Vector3& centre = start[pair->sphere()].position;
-    in.requireFree(pair->brick(), pair->sphere(), pair->overlap(start[pair->brick()], centre));
   }
 }
 
@@ -307,6 +290,21 @@ double ContactFinder::appendViolated(const Poses& end, std::vector<Contact>& con
 
 double ContactFinder::pairsExamined() const {
   return internals_->examined;
+}
+
+std::optional<ObstacleOverlap> ContactFinder::overlapWithObstacle(const Poses& poses) const {
+  const Internals& in = *internals_;
+  for (const BrickPair* pair : in.nearPairs) {
+    const ObstaclePart* part = in.bodies.partOf(pair->b());
+    if (part && pair->slack() > in.tolerance) return {{pair->a(), part->obstacle, pair->slack()}};
+  }
+  for (const SpherePair* pair : in.nearSpheres) {
+    const Pose& brick = poses[pair->brick()];
+    const double depth = pair->overlap(brick, poses[pair->sphere()].position);
+    const int obstacle = in.bodies.partOf(pair->sphere())->obstacle;
+    if (depth > in.tolerance) return {{pair->brick(), obstacle, depth}};
+  }
+  return std::nullopt;
 }
 
 bool ContactFinder::isCurrent(const Contact& contact) const {

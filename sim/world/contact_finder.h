@@ -70,6 +70,13 @@ std::vector<ObstaclePart> obstacleParts(const std::vector<Obstacle>& obstacles);
 // Finds what bricks run into: Bullet's broad phase picks the pairs, separating planes of the exact
 // bricks decide. No Bullet header is needed to use it.
 
+/// A brick that reaches into an obstacle.
+struct ObstacleOverlap {
+  int brick = 0;
+  int obstacle = 0;  ///< from 0
+  double depth = 0;  ///< metres
+};
+
 /// Looks at a step's start and end together. A pair is fine when one plane (a face of either brick,
 /// or spanned by an edge of each) keeps the two apart at both: then they neither overlap nor have
 /// passed through each other, however thin they are. One plane may also take over from another on
@@ -83,7 +90,6 @@ class ContactFinder : public ContactSource {
  public:
   /// `tolerance`: overlap in metres that counts as none. `planar`: only outlines meet.
   /// `obstacles`: the parts whose bodies are the last of the bricks, which stay where they are.
-  /// Throws InputError when a brick overlaps an obstacle.
   /// `pivots` says which bricks are joined. `bricks` are copied. Poses are one a body.
   ContactFinder(const std::vector<Brick>& bricks, const Poses& start, std::span<const Pivot> pivots,
                 const Environment& environment, bool planar, double tolerance,
@@ -94,6 +100,10 @@ class ContactFinder : public ContactSource {
   double appendViolated(const Poses& end, std::vector<Contact>& contacts) override;
   bool isCurrent(const Contact& contact) const override;
   double pairsExamined() const override;
+
+  /// A brick that overlaps an obstacle at the start, whose poses these are: it could not be got out
+  /// without a jump. To be called before the first step.
+  std::optional<ObstacleOverlap> overlapWithObstacle(const Poses& start) const;
 
   /// What the next step takes from those before: what keeps each pair of bricks apart, and the
   /// overlap that it may keep.

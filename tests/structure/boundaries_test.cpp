@@ -422,6 +422,46 @@ TEST(Boundaries, FunctionsStayShort) {
   EXPECT_GT(longest, 30);  // otherwise they were not measured
 }
 
+/// The private fields of each type, whose names end with _, those of types within it among them.
+std::map<std::string, int> fieldsOf(const std::string& text) {
+  static const std::regex field("\\b\\w+_\\s*(=[^=]*)?$");
+  std::map<std::string, int> counts;
+  std::vector<Block> open = {{Block::Namespace}};
+  std::string words;
+  for (const char letter : codeAlone(text)) {
+    const bool isEnd = letter == ';' || letter == '{';
+    if (isEnd && open.back().kind == Block::Type && std::regex_search(words, field)) {
+      const auto names = 1 + std::count(words.begin(), words.end(), ',');
+      const bool isList = words.find('<') == words.npos && words.find('(') == words.npos;
+      for (const Block& block : open) {
+        if (block.kind == Block::Type) counts[block.name] += isList ? static_cast<int>(names) : 1;
+      }
+    }
+    if (letter == '{') open.push_back(blockAfter(words, open.back().kind));
+    if (letter == '}' && open.size() > 1) open.pop_back();
+    if (isEnd || letter == '}') {
+      words.clear();
+    } else {
+      words += letter;
+    }
+  }
+  return counts;
+}
+
+// A class with more has several duties. Records, whose fields are public, are not meant.
+TEST(Boundaries, ClassesHaveFewFields) {
+  constexpr int kMost = 15;
+  int most = 0;
+  for (const SourceFile& file : sources()) {
+    for (const auto& [name, count] :
+         fieldsOf(readText(fs::path(KIRIREEL_SOURCE_DIR) / file.path))) {
+      EXPECT_LE(count, kMost) << file.path << ": " << name;
+      most = std::max(most, count);
+    }
+  }
+  EXPECT_EQ(most, kMost);  // otherwise they were not counted, or fewer would do
+}
+
 TEST(Boundaries, TypesAreDefinedOnce) {
   // Two definitions of one name are undefined behaviour, which no linker needs to tell.
   std::map<std::string, std::vector<std::string>> places;

@@ -118,6 +118,8 @@ TEST(ElementMesh, RefusesJointsThatHoldNoCornersTogether) {
   layout.joints[2].kind = JointKind::Link;
   EXPECT_EQ(refusal(layout),
             "error: joint 2 does not hold two corners together; a mesh can hold pivots alone");
+  EXPECT_EQ(refusal(layout, {.countsFrom = 1}),
+            "error: joint 3 does not hold two corners together; a mesh can hold pivots alone");
 }
 
 TEST(ElementMesh, RefusesToTieATileToItself) {

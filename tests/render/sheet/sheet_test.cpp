@@ -144,6 +144,28 @@ TEST(CutPattern, SaysWhatHasNone) {
             "corners alone");
 }
 
+TEST(CutPattern, NumbersTilesAsTheModelsFileDoes) {
+  Model model = makeTessellation(shapeOf(2, 2, 0));
+  model.fileOrder.countsFrom = 1;
+  EXPECT_EQ(refusal(model, 1.5),
+            "error: hinges 1.5 m wide leave nothing to cut of edge 2 of tile 1, 1 m long; choose a "
+            "smaller --hinge-width");
+  Model raised = model;
+  raised.tiles[3].vertices[2].z() = 0.5;
+  EXPECT_EQ(refusal(raised, 0.1),
+            "error: the start is not flat: tile 4 reaches 0.5 m out of the plane of tile 1; only "
+            "planar models have a cut pattern");
+  Model turned = model;
+  std::reverse(turned.tiles[2].vertices.begin(), turned.tiles[2].vertices.end());
+  EXPECT_EQ(refusal(turned, 0.1),
+            "error: tile 3 faces the other way than tile 1; a cut pattern needs all tiles on one "
+            "side: reverse its vertices");
+  model.joints[1].kind = JointKind::Link;
+  EXPECT_EQ(refusal(model, 0.1),
+            "error: joint 2 does not hold two corners together; a cut pattern knows hinges at "
+            "corners alone");
+}
+
 TEST(CutPattern, DrawsLayersInSvgAndDxf) {
   const std::vector<PatternLine> lines = {{PatternLayer::Cuts, {0, 0}, {0.1, 0}},
                                           {PatternLayer::Slits, {0, 0}, {0, 0.2}},

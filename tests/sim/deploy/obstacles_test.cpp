@@ -207,6 +207,13 @@ TEST(Obstacles, MayNotReachIntoABrickAtTheStart) {
             "error: tile 0 reaches 0.05 m into obstacle 0 at the start; move the obstacle away");
 }
 
+TEST(Obstacles, TilesAreNumberedAsInTheModelsFile) {
+  Scene scene = sceneOf({rectangle({0, 0, 0}, 1, 1)}, box({0, 0, -0.45}, Vector3::Ones()));
+  scene.model.fileOrder.countsFrom = 1;
+  EXPECT_EQ(refusal(scene),
+            "error: tile 1 reaches 0.05 m into obstacle 0 at the start; move the obstacle away");
+}
+
 TEST(Obstacles, AreRefusedWhereTheyCannotBeMet) {
   Scene scene = sceneOf({rectangle({0, 0, 0}, 1, 1)}, box({0, 0, -2}, Vector3::Ones()));
   scene.solver.planar = true;

@@ -355,6 +355,31 @@ TEST(FolderErrors, TargetOfOtherShape) {
             "least: a length differs by 0.001 m; rigid tiles can only come near such a target");
 }
 
+// A target of a planar model, whose tiles count from 1.
+TEST(FolderErrors, TargetTilesAreNumberedAsTheModelsAre) {
+  const auto refusal = [](const std::string& text) {
+    const TemporaryFolder folder;
+    const Model square = {.name = "sheet",
+                          .tiles = {{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}},
+                          .fileOrder = {.countsFrom = 1}};
+    folder.write("target.txt", text);
+    std::vector<std::string> warnings;
+    try {
+      readTargetFile(folder.path() / "target.txt", square, warnings);
+    } catch (const InputError& error) {
+      return withoutFolder(error.what(), folder.path().string());
+    }
+    return std::string("accepted");
+  };
+  EXPECT_EQ(refusal("0 0 0 1 0 0 1 1 0\n"),
+            "@/target.txt:1: error: target tile 1 has 3 vertices, the tile at sheet:1 has 4; write "
+            "the same tiles with the same vertices in the same order");
+  EXPECT_EQ(refusal("0 0 0 2.5 0 0 1 1 0 0 1 0\n"),
+            "@/target.txt:1:7: error: vertices 1 and 2 of target tile 1 are 2.5 m apart, at "
+            "sheet:1 1; a target is the same rigid tiles moved: correct it or give this model's "
+            "own");
+}
+
 TEST(FolderErrors, PulledTileOutOfRange) {
   EXPECT_EQ(messageFor({{"pull.txt", "0 1\n2\n"}}),
             "@/pull.txt:2:1: error: vertices.txt has tiles 0-1, not 2; correct this number");

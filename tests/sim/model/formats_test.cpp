@@ -614,5 +614,29 @@ TEST(FormatErrors, UnknownEndingsAndOtherTargets) {
   }
 }
 
+TEST(FormatErrors, WritersNumberTilesAsTheModelsFileDoes) {
+  const auto refusal = [](Model model, const char* file) -> std::string {
+    model.fileOrder.countsFrom = 1;
+    try {
+      writeModel(model, file);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "written";
+  };
+  Model model = makeTessellation({});
+  model.joints = {makeLink(model.tiles, {0, 0}, {5, 2})};
+  EXPECT_EQ(refusal(model, "/tmp/sheet.obj"),
+            "/tmp/sheet.obj: error: OBJ holds joints at shared vertices, not the link between "
+            "tiles 1 and 6; convert to a .fold file");
+  EXPECT_EQ(refusal(model, "/tmp/sheet"),
+            "/tmp/sheet: error: constraints.txt holds joints at corners, not the link between "
+            "tiles 1 and 6; convert to a .fold file");
+  model.joints = {makeFixedJoint(model.tiles, 0, 5)};
+  EXPECT_EQ(refusal(model, "/tmp/sheet_vertices.txt"),
+            "/tmp/sheet_vertices.txt: error: planar files hold corners that stay together, not the "
+            "fixed tiles 1 and 6; convert to a .fold file");
+}
+
 }  // namespace
 }  // namespace kirireel
