@@ -787,6 +787,8 @@ constexpr double kBolder = 1.25;
 constexpr double kLongestPull = 3;
 constexpr double kWedged = 0.25;
 constexpr double kLeastPull = 1e-4;
+// A detour that rounds make no shorter is moved by this part of a tile.
+constexpr double kNudgeShare = 0.1;
 // Joints of an image may be open by this part of a tile.
 constexpr double kOpenImage = 1e-10;
 
@@ -841,11 +843,17 @@ class CurveShortening {
 
   MechanismPath find() {
     const double first = energyOf(images_);
-    double energy = first;
-    for (int round = 0; round < kPulls && !isOver(); ++round) {
-      const double before = energy;
-      energy = pull(energy);
-      if (!(energy < (1 - kLeastGain) * before)) break;
+    double energy = settle(first);
+    for (const double nudge : {kNudgeShare, -kNudgeShare}) {
+      if (isOver() || !isLong()) break;
+      const std::vector<Poses> before = images_;
+      nudgeApart(nudge);
+      const double reached = settle(energyOf(images_));
+      if (reached < energy) {
+        energy = reached;
+      } else {
+        images_ = before;
+      }
     }
     if (energy < first) takePath();
     return std::move(path_);
@@ -935,7 +943,7 @@ class CurveShortening {
   }
 
   /// Solves the tridiagonal system for u by elimination: row j is that of image j + 1.
-  std::vector<Displacements> spread(std::vector<Displacements> rows) const {
+  std::vector<Displacements> solve(std::vector<Displacements> rows) const {
     std::vector<double> diagonal(rows.size());
     for (std::size_t j = 0; j < rows.size(); ++j) {
       diagonal[j] = (1 + caution_) * weightOf(j + 1);
@@ -964,11 +972,44 @@ class CurveShortening {
     for (Displacements& move : moves) scale(move, longest / farthest);
   }
 
+  /// Rounds until one gains hardly anything. Returns the energy then.
+  double settle(double energy) {
+    for (int round = 0; round < kPulls && !isOver(); ++round) {
+      const double before = energy;
+      energy = pull(energy);
+      if (!(energy < (1 - kLeastGain) * before)) break;
+    }
+    return energy;
+  }
+
+  /// Whether the images are a detour.
+  bool isLong() const {
+    double length = path_.lengths[first_];
+    for (std::size_t k = 1; k < images_.size(); ++k) {
+      length += pathDistance(bricks_, images_[k - 1], images_[k]);
+    }
+    return length > kDetour * pathDistance(bricks_, path_.states.front(), images_.back());
+  }
+
+  /// Moves the bricks of all images but the ends apart, or together where `share` is below 0, by up
+  /// to that part of a tile in the middle of the path.
+  void nudgeApart(double share) {
+    for (std::size_t k = 1; k + 1 < images_.size(); ++k) {
+      const double part = static_cast<double>(k) / static_cast<double>(images_.size() - 1);
+      const Poses wide = spread(images_[k], 1);
+      const double whole = pathDistance(bricks_, images_[k], wide);
+      if (!(whole > 0)) continue;
+      Displacements apart = displacementsBetween(images_[k], wide);
+      scale(apart, 4 * part * (1 - part) * share * tile_ / whole);
+      images_[k] = moved(k, apart);
+    }
+  }
+
   /// One round. Returns the energy after it, which is the one before where no try made it less.
   double pull(double energy) {
     const std::vector<Displacements> pulled = pulls();
     for (int i = 0; i < kTries && !isOver(); ++i) {
-      const std::vector<Displacements> moves = spread(pulled);
+      const std::vector<Displacements> moves = solve(pulled);
       std::vector<Poses> tried = images_;
       for (std::size_t k = 1; k + 1 < images_.size() && !isOver(); ++k) {
         tried[k] = moved(k, moves[k - 1]);

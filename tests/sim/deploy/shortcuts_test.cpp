@@ -8,7 +8,9 @@
 
 #include "sim/deploy/continuation.h"
 #include "sim/deploy/forces.h"
+#include "sim/generate/shells.h"
 #include "sim/measure/measures.h"
+#include "sim/model/isometry.h"
 #include "sim/model/lattice.h"
 
 namespace kirireel {
@@ -229,6 +231,27 @@ TEST(PulledTight, APathAmongContactsStaysClear) {
   const MechanismPath path = pulledTight(scene, detour, most, budget);
   EXPECT_LT(path.length(), 0.6 * detour.length());  // measured: 0.52
   for (const Poses& state : path.states) EXPECT_LE(meter.at(state).grown, most);
+}
+
+TEST(PulledTight, ADetourLeavesASaddleAndKeepsItsSymmetries) {
+  // The even way of a tube is a saddle: others with its symmetries are shorter.
+  Scene scene;
+  scene.model = makeCylinder({.columns = 6, .rows = 8, .length = 1, .width = 1});
+  alignStartToTarget(scene.model);
+  scene.environment.contacts = ContactFilter::None;
+  fillFromModel(scene);
+  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
+  SearchBudget budget(20);
+  const MechanismPath path = continueAlong(
+      scene, {startPoses(scene.model.tiles, bricks), bestFitPoses(bricks, *scene.model.target)}, {},
+      budget);
+  ASSERT_TRUE(isDetour(scene, path));  // measured: 2.16
+  const MechanismPath shorter = pulledTight(scene, path);
+  EXPECT_LT(shorter.length(), 0.85 * path.length());  // measured: 0.77
+  ASSERT_GT(shorter.symmetries.size(), 1u);
+  for (const Poses& state : shorter.states) {
+    EXPECT_LE(asymmetry(state, shorter.symmetries, 1), 1e-9 * tileSize(scene.model));
+  }
 }
 
 TEST(PulledTight, APathStaysAsItIsWithoutBudgetAndWhenStopped) {
