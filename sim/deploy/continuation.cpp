@@ -610,6 +610,21 @@ constexpr double kArrived = 0.01;
 constexpr int kPatience = 12;
 // A way that is stuck within this part of its guide cannot leave its start.
 constexpr double kNoStart = 0.05;
+// Whether a path turns back is looked at in so many pieces.
+constexpr int kTurnPieces = 200;
+
+/// Which states lie at even distances along a path, in so many pieces; the first and the last too.
+std::vector<std::size_t> evenStates(const MechanismPath& path, int pieces) {
+  std::vector<std::size_t> found = {0};
+  for (int k = 1; k <= pieces; ++k) {
+    const double length = path.length() * k / pieces;
+    const auto there = std::ranges::lower_bound(path.lengths, length);
+    const auto state =
+        std::min(static_cast<std::size_t>(there - path.lengths.begin()), path.states.size() - 1);
+    if (state > found.back()) found.push_back(state);
+  }
+  return found;
+}
 
 class Shortening {
  public:
@@ -629,7 +644,7 @@ class Shortening {
   MechanismPath find() {
     for (int round = 0, pieces = kPieces; round < kRounds; ++round, pieces *= 2) {
       const double before = path_.length();
-      cutAmong(nodes(pieces));
+      cutAmong(evenStates(path_, pieces));
       if (isOver() || !(path_.length() < kShorter * before)) break;
     }
     return std::move(path_);
@@ -637,19 +652,6 @@ class Shortening {
 
  private:
   bool isOver() const { return budget_.isSpent() || (goesOn_ && !goesOn_(1)); }
-
-  /// States at even distances along the path.
-  std::vector<std::size_t> nodes(int pieces) const {
-    std::vector<std::size_t> found = {0};
-    for (int k = 1; k <= pieces; ++k) {
-      const double length = path_.length() * k / pieces;
-      const auto there = std::ranges::lower_bound(path_.lengths, length);
-      const auto state = std::min(static_cast<std::size_t>(there - path_.lengths.begin()),
-                                  path_.states.size() - 1);
-      if (state > found.back()) found.push_back(state);
-    }
-    return found;
-  }
 
   // Greedy: from each node the farthest one that a shorter way leads to.
   void cutAmong(const std::vector<std::size_t>& nodes) {
@@ -724,9 +726,348 @@ bool isDetour(const Scene& scene, const MechanismPath& path) {
   return path.length() > kDetour * pathDistance(bricks, path.states.front(), path.states.back());
 }
 
+bool turnsBack(const Scene& scene, const MechanismPath& path) {
+  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
+  const double step = path.length() / kTurnPieces;
+  std::size_t before = 0, after = 0;
+  for (std::size_t k = 1; k + 1 < path.states.size(); ++k) {
+    while (path.lengths[before + 1] <= path.lengths[k] - step) ++before;
+    while (after + 1 < path.states.size() && path.lengths[after] < path.lengths[k] + step) ++after;
+    if (path.lengths[k] - path.lengths[before] < step) continue;
+    const Poses& middle = path.states[k];
+    const double come = pathDistance(bricks, path.states[before], middle);
+    const double go = pathDistance(bricks, middle, path.states[after]);
+    // By the law of cosines the two moves are opposed.
+    const double both = pathDistance(bricks, path.states[before], path.states[after]);
+    if (both * both < come * come + go * go) return true;
+  }
+  return false;
+}
+
 MechanismPath withShortcuts(const Scene& scene, MechanismPath path, double mostGrown,
                             SearchBudget& budget, const PathObserver& goesOn) {
   return Shortening(scene, std::move(path), mostGrown, budget, goesOn).find();
+}
+
+// ------------------------------------------------------------------------------------------------
+// A path pulled tight along the mechanism.
+//
+// Images q_0 ... q_m of the path, the ends fixed, minimise the energy of a chain of springs
+//   E = sum over k of |q_(k+1) - q_k|^2 / h_k  with  c(q_k) = 0,  phi(q_k) >= 0,
+// h_k their distances at first and |.| the distance of pathDistance(). Where E is least the images
+// lie on a geodesic of the mechanism, straight but for joints and contacts, and evenly. The pull on
+// image k is d_k, from it to the weighted mean of its neighbours; the mechanism follows it by
+// P d_k, a move of the joint solver from rest. The images then move by u,
+//   (1 + a) w_k u_k - u_(k-1) / h_(k-1) - u_(k+1) / h_k = w_k P d_k,  w_k = 1 / h_(k-1) + 1 / h_k,
+// as far as the mechanism lets them. With a = 0 that is Newton's method in free space: what each
+// image finds is spread over the whole path, which moves of single images would need m^2 rounds
+// for. The larger a, the less is spread, and the surer is it that E falls; a follows from that as
+// in the method of Levenberg and Marquardt. Birkhoff (1917), "Dynamical systems with two degrees of
+// freedom", Trans. AMS 18; Neuberger (2010), "Sobolev gradients and differential equations".
+
+namespace {
+
+// Images are this part of the path apart. What lies so many times that from the start stays as it
+// is: bricks leave a singular start, and wedge there, by tiny moves.
+constexpr double kImageShare = 1.0 / 80;
+constexpr double kKeptImages = 2;
+// Rounds at most, and tries in each. A round that takes less than this part off the energy is the
+// last.
+constexpr int kPulls = 30;
+constexpr int kTries = 6;
+constexpr double kLeastGain = 2e-3;
+// Of a: at first, the least that is not 0, and from try to try.
+constexpr double kFirstCaution = 1e-2;
+constexpr double kLeastCaution = 1e-3;
+constexpr double kCautionFactor = 8;
+// A move is at most as long as images are apart, at first; longer by this factor each time that it
+// succeeds, up to so many times that distance. One that wedges makes this part of itself the
+// longest; below the last part an image stays where it is.
+constexpr double kBolder = 1.25;
+constexpr double kLongestPull = 3;
+constexpr double kWedged = 0.25;
+constexpr double kLeastPull = 1e-4;
+// A detour that rounds make no shorter is moved by this part of a tile.
+constexpr double kNudgeShare = 0.1;
+// Joints of an image may be open by this part of a tile.
+constexpr double kOpenImage = 1e-10;
+
+using Displacements = std::vector<Vector6>;  // one a brick: metres, radians
+
+/// The displacements from one state to another.
+Displacements displacementsBetween(const Poses& from, const Poses& to) {
+  Displacements displacements(from.size());
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    displacements[i].head<3>() = to[i].position - from[i].position;
+    displacements[i].tail<3>() = turnBetween(from[i].rotation, to[i].rotation);
+  }
+  return displacements;
+}
+
+/// A state displaced by a part of the displacements.
+Poses displaced(Poses poses, const Displacements& by, double part = 1) {
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    poses[i].position += part * by[i].head<3>();
+    const Vector3 turn = part * by[i].tail<3>();
+    poses[i].rotation = (rotationFromVector(turn) * poses[i].rotation).normalized();
+  }
+  return poses;
+}
+
+void scale(Displacements& displacements, double factor) {
+  for (Vector6& each : displacements) each *= factor;
+}
+
+/// Adds a multiple of displacements to others.
+void add(double factor, const Displacements& more, Displacements& to) {
+  for (std::size_t i = 0; i < to.size(); ++i) to[i] += factor * more[i];
+}
+
+class CurveShortening {
+ public:
+  CurveShortening(const Scene& scene, MechanismPath path, double mostGrown, SearchBudget& budget,
+                  const PathObserver& goesOn)
+      : scene_(withoutLoads(scene)),
+        path_(std::move(path)),
+        mostGrown_(mostGrown),
+        tile_(tileSize(scene.model)),
+        spacing_(kImageShare * path_.length()),
+        budget_(budget),
+        goesOn_(goesOn),
+        bricks_(makeBricks(scene.model.tiles, scene.brick)),
+        pivots_(makePivots(scene.model.joints, bricks_)),
+        meter_(bricks_, pivots_, scene.environment.pivotZone, path_.states.front(), 0),
+        symmetries_(scene_, path_.symmetries) {
+    takeImages();
+  }
+
+  MechanismPath find() {
+    const double first = energyOf(images_);
+    double energy = settle(first);
+    for (const double nudge : {kNudgeShare, -kNudgeShare}) {
+      if (isOver() || !isLong()) break;
+      const std::vector<Poses> before = images_;
+      nudgeApart(nudge);
+      const double reached = settle(energyOf(images_));
+      if (reached < energy) {
+        energy = reached;
+      } else {
+        images_ = before;
+      }
+    }
+    if (energy < first) takePath();
+    return std::move(path_);
+  }
+
+ private:
+  bool isOver() const { return budget_.isSpent() || (goesOn_ && !goesOn_(1)); }
+
+  /// Takes a state near the start, the last, and states between at even distances.
+  void takeImages() {
+    double next = kKeptImages * spacing_;
+    for (std::size_t k = 0; k + 1 < path_.states.size(); ++k) {
+      const double length = path_.lengths[k];
+      if (length < next || path_.length() - length < 0.5 * spacing_) continue;
+      if (images_.empty()) first_ = k;
+      take(k);
+      next = length + spacing_;
+    }
+    if (images_.empty()) take(0);
+    take(path_.states.size() - 1);
+    longest_.assign(images_.size(), spacing_);
+    mechanisms_.resize(images_.size());
+  }
+
+  void take(std::size_t state) {
+    if (!images_.empty()) gaps_.push_back(path_.lengths[state] - last_);
+    images_.push_back(path_.states[state]);
+    last_ = path_.lengths[state];
+  }
+
+  /// The mechanism at an image. Contacts remember the image's own overlaps; where bricks never
+  /// touch there is nothing to remember, and one mechanism serves all images.
+  Mechanism& mechanismAt(std::size_t image) {
+    const bool isOneForAll = !sceneNeeds(scene_).contacts.on;
+    std::unique_ptr<Mechanism>& mechanism = mechanisms_[isOneForAll ? 0 : image];
+    if (!mechanism) {
+      const ContinuationSettings even = {.turnWeight = 1};
+      mechanism = std::make_unique<Mechanism>(scene_, even, images_[image]);
+    }
+    return *mechanism;
+  }
+
+  double energyOf(const std::vector<Poses>& images) const {
+    double energy = 0;
+    for (std::size_t k = 1; k < images.size(); ++k) {
+      const double distance = pathDistance(bricks_, images[k - 1], images[k]);
+      energy += distance * distance / gaps_[k - 1];
+    }
+    return energy;
+  }
+
+  /// An image moved by displacements, as far as that is a state of the mechanism on which bricks
+  /// are clear; else the image as it is.
+  Poses moved(std::size_t image, const Displacements& by) {
+    const Poses& from = images_[image];
+    double& longest = longest_[image];
+    if (longest < kLeastPull * spacing_) return from;
+    const double whole = pathDistance(bricks_, from, displaced(from, by));
+    const double wanted = std::min(whole, longest);
+    if (!(wanted > 0)) return from;
+    Poses to = from;
+    Mechanism& mechanism = mechanismAt(image);
+    const double anyLength = std::numeric_limits<double>::infinity();
+    const bool hasMoved =
+        mechanism.move(to, displaced(from, by, wanted / whole), anyLength, true, budget_) > 0;
+    mechanism.restore(symmetries_, to);
+    const bool isState = hasMoved && jointGap(pivots_, to).max <= kOpenImage * tile_ &&
+                         (std::isinf(mostGrown_) || meter_.at(to).grown <= mostGrown_);
+    longest = isState ? std::min(kBolder * longest, kLongestPull * spacing_) : kWedged * wanted;
+    return isState ? to : from;
+  }
+
+  double weightOf(std::size_t image) const { return 1 / gaps_[image - 1] + 1 / gaps_[image]; }
+
+  /// What the mechanism follows of the pull on each image between the ends, times its weight.
+  std::vector<Displacements> pulls() {
+    std::vector<Displacements> found;
+    for (std::size_t k = 1; k + 1 < images_.size(); ++k) {
+      const double share = 1 / gaps_[k] / weightOf(k);
+      Displacements towards = displacementsBetween(images_[k], images_[k + 1]);
+      scale(towards, share);
+      add(1 - share, displacementsBetween(images_[k], images_[k - 1]), towards);
+      found.push_back(displacementsBetween(images_[k], moved(k, towards)));
+      scale(found.back(), weightOf(k));
+    }
+    return found;
+  }
+
+  /// Solves the tridiagonal system for u by elimination: row j is that of image j + 1.
+  std::vector<Displacements> solve(std::vector<Displacements> rows) const {
+    std::vector<double> diagonal(rows.size());
+    for (std::size_t j = 0; j < rows.size(); ++j) {
+      diagonal[j] = (1 + caution_) * weightOf(j + 1);
+      if (j == 0) continue;
+      const double factor = 1 / (gaps_[j] * diagonal[j - 1]);
+      diagonal[j] -= factor / gaps_[j];
+      add(factor, rows[j - 1], rows[j]);
+    }
+    for (std::size_t j = rows.size(); j-- > 0;) {
+      if (j + 1 < rows.size()) add(1 / gaps_[j + 1], rows[j + 1], rows[j]);
+      scale(rows[j], 1 / diagonal[j]);
+    }
+    limit(rows);
+    return rows;
+  }
+
+  /// Makes moves of all images shorter by one factor where one is too long.
+  void limit(std::vector<Displacements>& moves) const {
+    double farthest = 0;
+    for (std::size_t j = 0; j < moves.size(); ++j) {
+      const Poses& image = images_[j + 1];
+      farthest = std::max(farthest, pathDistance(bricks_, image, displaced(image, moves[j])));
+    }
+    const double longest = kLongestPull * spacing_;
+    if (!(farthest > longest)) return;
+    for (Displacements& move : moves) scale(move, longest / farthest);
+  }
+
+  /// Rounds until one gains hardly anything. Returns the energy then.
+  double settle(double energy) {
+    for (int round = 0; round < kPulls && !isOver(); ++round) {
+      const double before = energy;
+      energy = pull(energy);
+      if (!(energy < (1 - kLeastGain) * before)) break;
+    }
+    return energy;
+  }
+
+  /// Whether the images are a detour.
+  bool isLong() const {
+    double length = path_.lengths[first_];
+    for (std::size_t k = 1; k < images_.size(); ++k) {
+      length += pathDistance(bricks_, images_[k - 1], images_[k]);
+    }
+    return length > kDetour * pathDistance(bricks_, path_.states.front(), images_.back());
+  }
+
+  /// Moves the bricks of all images but the ends apart, or together where `share` is below 0, by up
+  /// to that part of a tile in the middle of the path.
+  void nudgeApart(double share) {
+    for (std::size_t k = 1; k + 1 < images_.size(); ++k) {
+      const double part = static_cast<double>(k) / static_cast<double>(images_.size() - 1);
+      const Poses wide = spread(images_[k], 1);
+      const double whole = pathDistance(bricks_, images_[k], wide);
+      if (!(whole > 0)) continue;
+      Displacements apart = displacementsBetween(images_[k], wide);
+      scale(apart, 4 * part * (1 - part) * share * tile_ / whole);
+      images_[k] = moved(k, apart);
+    }
+  }
+
+  /// One round. Returns the energy after it, which is the one before where no try made it less.
+  double pull(double energy) {
+    const std::vector<Displacements> pulled = pulls();
+    for (int i = 0; i < kTries && !isOver(); ++i) {
+      const std::vector<Displacements> moves = solve(pulled);
+      std::vector<Poses> tried = images_;
+      for (std::size_t k = 1; k + 1 < images_.size() && !isOver(); ++k) {
+        tried[k] = moved(k, moves[k - 1]);
+      }
+      const double reached = energyOf(tried);
+      if (reached < energy) {
+        caution_ = caution_ > kLeastCaution ? caution_ / kCautionFactor : 0;
+        images_ = std::move(tried);
+        return reached;
+      }
+      caution_ = std::max(kLeastCaution, kCautionFactor * caution_);
+    }
+    return energy;
+  }
+
+  /// Puts the images in the place of the states from the first of them on.
+  void takePath() {
+    path_.states.resize(first_);
+    path_.lengths.resize(first_);
+    for (Poses& image : images_) {
+      const bool isFirst = path_.states.empty();
+      const double way = isFirst ? 0 : pathDistance(bricks_, path_.states.back(), image);
+      path_.lengths.push_back(isFirst ? 0 : path_.length() + way);
+      path_.states.push_back(std::move(image));
+    }
+  }
+
+  Scene scene_;
+  MechanismPath path_;
+  double mostGrown_;  // metres
+  double tile_;       // metres
+  double spacing_;    // of images, metres
+  SearchBudget& budget_;
+  const PathObserver& goesOn_;
+  std::vector<Brick> bricks_;
+  std::vector<Pivot> pivots_;
+  PenetrationMeter meter_;
+  SymmetricStates symmetries_;
+  std::vector<Poses> images_;
+  std::size_t first_ = 0;        // state that is an image
+  double last_ = 0;              // length of the path up to the last image, metres
+  std::vector<double> gaps_;     // between images along the path at first, metres
+  std::vector<double> longest_;  // move of each image, metres
+  std::vector<std::unique_ptr<Mechanism>> mechanisms_;
+  double caution_ = kFirstCaution;  // a
+};
+
+}  // namespace
+
+MechanismPath pulledTight(const Scene& scene, MechanismPath path, double mostGrown,
+                          SearchBudget& budget, const PathObserver& goesOn) {
+  double before = 0;
+  do {
+    before = path.length();
+    if (!(before > 0)) return path;
+    path = CurveShortening(scene, std::move(path), mostGrown, budget, goesOn).find();
+  } while (path.length() < kShorter * before);
+  return path;
 }
 
 // ------------------------------------------------------------------------------------------------

@@ -132,7 +132,7 @@ class PathGuide {
 };
 
 // ------------------------------------------------------------------------------------------------
-// Detours cut out of a path of the mechanism.
+// Paths of the mechanism made shorter.
 
 /// A path is a detour where it is longer than its tiles' own motions by more than this factor.
 inline constexpr double kDetour = 1.5;
@@ -141,6 +141,10 @@ inline constexpr double kDetour = 1.5;
 /// Costs one distance of two states.
 bool isDetour(const Scene& scene, const MechanismPath& path);
 
+/// Whether a path turns back: two moves of about 1/200 of its length, one after the other, are
+/// opposed. Costs some hundred distances of two states.
+bool turnsBack(const Scene& scene, const MechanismPath& path);
+
 /// The path with its detours cut out: the states in between are left out wherever the mechanism,
 /// among the contacts that the scene asks for, goes a shorter way from one state to a later one, on
 /// which no bricks overlap by more than `mostGrown` metres beyond their overlap at the start.
@@ -148,6 +152,14 @@ bool isDetour(const Scene& scene, const MechanismPath& path);
 /// empty, returns false.
 MechanismPath withShortcuts(const Scene& scene, MechanismPath path, double mostGrown,
                             SearchBudget& budget, const PathObserver& goesOn = {});
+
+/// The path pulled tight along the mechanism, its ends held, among the contacts that the scene asks
+/// for: until it is about as short as any path nearby. Joints are exact, and no bricks overlap by
+/// more than `mostGrown` metres beyond their overlap at the start. The path keeps its symmetries.
+/// Ends early when the budget is spent or `goesOn`, which may be empty, returns false. Costs some
+/// tens of moves of each of about a hundred states.
+MechanismPath pulledTight(const Scene& scene, MechanismPath path, double mostGrown,
+                          SearchBudget& budget, const PathObserver& goesOn = {});
 
 // ------------------------------------------------------------------------------------------------
 // States of a recorded run between its samples.

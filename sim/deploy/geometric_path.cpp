@@ -3,7 +3,8 @@
 // Tried are, until one serves: without contacts, with three weights of turns against places; with
 // contacts, where bricks overlapped on the way; with compliant joints, which open as little as they
 // can (each path found guides the next, with joints ten times as stiff). Every path that arrives is
-// judged: how deep bricks overlap beyond the start, how far joints open.
+// judged: how deep bricks overlap beyond the start, how far joints open. One that is much longer
+// than its tiles' own motions, or turns back, is made shorter (continuation.cpp).
 //
 // A walk has an even pace: state k is reached at T L_k / L, L_k the path's length up to it
 // (pathDistance) and T the walking time. Samples lie between two states, with joints closed again.
@@ -12,6 +13,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -53,8 +55,8 @@ constexpr double kPathShare = 0.1;
 constexpr double kParts = 5;
 // Extending without contacts may cost this part of the budget, so that enough is left with them.
 constexpr double kAloneShare = 0.4;
-// Cutting detours out of a path that was found may cost this part of it.
-constexpr double kShorteningShare = 0.15;
+// Shortening a path that was found may cost this part of it.
+constexpr double kShorteningShare = 0.25;
 // An extension shorter than this part of a tile is none.
 constexpr double kLeastExtension = 1e-3;
 
@@ -76,6 +78,7 @@ void judge(const Scene& scene, GeometricPath& found, ContactFilter wanted) {
   const std::vector<Pivot> pivots = makePivots(scene.model.joints, bricks);
   const std::vector<Poses>& states = found.path.states;
   PenetrationMeter meter(bricks, pivots, scene.environment.pivotZone, states.front(), 0);
+  found.grown = found.opening = 0;
   for (const Poses& state : states) {
     found.grown = std::max(found.grown, meter.at(state).grown);
     if (!found.hasCompliantJoints) continue;
@@ -98,16 +101,27 @@ void judge(const Scene& scene, GeometricPath& found) {
   judge(scene, found, scene.environment.contacts);
 }
 
-/// Cuts detours out of a path with exact joints, at a part of the budget.
-void shorten(const Scene& scene, GeometricPath& found, SearchBudget& budget,
+/// Shortens a path with exact joints that is a detour or turns back, at a part of the budget.
+/// Bricks overlap no deeper on it than before, or than counts as clear; where no contacts are
+/// wanted, they may overlap.
+void shorten(const Scene& scene, GeometricPath& found, ContactFilter wanted, SearchBudget& budget,
              const PathObserver& goesOn) {
-  if (found.hasCompliantJoints || !isDetour(scene, found.path)) return;
+  if (found.hasCompliantJoints) return;
+  if (!isDetour(scene, found.path) && !turnsBack(scene, found.path)) return;
   Scene touching = scene;
-  touching.environment.contacts = found.contacts;
+  // Bricks that did not meet may do so on a shorter path.
+  const bool mayMeet = areKeptApart(wanted) && !found.passesThrough;
+  touching.environment.contacts = mayMeet ? ContactFilter::All : found.contacts;
+  const double mostGrown = wanted == ContactFilter::None
+                               ? std::numeric_limits<double>::infinity()
+                               : std::max(found.grown, kClearShare * tileSize(scene.model));
   SearchBudget part(std::min(budget.left() / kWorkPerSecond, kShorteningShare * budget.seconds()));
-  found.path = withShortcuts(touching, std::move(found.path), kClearShare * tileSize(scene.model),
-                             part, goesOn);
+  found.path = pulledTight(touching, std::move(found.path), mostGrown, part, goesOn);
+  if (isDetour(scene, found.path)) {
+    found.path = withShortcuts(touching, std::move(found.path), mostGrown, part, goesOn);
+  }
   budget.spend(part.spent());
+  judge(scene, found, wanted);
 }
 
 const char* const kAmongBricks = "a path of the mechanism among touching bricks";
@@ -135,10 +149,7 @@ class GeometricSearch {
       if (isOver_) return std::move(found_);
       if (isCutShort_ || (found_.clear && !isDetour(scene_, found_.clear->path))) break;
     }
-    if (found_.clear) {
-      shorten(scene_, *found_.clear, budget_, [&](double) { return tell(kShortening); });
-      return std::move(found_);
-    }
+    if (found_.clear) return shortened(found_.clear);
     const ContactFilter touching = wanted == ContactFilter::Auto ? ContactFilter::All : wanted;
     if (wanted != ContactFilter::None && found_.through) {
       for (const ContinuationSettings& settings : kTouching) {
@@ -146,10 +157,7 @@ class GeometricSearch {
         if (isOver_) return std::move(found_);
         if (found_.clear && found_.clear->path.error <= nearEnough(kNearShare)) break;
       }
-      if (found_.clear) {
-        shorten(scene_, *found_.clear, budget_, [&](double) { return tell(kShortening); });
-        return std::move(found_);
-      }
+      if (found_.clear) return shortened(found_.clear);
     }
     found_.mayBeExact = found_.through || isCutShort_;
     tryCompliant(touching);
@@ -157,10 +165,17 @@ class GeometricSearch {
       tryCompliant(ContactFilter::None);
     }
     if (!found_.compliant && !found_.through) found_.trouble = trouble();
-    return std::move(found_);
+    return found_.through ? shortened(found_.through) : std::move(found_);
   }
 
  private:
+  /// What was found, with one of its paths shortened.
+  GeometricPaths shortened(std::optional<GeometricPath>& path) {
+    shorten(scene_, *path, scene_.environment.contacts, budget_,
+            [&](double) { return tell(kShortening); });
+    return std::move(found_);
+  }
+
   // The guide that every first trial gets: the start and the nearest assembled state alone.
   std::vector<Poses> tilesOwnMotion() const { return {start_, room_.nearest.poses}; }
 
@@ -306,6 +321,34 @@ std::optional<GeometricPath> extension(const Scene& scene, ContactFilter contact
   found.contacts = contacts;
   found.reason = "a path of the mechanism, nothing given needs dynamics";
   judge(scene, found);
+  return found;
+}
+
+/// The paths to full extension, as they are found.
+GeometricPaths extensions(const Scene& scene, SearchBudget& budget, const TrialObserver& observer) {
+  const ContactFilter wanted = scene.environment.contacts;
+  const bool isOpen = wanted == ContactFilter::Auto;
+  GeometricPaths found;
+  found.trouble = "looking for the way to full extension was cut short";
+  std::optional<GeometricPath> alone =
+      extension(scene, ContactFilter::None, kAloneShare, budget, observer);
+  if (alone && !alone->passesThrough) {
+    found.clear = std::move(alone);
+    return found;
+  }
+  if (wanted == ContactFilter::None) return found;
+  std::optional<GeometricPath> touching =
+      extension(scene, isOpen ? ContactFilter::All : wanted, 1, budget, observer);
+  if (touching && touching->contacts == ContactFilter::All && !isClear(scene, *touching)) {
+    found.trouble = "bricks pass through each other on the way to full extension";
+    touching.reset();
+  }
+  // Flush bricks may hold each other. A sheet that stands still shows nobody how it opens.
+  if (touching && !(isOpen && alone && standsStill(scene, touching->path))) {
+    found.clear = std::move(touching);
+  } else if (isOpen) {
+    found.through = std::move(alone);
+  }
   return found;
 }
 
@@ -496,8 +539,8 @@ GeometricPath tracedPath(const Scene& scene, const PathChoice& choice, ContactFi
   found.contacts = traced.environment.contacts;
   found.reason = "states of a run are walked: " + choice.reason;
   found.path = continueTo(traced, std::move(states), room.nearest.poses, budget, tell);
-  shorten(traced, found, budget, tell);
   judge(scene, found, wanted);
+  shorten(traced, found, wanted, budget, tell);
   // Joints that were closed at the end may have pushed bricks into each other that had contacts.
   found.passesThrough = found.passesThrough || (areKeptApart(wanted) && !isClear(scene, found));
   return found;
@@ -506,28 +549,10 @@ GeometricPath tracedPath(const Scene& scene, const PathChoice& choice, ContactFi
 GeometricPaths findExtension(const Scene& scene, SearchBudget& budget,
                              const TrialObserver& observer) {
   const ContactFilter wanted = scene.environment.contacts;
-  const bool isOpen = wanted == ContactFilter::Auto;
-  GeometricPaths found;
-  found.trouble = "looking for the way to full extension was cut short";
-  std::optional<GeometricPath> alone =
-      extension(scene, ContactFilter::None, kAloneShare, budget, observer);
-  if (alone && !alone->passesThrough) {
-    found.clear = std::move(alone);
-    return found;
-  }
-  if (wanted == ContactFilter::None) return found;
-  std::optional<GeometricPath> touching =
-      extension(scene, isOpen ? ContactFilter::All : wanted, 1, budget, observer);
-  if (touching && touching->contacts == ContactFilter::All && !isClear(scene, *touching)) {
-    found.trouble = "bricks pass through each other on the way to full extension";
-    touching.reset();
-  }
-  // Flush bricks may hold each other. A sheet that stands still shows nobody how it opens.
-  if (touching && !(isOpen && alone && standsStill(scene, touching->path))) {
-    found.clear = std::move(touching);
-  } else if (isOpen) {
-    found.through = std::move(alone);
-  }
+  GeometricPaths found = extensions(scene, budget, observer);
+  const auto goesOn = [&](double) { return !observer || observer({kShortening, budget.share()}); };
+  if (found.clear) shorten(scene, *found.clear, wanted, budget, goesOn);
+  if (found.through) shorten(scene, *found.through, wanted, budget, goesOn);
   return found;
 }
 

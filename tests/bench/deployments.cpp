@@ -5,12 +5,20 @@
 // also the least that the string method finds), the path's length over the one of the tiles' own
 // motions (where that is long, in how many ways the tiles can move), how far states are from the
 // symmetries that the model has, and CPU seconds: of the search, and of the run. Lengths are in
-// tiles.
+// tiles. A row begins with "holds", or with what it misses:
+//   far      it ends farther from the target than 1.05 x the least error found and 1e-6 tiles
+//   long     its path is longer than 1.5 x the tiles' own motions, and 5% longer than the least
+//            to which the string method shortens it: many mechanisms have no path of that length
+//   back     it turns back: two moves between samples, one after the other, are opposed
+//   overlap  bricks overlap by more than 1e-4 tiles beyond the start, and nothing says so
+//   open     joints open by more than 1e-10 tiles and 1.2 x the least that was found
+// Rows whose bricks would overlap at the target are marked as blocked there. The last line counts.
 //
 //     build/release/tests/bench/deployments [FOLDER ...] [--search SECONDS] [--contacts auto]
 //     build/release/tests/bench/deployments --seed 1 --count 40 [--tiles 100]
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <limits>
 #include <map>
@@ -34,7 +42,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kClosed = 1e-9;  // gap in tiles, of joints that are exact
+constexpr double kClosed = 1e-10;  // gap in tiles, of joints that are exact
+constexpr double kOpen = 1.2;      // of the least opening found
+constexpr double kLong = 1.05;     // of the least length found
+constexpr double kFar = 1.05;      // of the least error found
+constexpr double kArrived = 1e-6;  // error in tiles
+constexpr double kBack = 0.1;      // cosine of two moves that are opposed, but for rounding
 
 const std::map<std::string, ContactFilter> kFilters = {{"auto", ContactFilter::Auto},
                                                        {"none", ContactFilter::None},
@@ -64,9 +77,10 @@ double windingOf(const Scene& scene, const Trajectory& trajectory) {
   return length / pathDistance(bricks, samples.front().poses, samples.back().poses);
 }
 
-/// In how many ways the tiles can move half way along the run, beyond moves of the whole.
-int freedomsOf(const Scene& scene, const Trajectory& trajectory) {
-  const Sample& middle = trajectory.samples[trajectory.samples.size() / 2];
+/// In how many ways the tiles can move at a part of the run, beyond moves of the whole.
+int freedomsAt(const Scene& scene, const Trajectory& trajectory, double part) {
+  const auto last = static_cast<double>(trajectory.samples.size() - 1);
+  const Sample& middle = trajectory.samples[static_cast<std::size_t>(std::lround(part * last))];
   const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
   std::vector<Tile> tiles = scene.model.tiles;
   for (std::size_t i = 0; i < tiles.size(); ++i) {
@@ -78,12 +92,60 @@ int freedomsOf(const Scene& scene, const Trajectory& trajectory) {
   return mobility(scene.model, tiles, freedom, scene.brick.thickness).freedoms;
 }
 
+/// The most of a quarter, half and three quarters of the run.
+int freedomsOf(const Scene& scene, const Trajectory& trajectory) {
+  return std::max({freedomsAt(scene, trajectory, 0.25), freedomsAt(scene, trajectory, 0.5),
+                   freedomsAt(scene, trajectory, 0.75)});
+}
+
+std::vector<Poses> statesOf(const Trajectory& trajectory) {
+  std::vector<Poses> states;
+  for (const Sample& sample : trajectory.samples) states.push_back(sample.poses);
+  return states;
+}
+
+/// How deep bricks may overlap on another path beyond the start, metres: as on the run, or than
+/// counts as clear.
+double mostGrownOf(const Scene& scene, const DeploymentResult& result) {
+  return std::max(kClearShare * tileSize(scene.model), result.accuracy.penetrationGrownMax);
+}
+
+/// What a row shows, and what it misses.
+struct Row {
+  std::string words;
+  std::vector<std::string> missed;
+
+  void add(const std::string& more) { words += " " + more; }
+  void require(bool holds, const char* what) {
+    if (!holds) missed.emplace_back(what);
+  }
+};
+
 /// How much longer than its tiles' own motions a run is; of a long one also how many ways there
-/// are in which its tiles can move, since a mechanism with one has no other path.
-std::string windingWords(const Scene& scene, const Trajectory& trajectory) {
+/// are in which its tiles can move, and to what part of its length the string method shortens it. A
+/// mechanism whose tiles must move apart to turn has no path as short as the tiles' own motions.
+void addWinding(const Scene& scene, const DeploymentResult& result, Row& row) {
+  const Trajectory& trajectory = result.trajectory;
   const double winding = windingOf(scene, trajectory);
-  if (winding <= kDetour) return fmt::format("{:5.2f}", winding);
-  return fmt::format("{:5.2f} freedom {}", winding, freedomsOf(scene, trajectory));
+  row.add(fmt::format("winding {:5.2f}", winding));
+  if (winding <= kDetour) return;
+  const double least = leastLength(scene, statesOf(trajectory), mostGrownOf(scene, result));
+  row.add(fmt::format("freedom {} shortened {:.2f}", freedomsOf(scene, trajectory), least));
+  row.require(least * kLong >= 1, "long");
+}
+
+/// Whether two moves from sample to sample, one after the other, are opposed: at an angle whose
+/// cosine is clearly below 0.
+bool turnsBack(const Scene& scene, const Trajectory& trajectory) {
+  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
+  const std::vector<Sample>& samples = trajectory.samples;
+  for (std::size_t k = 2; k < samples.size(); ++k) {
+    const double first = pathDistance(bricks, samples[k - 2].poses, samples[k - 1].poses);
+    const double second = pathDistance(bricks, samples[k - 1].poses, samples[k].poses);
+    const double both = pathDistance(bricks, samples[k - 2].poses, samples[k].poses);
+    if (both * both < first * first + second * second - 2 * kBack * first * second) return true;
+  }
+  return false;
 }
 
 /// The sum of squared distances of the tiles' centres from their common centre, square metres.
@@ -96,32 +158,36 @@ double extentOf(const Poses& poses) {
 }
 
 /// Where a run ended: its target error, or how much a sheet without a target has extended.
-std::string endWords(const Scene& scene, const DeploymentResult& result) {
+void addEnd(const Scene& scene, const DeploymentResult& result, Row& row) {
   const std::vector<Sample>& samples = result.trajectory.samples;
   if (!scene.model.target) {
-    return fmt::format("extended {:.9f}",
-                       extentOf(samples.back().poses) / extentOf(samples.front().poses));
+    row.add(fmt::format("extended {:.9f}",
+                        extentOf(samples.back().poses) / extentOf(samples.front().poses)));
+    return;
   }
   const double tile = tileSize(scene.model);
-  return fmt::format("error {:8.1e} least {:8.1e}", result.accuracy.targetErrorEnd / tile,
-                     result.assembledError / tile);
+  const double error = result.accuracy.targetErrorEnd, least = result.assembledError;
+  row.add(fmt::format("error {:8.1e} least {:8.1e}", error / tile, least / tile));
+  if (!result.blocking.empty())
+    row.add(fmt::format("blocked {} by {:.1e}", result.blocking.size(),
+                        result.blocking.front().overlap / tile));
+  row.require(error <= std::max(kFar * least, kArrived * tile), "far");
 }
 
 /// How far joints opened; where they did, also the least opening that the string method finds from
 /// the run's own states and from the tiles' own motions, and the ratio of the two.
-std::string gapWords(const Scene& scene, const DeploymentResult& result) {
+void addGap(const Scene& scene, const DeploymentResult& result, Row& row) {
   const double tile = tileSize(scene.model);
   const double opening = std::max(result.accuracy.jointGapMax, result.accuracy.jointOpeningMax);
-  if (opening <= kClosed * tile) return fmt::format("{:8.1e}", opening / tile);
-  std::vector<Poses> states;
-  for (const Sample& sample : result.trajectory.samples) states.push_back(sample.poses);
-  const double most = std::max(kClearShare * tile, result.accuracy.penetrationGrownMax);
-  const double mostGrown =
-      result.needs.contacts.on ? most : std::numeric_limits<double>::infinity();
+  row.add(fmt::format("gap {:8.1e}", opening / tile));
+  if (opening <= kClosed * tile) return;
+  const std::vector<Poses> states = statesOf(result.trajectory);
+  const double mostGrown = result.needs.contacts.on ? mostGrownOf(scene, result)
+                                                    : std::numeric_limits<double>::infinity();
   const double least = std::min(leastOpening(scene, states, mostGrown),
                                 leastOpening(scene, {states.front(), states.back()}, mostGrown));
-  return fmt::format("{:8.1e} least {:8.1e} ratio {:.2f}", opening / tile, least / tile,
-                     opening / least);
+  row.add(fmt::format("least {:8.1e} ratio {:.2f}", least / tile, opening / least));
+  row.require(opening <= kOpen * least, "open");
 }
 
 /// How far the run is from the symmetries of its model at most, metres, with how many there are.
@@ -135,40 +201,79 @@ std::string asymmetryOf(const Scene& scene, const Trajectory& trajectory) {
   return fmt::format("{:8.1e} of {:>2}", farthest / tile, group.size());
 }
 
-void printRow(const std::string& name, Scene scene) {
+/// How many rows there were.
+struct Tally {
+  int rows = 0;
+  int held = 0;
+  int blocked = 0;      ///< whose bricks would overlap at the target
+  int heldBlocked = 0;  ///< of them
+
+  void count(bool holds, bool isBlocked) {
+    ++rows;
+    if (holds) ++held;
+    if (isBlocked) ++blocked;
+    if (holds && isBlocked) ++heldBlocked;
+  }
+
+  void print() const {
+    const int free = rows - blocked, heldFree = held - heldBlocked;
+    fmt::print("{} of {} rows hold; of {} whose bricks do not overlap at the target {} ({:.0f}%)\n",
+               held, rows, free, heldFree, free > 0 ? 100.0 * heldFree / free : 100);
+  }
+};
+
+void addOverlap(const Scene& scene, const DeploymentResult& result, Row& row) {
+  const double tile = tileSize(scene.model);
+  const double grown = result.accuracy.penetrationGrownMax;
+  row.add(fmt::format("overlap {:8.1e}", grown / tile));
+  const bool isSaid = std::ranges::any_of(result.warnings, [](const std::string& warning) {
+    return warning.find("bricks pass") != std::string::npos ||
+           warning.find("into each other") != std::string::npos;
+  });
+  row.require(grown <= kClearShare * tile || isSaid, "overlap");
+}
+
+void printRow(const std::string& name, Scene scene, Tally& tally) {
   if (scene.model.target) alignStartToTarget(scene.model);
   fillFromModel(scene);
   const DeploymentResult result = deploy(scene, 1.0 / 30, nullptr);
-  const double tile = tileSize(scene.model);
   const bool isWalked = result.path.kind == PathKind::Continuation;
+  Row row;
+  addEnd(scene, result, row);
+  addOverlap(scene, result, row);
+  addGap(scene, result, row);
+  addWinding(scene, result, row);
+  row.require(!turnsBack(scene, result.trajectory), "back");
+  tally.count(row.missed.empty(), !result.blocking.empty());
   fmt::print(
-      "{:<30} {:>4} {:<11} {:<12} {} overlap {:8.1e} gap {} "
-      "winding {} asymmetry {} contacts {} {:6.2f} + {:6.2f} s  {}\n",
-      name, scene.model.tiles.size(), toString(result.outcome),
-      isWalked ? "continuation" : "dynamic", endWords(scene, result),
-      result.accuracy.penetrationGrownMax / tile, gapWords(scene, result),
-      windingWords(scene, result.trajectory), asymmetryOf(scene, result.trajectory),
-      result.needs.contacts.on ? "on " : "off", result.cost.cpuSecondsSearch,
-      result.cost.cpuSeconds, isWalked ? result.needs.contacts.reason : result.pathReason);
+      "{:<12} {:<30} {:>4} {:<11} {:<12}{} asymmetry {} contacts {} {:6.2f} + {:6.2f} s  {}\n",
+      row.missed.empty() ? "holds" : fmt::format("{}", fmt::join(row.missed, ",")), name,
+      scene.model.tiles.size(), toString(result.outcome), isWalked ? "continuation" : "dynamic",
+      row.words, asymmetryOf(scene, result.trajectory), result.needs.contacts.on ? "on " : "off",
+      result.cost.cpuSecondsSearch, result.cost.cpuSeconds,
+      isWalked ? result.needs.contacts.reason : result.pathReason);
   std::fflush(stdout);
 }
 
 void deployAll(const std::vector<std::string>& folders, Scene scene) {
+  Tally tally;
   for (const std::string& folder : folders) {
     for (const fs::path& path : modelsIn(folder)) {
       const std::string name = path.filename().string();
       try {
         std::vector<std::string> warnings;
         scene.model = readModel(path, std::nullopt, warnings);
-        printRow(name, scene);
+        printRow(name, scene, tally);
       } catch (const std::exception& error) {
         fmt::print("{:<30} {}\n", name, error.what());
       }
     }
   }
+  tally.print();
 }
 
 void deployDrawn(DrawnModels models, int first, int count, const Scene& scene) {
+  Tally tally;
   for (int i = 0; i < first + count; ++i) {
     DrawnModel drawn = models.next();
     if (i < first) continue;
@@ -177,8 +282,10 @@ void deployDrawn(DrawnModels models, int first, int count, const Scene& scene) {
     if (member.brick.thickness == 0) {
       member.brick.thickness = drawn.thickness * tileSize(member.model);
     }
-    printRow(fmt::format("{} {} thick={:.2g}", i, drawn.name, drawn.thickness), std::move(member));
+    printRow(fmt::format("{} {} thick={:.2g}", i, drawn.name, drawn.thickness), std::move(member),
+             tally);
   }
+  tally.print();
 }
 
 }  // namespace

@@ -9,6 +9,13 @@
 // slide along them, so that among touching bricks the least is an upper bound. W is the
 // metric of pathDistance(). As p grows from 2 to 32, E becomes a measure of the largest gap. What
 // is left of it on the whole path, the least over all rounds, is the least opening that was found.
+//
+// For the length, images with closed joints go to the middle of their neighbours instead, as far as
+// joints let them to the first order:
+//   minimise |u - o d|_W^2  with  J u = -c,  d from the image to that middle, o over-relaxation,
+// one image after the other. Symmetries of the model that all images have are kept: a path with
+// them may be longer than one without, as a ball's path over a hilltop is.
+//
 // It shares no code with the paths of the program but bricks and pivots.
 #include "tests/bench/string_method.h"
 
@@ -20,6 +27,7 @@
 
 #include "sim/deploy/continuation.h"
 #include "sim/measure/measures.h"
+#include "sim/model/isometry.h"
 
 namespace kirireel {
 namespace {
@@ -31,6 +39,12 @@ constexpr double kPowers[] = {2, 4, 8, 16, 32};
 constexpr double kLeastDamping = 1e-3;
 constexpr int kHalvings = 6;
 constexpr double kNoGap = 1e-12;  // metres
+// For the length: rounds, the factor o, and the square of a singular value that counts as zero.
+constexpr int kRoundsOfLength = 200;
+constexpr double kOverRelaxation = 1.6;
+constexpr double kZero = 1e-9;
+constexpr int kClosings = 5;
+constexpr double kAsymmetric = 1e-6;  // tiles
 
 using Vector = Eigen::VectorXd;
 
@@ -41,7 +55,9 @@ class String {
         bricks_(makeBricks(scene.model.tiles, scene.brick)),
         pivots_(makePivots(scene.model.joints, bricks_)),
         meter_(bricks_, pivots_, scene.environment.pivotZone, guide.front(), 0),
-        isPlanar_(sceneNeeds(scene).planar.on) {
+        isPlanar_(sceneNeeds(scene).planar.on),
+        tile_(tileSize(scene.model)),
+        group_(symmetriesOf(scene.model)) {
     if (isPlanar_) std::erase_if(pivots_, [](const Pivot& pivot) { return pivot.isUpper; });
     for (const Brick& brick : bricks_) {
       double sum = 0;
@@ -67,7 +83,40 @@ class String {
     return least;
   }
 
+  /// The length that is left of that of the images, as a part of it.
+  double shorten() {
+    const double before = length();
+    keepSymmetries();
+    for (int round = 0; round < kRoundsOfLength; ++round) {
+      for (std::size_t k = 1; k + 1 < images_.size(); ++k) {
+        images_[k] = shortened(images_[k], images_[k - 1], images_[k + 1], kOverRelaxation);
+      }
+    }
+    for (int round = 0; round < kClosings; ++round) {
+      for (std::size_t k = 1; k + 1 < images_.size(); ++k) {
+        images_[k] = shortened(images_[k], images_[k], images_[k], 0);
+      }
+    }
+    return length() / before;
+  }
+
  private:
+  void keepSymmetries() {
+    std::erase_if(group_, [&](const Symmetry& symmetry) {
+      return std::ranges::any_of(images_, [&](const Poses& image) {
+        return asymmetry(image, {&symmetry, 1}, tile_) > kAsymmetric * tile_;
+      });
+    });
+  }
+
+  double length() const {
+    double sum = 0;
+    for (std::size_t k = 1; k < images_.size(); ++k) {
+      sum += pathDistance(bricks_, images_[k - 1], images_[k]);
+    }
+    return sum;
+  }
+
   int freedoms() const { return isPlanar_ ? 3 : 6; }
 
   /// The largest gap on the path: of the images, and half way between them.
@@ -160,39 +209,71 @@ class String {
     }
   }
 
-  Poses fallen(const Poses& poses, const Poses& before, const Poses& after, double power) {
-    const int unknowns = freedoms() * static_cast<int>(poses.size());
+  /// The gaps of all joints and their slopes.
+  struct Joints {
+    Vector gaps;
+    Eigen::SparseMatrix<double> jacobian;
+  };
+
+  Joints jointsAt(const Poses& poses) const {
     const int rows = 3 * static_cast<int>(pivots_.size());
-    const double largest = std::max(gapOf(poses), kNoGap);
-    Vector gaps(rows), weights(rows);
+    Joints joints{Vector(rows), {rows, freedoms() * static_cast<int>(poses.size())}};
     std::vector<Eigen::Triplet<double>> slopes;
     for (std::size_t j = 0; j < pivots_.size(); ++j) {
       const Pivot& pivot = pivots_[j];
       const Pose& a = poses[static_cast<std::size_t>(pivot.brickA)];
       const Pose& b = poses[static_cast<std::size_t>(pivot.brickB)];
       const int row = 3 * static_cast<int>(j);
-      gaps.segment<3>(row) = a.apply(pivot.pointA) - b.apply(pivot.pointB);
-      weights.segment<3>(row).setConstant(
-          std::pow(gaps.segment<3>(row).norm() / largest, power - 2));
+      joints.gaps.segment<3>(row) = a.apply(pivot.pointA) - b.apply(pivot.pointB);
       addSlopes(slopes, row, pivot.brickA, a.rotation * pivot.pointA, 1);
       addSlopes(slopes, row, pivot.brickB, b.rotation * pivot.pointB, -1);
     }
-    Eigen::SparseMatrix<double> jacobian(rows, unknowns), one(unknowns, unknowns);
-    jacobian.setFromTriplets(slopes.begin(), slopes.end());
-    one.setIdentity();
-    const Eigen::SparseMatrix<double> weighted = weights.asDiagonal() * jacobian;
-    const Eigen::SparseMatrix<double> system =
-        Eigen::SparseMatrix<double>(jacobian.transpose() * weighted) + kLeastDamping * one;
-    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factors(system);
-    Vector move = -factors.solve(weighted.transpose() * gaps) / (power - 1);
-    const Vector along = moveBetween(before, after).normalized();
-    move -= move.dot(along) * along;
+    joints.jacobian.setFromTriplets(slopes.begin(), slopes.end());
+    return joints;
+  }
+
+  /// A state after a move, which is halved until bricks overlap no deeper than they may.
+  Poses clearlyMoved(const Poses& poses, Vector move) {
     const double most = std::max(mostGrown_, grown(poses));
     for (int halving = 0; halving < kHalvings; ++halving, move *= 0.5) {
       Poses found = moved(poses, move);
       if (grown(found) <= most) return found;
     }
     return poses;
+  }
+
+  Poses fallen(const Poses& poses, const Poses& before, const Poses& after, double power) {
+    const double largest = std::max(gapOf(poses), kNoGap);
+    const Joints joints = jointsAt(poses);
+    Vector weights(joints.gaps.size());
+    for (int row = 0; row < weights.size(); row += 3) {
+      weights.segment<3>(row).setConstant(
+          std::pow(joints.gaps.segment<3>(row).norm() / largest, power - 2));
+    }
+    const Eigen::SparseMatrix<double> weighted = weights.asDiagonal() * joints.jacobian;
+    Vector move = solved(joints.jacobian.transpose() * weighted, kLeastDamping,
+                         -weighted.transpose() * joints.gaps) /
+                  (power - 1);
+    const Vector along = moveBetween(before, after).normalized();
+    move -= move.dot(along) * along;
+    return clearlyMoved(poses, move);
+  }
+
+  Poses shortened(const Poses& poses, const Poses& before, const Poses& after, double factor) {
+    const Joints joints = jointsAt(poses);
+    const Vector wanted = 0.5 * factor * (moveBetween(poses, before) + moveBetween(poses, after));
+    const Vector opened = joints.jacobian * wanted + joints.gaps;
+    const Vector closing = solved(joints.jacobian.transpose() * joints.jacobian, kZero,
+                                  joints.jacobian.transpose() * opened);
+    return symmetricMean(clearlyMoved(poses, wanted - closing), group_);
+  }
+
+  /// The solution of (matrix + damping) x = right.
+  static Vector solved(Eigen::SparseMatrix<double> matrix, double damping, const Vector& right) {
+    Eigen::SparseMatrix<double> one(matrix.rows(), matrix.cols());
+    one.setIdentity();
+    matrix += damping * one;
+    return Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>(matrix).solve(right);
   }
 
   double mostGrown_;  // metres
@@ -202,12 +283,18 @@ class String {
   bool isPlanar_;
   std::vector<double> radii_;  // of gyration, metres
   std::vector<Poses> images_;
+  double tile_;                  // metres
+  std::vector<Symmetry> group_;  // of the model, then of all images
 };
 
 }  // namespace
 
 double leastOpening(const Scene& scene, const std::vector<Poses>& guide, double mostGrown) {
   return String(scene, guide, mostGrown).relax();
+}
+
+double leastLength(const Scene& scene, const std::vector<Poses>& path, double mostGrown) {
+  return String(scene, path, mostGrown).shorten();
 }
 
 }  // namespace kirireel
