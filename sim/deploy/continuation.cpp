@@ -823,20 +823,40 @@ void add(double factor, const Displacements& more, Displacements& to) {
   for (std::size_t i = 0; i < to.size(); ++i) to[i] += factor * more[i];
 }
 
+/// Which states a path may have: those with closed joints on which bricks overlap by no more than
+/// `mostGrown` metres beyond the start; infinity: by anything.
+class ClearStates {
+ public:
+  ClearStates(const Scene& scene, const std::vector<Brick>& bricks, const Poses& start,
+              double mostGrown)
+      : mostGap_(kOpenImage * tileSize(scene.model)),
+        mostGrown_(mostGrown),
+        pivots_(makePivots(scene.model.joints, bricks)),
+        meter_(bricks, pivots_, scene.environment.pivotZone, start, 0) {}
+
+  bool contain(const Poses& poses) {
+    return jointGap(pivots_, poses).max <= mostGap_ &&
+           (std::isinf(mostGrown_) || meter_.at(poses).grown <= mostGrown_);
+  }
+
+ private:
+  double mostGap_;    // metres
+  double mostGrown_;  // likewise
+  std::vector<Pivot> pivots_;
+  PenetrationMeter meter_;
+};
+
 class CurveShortening {
  public:
   CurveShortening(const Scene& scene, MechanismPath path, double mostGrown, SearchBudget& budget,
                   const PathObserver& goesOn)
       : scene_(withoutLoads(scene)),
         path_(std::move(path)),
-        mostGrown_(mostGrown),
-        tile_(tileSize(scene.model)),
         spacing_(kImageShare * path_.length()),
         budget_(budget),
         goesOn_(goesOn),
         bricks_(makeBricks(scene.model.tiles, scene.brick)),
-        pivots_(makePivots(scene.model.joints, bricks_)),
-        meter_(bricks_, pivots_, scene.environment.pivotZone, path_.states.front(), 0),
+        clear_(scene, bricks_, path_.states.front(), mostGrown),
         symmetries_(scene_, path_.symmetries) {
     takeImages();
   }
@@ -920,8 +940,7 @@ class CurveShortening {
     const bool hasMoved =
         mechanism.move(to, displaced(from, by, wanted / whole), anyLength, true, budget_) > 0;
     mechanism.restore(symmetries_, to);
-    const bool isState = hasMoved && jointGap(pivots_, to).max <= kOpenImage * tile_ &&
-                         (std::isinf(mostGrown_) || meter_.at(to).grown <= mostGrown_);
+    const bool isState = hasMoved && clear_.contain(to);
     longest = isState ? std::min(kBolder * longest, kLongestPull * spacing_) : kWedged * wanted;
     return isState ? to : from;
   }
@@ -1000,7 +1019,7 @@ class CurveShortening {
       const double whole = pathDistance(bricks_, images_[k], wide);
       if (!(whole > 0)) continue;
       Displacements apart = displacementsBetween(images_[k], wide);
-      scale(apart, 4 * part * (1 - part) * share * tile_ / whole);
+      scale(apart, 4 * part * (1 - part) * share * tileSize(scene_.model) / whole);
       images_[k] = moved(k, apart);
     }
   }
@@ -1039,14 +1058,11 @@ class CurveShortening {
 
   Scene scene_;
   MechanismPath path_;
-  double mostGrown_;  // metres
-  double tile_;       // metres
-  double spacing_;    // of images, metres
+  double spacing_;  // of images, metres
   SearchBudget& budget_;
   const PathObserver& goesOn_;
   std::vector<Brick> bricks_;
-  std::vector<Pivot> pivots_;
-  PenetrationMeter meter_;
+  ClearStates clear_;
   SymmetricStates symmetries_;
   std::vector<Poses> images_;
   std::size_t first_ = 0;        // state that is an image
