@@ -86,6 +86,12 @@ inline Vector3 turnBetween(const Quaternion& from, const Quaternion& to) {
                       : Vector3(2 * std::atan2(sine, turn.w()) / sine * turn.vec());
 }
 
+/// A pose after a move in metres and a turn by a rotation vector about the pose's position, world
+/// axes.
+inline Pose displaced(const Pose& pose, const Vector3& move, const Vector3& turn) {
+  return {pose.position + move, (rotationFromVector(turn) * pose.rotation).normalized()};
+}
+
 /// Poses on the way from one state to another, at a share from 0 to 1: positions go straight,
 /// rotations by the shortest turn.
 /// Both states have the same bricks. Joints that are closed at both ends may open on the way.

@@ -807,9 +807,7 @@ Displacements displacementsBetween(const Poses& from, const Poses& to) {
 /// A state displaced by a part of the displacements.
 Poses displaced(Poses poses, const Displacements& by, double part = 1) {
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    poses[i].position += part * by[i].head<3>();
-    const Vector3 turn = part * by[i].tail<3>();
-    poses[i].rotation = (rotationFromVector(turn) * poses[i].rotation).normalized();
+    poses[i] = displaced(poses[i], part * by[i].head<3>(), part * by[i].tail<3>());
   }
   return poses;
 }

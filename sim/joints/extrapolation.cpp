@@ -160,8 +160,7 @@ Motion Extrapolation::combine(const Trial& trial, int first, int last) const {
       velocity.linear += share * row.end.velocities[i].linear;
       velocity.angular += share * row.end.velocities[i].angular;
     }
-    sum.poses[i].position += move;
-    sum.poses[i].rotation = (rotationFromVector(turn) * start.rotation).normalized();
+    sum.poses[i] = displaced(start, move, turn);
     sum.velocities[i] = velocity;
   }
   return sum;
