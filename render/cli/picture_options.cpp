@@ -214,8 +214,7 @@ void addColourOptions(OptionGroup& group, Look& look) {
       .values(
           "--tile-colour", "[NAME:]TILES=COLOUR",
           "of some tiles, as in 3,7,10-15=teal, or \"hinge row:3,7=teal\" for a name in the "
-          "legend; "
-          "with --colour plain, shape or state",
+          "legend; with --colour plain, shape or state",
           [&look](const TypedValue& typed) { look.tileColours.push_back(parseTileColour(typed)); })
       .saidAs([&look] { return tileColoursText(look.tileColours); });
   group.number("--opacity", look.opacity, {0, 1}, "SHARE",

@@ -138,31 +138,37 @@ class Tessellator {
   /// Cut where they cross, the farthest first.
   void appendSorted(const std::vector<Facet>& facets, const Camera& camera) {
     for (const Piece& piece : farthestFirst(makePieces(sketch_, facets, camera))) {
-      checkInterruption();
-      FacetTriangles& made = mesh_.facets.emplace_back();
-      made.first = static_cast<int>(mesh_.indices.size());
-      const std::vector<Vector3>& corners = piece.outer.corners;
-      const GLuint first = appendCorners(corners, piece.colour, made.place);
-      for (GLuint k = 2; k < corners.size(); ++k) triangle(first, first + k - 1, first + k);
-      made.end = static_cast<int>(mesh_.indices.size());
+      addFacet([&](ClipBox& place) { appendFan(piece.outer.corners, piece.colour, place); });
     }
   }
 
   void append(const std::vector<Facet>& facets) {
     for (const Facet& facet : facets) {
-      checkInterruption();
-      FacetTriangles& made = mesh_.facets.emplace_back();
-      made.first = static_cast<int>(mesh_.indices.size());
-      append(facet, made.place);
-      made.end = static_cast<int>(mesh_.indices.size());
+      addFacet([&](ClipBox& place) { append(facet, place); });
     }
   }
 
  private:
+  /// appendTriangles: of one facet, with the place that they take.
+  template <typename Append>
+  void addFacet(const Append& appendTriangles) {
+    checkInterruption();
+    FacetTriangles& made = mesh_.facets.emplace_back();
+    made.first = static_cast<int>(mesh_.indices.size());
+    appendTriangles(made.place);
+    made.end = static_cast<int>(mesh_.indices.size());
+  }
+
+  /// A convex polygon. Returns the index of its first corner.
+  GLuint appendFan(std::span<const Vector3> corners, Colour colour, ClipBox& place) {
+    const GLuint first = appendCorners(corners, colour, place);
+    for (GLuint k = 2; k < corners.size(); ++k) triangle(first, first + k - 1, first + k);
+    return first;
+  }
+
   void append(const Facet& facet, ClipBox& place) {
     const auto count = static_cast<GLuint>(facet.count);
-    const GLuint inner = appendCorners(sketch_.inner(facet), sketch_.flatColourOf(facet), place);
-    for (GLuint k = 2; k < count; ++k) triangle(inner, inner + k - 1, inner + k);
+    const GLuint inner = appendFan(sketch_.inner(facet), sketch_.flatColourOf(facet), place);
     if (!facet.outlined) return;
     const GLuint outer = appendCorners(sketch_.corners(facet), sketch_.outlineOf(facet), place);
     for (GLuint k = 0; k < count; ++k) {

@@ -304,7 +304,7 @@ void Sketcher::drawConcave(const Face& face, const Pose& pose, double width, Col
   }
 }
 
-void Sketcher::CastPolygon::add(const Vector3& point, const Style& style) {
+void Sketcher::CastPoints::add(const Vector3& point, const Style& style) {
   points.push_back(shadowOf(point, style));
   heights.push_back(std::max(0.0, point.z() - style.plate->height));
 }
@@ -312,9 +312,9 @@ void Sketcher::CastPolygon::add(const Vector3& point, const Style& style) {
 /// That of a convex brick is the outline of all its corners. A concave one has those of its lit
 /// faces, which cast all of the shadow of a closed brick, in triangles where they are concave.
 void Sketcher::appendCast(const std::vector<Face>& faces, const Pose& pose,
-                          std::vector<CastPolygon>& cast) const {
+                          std::vector<CastPoints>& cast) const {
   if (faces[0].triangles.empty()) {
-    CastPolygon& whole = cast.emplace_back();
+    CastPoints& whole = cast.emplace_back();
     for (const int end : {0, 1}) {
       for (const Vector3& corner : faces[end].corners) whole.add(pose.apply(corner), style_);
     }
@@ -323,24 +323,24 @@ void Sketcher::appendCast(const std::vector<Face>& faces, const Pose& pose,
   for (const Face& face : faces) {
     if (style_.key.direction.dot(pose.rotation * face.normal) <= 0) continue;
     for (const auto& triangle : face.triangles) {
-      CastPolygon& part = cast.emplace_back();
+      CastPoints& part = cast.emplace_back();
       for (const int corner : triangle) part.add(pose.apply(face.corners[corner]), style_);
     }
     if (!face.triangles.empty()) continue;
-    CastPolygon& side = cast.emplace_back();
+    CastPoints& side = cast.emplace_back();
     for (const Vector3& corner : face.corners) side.add(pose.apply(corner), style_);
   }
 }
 
 void Sketcher::drawShadow(const Poses& poses, const std::vector<BrickColours>& colours,
                           double pictureHeight, Sketch& sketch) const {
-  std::vector<CastPolygon> cast;
+  std::vector<CastPoints> cast;
   for (std::size_t brick = 0; brick < faces_.size(); ++brick) {
     checkInterruption();
     if (isDrawn(colours[brick])) appendCast(faces_[brick], poses[brick], cast);
   }
   double highest = 0;
-  for (const CastPolygon& polygon : cast) {
+  for (const CastPoints& polygon : cast) {
     for (const double height : polygon.heights) highest = std::max(highest, height);
   }
   const double width = style_.shadowSoftness * highest / pictureHeight;
@@ -350,7 +350,7 @@ void Sketcher::drawShadow(const Poses& poses, const std::vector<BrickColours>& c
     const double softness = style_.shadowSoftness * (1 - (step - 0.5) / steps);
     const double part = static_cast<double>(step) / steps;
     const Colour colour = partialShadow(style_, part * part * (3 - 2 * part));
-    for (const CastPolygon& polygon : cast) {
+    for (const CastPoints& polygon : cast) {
       checkInterruption();
       const std::vector<Vector3> outline = widened(polygon.points, polygon.heights, softness);
       if (outline.size() > 2) sketch.shadow.push_back(appendFacet(sketch, outline, colour));

@@ -164,7 +164,7 @@ class Sketcher {
   void drawConcave(const Face& face, const Pose& pose, double width, Colour colour, bool pale,
                    std::vector<Facet>& layer, Sketch& sketch) const;
   /// Points on the plate whose convex outline is the shadow of a brick or a part of one.
-  struct CastPolygon {
+  struct CastPoints {
     std::vector<Vector3> points;
     std::vector<double> heights;  ///< of the points that cast them above the plate, metres
 
@@ -172,7 +172,7 @@ class Sketcher {
   };
 
   void appendCast(const std::vector<Face>& faces, const Pose& pose,
-                  std::vector<CastPolygon>& cast) const;
+                  std::vector<CastPoints>& cast) const;
   /// pictureHeight: at the camera's centre, metres.
   void drawShadow(const Poses& poses, const std::vector<BrickColours>& colours,
                   double pictureHeight, Sketch& sketch) const;
