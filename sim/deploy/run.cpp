@@ -203,7 +203,7 @@ DeploymentResult Run::result() {
   const std::vector<HingeSpring>& springs = trajectory.hingeSprings;
   if (!springs.empty()) {
     result.elasticity =
-        elasticityOf(springs, bricks_.ties.ligaments, motion_.start(), motion_.poses());
+        elasticityOf(springs, trajectory.ligaments, motion_.start(), motion_.poses());
   }
   result.needs = bricks_.needs;
   result.path = bricks_.scene.path;
