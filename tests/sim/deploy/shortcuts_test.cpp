@@ -64,14 +64,19 @@ TEST(Shortcuts, LeaveADetourOut) {
   }
 }
 
-TEST(Shortcuts, KeepThePathOfAMechanismThatHasNoOther) {
-  // Rotating squares have one freedom: closed at 0 and at 180 degrees, they open in between.
+/// Rotating squares have one freedom: closed at 0 and at 180 degrees, they open in between.
+Scene nearlyClosedAgain() {
   Scene scene;
   TessellationShape shape;
   shape.columns = shape.rows = 3;
   shape.targetAngle = 3.0;
   scene.model = makeTessellation(shape);
   fillFromModel(scene);
+  return scene;
+}
+
+TEST(Shortcuts, KeepThePathOfAMechanismThatHasNoOther) {
+  const Scene scene = nearlyClosedAgain();
   const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
   SearchBudget budget(5);
   const MechanismPath path = continueAlong(
@@ -175,12 +180,7 @@ TEST(PulledTight, APathIsNoLongerThanTheDirectOneAndEven) {
 }
 
 TEST(PulledTight, APathOfAMechanismThatHasNoOtherKeepsItsLength) {
-  Scene scene;
-  TessellationShape shape;
-  shape.columns = shape.rows = 3;
-  shape.targetAngle = 3.0;
-  scene.model = makeTessellation(shape);
-  fillFromModel(scene);
+  const Scene scene = nearlyClosedAgain();
   const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
   const MechanismPath path = pathThrough(
       scene, {startPoses(scene.model.tiles, bricks), bestFitPoses(bricks, *scene.model.target)});
