@@ -14,7 +14,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "render/picture/studio.h"
+#include "render/picture/state_painter.h"
 #include "sim/deploy/assembled_state.h"
 #include "sim/measure/sheet.h"
 

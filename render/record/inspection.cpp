@@ -290,14 +290,14 @@ class StatePicture {
     fit.orthographic = true;
     camera_ = fitCamera(points, fit);
     const std::vector<Brick> bricks = makeBricks(tiles, rule);
-    Shot shot;
-    shot.poses = startPoses(tiles, bricks);
+    PictureItems items;
+    items.poses = startPoses(tiles, bricks);
     for (const Mend& mend : model.mends) {
       for (const Corner& corner : mend.corners) {
-        shot.marks.push_back(tiles[corner.tile].vertices[corner.vertex]);
+        items.marks.push_back(tiles[corner.tile].vertices[corner.vertex]);
       }
     }
-    frame_ = Painter(size, bricks, Style{}).paint(shot, camera_);
+    frame_ = Painter(size, bricks, Style{}).paint(items, camera_);
   }
 
   /// To be called once: it gives the frame away.
@@ -377,10 +377,10 @@ Frame crossingPicture(const Tile& tile, const Vector3& place, FrameSize size) {
   fit.orthographic = true;
   Style style;
   style.markSize = 0.03;
-  Shot shot;
-  shot.overlay = {tile};
-  shot.marks = {place};
-  return Painter(size, {}, style).paint(shot, fitCamera(tile.vertices, fit));
+  PictureItems items;
+  items.overlay = {tile};
+  items.marks = {place};
+  return Painter(size, {}, style).paint(items, fitCamera(tile.vertices, fit));
 }
 
 // ------------------------------------------------------------------------------------------------

@@ -14,7 +14,7 @@
 #include "render/picture/frame.h"
 #include "render/picture/gl_context.h"
 #include "render/picture/grid.h"
-#include "render/picture/studio.h"
+#include "render/picture/state_painter.h"
 #include "sim/base/files.h"
 #include "sim/deploy/deployment.h"
 #include "sim/scene/scene.h"
