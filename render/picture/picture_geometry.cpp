@@ -417,7 +417,7 @@ void GeometryBuilder::draw(const PictureItems& items, const Camera& camera,
 namespace {
 
 /// In mean radii of bricks.
-constexpr double kReach = 2.5;
+constexpr double kOcclusionReach = 2.5;
 
 /// Points of a face stand half way between its middle and its corners; thin faces have their middle
 /// alone.
@@ -501,7 +501,7 @@ Occluders::Occluders(const std::vector<std::vector<std::vector<Vector3>>>& faces
     radii += made.radius;
     mostRadius_ = std::max(mostRadius_, made.radius);
   }
-  reach_ = kReach * radii / std::max<double>(1, static_cast<double>(occluders_.size()));
+  reach_ = kOcclusionReach * radii / std::max<double>(1, static_cast<double>(occluders_.size()));
   std::ranges::stable_sort(occluders_, {}, [](const Occluder& o) { return o.centre.x(); });
 }
 

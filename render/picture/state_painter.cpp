@@ -275,7 +275,7 @@ constexpr double kTextShare = 0.034;
 constexpr int kLeastText = 9;
 /// Heights in ems: of a line of text with its baseline in it, of a line of scales, of the bar of
 /// progress with the room around it, and of that bar alone.
-constexpr double kLineEms = 1.5;
+constexpr double kStripLineEms = 1.5;
 constexpr double kLineBaselineEms = 1.1;
 constexpr double kScalesEms = 1.8;
 constexpr double kProgressEms = 1.2;
@@ -316,8 +316,8 @@ Strip::Strip(FrameSize whole, const StripParts& parts, const Style& style)
   const bool hasScales = scalesEms() > 0;
   if (!hasCaption && !hasScales && !parts.progressBar) return;
   em_ = textSize(whole, parts.longestCaption);
-  height_ = rounded(
-      em_ * ((hasCaption ? kLineEms : 0) + scalesEms() + (parts.progressBar ? kProgressEms : 0)));
+  height_ = rounded(em_ * ((hasCaption ? kStripLineEms : 0) + scalesEms() +
+                           (parts.progressBar ? kProgressEms : 0)));
   height_ = std::min(height_, whole.height - 1);
   if (hasScales) scales_.emplace(em_, text_);
   if (!hasCaption) return;
@@ -343,7 +343,7 @@ void Strip::append(Frame& picture, const StripText& text, const std::optional<Co
     // From the same place in every frame, so that letters do not jump.
     writer_->draw(picture, text.caption, captionLeft_, upper + rounded(kLineBaselineEms * em_),
                   text_);
-    upper += rounded(kLineEms * em_);
+    upper += rounded(kStripLineEms * em_);
   }
   if (scales_) {
     drawScales(picture, upper, colours, legend, metresPerPixel);

@@ -31,7 +31,7 @@ using Json = nlohmann::ordered_json;
 // Overlap that is told, as a part of a tile.
 constexpr double kOverlap = 1e-6;
 // Flat states are flat to this part of the model's size.
-constexpr double kFlat = 1e-9;
+constexpr double kFlatOfModel = 1e-9;
 // What looking for the state nearest to the target may cost, seconds of a reference core.
 constexpr double kSearchTime = 10;
 
@@ -54,7 +54,7 @@ StateInspection inspectState(const Scene& scene, const std::vector<Tile>& tiles)
   state.overlaps = tileOverlaps(tiles, kOverlap * tileSize(model));
   state.seesAllPairs = static_cast<long>(state.overlaps.size()) < mostPairs(tiles.size());
   // Freedoms in the plane mean something for flat states alone.
-  if (liesFlat(tiles, kFlat * modelSize(model))) {
+  if (liesFlat(tiles, kFlatOfModel * modelSize(model))) {
     state.inPlane = mobility(model, tiles, Freedom::Plane, scene.brick.thickness);
   }
   state.inSpace = mobility(model, tiles, Freedom::Space, scene.brick.thickness);

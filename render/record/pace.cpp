@@ -22,7 +22,7 @@ namespace {
 /// In which an even pace gathers and loses speed, seconds of video.
 constexpr double kRampSeconds = 0.6;
 /// Times closer than this part of a step are the same.
-constexpr double kSameTime = 1e-6;
+constexpr double kSameFrameTime = 1e-6;
 
 /// How far the bricks that both pictures show are from one state to the next, metres. Bricks that
 /// have flown off would take most of the path's length.
@@ -73,7 +73,7 @@ std::vector<FrameMoment> evenMoments(const MotionCurve& motion, const PictureSet
 std::vector<FrameMoment> realMoments(const MotionCurve& motion, const PictureSettings& settings) {
   const double step = settings.speed / settings.framesPerSecond;
   // The last frame shows the end, a shorter step after the one before.
-  const long steps = static_cast<long>(std::ceil(motion.endTime() / step - kSameTime));
+  const long steps = static_cast<long>(std::ceil(motion.endTime() / step - kSameFrameTime));
   std::vector<FrameMoment> moments;
   for (long k = 0; k <= steps; ++k) {
     const double time = std::min(motion.endTime(), static_cast<double>(k) * step);

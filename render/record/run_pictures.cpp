@@ -362,7 +362,7 @@ namespace {
 
 constexpr double kTitleSize = 0.07;      // em, in heights of the picture
 constexpr double kSubtitleSize = 0.045;  // likewise
-constexpr double kLineEms = 1.35;        // from line to line
+constexpr double kCardLineEms = 1.35;    // from line to line
 constexpr double kMostWidth = 0.9;       // of the picture that text may take
 constexpr double kMostHeight = 0.9;
 
@@ -388,7 +388,7 @@ void shrinkToFit(std::vector<CardLine>& lines, FrameSize size) {
   double widest = 1, height = 1;
   for (const CardLine& line : lines) {
     widest = std::max(widest, widthOf(line));
-    height += kLineEms * line.em;
+    height += kCardLineEms * line.em;
   }
   const double share =
       std::min({1.0, kMostWidth * size.width / widest, kMostHeight * size.height / height});
@@ -408,14 +408,14 @@ Frame titleCard(const Title& title, FrameSize size, Colour background, Colour in
   append(lines, title.subtitle, kSubtitleSize * size.height, kMostWidth * size.width);
   shrinkToFit(lines, size);
   double height = 0;
-  for (const CardLine& line : lines) height += kLineEms * line.em;
+  for (const CardLine& line : lines) height += kCardLineEms * line.em;
   Frame card = makeFrame(size, background);
   double upper = 0.5 * (size.height - height);
   for (const CardLine& line : lines) {
     const LabelWriter writer(std::max(1, static_cast<int>(line.em)));
     writer.draw(card, line.text, (size.width - writer.width(line.text)) / 2,
                 static_cast<int>(std::lround(upper + line.em)), ink);
-    upper += kLineEms * line.em;
+    upper += kCardLineEms * line.em;
   }
   return card;
 }

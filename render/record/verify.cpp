@@ -41,7 +41,7 @@ using Json = nlohmann::ordered_json;
 
 // Figures are computed again from the same numbers by the same arithmetic, so they agree to the
 // last bit. This part of a figure is left to compilers that add in another order.
-constexpr double kRounding = 1e-12;
+constexpr double kFigureRounding = 1e-12;
 
 /// Throws InputError where there is none.
 std::string readSummary(const fs::path& folder) {
@@ -117,7 +117,7 @@ class Verifier {
   void compare(const std::string& place, const std::string& figure, double stated,
                double computed) {
     const double larger = std::max(std::abs(stated), std::abs(computed));
-    if (std::abs(stated - computed) <= kRounding * larger) return;
+    if (std::abs(stated - computed) <= kFigureRounding * larger) return;
     complain(place,
              fmt::format("{} is {:.17g}, yet the poses give {:.17g}", figure, stated, computed));
   }
