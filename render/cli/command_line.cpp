@@ -32,6 +32,7 @@
 #include "render/cli/scene_options.h"
 #include "render/record/summary.h"
 #include "sim/base/error.h"
+#include "sim/scene/settings.h"
 
 namespace kirireel {
 namespace {
@@ -94,23 +95,41 @@ InputError missingValue(const std::string& text, const CLI::App& command) {
 }
 
 /// What PyKirigami's command lines leave out is as there: springs move masses of 1 kg, and nothing
-/// where there is no target; bricks pass through each other and are 0.02 m thick; turning is damped
-/// alike whatever the tiles' size; steps are of fixed length.
+/// where there is no target; springs are in N/m, alike for all bricks; bricks pass through each
+/// other and are 0.02 m thick; steps are of fixed length.
 std::vector<std::string> withPeerDefaults(const std::vector<std::string>& typed,
                                           std::vector<std::string> words) {
   // The other commands have no such defaults.
   const bool runs = !words.empty() && (words.front() == "record" || words.front() == "simulate");
   if (!runs || !usesPeerSpellings(typed)) return words;
+  const TargetSpringSettings springs = paperSprings();
   // PyKirigami's own defaults; --tolerance 0 means steps of fixed length.
   const std::pair<std::string, std::string> defaults[] = {
-      {"--torque-damping", "2"}, {"--path", "dynamic"}, {"--contacts", "none"},
-      {"--thickness", "0.02"},   {"--search", "60"},    {"--actuation", "target"},
+      {"--spring-stiffness", numberText(*springs.springStiffness)},
+      {"--torque-stiffness", numberText(*springs.torqueStiffness)},
+      {"--force-damping", numberText(*springs.forceDamping)},
+      {"--torque-damping", numberText(*springs.torqueDamping)},
+      {"--path", "dynamic"},
+      {"--contacts", "none"},
+      {"--thickness", "0.02"},
+      {"--search", "60"},
+      {"--actuation", "target"},
       {"--tolerance", "0"}};
-  for (const auto& [name, value] : defaults) {
-    const bool isGiven = std::ranges::any_of(words, [&](const std::string& word) {
+  // Springs by frequency and ratio take the place of those in N/m.
+  const std::map<std::string, std::string> others = {{"--spring-stiffness", "--spring-frequency"},
+                                                     {"--torque-stiffness", "--spring-frequency"},
+                                                     {"--force-damping", "--damping-ratio"},
+                                                     {"--torque-damping", "--damping-ratio"}};
+  const std::vector<std::string> given = words;
+  const auto isGiven = [&](const std::string& name) {
+    return std::ranges::any_of(given, [&](const std::string& word) {
       return word == name || word.starts_with(name + "=");
     });
-    if (!isGiven) words.push_back(name + "=" + value);
+  };
+  for (const auto& [name, value] : defaults) {
+    const auto other = others.find(name);
+    const bool isSaid = isGiven(name) || (other != others.end() && isGiven(other->second));
+    if (!isSaid) words.push_back(name + "=" + value);
   }
   return words;
 }

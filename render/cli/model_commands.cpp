@@ -182,6 +182,9 @@ int carryOut(const InspectOrder& order) {
   Scene scene = order.scene;
   scene.model = readOrDraw(order);
   fillFromModel(scene);
+  std::vector<std::string> warnings;
+  checkThickness(scene, warnings);
+  printWarnings(warnings);
   // What a run needs depends on where its start stands.
   alignStartToTarget(scene.model);
   const Inspection inspection = inspectWithProgress(scene);

@@ -495,6 +495,11 @@ bool isGiven(const CLI::App& command, const char* option) {
   return found && found->count() > 0;
 }
 
+[[noreturn]] void refuseBeside(const std::string& option, const char* others) {
+  throw InputError(
+      fmt::format("error: {} and {} say the same; leave one of them away", option, others));
+}
+
 [[noreturn]] void refuse(const std::string& option, const char* needed) {
   throw InputError(fmt::format("error: {} works with {} alone; give that too, or leave {} away",
                                option, needed, option));
@@ -530,7 +535,9 @@ void requireConsistent(const CLI::App& command, const Scene& scene) {
   for (const CLI::Option* option : command.get_options()) {
     if (option->count() == 0) continue;
     for (const Condition& condition : conditionsOf(option->get_name())) {
-      if (!condition.holds(scene)) refuse(option->get_name(), condition.needed);
+      if (condition.holds(scene)) continue;
+      if (condition.isWithout) refuseBeside(option->get_name(), condition.needed);
+      refuse(option->get_name(), condition.needed);
     }
   }
   // A guided path moves tiles towards the target in steps of its own, by the direct solver alone.

@@ -108,20 +108,6 @@ void requireTilesKeepNumbers(const Scene& scene) {
       "files of hinges name; leave one of them out");
 }
 
-/// A thickness for tiles of another size is most often one in another unit of length. 0.1% to 10%
-/// of a tile's mean edge passes; usual are 2%.
-void checkThickness(const Scene& scene, std::vector<std::string>& warnings) {
-  constexpr double kThickest = 0.1;  // of a tile's mean edge
-  constexpr double kThinnest = 1e-3;
-  const double edge = tileSize(scene.model);
-  const double thickness = scene.brick.thickness;
-  if (thickness >= kThinnest * edge && thickness <= kThickest * edge) return;
-  warnings.push_back(
-      fmt::format("{}: warning: bricks are {:.3g} m thick, but a tile's mean edge is {:.3g} m; "
-                  "lengths are in metres, and --thickness {:.2g} would be usual",
-                  scene.model.name, thickness, edge, kUsualThickness * edge));
-}
-
 /// What a run can live with is appended to the warnings; everything else throws.
 Scene readScene(const RecordOrder& order, std::vector<std::string>& warnings) {
   Scene scene = order.scene;

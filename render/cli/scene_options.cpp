@@ -283,6 +283,18 @@ Model readModelAt(const std::filesystem::path& place, const std::filesystem::pat
   return model;
 }
 
+void checkThickness(const Scene& scene, std::vector<std::string>& warnings) {
+  constexpr double kMost = 0.1;  // of a tile's mean edge
+  constexpr double kLeast = 1e-3;
+  const double edge = tileSize(scene.model);
+  const double thickness = scene.brick.thickness;
+  if (thickness >= kLeast * edge && thickness <= kMost * edge) return;
+  warnings.push_back(
+      fmt::format("{}: warning: bricks are {:.3g} m thick, but a tile's mean edge is {:.3g} m; "
+                  "lengths are in metres, and --thickness {:.2g} would be usual",
+                  scene.model.name, thickness, edge, kUsualThickness * edge));
+}
+
 void printWarnings(const std::vector<std::string>& warnings) {
   for (const std::string& warning : warnings) {
     fmt::print(stderr, "kirireel: {}\n", oneLine(warning));

@@ -89,6 +89,10 @@ Model readModelAt(const std::filesystem::path& place, const std::filesystem::pat
 Model readModelAt(const std::filesystem::path& place, const std::filesystem::path& target,
                   const ReadSettings& settings);
 
+/// Appends a warning where bricks are thicker than a tenth of the tiles' mean edge or thinner than
+/// a thousandth: most often they are in another unit of length than the tiles.
+void checkThickness(const Scene& scene, std::vector<std::string>& warnings);
+
 /// Prints warnings on standard error, each on one line.
 void printWarnings(const std::vector<std::string>& warnings);
 

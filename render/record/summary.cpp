@@ -29,6 +29,8 @@
 #include "render/export/mesh.h"
 #include "render/picture/png.h"
 #include "render/video/video.h"
+#include "sim/deploy/forces.h"
+#include "sim/deploy/run_drive.h"
 #include "sim/scene/settings.h"
 #include "sim/trajectory/array_file.h"
 #include "sim/world/bullet_world.h"
@@ -108,7 +110,7 @@ Json elasticityJson(const std::optional<Elasticity>& elasticity) {
 }
 
 /// Times in simulated seconds; what a kind of path does not have is null.
-Json pathJson(const RunSummary& summary) {
+Json pathJson(const Scene& scene, const RunSummary& summary) {
   const PathSettings& path = summary.path;
   const bool isLed = path.kind == PathKind::Led;
   const bool isWalked = path.kind == PathKind::Continuation;
@@ -120,7 +122,10 @@ Json pathJson(const RunSummary& summary) {
           {"search_budget", summary.deployCost.searchBudget},
           {"open_time", onlyIf(isLed && path.openTime > 0, path.openTime)},
           {"led_time", onlyIf(isLed, path.ledTime)},
-          {"led_stiffness", onlyIf(isLed, path.ledStiffness)},
+          {"led_stiffness",
+           isLed ? Json(path.ledStiffness.value_or(usualStiffness(
+                       leadingSprings(scene), makeBricks(scene.model.tiles, scene.brick))))
+                 : Json(nullptr)},
           {"joint_stiffness", onlyIf(path.jointsGive(), path.jointStiffness)}};
 }
 
@@ -266,6 +271,25 @@ Json settingJson(const Setting& setting, const Scene& scene) {
   return json.is_discarded() ? Json(text) : json;
 }
 
+/// What the springs of the bricks come to on the average; turning about a brick's normal.
+Json springsJson(const Scene& scene) {
+  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
+  const auto mean = [&](const auto& part) {
+    double sum = 0;
+    for (const Brick& brick : bricks) sum += part(brick, springOf(brick, scene.springs));
+    return sum / static_cast<double>(bricks.size());
+  };
+  return {{"spring_stiffness",
+           mean([](const Brick&, const BrickSpring& spring) { return spring.springStiffness; })},
+          {"torque_stiffness",
+           mean([](const Brick&, const BrickSpring& spring) { return spring.torqueStiffness; })},
+          {"force_damping",
+           mean([](const Brick&, const BrickSpring& spring) { return spring.forceDamping; })},
+          {"torque_damping", mean([](const Brick& brick, const BrickSpring& spring) {
+             return brick.normal.dot(spring.torqueDamping * brick.normal);
+           })}};
+}
+
 /// The settings by table and key, and beside them what follows from the model or is fixed. Values
 /// of settings are JSON already; a text that is none becomes a string.
 Json settingsJson(const Scene& scene, const RecordSettings& settings) {
@@ -278,7 +302,7 @@ Json settingsJson(const Scene& scene, const RecordSettings& settings) {
   const Environment& environment = scene.environment;
   const std::optional<Ground>& ground = environment.ground;
   json["model"]["hinges_from_file"] = scene.hinges.own.size();
-  json["actuation"]["torque_damping_used"] = springsOf(scene).torqueDamping;
+  json["actuation"]["springs_used"] = springsJson(scene);
   json["environment"]["ground_height"] = ground ? Json(ground->height) : Json(nullptr);
   json["environment"]["obstacles"] = obstaclesJson(environment.obstacles);
   json["environment"]["pivot_zone"] = environment.pivotZone;
@@ -323,7 +347,7 @@ Json findingsJson(const Scene& scene, const RunSummary& summary) {
           {"bricks_left_out_from", leftOut ? Json(*leftOut) : Json(nullptr)},
           {"warnings", summary.warnings},
           {"alignment", alignmentJson(scene.alignment, scene.model.target.has_value())},
-          {"path", pathJson(summary)},
+          {"path", pathJson(scene, summary)},
           {"blocking", blockingJson(summary.blocking)},
           {"needs",
            {{"planar", needJson(summary.needs.planar)},

@@ -61,7 +61,7 @@ class Assembly {
       : scene_(scene),
         target_(*scene.model.target),
         bricks_(makeBricks(scene.model.tiles, scene.brick)),
-        springs_(bricks_, target_, scene.model.pulledTiles, springsOf(scene)),
+        springs_(bricks_, target_, scene.model.pulledTiles, scene.springs),
         weights_(bricks_.size(), 1.0),
         tile_(tileSize(scene.model)),
         rigidBound_(rigidBound(scene.model.tiles, target_)),
@@ -107,7 +107,7 @@ class Assembly {
     if (std::isfinite(rounded)) {
       dynamics_->setJointStiffness(rounded * pullStiffness());
     } else if (!dynamics_->assemble(motion_.poses)) {
-      dynamics_->setJointStiffness(kMisfitStiffness);
+      dynamics_->setJointStiffness(misfitStiffness(scene_, bricks_));
     }
   }
 

@@ -27,7 +27,9 @@
 #include "sim/deploy/geometric_path.h"
 #include "sim/deploy/loading.h"
 #include "sim/deploy/path_choice.h"
+#include "sim/deploy/rest.h"
 #include "sim/deploy/run.h"
+#include "sim/measure/sheet.h"
 #include "sim/scene/scene_parts.h"
 #include "sim/scene/settings.h"
 
@@ -83,6 +85,20 @@ struct Search {
   PathChoice choice;                      ///< of the dynamics where none is
 };
 
+/// Without a target, tiles that joints hold fast cannot be driven by anything that they were given.
+void requireMotion(const Scene& scene, const GeometricPaths& found) {
+  const std::optional<GeometricPath>& path = found.clear ? found.clear : found.through;
+  const double tile = tileSize(scene.model);
+  if (!path || farthestMove(path->path.states.front(), path->path.states.back(), tile) > 0) return;
+  const Freedom freedom = sceneNeeds(scene).planar.on ? Freedom::Plane : Freedom::Space;
+  const Mobility left = mobility(scene.model, scene.model.tiles, freedom, scene.brick.thickness);
+  if (!left.isCounted || left.freedoms > 0) return;
+  throw InputError(
+      "error: nothing can drive this model: it has no target, and its joints leave the tiles no "
+      "motion but that of the whole; give --target, other joints (--joints-file), or what moves "
+      "it as it is (--gravity, [[timeline]] or [[velocity]] in scene.toml)");
+}
+
 /// Looks at the target, and for a path of the mechanism where the scene is one for it.
 void search(const Scene& scene, SearchBudget& budget, const TrialObserver& watch, Search& found) {
   watch({kAssembling, 0});
@@ -116,6 +132,7 @@ void search(const Scene& scene, SearchBudget& budget, const TrialObserver& watch
         findGeometricPaths(scene, {found.nearest, !found.blocking.empty()}, budget, watch);
   } else {
     found.geometric = findExtension(scene, budget, watch);
+    requireMotion(scene, found.geometric);
   }
 }
 

@@ -20,6 +20,10 @@
 
 namespace kirireel {
 
+double misfitStiffness(const Scene& scene, const std::vector<Brick>& bricks) {
+  return 1e5 * usualStiffness(scene.springs, bricks);
+}
+
 bool keepsTolerance(const Scene& scene) {
   return scene.solver.tolerance > 0 && scene.solver.kind == SolverKind::Direct &&
          !scene.solver.substeps && scene.path.kind != PathKind::Led && !scene.path.jointsGive();

@@ -24,8 +24,8 @@ namespace kirireel {
 // The seam between the deployment and the two solvers.
 
 /// Of joints that cannot be held exactly, because the tiles do not fit each other in the states on
-/// the way, N/m: a hundred thousand times the pull's usual stiffness.
-constexpr double kMisfitStiffness = 1e7;
+/// the way, N/m: a hundred thousand times the pull's usual stiffness (see usualStiffness()).
+double misfitStiffness(const Scene& scene, const std::vector<Brick>& bricks);
 
 /// Of joints that are held exactly, N/m.
 constexpr double kExactJoints = std::numeric_limits<double>::infinity();

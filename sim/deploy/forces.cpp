@@ -1,10 +1,12 @@
-// The choice of a drive. Springs to a target are not made here: a run moves their target on,
-// stiffens them and switches them, so that it keeps them itself.
+// The strength of springs, and the choice of a drive. Springs to a target are not made by that
+// choice: a run moves their target on, stiffens them and switches them, so that it keeps them
+// itself.
 #include "sim/deploy/forces.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <Eigen/Eigenvalues>
 
@@ -14,8 +16,66 @@
 
 namespace kirireel {
 
+// ------------------------------------------------------------------------------------------------
+// The springs of a brick of mass m (kg) and inertia I (kg m^2) with n vertices. Alone on n springs
+// of k_f (N/m) it obeys m x" + mu_v x' + n k_f x = 0, which swings undamped with the frequency f
+// (Hz) and has the damping ratio zeta where
+//   k_f = m (2 pi f)^2 / n,      mu_v = 2 zeta sqrt(n k_f / m) m.
+// k_tau is the same, as a spring at each vertex has it: a square turns sqrt(3) times as fast as it
+// moves. Turning is damped at the same rate,
+//   mu_omega = 2 zeta sqrt(n k_tau / m) I,
+// a matrix, since a brick turns about each of its axes with another inertia. Multiplied by m, all
+// of them leave the motion as it is; so does I times a length squared. What is given in N/m takes
+// the place of its own term. Catto's Box2D (v3) states its springs in this way.
+
+namespace {
+
+double squaredFrequency(const TargetSpringSettings& settings) {
+  const double omega = 2 * std::numbers::pi * settings.frequency;
+  return omega * omega;  // 1/s^2
+}
+
+std::vector<BrickSpring> springsOf(const std::vector<Brick>& bricks,
+                                   const TargetSpringSettings& settings) {
+  std::vector<BrickSpring> springs;
+  for (const Brick& brick : bricks) springs.push_back(springOf(brick, settings));
+  return springs;
+}
+
+/// Adds the damping of a brick's spring in world axes.
+void addDamping(const BrickSpring& spring, const Matrix3& R, Load& load) {
+  load.damping.diagonal().head<3>().array() += spring.forceDamping;
+  load.damping.bottomRightCorner<3, 3>() += R * spring.torqueDamping * R.transpose();
+}
+
+}  // namespace
+
+BrickSpring springOf(const Brick& brick, const TargetSpringSettings& settings) {
+  const auto n = static_cast<double>(brick.bottom.size());
+  const auto rate = [&](double stiffness) {
+    return 2 * settings.dampingRatio * std::sqrt(n * stiffness / brick.mass);  // 1/s
+  };
+  const double stiffness = brick.mass * squaredFrequency(settings) / n;
+  BrickSpring spring;
+  spring.springStiffness = settings.springStiffness.value_or(stiffness);
+  spring.torqueStiffness = settings.torqueStiffness.value_or(settings.turnShare * stiffness);
+  spring.forceDamping = settings.forceDamping.value_or(rate(spring.springStiffness) * brick.mass);
+  if (settings.torqueDamping) {
+    spring.torqueDamping = *settings.torqueDamping * Matrix3::Identity();
+  } else {
+    spring.torqueDamping = rate(spring.torqueStiffness) * brick.inertia;
+  }
+  return spring;
+}
+
+double usualStiffness(const TargetSpringSettings& settings, const std::vector<Brick>& bricks) {
+  double mass = 0;
+  for (const Brick& brick : bricks) mass += brick.mass;
+  return mass / static_cast<double>(bricks.size()) * squaredFrequency(settings) / 4;
+}
+
 std::unique_ptr<DriveForce> makeDriveForce(const Scene& scene, const std::vector<Brick>& bricks) {
-  const TargetSpringSettings strength = springsOf(scene);
+  const TargetSpringSettings& strength = scene.springs;
   switch (scene.actuation.drive) {
     case Drive::Expansion:
       return std::make_unique<Expansion>(bricks, strength);
@@ -59,7 +119,7 @@ Vector3 ellipsePoint(const Vector3& middle, double halfLength, double halfWidth,
 
 BoundarySprings::BoundarySprings(const Model& model, const std::vector<Brick>& bricks,
                                  const TargetSpringSettings& settings, const BoundaryCurve& curve)
-    : settings_(settings), springs_(bricks.size()) {
+    : strengths_(springsOf(bricks, settings)), springs_(bricks.size()) {
   // The model named a hull that could not be read. Only this drive needs one, so that only it
   // refuses.
   if (!model.hullFault.empty()) {
@@ -79,17 +139,15 @@ BoundarySprings::BoundarySprings(const Model& model, const std::vector<Brick>& b
   for (std::size_t k = 0; k < hull.size(); ++k) {
     anchors_.push_back(ellipsePoint(middle, curve.aspect * halfWidth, halfWidth, corners[k]));
     const int tile = hull[k].tile;
-    springs_[tile].push_back(
-        {bricks[tile].bottom[hull[k].vertex], anchors_.back(), settings.springStiffness, 0});
+    springs_[tile].push_back({bricks[tile].bottom[hull[k].vertex], anchors_.back(),
+                              strengths_[tile].springStiffness, 0});
   }
 }
 
 void BoundarySprings::addLoads(const Poses& poses, std::vector<Load>& loads) const {
-  Vector6 damping;
-  damping << Vector3::Constant(settings_.forceDamping), Vector3::Constant(settings_.torqueDamping);
   for (std::size_t i = 0; i < poses.size(); ++i) {
     // Every brick is damped, also those without a spring.
-    loads[i].damping.diagonal() += damping;
+    addDamping(strengths_[i], poses[i].rotation.toRotationMatrix(), loads[i]);
     for (const PointSpring& spring : springs_[i]) addPointSpring(spring, poses[i], loads[i]);
   }
 }
@@ -109,20 +167,29 @@ double BoundarySprings::energy(const Poses& poses) const {
 // start, and only its damping is implicit. All pushes together have no resultant where all masses
 // are equal.
 
+// An acceleration that is proportional to the distance alone makes a sheet grow evenly, whatever
+// its tiles' masses and numbers of vertices: by frequency, k is m (2 pi f)^2 / 4.
+
+Expansion::Expansion(const std::vector<Brick>& bricks, const TargetSpringSettings& settings)
+    : bricks_(bricks), strengths_(springsOf(bricks, settings)) {
+  if (settings.springStiffness) return;
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    strengths_[i].springStiffness = bricks[i].mass * squaredFrequency(settings) / 4;
+  }
+}
+
 void Expansion::addLoads(const Poses& poses, std::vector<Load>& loads) const {
   const Vector3 centre = centreOf(poses);
-  Vector6 damping;
-  damping << Vector3::Constant(settings_.forceDamping), Vector3::Constant(settings_.torqueDamping);
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    loads[i].force.head<3>() += settings_.springStiffness * (poses[i].position - centre);
-    loads[i].damping.diagonal() += damping;
+    loads[i].force.head<3>() += strengths_[i].springStiffness * (poses[i].position - centre);
+    addDamping(strengths_[i], poses[i].rotation.toRotationMatrix(), loads[i]);
   }
 }
 
 void Expansion::addFreeForces(const Poses& poses, std::vector<Vector3>& forces) const {
   const Vector3 centre = centreOf(poses);
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    forces[i] += settings_.springStiffness * (poses[i].position - centre);
+    forces[i] += strengths_[i].springStiffness * (poses[i].position - centre);
   }
 }
 
@@ -244,7 +311,10 @@ Vector3 crossSum(const Matrix3& C) {
 TargetSprings::TargetSprings(const std::vector<Brick>& bricks, const std::vector<Tile>& target,
                              const std::optional<std::vector<int>>& pulled,
                              const TargetSpringSettings& settings)
-    : bricks_(bricks), springs_(bricks.size()), settings_(settings) {
+    : bricks_(bricks), springs_(bricks.size()) {
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    springs_[i].strength = springOf(bricks[i], settings);
+  }
   setTarget(target);
   if (!pulled) return;
   for (Spring& spring : springs_) spring.pulled = false;
@@ -286,14 +356,13 @@ void TargetSprings::addLoads(const Poses& poses, double stiffening,
 
 void TargetSprings::addLoad(const Spring& spring, const Pose& pose, double stiffening,
                             Load& load) const {
-  load.damping.diagonal().head<3>().array() += settings_.forceDamping;
-  load.damping.diagonal().tail<3>().array() += settings_.torqueDamping;
+  const Matrix3 R = pose.rotation.toRotationMatrix();
+  addDamping(spring.strength, R, load);
   if (!spring.pulled) return;
 
   // The force at the mean of the bottom, seen from the centre of mass through the arm s.
-  const Matrix3 R = pose.rotation.toRotationMatrix();
-  const double kf = stiffening * settings_.springStiffness * spring.vertexCount;
-  const double kt = stiffening * settings_.torqueStiffness;
+  const double kf = stiffening * spring.strength.springStiffness * spring.vertexCount;
+  const double kt = stiffening * spring.strength.torqueStiffness;
   const Vector3 s = R * spring.bottomMean;
   const Vector3 gap = spring.targetMean - pose.position - s;
   const Matrix3 S = crossMatrix(s);
@@ -317,8 +386,8 @@ double TargetSprings::energy(const Poses& poses, double stiffening) const {
     const Vector3 gap = spring.targetMean - poses[i].apply(spring.bottomMean);
     // sum |p' - t'|^2 = sum |p'|^2 + |t'|^2 - 2 sum p' . t'.
     const double turned = (poses[i].rotation.toRotationMatrix() * spring.moment).trace();
-    sum += 0.5 * settings_.springStiffness * spring.vertexCount * gap.squaredNorm() +
-           0.5 * settings_.torqueStiffness * (spring.spread - 2 * turned);
+    sum += 0.5 * spring.strength.springStiffness * spring.vertexCount * gap.squaredNorm() +
+           0.5 * spring.strength.torqueStiffness * (spring.spread - 2 * turned);
   }
   return stiffening * sum;
 }

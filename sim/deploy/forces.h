@@ -17,6 +17,24 @@
 namespace kirireel {
 
 // ------------------------------------------------------------------------------------------------
+// How strong springs are.
+
+/// What pulls and damps one brick.
+struct BrickSpring {
+  double springStiffness = 0;               ///< k_f, N/m for each vertex
+  double torqueStiffness = 0;               ///< k_tau, N/m for each vertex
+  double forceDamping = 0;                  ///< mu_v, N s/m
+  Matrix3 torqueDamping = Matrix3::Zero();  ///< mu_omega in brick axes, N m s
+};
+
+/// The brick's spring by the settings. See the equations in forces.cpp.
+BrickSpring springOf(const Brick& brick, const TargetSpringSettings& settings);
+
+/// k_f by the settings' frequency of a brick with 4 vertices and the mean mass of these bricks,
+/// N/m: stiffnesses that nobody gave are multiples of it.
+double usualStiffness(const TargetSpringSettings& settings, const std::vector<Brick>& bricks);
+
+// ------------------------------------------------------------------------------------------------
 // The force of a drive, for all drives but the springs to a target, which a run moves on and
 // stiffens on its way (see TargetSprings).
 
@@ -47,14 +65,13 @@ std::unique_ptr<DriveForce> makeDriveForce(const Scene& scene, const std::vector
 // Expansion: every brick is pushed away from the common centre (PyKirigami's --cm_expansion).
 
 /// F = k (x - centre) - c v on a brick's centre of mass, with the centre of mass of all bricks, and
-/// the torque damping of the settings. The push grows outwards, so it is taken at the start of a
+/// the torque damping of its spring. The push grows outwards, so it is taken at the start of a
 /// step: its stiffness is zero, only the damping is implicit.
 class Expansion : public DriveForce {
  public:
-  /// k is the spring stiffness of the settings, N/m, c their force damping, N s/m. `bricks` must
-  /// outlive this.
-  Expansion(const std::vector<Brick>& bricks, const TargetSpringSettings& settings)
-      : bricks_(bricks), settings_(settings) {}
+  /// k is the spring stiffness of the settings, N/m, or what their frequency gives a vertex of a
+  /// square of the brick's mass; c is the brick's force damping, N s/m. `bricks` must outlive this.
+  Expansion(const std::vector<Brick>& bricks, const TargetSpringSettings& settings);
 
   void addLoads(const Poses& poses, std::vector<Load>& loads) const override;
   double energy(const Poses&) const override { return 0; }
@@ -65,7 +82,7 @@ class Expansion : public DriveForce {
   Vector3 centreOf(const Poses& poses) const;
 
   const std::vector<Brick>& bricks_;
-  TargetSpringSettings settings_;
+  std::vector<BrickSpring> strengths_;  // one a brick
 };
 
 // ------------------------------------------------------------------------------------------------
@@ -112,7 +129,7 @@ class BoundarySprings : public DriveForce {
   const Vector3& anchor(int k) const { return anchors_[k]; }
 
  private:
-  TargetSpringSettings settings_;
+  std::vector<BrickSpring> strengths_;             // one a brick
   std::vector<Vector3> anchors_;                   // one a hull corner
   std::vector<std::vector<PointSpring>> springs_;  // of each brick
 };
@@ -164,13 +181,13 @@ class TargetSprings {
     Matrix3 moment;      ///< sum over vertices of p'_k t'_k^T, p' in brick axes
     double spread = 0;   ///< sum over vertices of |p'_k|^2 + |t'_k|^2
     bool pulled = true;
+    BrickSpring strength;
   };
 
   void addLoad(const Spring& spring, const Pose& pose, double stiffening, Load& load) const;
 
   const std::vector<Brick>& bricks_;
   std::vector<Spring> springs_;
-  TargetSpringSettings settings_;
 };
 
 /// Doubles the stiffness when the target error stalls: after 60 steps of 1/240 s without

@@ -1,28 +1,46 @@
 // Which way of dynamics brings a model to its target: trials, each a run of its own.
 //
-// The tables below list the ways in the order in which they are tried: a straight pull; tiles that
-// are led, with exact joints; tiles that are led on joints that give, from stiff to soft. Seconds
-// and N/m are for bricks of 1 kg and tiles of about 1 m, which is what models have by default. A
-// trial ends when it arrives, when it stops to come nearer, when exact joints jam, when bricks
-// overlap that may not, or when a third of the budget's rest is spent. Each trial takes the steps
-// that the run itself would take, so that what arrives here arrives there.
+// The ways, in the order in which they are tried: a straight pull; tiles that are led, with exact
+// joints; tiles that are led on compliant joints, from stiff to soft. Among touching bricks tiles
+// are led after the bricks were pushed apart first. Times are periods of the scene's springs and
+// stiffnesses multiples of the usual one (usualStiffness() in forces.h), so that a model of another
+// size or mass is tried in the same ways. A trial ends when it arrives, when it stops to come
+// nearer, when exact joints jam, when bricks overlap that may not, or when a third of the budget's
+// rest is spent. Each trial takes the steps that the run itself would take, so that what arrives
+// here arrives there.
+//
+// These ways are what an ablation left of twelve, each tried by itself on models of data/, on four
+// that PyKirigami's authors published and on 40 drawn from all families, of up to 64 tiles. Of 54
+// rows without contacts, and of 49 among touching bricks, whose target has room for them,
+//   a straight pull       brings 41 and 36 to their targets
+//   led                   10 and 8 more: irregular quads, square to disk, hexagons, triangles and
+//                         islamic tiles that turn far, a cylinder, saddles; a Moebius band, which
+//                         arrives among touching bricks only where it is not pushed apart first
+//   pushed apart and led  2 more among touching bricks: caps, whose start lies flush
+//   compliant joints      3 and 2 more, which have no freedom: without contacts all at 1e6, among
+//                         touching bricks two at 1e5; one arrives at 1e4, but opens too far
+// At twice, half or a quarter of the pace, or led by a quarter or a twentieth of the stiffness, no
+// row arrived that does not so; joints of 1e3 and 1e2 times the usual stiffness opened farther.
 //
 // Trials that were made before a checkpoint are taken from the list as they ended.
 #include "sim/deploy/path_choice.h"
 
 #include <array>
 #include <cmath>
+#include <map>
 #include <optional>
-#include <span>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "sim/deploy/assembled_state.h"
 #include "sim/deploy/dynamics.h"
+#include "sim/deploy/forces.h"
 #include "sim/deploy/run.h"
 #include "sim/measure/measures.h"
 #include "sim/measure/sheet.h"
+#include "sim/model/contact.h"
 
 namespace kirireel {
 namespace {
@@ -30,8 +48,9 @@ namespace {
 // A trial arrives when it ends within this factor of the assembled error, or this part of a tile.
 constexpr double kArrivedFactor = 1.05;
 constexpr double kNearEnough = 1e-6;
-// In the plane the first look at the straight path takes longer steps: models that need no search
-// are most. In space steps decide too often in which local minimum a pull ends.
+// In the plane the first look at the straight path takes longer steps where bricks may not touch:
+// models that need no search are most. In space steps decide too often in which local minimum a
+// pull ends, and among bricks whether they keep clear.
 constexpr double kCoarseSteps = 4;
 
 // A trial that has not come nearer to the target by this factor in so many seconds is given up.
@@ -44,9 +63,9 @@ constexpr double kOpeningShare = 1e-2;
 // again and again.
 constexpr double kTrialShare = 1.0 / 3;
 
-// Where bricks wedge, so much thinner ones are tried, on the first few paths.
+// Where bricks wedge, so much thinner ones are tried, on the first few ways.
 constexpr std::array kThinnerShares = {0.25, 0.0625};
-constexpr std::size_t kThinPaths = 2;
+constexpr std::size_t kThinPaths = 3;
 
 // By this factor a later path has to come nearer than an earlier one to be taken instead.
 constexpr double kNearer = 0.99;
@@ -56,53 +75,39 @@ constexpr double kJamTime = 0.5;
 // They do once most steps, and so many, have failed at their shortest: those of two whole ones.
 constexpr long kJammedSteps = 512;
 
-/// The paths to try, in this order: how; seconds of opening and of leading; N/m that lead, and of
-/// each joint.
-constexpr auto kCandidates = std::to_array<PathSettings>({
-    {PathKind::Straight},
-    {PathKind::Led, 0, 4, 200, kExactJoints},
-    {PathKind::Led, 0, 2, 50, kExactJoints},
-    {PathKind::Led, 0, 8, 1000, kExactJoints},
-    {PathKind::Led, 0, 4, 10, 1e8},
-    {PathKind::Led, 0, 8, 10, 1e7},
-    {PathKind::Led, 0, 8, 10, 1e6},
-    {PathKind::Led, 0, 4, 10, 1e5},
-    {PathKind::Led, 0, 4, 10, 1e4},
-    {PathKind::Led, 0, 4, 200, 1e4},
-});
+// Periods of the springs' frequency in which tiles are led, and for which bricks that lie flush are
+// pushed apart before.
+constexpr double kLedPeriods = 12;
+constexpr double kOpenPeriods = 4;
+// Stiffnesses of compliant joints, over the usual one: from stiff to soft, so that they open as
+// little as arrives.
+constexpr std::array kCompliantShares = {1e6, 1e5, 1e4};
 
-/// The paths to try with contacts, in this order. Where bricks lie flush from the start on, room is
-/// made first, or joints give a little.
-constexpr auto kPathsAmongBricks = std::to_array<PathSettings>({
-    {PathKind::Straight},
-    {PathKind::Led, 1, 2, 50, kExactJoints},
-    {PathKind::Led, 1, 4, 200, kExactJoints},
-    {PathKind::Led, 3, 4, 200, kExactJoints},
-    {PathKind::Led, 0, 2, 50, kExactJoints},
-    {PathKind::Led, 0, 4, 200, kExactJoints},
-    {PathKind::Led, 0, 1, 200, kExactJoints},
-    {PathKind::Led, 0, 2, 200, kExactJoints},
-    {PathKind::Led, 0, 4, 200, 1e8},
-    {PathKind::Led, 0, 2, 50, 1e7},
-    {PathKind::Led, 0, 4, 200, 1e7},
-    {PathKind::Led, 0, 2, 50, 1e6},
-});
-
-/// The paths to try where bricks would overlap at the target, so that none arrives: the one that
-/// comes nearest is taken.
-constexpr auto kToBlocked = std::to_array<PathSettings>({
-    {PathKind::Straight},
-    {PathKind::Led, 0, 4, 200, kExactJoints},
-    {PathKind::Led, 0, 4, 200, 1e8},
-    {PathKind::Led, 0, 4, 200, 1e7},
-});
+/// The ways to the scene's target, in the order in which they are tried.
+std::vector<PathSettings> waysOf(const Scene& scene, bool areAmongBricks) {
+  const double period = 1 / scene.springs.frequency;
+  PathSettings led{PathKind::Led};
+  led.ledTime = kLedPeriods * period;
+  std::vector<PathSettings> ways = {{PathKind::Straight}};
+  if (areAmongBricks) {
+    ways.push_back(led);
+    ways.back().openTime = kOpenPeriods * period;
+  }
+  ways.push_back(led);
+  const double usual = usualStiffness(scene.springs, makeBricks(scene.model.tiles, scene.brick));
+  for (const double share : kCompliantShares) {
+    ways.push_back(led);
+    ways.back().jointStiffness = share * usual;
+  }
+  return ways;
+}
 
 // The words for a path in reasons and in what is told of the search.
 std::string describe(const PathSettings& path) {
   if (path.kind == PathKind::Straight) return "straight pull";
-  std::string way = fmt::format("led for {:g} s with {:g} N/m", path.ledTime, path.ledStiffness);
-  if (path.openTime > 0) way = fmt::format("opened for {:g} s, {}", path.openTime, way);
-  return path.jointsGive() ? fmt::format("{}, joints of {:g} N/m", way, path.jointStiffness)
+  std::string way = fmt::format("led for {:.3g} s", path.ledTime);
+  if (path.openTime > 0) way = fmt::format("opened for {:.3g} s, {}", path.openTime, way);
+  return path.jointsGive() ? fmt::format("{}, joints of {:.2g} N/m", way, path.jointStiffness)
                            : way + ", exact joints";
 }
 
@@ -174,26 +179,78 @@ bool exactJointsJam(const Scene& scene, SearchBudget& budget, const TrialObserve
   return 2 * cost.took.halved > cost.took.steps;
 }
 
-/// Whether bricks kept out of each other.
-bool staysClear(const Accuracy& accuracy, double tile) {
-  return accuracy.penetrationGrownMax <= kClearShare * tile;
-}
+/// Whether bricks that may touch keep out of each other in a trial, whatever touches in it. A run's
+/// own figures are of all pairs; where joined bricks may pass through each other, samples are
+/// looked at pair by pair.
+class TrialClearance {
+ public:
+  /// `wanted`: which pairs may touch.
+  TrialClearance(const Scene& scene, ContactFilter wanted)
+      : isOfUnjoined_(wanted == ContactFilter::Unjoined),
+        most_(kClearShare * tileSize(scene.model)),
+        zone_(scene.environment.pivotZone),
+        bricks_(makeBricks(scene.model.tiles, scene.brick)),
+        pivots_(makePivots(scene.model.joints, bricks_)) {}
+
+  /// Makes the trial's samples known to this, where it needs them.
+  void watch(RunObservers& observers) {
+    if (!isOfUnjoined_) return;
+    observers.sampleInterval = kLookTime;
+    observers.sample = [this](const Sample& sample) {
+      look(sample.poses);
+      return true;
+    };
+  }
+
+  bool holds(const Accuracy& accuracy) const {
+    return isOfUnjoined_ ? isClear_ : accuracy.penetrationGrownMax <= most_;
+  }
+
+ private:
+  // Seconds from one look to the next.
+  static constexpr double kLookTime = 1.0 / 60;
+
+  // The first state is the start, whose overlaps are given.
+  void look(const Poses& poses) {
+    const bool isStart = !atStart_;
+    if (isStart) atStart_.emplace();
+    const auto joined = sharedCorners(pivots_);
+    for (const Penetration& found :
+         penetrationsOutsidePivots(bricks_, pivots_, zone_, poses, isStart ? 0 : most_)) {
+      const std::pair pair(found.brickA, found.brickB);
+      if (joined.contains(pair)) continue;
+      double& given = (*atStart_)[pair];
+      if (isStart) given = found.depth;
+      isClear_ = isClear_ && found.depth - given <= most_;
+    }
+  }
+
+  bool isOfUnjoined_;
+  double most_;  // metres that an overlap may grow
+  double zone_;
+  std::vector<Brick> bricks_;
+  std::vector<Pivot> pivots_;
+  bool isClear_ = true;
+  std::optional<std::map<std::pair<int, int>, double>> atStart_;  // metres, of pairs
+};
 
 /// Runs a scene as the deployment itself would, so that what arrives here arrives there, for as
-/// long as `goesOn` says so and the budget allows.
-TrialEnd tryPath(const Scene& scene, const TargetRoom& room, const SearchBudget& budget,
-                 const std::function<bool(double work)>& goesOn) {
+/// long as `goesOn` says so and the budget allows. `wanted`: which pairs may touch in the end.
+TrialEnd tryPath(const Scene& scene, ContactFilter wanted, const TargetRoom& room,
+                 const SearchBudget& budget, const std::function<bool(double work)>& goesOn) {
   const AssembledState& nearest = room.nearest;
   StallWatch stalls(scene);
   const Run* running = nullptr;
   WorkLimit limit(budget);
   const double tile = tileSize(scene.model);
   const bool isAmongBricks = scene.environment.contacts != ContactFilter::None;
+  TrialClearance clearance(scene, wanted);
   RunObservers watch;
+  clearance.watch(watch);
   watch.step = [&](const StepRecord& step) {
     if (!goesOn(running->cost().took.work) || !stalls(step)) return false;
     if (!limit.allows(running->cost())) return false;
-    return isAmongBricks ? staysClear(running->accuracy(), tile) : !isJammed(running->cost());
+    return isAmongBricks ? clearance.holds(running->accuracy()) : !isJammed(running->cost());
   };
   Run run(scene, nearest, watch);
   running = &run;
@@ -213,7 +270,7 @@ TrialEnd tryPath(const Scene& scene, const TargetRoom& room, const SearchBudget&
   // Joints that give may yet open where a trial was cut short.
   const bool isOpenEnded =
       scene.path.jointsGive() && result.outcome == Outcome::Interrupted && !end.arrives;
-  end.keepsClear = staysClear(accuracy, tile) && !run.isHeldOpen() && !isOpenEnded;
+  end.keepsClear = clearance.holds(accuracy) && !run.isHeldOpen() && !isOpenEnded;
   return end;
 }
 
@@ -261,8 +318,6 @@ class PathSearch {
   }
 
  private:
-  using Paths = std::span<const PathSettings>;
-
   struct Attempt {
     PathSettings path;
     TrialEnd end;
@@ -278,8 +333,8 @@ class PathSearch {
     trial.solver.timestep = stepFactor * scene_.solver.timestep;
     // Trials that a checkpoint brought along are not made again: their ends are the same.
     if (count_ == trials_.size()) {
-      const TrialEnd end =
-          tryPath(trial, room_, budget_, [&](double work) { return tell(what, work); });
+      const TrialEnd end = tryPath(trial, scene_.environment.contacts, room_, budget_,
+                                   [&](double work) { return tell(what, work); });
       if (isOver_) return false;
       trials_.push_back(end);
     }
@@ -323,19 +378,21 @@ class PathSearch {
                : " comes as near as joints that stay closed were found to";
   }
 
-  // In the plane a coarse look at the straight pull comes first.
+  // In the plane a coarse look at the straight pull comes first, but where bricks are to keep
+  // clear.
   PathChoice findWithoutContacts() {
     PathSettings straight = scene_.path;
     straight.kind = PathKind::Straight;
     const Environment empty;
     bool jams = false;
-    if (sceneNeeds(scene_).planar.on) {
+    const bool mayTouch = scene_.environment.contacts != ContactFilter::None;
+    if (sceneNeeds(scene_).planar.on && !mayTouch) {
       if (!mayTry(describe(straight))) return {straight, noneArrives()};
       if (arrives(straight, empty, describe(straight), kCoarseSteps))
         return {straight, describe(straight) + arriving()};
       jams = last_.jams;
     }
-    for (const PathSettings& path : kCandidates) {
+    for (const PathSettings& path : waysOf(scene_, false)) {
       if (jams && !path.jointsGive()) continue;
       const std::string what = describe(path);
       if (!mayTry(what)) break;
@@ -351,8 +408,7 @@ class PathSearch {
 
   /// Where bricks meet on the way, other ways are tried with contacts.
   PathChoice findAmongBricks(const PathChoice& first, bool roomAtTarget) {
-    const Paths paths = roomAtTarget ? Paths(kPathsAmongBricks) : Paths(kToBlocked);
-    if (const auto path = pathAmongBricks(paths, "touching bricks")) {
+    if (const auto path = pathAmongBricks(waysOf(scene_, true), "touching bricks")) {
       return {*path, describe(*path) + " among touching bricks" + arriving(), true};
     }
     std::string reason = first.reason + " where bricks pass through each other";
@@ -366,7 +422,8 @@ class PathSearch {
   }
 
   /// The first path on which bricks arrive without overlap, joints hardly open.
-  std::optional<PathSettings> pathAmongBricks(Paths paths, const std::string& which) {
+  std::optional<PathSettings> pathAmongBricks(const std::vector<PathSettings>& paths,
+                                              const std::string& which) {
     Environment bricks = scene_.environment;
     // Ground and weight would decide which trial arrives; a path is sought for the mechanism alone.
     bricks.ground.reset();
@@ -395,6 +452,8 @@ class PathSearch {
 
   /// Which thinner bricks arrive, for the summary; empty when none was found.
   std::string thinnerBricks() {
+    std::vector<PathSettings> paths = waysOf(scene_, true);
+    paths.resize(kThinPaths);
     for (const double share : kThinnerShares) {
       if (isOver_ || budget_.isSpent()) break;
       Scene thin = scene_;
@@ -404,7 +463,7 @@ class PathSearch {
       room.nearest = assembleAtTarget(thin, budget_);
       PathSearch search(thin, std::move(room), budget_, observer_, trials_);
       search.count_ = count_;
-      const auto path = search.pathAmongBricks(Paths(kPathsAmongBricks).first(kThinPaths), which);
+      const auto path = search.pathAmongBricks(paths, which);
       count_ = search.count_;
       isOver_ = search.isOver_;
       cutShort_ += search.cutShort_;
@@ -440,21 +499,21 @@ PathChoice choosePath(const Scene& scene, const TargetRoom& room, SearchBudget& 
   straight.kind = PathKind::Straight;
   if (scene.solver.kind == SolverKind::Bullet) return {straight, "the baseline tries no others"};
   if (std::isfinite(roundedJointStiffness(scene.model)) && exactJointsJam(scene, budget, watch)) {
-    straight.jointStiffness = kMisfitStiffness;
+    straight.jointStiffness = misfitStiffness(scene, makeBricks(scene.model.tiles, scene.brick));
     return {
         straight,
         fmt::format("exact joints jam, tiles of coordinates rounded to {:g} m fit each other in "
-                    "no open state; joints of {:g} N/m",
-                    scene.model.rounding, kMisfitStiffness),
+                    "no open state; joints of {:.2g} N/m",
+                    scene.model.rounding, straight.jointStiffness),
         true};
   }
   if (!scene.timeline.empty()) return {straight, "the timeline leads"};
   const Drive drive = scene.actuation.drive;
   if (drive != Drive::Target && drive != Drive::None && exactJointsJam(scene, budget, watch)) {
-    straight.jointStiffness = kMisfitStiffness;
+    straight.jointStiffness = misfitStiffness(scene, makeBricks(scene.model.tiles, scene.brick));
     return {straight, fmt::format("exact joints jam, the tiles fit each other in no open state; "
-                                  "joints of {:g} N/m",
-                                  kMisfitStiffness)};
+                                  "joints of {:.2g} N/m",
+                                  straight.jointStiffness)};
   }
   if (!scene.model.target) return {straight, "there is no target"};
   if (scene.hinges.areOn()) return {straight, "hinges have springs, whose forces count"};

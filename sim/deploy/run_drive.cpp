@@ -4,10 +4,11 @@
 //
 // Open: expansion from the centre for path.openTime. Guide: springs k_f at the means and 40 k_f for
 // the turns pull every tile to where its own rigid motion has it at the time (TargetGuide,
-// forces.h), for path.ledTime and half a second more, in which they catch up. Close: compliant
-// joints stiffen geometrically, k(t) = k_0 (1e10 / k_0)^p with p from 0 to 1 in half a second, so
-// that what is left of their openings is closed in one small step. Settle: the scene's own drive,
-// with springs to the target that are stiffened up to 16 times when the error stalls.
+// forces.h), for path.ledTime and half a second more, in which they catch up. Unless k_f is given
+// it is twice that of the scene's frequency. Close: compliant joints stiffen geometrically, k(t) =
+// k_0 (1e8 k_u / k_0)^p with k_u the usual stiffness (forces.h) and p from 0 to 1 in half a second,
+// so that what is left of their openings is closed in one small step. Settle: the scene's own
+// drive, with springs to the target that are stiffened up to 16 times when the error stalls.
 //
 // A path that is led has Guide, Open where it has an openTime, Close where its joints are
 // compliant; everything else settles at once. A new target begins the phases anew. All follow from
@@ -16,6 +17,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "sim/deploy/path_choice.h"
 #include "sim/measure/measures.h"
@@ -74,34 +76,35 @@ namespace {
 
 // Turning counts this much more than place while the tiles are led.
 constexpr double kTurnShare = 40;
-// Damping while led, N s/m and, at a tile of 1 m, N m s.
-constexpr double kForceDamping = 50;
-constexpr double kTorqueDamping = 2;
+// The frequency of springs that lead over the scene's: they are twice as stiff.
+constexpr double kLedFrequency = std::numbers::sqrt2;
 // Seconds to catch up with a target that has stopped, and to stiffen joints that gave.
 constexpr double kCatchUp = 0.5;
 constexpr double kStiffeningTime = 0.5;
-// The joints' stiffness at the end, N/m: what is left of their openings closes in one step.
-constexpr double kClosingStiffness = 1e10;
+// The joints' stiffness at the end, of the usual one: what is left of their openings closes in one
+// step.
+constexpr double kClosingShare = 1e8;
 
-// Their damping does not depend on the scene's: tiles are to follow, not to swing.
+}  // namespace
+
+// Their damping is critical whatever the scene's: tiles are to follow, not to swing.
 TargetSpringSettings leadingSprings(const Scene& scene) {
-  const double edge = tileSize(scene.model);
   TargetSpringSettings springs;
+  springs.frequency = kLedFrequency * scene.springs.frequency;
+  springs.dampingRatio = 1;
   springs.springStiffness = scene.path.ledStiffness;
-  springs.torqueStiffness = kTurnShare * scene.path.ledStiffness;
-  springs.forceDamping = kForceDamping;
-  springs.torqueDamping = kTorqueDamping * edge * edge;
+  if (scene.path.ledStiffness) springs.torqueStiffness = kTurnShare * *scene.path.ledStiffness;
+  springs.turnShare = kTurnShare;
   springs.adaptive = false;
   return springs;
 }
-
-}  // namespace
 
 // The guide leads from the bricks' poses at the start of leading, not from the model's start.
 PathFollower::PathFollower(const Scene& scene, const std::vector<Brick>& bricks, const Poses& start,
                            const std::vector<Tile>& target, double beginTime)
     : path_(scene.path),
       beginTime_(beginTime),
+      closingStiffness_(kClosingShare * usualStiffness(scene.springs, bricks)),
       guide_(bottomTiles(bricks, start), target),
       springs_(bricks, target, scene.model.pulledTiles, leadingSprings(scene)) {}
 
@@ -111,7 +114,7 @@ Phase PathFollower::prepareStep(double time, Dynamics& dynamics) {
   const double late = elapsed - path_.ledTime - kCatchUp;
   if (!path_.jointsGive()) return late <= 0 ? Phase::Guide : Phase::Settle;
   const double part = std::clamp(late / kStiffeningTime, 0.0, 1.0);
-  const double range = std::max(1.0, kClosingStiffness / path_.jointStiffness);
+  const double range = std::max(1.0, closingStiffness_ / path_.jointStiffness);
   dynamics.setJointStiffness(path_.jointStiffness * std::pow(range, part));
   if (late <= 0) return Phase::Guide;
   return late <= kStiffeningTime ? Phase::Close : Phase::Settle;
@@ -124,7 +127,7 @@ RunDrive::RunDrive(const SceneBricks& bricks, const StepClock& clock)
     : bricks_(bricks),
       clock_(clock),
       drive_(makeDriveForce(bricks.scene, bricks.bricks)),
-      opening_(bricks.bricks, springsOf(bricks.scene)) {}
+      opening_(bricks.bricks, bricks.scene.springs) {}
 
 // Joints that give while the tiles are led close again; on a straight path they stay as they are.
 bool RunDrive::jointsGive() const {
@@ -153,7 +156,7 @@ void RunDrive::headFor(const CurrentTarget& target, const Poses& from) {
 
 void RunDrive::pullTo(const std::vector<Tile>& target) {
   const Scene& scene = bricks_.scene;
-  springs_.emplace(bricks_.bricks, target, scene.model.pulledTiles, springsOf(scene));
+  springs_.emplace(bricks_.bricks, target, scene.model.pulledTiles, scene.springs);
 }
 
 // From where and when the bricks departed.

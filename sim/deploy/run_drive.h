@@ -76,6 +76,9 @@ enum class Phase {
   Settle,  ///< the scene's own drive acts, until nothing moves
 };
 
+/// The springs that lead the scene's tiles: as its path says, else by its springs' frequency.
+TargetSpringSettings leadingSprings(const Scene& scene);
+
 /// Leads the tiles of a run to their target: springs pull every tile after a target that moves
 /// along the tile's own rigid motion, by the turn more than by the place (a mechanism that turns
 /// has to swing out on its way, which straight lines do not know). Joints may give meanwhile; at
@@ -99,6 +102,7 @@ class PathFollower {
  private:
   PathSettings path_;
   double beginTime_;
+  double closingStiffness_;  // of joints at the end, N/m
   TargetGuide guide_;
   TargetSprings springs_;
 };

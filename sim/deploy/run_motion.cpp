@@ -185,7 +185,8 @@ void JointFit::closeAtStart(RunMotion& motion, RunFigures& figures) {
 void JointFit::closeAtEndOfPath(RunMotion& motion, RunFigures& figures) {
   const bool isClosed = close(motion, figures);
   if (bricks_.scene.path.jointsGive()) {
-    motion.solver().setJointStiffness(isClosed ? kExactJoints : kMisfitStiffness);
+    motion.solver().setJointStiffness(isClosed ? kExactJoints
+                                               : misfitStiffness(bricks_.scene, bricks_.bricks));
   }
   isMisfit_ = isMisfit_ || !isClosed;
 }
@@ -215,22 +216,23 @@ void JointFit::hold(Dynamics& solver) const {
   if (path.jointsGive()) {
     solver.setJointStiffness(path.jointStiffness);
   } else if (isMisfit_) {
-    solver.setJointStiffness(kMisfitStiffness);
+    solver.setJointStiffness(misfitStiffness(bricks_.scene, bricks_.bricks));
   }
 }
 
 std::string JointFit::trouble() const {
+  const double misfit = misfitStiffness(bricks_.scene, bricks_.bricks);
   if (isMisfit_) {
-    return fmt::format("{}, so joints give a little, with {:g} N/m",
+    return fmt::format("{}, so joints give a little, with {:.2g} N/m",
                        isHeldOpen_ ? "bricks are in the way of closing joints"
                                    : "the tiles do not quite fit each other",
-                       kMisfitStiffness);
+                       misfit);
   }
   if (pushedAtStart_ <= kPushedShare * bricks_.tileSize) return "";
   return fmt::format(
       "closing the joints at the start pushes bricks {:.2g} m into each other, joints "
-      "that give would not (--path led --joint-stiffness {:g})",
-      pushedAtStart_, kMisfitStiffness);
+      "that give would not (--path led --joint-stiffness {:.2g})",
+      pushedAtStart_, misfit);
 }
 
 }  // namespace kirireel

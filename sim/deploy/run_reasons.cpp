@@ -9,11 +9,15 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "sim/deploy/forces.h"
 #include "sim/measure/measures.h"
 #include "sim/measure/sheet.h"
 
 namespace kirireel {
 namespace {
+
+// Joints with this multiple of the usual stiffness let tiles move that have no freedom.
+constexpr double kGivingShare = 1e3;
 
 // Of the contacts that hold a run up, so many are named.
 constexpr std::size_t kPairsNamed = 3;
@@ -71,8 +75,10 @@ std::string RunReasons::holdup() const {
   if (!contacts.empty()) return contactWords(contacts);
   if (rest_.isStuck(motion_.poses())) return "exact joints leave the tiles no way on";
   if (isImmobile()) {
-    return "the joints leave the tiles no way to move (0 degrees of freedom); joints that give "
-           "would (--path led --joint-stiffness 1e5)";
+    return fmt::format(
+        "the joints leave the tiles no way to move (0 degrees of freedom); joints that give would "
+        "(--path led --joint-stiffness {:.1g})",
+        kGivingShare * usualStiffness(bricks_.scene.springs, bricks_.bricks));
   }
   if (target_.isReachedAt(target_.error(motion_.poses()))) {
     return "no state with closed joints was found nearer";

@@ -153,13 +153,11 @@ std::string describe(const StartAlignment& alignment) {
       alignment.moved, alignment.turned / kDegree, alignment.byHeld ? ", by its pinned tiles" : "");
 }
 
-TargetSpringSettings springsOf(const Scene& scene) {
-  TargetSpringSettings springs = scene.springs;
-  const double edge = tileSize(scene.model);
-  // A torque damping is in N m s per rad/s: lengths enter it squared, so that a model scaled by a
-  // factor moves alike.
-  if (springs.dampsByArea) springs.torqueDamping *= edge * edge;
-  springs.dampsByArea = false;
+TargetSpringSettings paperSprings() {
+  TargetSpringSettings springs;
+  springs.springStiffness = springs.torqueStiffness = 100;
+  springs.forceDamping = 50;
+  springs.torqueDamping = 2;
   return springs;
 }
 

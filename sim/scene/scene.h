@@ -45,21 +45,25 @@ struct Environment {
 };
 
 /// Springs from every bottom vertex to its target (paper, Algorithm 2), acting as one force at the
-/// mean of the vertices and one torque about it.
-/// All of them act through TargetSprings, where the equations stand.
+/// mean of the vertices and one torque about it. What is not given in N/m follows from a frequency
+/// and a damping ratio by each brick's own mass and inertia, so that tiles of another size, density
+/// or unit move alike: see springOf(), where the equations stand.
 struct TargetSpringSettings {
-  double springStiffness = 100;  ///< k_f, N/m for each vertex, from 0
-  double torqueStiffness = 100;  ///< k_tau, N/m for each vertex, from 0
-  double forceDamping = 50;      ///< mu_v, N s/m, from 0
-  double torqueDamping = 2;      ///< mu_omega, N m s, from 0
-  /// Whether the torque damping is that of tiles with a mean edge of 1 m, and grows with the square
-  /// of the model's, so that a model in other units moves alike; else it is what it is.
-  bool dampsByArea = true;
+  double frequency = 3.2;      ///< of a brick alone that its springs swing undamped, Hz, above 0
+  double dampingRatio = 1.25;  ///< damping over the critical one, from 0
+  std::optional<double> springStiffness;  ///< k_f, N/m for each vertex, from 0
+  std::optional<double> torqueStiffness;  ///< k_tau, N/m for each vertex, from 0
+  std::optional<double> forceDamping;     ///< mu_v, N s/m, from 0
+  std::optional<double> torqueDamping;    ///< mu_omega, N m s, from 0
+  double turnShare = 1;  ///< of k_f by frequency, k_tau where none is given, from 0
   bool adaptive = true;  ///< double both stiffnesses when the error stalls, up to 16 times
 
   /// Whether they pull at all; without stiffness they only damp.
-  bool pull() const { return springStiffness > 0 || torqueStiffness > 0; }
+  bool pull() const { return springStiffness != 0.0 || torqueStiffness != 0.0; }
 };
+
+/// The paper's constants (100 N/m, 100 N/m, 50 N s/m, 2 N m s), which are for bricks of 1 kg.
+TargetSpringSettings paperSprings();
 
 /// The spring of one hinge, as a file of hinges has it: what it leaves out is as for all.
 struct OwnHingeSpring {
@@ -144,8 +148,9 @@ struct PathSettings {
   /// Seconds of expansion from the common centre before the tiles are led: room for bricks that
   /// would wedge in each other. From 0.
   double openTime = 0;
-  double ledTime = 4;         ///< seconds in which the tiles are led to the target, above 0
-  double ledStiffness = 200;  ///< k_f while led, N/m; k_tau is 40 times that
+  double ledTime = 4;  ///< seconds in which the tiles are led to the target, above 0
+  /// k_f while led, N/m; absent: twice that of the springs' frequency. k_tau is 40 times k_f.
+  std::optional<double> ledStiffness;
   /// Of each pivot, N/m: while led joints give and are closed at the end, on a straight path they
   /// give throughout. Infinity: exact.
   double jointStiffness = std::numeric_limits<double>::infinity();
@@ -239,9 +244,6 @@ struct Needs {
 
 /// "the start was moved by 1.2 m and turned by 90 degrees onto its target (--no-align keeps it)".
 std::string describe(const StartAlignment& alignment);
-
-/// The springs' settings with the torque damping that the model's tiles have.
-TargetSpringSettings springsOf(const Scene& scene);
 
 /// A scene without a model, with what a run has unless told otherwise. It leaves to the program
 /// what can be found from a model: path, contacts, drive, and thickness, which is 0.

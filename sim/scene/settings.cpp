@@ -1,7 +1,7 @@
 // The list of settings. Each setting is one expression: a pattern (`number`, `whole`, `choice`,
 // `flag`, or `special` with functions of its own) with the path of members that leads to its field,
-// its key, range, unit and help, followed by what it goes with (`with`) and whether it makes a
-// scene need dynamics (`needsDynamics`).
+// its key, range, unit and help, followed by what it goes with (`with`, `without`) and whether it
+// makes a scene need dynamics (`needsDynamics`).
 //
 // Defaults are not written down a second time: they are read off openScene(). So the help, the
 // range checks and the values of a scene made in code cannot disagree.
@@ -47,6 +47,12 @@ bool hasNecks(const Scene& scene) {
 }
 bool pullsToCurve(const Scene& scene) {
   return scene.actuation.drive == Drive::Boundary;
+}
+bool hasFrequency(const Scene& scene) {
+  return !scene.springs.springStiffness || !scene.springs.torqueStiffness;
+}
+bool hasDampingRatio(const Scene& scene) {
+  return !scene.springs.forceDamping || !scene.springs.torqueDamping;
 }
 bool weighsByVolume(const Scene& scene) {
   return scene.brick.mass == MassRule::Prism;
@@ -181,30 +187,48 @@ SettingGroup actuationSettings() {
                .with(pullsToCurve, "--actuation boundary")}};
 }
 
+/// A strength of the springs in newtons, which follows from the model unless it is given.
+template <auto... Path>
+Setting givenStrength(const std::string& key, const std::string& unit, const std::string& usual,
+                      const std::string& help) {
+  return specialNumber(
+      key, unit, usual, help,
+      [](Scene& scene, const TypedValue& typed) {
+        fieldOf<Path...>(scene) = parseNumber(typed, kFromZero);
+      },
+      [](const Scene& scene) {
+        const std::optional<double>& strength = fieldOf<Path...>(scene);
+        return strength ? numberText(*strength) : "";
+      });
+}
+
 SettingGroup springSettings() {
   using Springs = TargetSpringSettings;
   return {
       "Springs to the target",
       "actuation",
-      {number<&Scene::springs, &Springs::springStiffness>("spring_stiffness", kFromZero, "N/M",
-                                                          "pull on each vertex towards its target")
+      {number<&Scene::springs, &Springs::frequency>(
+           "spring_frequency", {1e-6, 1e6}, "HZ",
+           "of a brick alone that the springs at its vertices swing, whatever its mass")
+           .without(hasFrequency, "--spring-stiffness with --torque-stiffness")
            .needsDynamics(kOtherSprings),
-       number<&Scene::springs, &Springs::torqueStiffness>(
-           "torque_stiffness", kFromZero, "N/M", "the same pull where it only turns the brick")
+       number<&Scene::springs, &Springs::dampingRatio>("damping_ratio", {0, 1e6}, "RATIO",
+                                                       "of those springs, 1 for critical damping")
+           .without(hasDampingRatio, "--force-damping with --torque-damping")
            .needsDynamics(kOtherSprings),
-       number<&Scene::springs, &Springs::forceDamping>("force_damping", kFromZero, "N*S/M",
-                                                       "damping of a brick's velocity")
+       givenStrength<&Scene::springs, &Springs::springStiffness>(
+           "spring_stiffness", "N/M", "by frequency and mass",
+           "pull on each vertex towards its target, the same for every brick")
            .needsDynamics(kOtherSprings),
-       specialNumber(
-           "torque_damping", "N*M*S", "2 times the square of the mean edge",
-           "damping of a brick's turning",
-           [](Scene& scene, const TypedValue& typed) {
-             scene.springs.torqueDamping = parseNumber(typed, kFromZero);
-             scene.springs.dampsByArea = false;
-           },
-           [](const Scene& scene) {
-             return scene.springs.dampsByArea ? "" : numberText(scene.springs.torqueDamping);
-           })
+       givenStrength<&Scene::springs, &Springs::torqueStiffness>(
+           "torque_stiffness", "N/M", "by frequency and mass",
+           "the same pull where it only turns the brick")
+           .needsDynamics(kOtherSprings),
+       givenStrength<&Scene::springs, &Springs::forceDamping>(
+           "force_damping", "N*S/M", "by ratio and mass", "damping of a brick's velocity")
+           .needsDynamics(kOtherSprings),
+       givenStrength<&Scene::springs, &Springs::torqueDamping>(
+           "torque_damping", "N*M*S", "by ratio and inertia", "damping of a brick's turning")
            .needsDynamics(kOtherSprings),
        flag<&Scene::springs, &Springs::adaptive>(
            "no_adaptive", "keep the stiffness when the error stalls, instead of doubling it", false)
@@ -297,8 +321,9 @@ SettingGroup pathSettings() {
        number<&Scene::path, &PathSettings::ledTime>("led_time", {1e-6, 1e6}, "SECONDS",
                                                     "of leading, with --path led")
            .with(isLed, kLed),
-       number<&Scene::path, &PathSettings::ledStiffness>("led_stiffness", kFromZero, "N/M",
-                                                         "pull on each vertex while led")
+       givenStrength<&Scene::path, &PathSettings::ledStiffness>(
+           "led_stiffness", "N/M", "twice that of the spring frequency",
+           "pull on each vertex while led")
            .with(isLed, kLed),
        specialNumber(
            "joint_stiffness", "N/M", "exact", "of joints while led; closed at the end",
@@ -436,6 +461,11 @@ bool isUsual(const Setting& setting, const Scene& scene) {
 
 Setting Setting::with(bool (*holds)(const Scene&), const char* needed) && {
   conditions.push_back({holds, needed});
+  return std::move(*this);
+}
+
+Setting Setting::without(bool (*holds)(const Scene&), const char* others) && {
+  conditions.push_back({holds, others, true});
   return std::move(*this);
 }
 

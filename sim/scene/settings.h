@@ -126,7 +126,8 @@ T parseChoice(const TypedValue& value, const Choices<T>& choices) {
 /// What must hold for a setting to mean anything.
 struct Condition {
   bool (*holds)(const Scene&);
-  const char* needed;  ///< the options that make it hold, as in "--solver direct"
+  const char* needed;      ///< the options that make it hold, as in "--solver direct"
+  bool isWithout = false;  ///< `needed` says the same as the setting, and must not be given
 };
 
 /// One setting of a scene.
@@ -151,6 +152,8 @@ struct Setting {
 
   /// The setting with a condition more.
   Setting with(bool (*holds)(const Scene&), const char* needed) &&;
+  /// The setting as one that says the same as others; `holds` where these are not given.
+  Setting without(bool (*holds)(const Scene&), const char* others) &&;
   /// The setting as one of dynamics.
   Setting needsDynamics(const char* why) &&;
 

@@ -121,7 +121,6 @@ HardTrial stiffness() {
   HardTrial trial = sheetTrial("stiffness 1e5", "k_f and k_tau 1e5; hardly any damping", 6, false);
   trial.scene.springs.springStiffness = trial.scene.springs.torqueStiffness = 1e5;
   trial.scene.springs.forceDamping = trial.scene.springs.torqueDamping = 0.1;
-  trial.scene.springs.dampsByArea = false;
   return trial;
 }
 

@@ -57,7 +57,8 @@ SteppedScene::SteppedScene(const Scene& scene, std::vector<Brick> bricks,
   const double before = threadCpuSeconds();
   dynamics_ = makeSolver(scene_, bricks_, motion_.poses);
   // Joints that do not close are made compliant, as in a run.
-  if (!dynamics_->assemble(motion_.poses)) dynamics_->setJointStiffness(kMisfitStiffness);
+  if (!dynamics_->assemble(motion_.poses))
+    dynamics_->setJointStiffness(misfitStiffness(scene_, bricks_));
   setupSeconds_ = threadCpuSeconds() - before;
   // Without it a singular closed state, in which all pulls balance, might never be left.
   motion_.velocities = nudge(bricks_.size(), size_, scene_.solver.seed);
@@ -226,6 +227,7 @@ Scene familyScene(const std::string& family) {
   Scene scene;
   scene.model = generateModel(familyNamed(family), {});
   alignStartToTarget(scene.model);
+  scene.springs = paperSprings();
   return scene;
 }
 

@@ -318,9 +318,10 @@ bool ContactFinder::isCurrent(const Contact& contact) const {
   if (part && part->radius) return false;
   const auto [pieceA, pieceB] = std::minmax({in.bodies.firstPiece[contact.brickA] + contact.partA,
                                              in.bodies.firstPiece[contact.brickB] + contact.partB});
-  // Its pair has been near, or there would be no such contact.
-  return in.pairs.at(pairKey(pieceA, pieceB))
-      .isCurrent(contact, seenFrom(in.start[a], in.start[b]));
+  // A contact that another finder gave may be of a pair that has never been near in this one.
+  const auto found = in.pairs.find(pairKey(pieceA, pieceB));
+  return found != in.pairs.end() &&
+         found->second.isCurrent(contact, seenFrom(in.start[a], in.start[b]));
 }
 
 // ------------------------------------------------------------------------------------------------

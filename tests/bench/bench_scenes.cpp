@@ -11,6 +11,7 @@ namespace {
 
 /// The flags that PyKirigami's pages give for its models.
 void applyAuthorsSettings(const std::string& name, Scene& scene) {
+  scene.springs = paperSprings();
   if (name == "square2disk") {
     scene.springs.springStiffness = 25;
     scene.environment.gravity = {0, 0, -10};

@@ -47,7 +47,7 @@ TEST(CommandLine, RecordNeedsOnlyAModel) {
   EXPECT_FALSE(order.printJson);
   EXPECT_EQ(order.settings.size, (FrameSize{1280, 720}));
   EXPECT_EQ(order.settings.framesPerSecond, 60);
-  EXPECT_EQ(order.scene.springs.springStiffness, 100);
+  EXPECT_FALSE(order.scene.springs.springStiffness);
   EXPECT_EQ(order.scene.solver.kind, SolverKind::Direct);
 }
 
@@ -112,7 +112,6 @@ TEST(CommandLine, ReadsEveryPhysicalOption) {
   EXPECT_EQ(scene.springs.torqueStiffness, 30);
   EXPECT_EQ(scene.springs.forceDamping, 20);
   EXPECT_EQ(scene.springs.torqueDamping, 3);
-  EXPECT_FALSE(scene.springs.dampsByArea);
   EXPECT_FALSE(scene.springs.adaptive);
   EXPECT_EQ(scene.environment.gravity, Vector3(0, 0, -9.81));
   ASSERT_TRUE(scene.environment.ground);
@@ -132,11 +131,22 @@ TEST(CommandLine, ReadsEveryPhysicalOption) {
   EXPECT_FALSE(scene.alignment.wanted);
 }
 
-TEST(CommandLine, TurningIsDampedByTheSizeOfTilesUnlessSpelledAsPyKirigamiDoes) {
-  EXPECT_TRUE(recordOrder({"record", "fan"}).scene.springs.dampsByArea);
-  const Scene peer = recordOrder({"record", "--model", "fan", "--spring_stiffness", "25"}).scene;
-  EXPECT_FALSE(peer.springs.dampsByArea);
-  EXPECT_EQ(peer.springs.torqueDamping, 2);
+TEST(CommandLine, SpringsFollowFromTheModelUnlessSpelledAsPyKirigamiDoes) {
+  const TargetSpringSettings own = recordOrder({"record", "fan"}).scene.springs;
+  EXPECT_FALSE(own.springStiffness || own.torqueStiffness || own.forceDamping || own.torqueDamping);
+  const auto peerSprings = [](std::vector<std::string> more) {
+    more.insert(more.begin(), {"record", "--model", "fan"});
+    return recordOrder(more).scene.springs;
+  };
+  const TargetSpringSettings peer = peerSprings({"--spring_stiffness", "25"});
+  EXPECT_EQ(peer.springStiffness, 25);
+  EXPECT_EQ(peer.torqueStiffness, 100);
+  EXPECT_EQ(peer.forceDamping, 50);
+  EXPECT_EQ(peer.torqueDamping, 2);
+  const TargetSpringSettings mixed = peerSprings({"--spring-frequency", "2"});
+  EXPECT_EQ(mixed.frequency, 2);
+  EXPECT_FALSE(mixed.springStiffness || mixed.torqueStiffness);
+  EXPECT_EQ(mixed.forceDamping, 50);
 }
 
 TEST(CommandLine, ReadsEveryPictureOption) {

@@ -52,6 +52,20 @@ TEST(Contradictions, NameWhatAnOptionNeeds) {
   }
 }
 
+TEST(Contradictions, NameWhatSaysTheSame) {
+  EXPECT_EQ(
+      refusal({"--spring-frequency", "3", "--spring-stiffness", "25", "--torque-stiffness", "25"}),
+      "error: --spring-frequency and --spring-stiffness with --torque-stiffness say the same; "
+      "leave one of them away");
+  EXPECT_EQ(
+      refusal({"--damping-ratio", "1", "--force-damping", "25", "--torque-damping", "1"}),
+      "error: --damping-ratio and --force-damping with --torque-damping say the same; leave one of "
+      "them away");
+  EXPECT_EQ(refusal({"--damping-ratio", "1", "--spring-stiffness", "25"}), "accepted");
+  EXPECT_EQ(refusal({"--spring-frequency", "3", "--torque-stiffness", "25"}), "accepted");
+  EXPECT_EQ(refusal({"--damping-ratio", "1", "--force-damping", "25"}), "accepted");
+}
+
 TEST(Contradictions, LeaveConsistentOptionsAlone) {
   EXPECT_EQ(refusal({"--path", "led", "--led-time", "2", "--joint-stiffness", "1e6"}), "accepted");
   EXPECT_EQ(refusal({"--solver", "bullet", "--iterations", "90"}), "accepted");

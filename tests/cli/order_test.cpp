@@ -41,6 +41,8 @@ const std::vector<Sample>& samples() {
       {"--actuation", {"expansion", "none"}},
       {"--boundary-size", {"3", "0.5"}, kBoundary},
       {"--boundary-aspect", {"3", "0.5"}, kBoundary},
+      {"--spring-frequency", {"1", "12.5"}},
+      {"--damping-ratio", {"0.1", "0"}},
       {"--spring-stiffness", {"25", "0"}},
       {"--torque-stiffness", {"25", "0"}},
       {"--force-damping", {"25", "0.1"}},
@@ -263,8 +265,9 @@ TEST(Orders, AreTheSameHoweverTheyAreSpelled) {
   }
   // PyKirigami's spellings bring its defaults with them.
   Words peer = plain;
-  peer.insert(peer.end(), {"--torque-damping", "2", "--path", "dynamic", "--search", "60",
-                           "--actuation", "target", "--tolerance", "0"});
+  peer.insert(peer.end(), {"--spring-stiffness", "100", "--torque-stiffness", "100",
+                           "--force-damping", "50", "--torque-damping", "2", "--path", "dynamic",
+                           "--search", "60", "--actuation", "target", "--tolerance", "0"});
   for (const Words& words :
        {Words{"-bt", "0.030", "--no_collision"},
         Words{"--like", "pykirigami", "--thickness", "0.03", "--contacts", "unjoined"},

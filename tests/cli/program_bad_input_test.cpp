@@ -147,6 +147,10 @@ TEST(BadModel, ThicknessInAnotherUnit) {
       complaint("0.0009"),
       "kirireel: tessellation_4x4: warning: bricks are 0.0009 m thick, but a tile's mean edge "
       "is 1 m; lengths are in metres, and --thickness 0.02 would be usual\n");
+  const ProgramEnd inspected =
+      runKirireel({"inspect", shippedModel("tessellation_4x4").string(), "--thickness", "0.11"});
+  EXPECT_EQ(inspected.exitCode, 0);
+  EXPECT_EQ(inspected.err, complaint("0.11"));
   EXPECT_EQ(complaint("0.1"), "");
   EXPECT_EQ(complaint("0.001"), "");
 }

@@ -1,4 +1,7 @@
 // Expansion, boundary springs and point springs, against closed forms and differences.
+#include <cmath>
+#include <numbers>
+
 #include <gtest/gtest.h>
 
 #include "sim/deploy/forces.h"
@@ -12,7 +15,7 @@ TEST(Expansion, PushesInProportionToTheDistanceFromTheCentre) {
   const Model model = makeTessellation({});
   const std::vector<Brick> bricks = makeBricks(model.tiles, {});
   const Poses poses = startPoses(model.tiles, bricks);
-  TargetSpringSettings settings;
+  TargetSpringSettings settings = paperSprings();
   settings.springStiffness = 3;
   Vector3 centre = Vector3::Zero();  // bricks of one mass
   for (const Pose& pose : poses) centre += pose.position / static_cast<double>(poses.size());
@@ -29,11 +32,33 @@ TEST(Expansion, PushesInProportionToTheDistanceFromTheCentre) {
     EXPECT_EQ(Vector3(load.force.head<3>()), forces[i]);
     EXPECT_TRUE(load.force.tail<3>().isZero(0));
     EXPECT_TRUE(load.stiffness.isZero(0));
-    EXPECT_EQ(load.damping(0, 0), settings.forceDamping);
-    EXPECT_EQ(load.damping(5, 5), settings.torqueDamping);
+    EXPECT_EQ(load.damping(0, 0), 50);
+    EXPECT_EQ(load.damping(5, 5), 2);
     sum += load.force.head<3>();
   }
   EXPECT_LT(sum.norm(), 1e-12);  // it moves no centre: measured 1e-14
+}
+
+TEST(Expansion, ByFrequencyMovesBricksOfAnyMassAndShapeAlike) {
+  // A brick that is far away from the centre of a triangle and two squares.
+  std::vector<Tile> tiles = makeTessellation({2, 1}).tiles;
+  tiles.push_back({{{5, 0, 0}, {7, 0, 0}, {5, 2, 0}}});
+  const std::vector<Brick> bricks = makeBricks(tiles, {0.1, MassRule::Prism, 700});
+  const Poses poses = startPoses(tiles, bricks);
+  std::vector<Load> loads(poses.size());
+  Expansion(bricks, {}).addLoads(poses, loads);
+  const double rate = std::pow(2 * std::numbers::pi * TargetSpringSettings{}.frequency, 2) / 4;
+  Vector3 centre = Vector3::Zero();
+  double mass = 0;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    centre += bricks[i].mass * poses[i].position;
+    mass += bricks[i].mass;
+  }
+  centre /= mass;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const Vector3 acceleration = loads[i].force.head<3>() / bricks[i].mass;
+    EXPECT_LT((acceleration - rate * (poses[i].position - centre)).norm(), 1e-10);
+  }
 }
 
 TEST(PointSpring, IsTheGradientOfItsEnergy) {

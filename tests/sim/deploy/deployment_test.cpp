@@ -286,6 +286,39 @@ TEST(Deploy, RefusesAModelWithoutTiles) {
   EXPECT_EQ(errorOf({}, 0.1), "the model has no tiles; add one to vertices.txt");
 }
 
+/// Three triangles round a hole, each joined to both others: a truss in the plane.
+Scene truss() {
+  Scene scene = openScene();
+  scene.model.tiles = {{{{0, 0, 0}, {0.5, -0.8, 0}, {1, 0, 0}}},
+                       {{{1, 0, 0}, {1.3, 0.8, 0}, {0.5, 0.866, 0}}},
+                       {{{0.5, 0.866, 0}, {-0.3, 0.8, 0}, {0, 0, 0}}}};
+  scene.model.joints = {
+      {.a = {0, 2}, .b = {1, 0}}, {.a = {1, 2}, .b = {2, 0}}, {.a = {2, 2}, .b = {0, 0}}};
+  return scene;
+}
+
+TEST(Deploy, RefusesAModelThatNothingCanDrive) {
+  Scene single = truss();
+  single.model.tiles.resize(1);
+  single.model.joints.clear();
+  for (const Scene& scene : {truss(), single}) {
+    EXPECT_THAT(
+        [&] { deploy(scene, 0.1, nullptr); },
+        testing::ThrowsMessage<InputError>(
+            "error: nothing can drive this model: it has no target, and its joints leave the tiles "
+            "no motion but that of the whole; give --target, other joints (--joints-file), or what "
+            "moves it as it is (--gravity, [[timeline]] or [[velocity]] in scene.toml)"));
+    Scene falling = scene;
+    falling.environment.gravity = {0, 0, -9.81};
+    falling.stop.duration = 0.1;
+    EXPECT_NO_THROW(deploy(falling, 0.1, nullptr));
+  }
+  // A sheet that is at full extension could go back.
+  Scene extended = truss();
+  extended.model.joints.pop_back();
+  EXPECT_NO_THROW(deploy(extended, 0.1, nullptr));
+}
+
 TEST(Outcome, HasAName) {
   EXPECT_EQ(toString(Outcome::Settled), "settled");
   EXPECT_EQ(toString(Outcome::Locked), "locked");

@@ -37,6 +37,7 @@ TEST(Rest, HeavyBricksAreNotAtRest) {
   Scene scene = sheet();
   scene.brick.mass = MassRule::Prism;
   scene.brick.density = 1e12;
+  scene.springs = paperSprings();
   const DeploymentResult result = deploy(scene, 0.25, nullptr);
   EXPECT_EQ(result.outcome, Outcome::OutOfTime) << result.reason;
 }

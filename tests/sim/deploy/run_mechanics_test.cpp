@@ -59,8 +59,7 @@ double worstBalance(const std::vector<Sample>& samples) {
 TEST(Energies, BalanceToTheTolerance) {
   for (const double damping : {1.0, 0.1}) {
     Scene scene = openingSheet();
-    scene.springs.forceDamping *= damping;
-    scene.springs.torqueDamping *= damping;
+    scene.springs.dampingRatio = damping;
     for (const double tolerance : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6}) {
       scene.solver.tolerance = tolerance;
       const std::vector<Sample> samples = samplesOf(scene, 1.0 / 97);
@@ -188,7 +187,8 @@ TEST(Mechanics, AreTheSameWithMoreSamples) {
   const Scene scene = openingSheet();
   const std::vector<Sample> coarse = samplesOf(scene, 1.0 / 24);
   const std::vector<Sample> fine = samplesOf(scene, 1.0 / 240);
-  for (std::size_t k = 0; k < coarse.size(); ++k) {
+  // The last of either is the run's end.
+  for (std::size_t k = 0; k + 1 < coarse.size(); ++k) {
     const Sample& same = fine.at(10 * k);
     EXPECT_EQ(coarse[k].mechanics->energies.damped, same.mechanics->energies.damped);
     EXPECT_EQ(coarse[k].mechanics->jointForces, same.mechanics->jointForces);

@@ -13,6 +13,7 @@ Scene shipped(const std::string& name) {
   std::vector<std::string> warnings;
   scene.model =
       readModelFolder(std::filesystem::path(KIRIREEL_SOURCE_DIR) / "data" / name, warnings);
+  scene.springs = paperSprings();
   return scene;
 }
 

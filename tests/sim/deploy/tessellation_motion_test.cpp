@@ -53,6 +53,7 @@ MotionErrors deployedErrors(int side, bool planar, double stiffness) {
   scene.model = makeTessellation(shape);
   scene.environment.contacts = ContactFilter::None;
   scene.solver.planar = planar;
+  scene.springs = paperSprings();
   scene.springs.springStiffness = scene.springs.torqueStiffness = stiffness;
   const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
   MotionErrors errors;

@@ -103,7 +103,6 @@ double scaledDifference(bool planar, double s) {
   moveTiles(scaled.model.tiles, s * Matrix3::Identity(), Vector3::Zero());
   moveTiles(*scaled.model.target, s * Matrix3::Identity(), Vector3::Zero());
   scaled.thickness *= s;
-  scaled.springs.torqueDamping *= s * s;
   scaled.gravity *= s;
   scaled.speed *= s;
   return difference(story, scaled, planar, [&](const Vector3& v) -> Vector3 { return v / s; });

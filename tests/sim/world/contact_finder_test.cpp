@@ -46,6 +46,19 @@ Pose at(double x, double y, double z) {
   return {{x, y, z}, Quaternion::Identity()};
 }
 
+TEST(ContactFinder, KnowsNothingOfContactsThatAnotherOneGave) {
+  // Bricks that come near each other in one of two finders alone.
+  const std::vector<Brick> bricks(2, test::plate(1e-3));
+  const Poses far = {at(0, 0, 0), at(50, 0, 0)};
+  const Environment environment = around(ContactFilter::All);
+  ContactFinder near(bricks, far, {}, environment, false, kTolerance);
+  ContactFinder other(bricks, far, {}, environment, false, kTolerance);
+  look(other, far, far);
+  const Found found = look(near, {at(0, 0, 0), at(1.01, 0.2, 0)}, {at(0, 0, 0), at(0.96, 0.2, 0)});
+  ASSERT_FALSE(found.contacts.empty());
+  EXPECT_FALSE(other.isCurrent(found.contacts.front()));
+}
+
 TEST(ContactFinder, CatchesThinBricksThatPassThroughEachOther) {
   // Flat through flat, and side through side, whatever way they lie in the world.
   Chance chance(1);
