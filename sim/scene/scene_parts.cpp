@@ -11,12 +11,14 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <set>
 
 #include <fmt/format.h>
 
 #include "sim/base/error.h"
+#include "sim/model/convex_parts.h"
 #include "sim/model/isometry.h"
 #include "sim/model/read_model.h"
 #include "sim/model/stiffness.h"
@@ -168,6 +170,67 @@ void completeScene(const SceneParts& parts, Scene& scene, std::vector<std::strin
   }
   addFixed(parts.fixed, scene.model);
   addLinks(parts.links, scene.model);
+}
+
+namespace {
+
+/// The parts of each tile that the model had before, by its number there.
+std::vector<std::vector<int>> partsOfTiles(const Model& split, std::size_t count) {
+  std::vector<int> whole(split.tiles.size());
+  std::iota(whole.begin(), whole.end(), 0);
+  // The first part keeps the tile's number, which is less than those of all others.
+  for (bool isDone = false; !isDone;) {
+    isDone = true;
+    for (const Joint& joint : split.joints) {
+      int& a = whole[static_cast<std::size_t>(joint.a.tile)];
+      int& b = whole[static_cast<std::size_t>(joint.b.tile)];
+      if (!joint.isWithinTile || a == b) continue;
+      a = b = std::min(a, b);
+      isDone = false;
+    }
+  }
+  std::vector<std::vector<int>> parts(count);
+  for (std::size_t k = 0; k < whole.size(); ++k) {
+    parts[static_cast<std::size_t>(whole[k])].push_back(static_cast<int>(k));
+  }
+  return parts;
+}
+
+/// Puts the parts of tiles in the place of the tiles.
+void replaceByParts(const std::vector<std::vector<int>>& parts, std::vector<int>& tiles) {
+  std::vector<int> all;
+  for (const int tile : tiles) {
+    const std::vector<int>& own = parts[static_cast<std::size_t>(tile)];
+    all.insert(all.end(), own.begin(), own.end());
+  }
+  tiles = std::move(all);
+}
+
+/// Whether an entry names tiles in a way that parts have no place in.
+bool namesWholeTiles(const TimelineEntry& entry) {
+  const auto* goTo = std::get_if<timeline::GoTo>(&entry.action);
+  return std::holds_alternative<timeline::Drag>(entry.action) || (goTo && !goTo->tiles.empty());
+}
+
+}  // namespace
+
+void splitTiles(const std::vector<int>& tiles, Scene& scene) {
+  if (!scene.grips.empty() || !scene.hinges.own.empty() ||
+      std::ranges::any_of(scene.timeline, namesWholeTiles)) {
+    throw InputError(
+        "error: --split-tiles gives tiles other numbers than drags, chains of targets, grips and "
+        "files of hinges name; leave one of them out");
+  }
+  const std::size_t count = scene.model.tiles.size();
+  scene.model = splitTiles(scene.model, tiles);
+  const std::vector<std::vector<int>> parts = partsOfTiles(scene.model, count);
+  for (TimelineEntry& entry : scene.timeline) {
+    if (auto* pin = std::get_if<timeline::Pin>(&entry.action)) replaceByParts(parts, pin->tiles);
+    if (auto* unpin = std::get_if<timeline::Unpin>(&entry.action)) {
+      replaceByParts(parts, unpin->tiles);
+    }
+  }
+  for (InitialVelocity& velocity : scene.velocities) replaceByParts(parts, velocity.tiles);
 }
 
 // ------------------------------------------------------------------------------------------------

@@ -28,6 +28,12 @@ struct SceneParts {
 /// files that hold no target of this model and for numbers that name no tile or vertex.
 void completeScene(const SceneParts& parts, Scene& scene, std::vector<std::string>& warnings);
 
+/// Splits tiles of a completed scene, in the numbers of the model's file, all when empty: see
+/// splitTiles() of a model. Pins and speeds of a tile are those of all its parts. Throws InputError
+/// for a tile that does not exist, and where drags, other targets, grips or a file of hinges name
+/// tiles and their corners.
+void splitTiles(const std::vector<int>& tiles, Scene& scene);
+
 // ------------------------------------------------------------------------------------------------
 // Torsional springs at hinges: the file that lists them, and those of a scene.
 

@@ -197,6 +197,58 @@ TEST(FoldSprings, LeaveThePlane) {
   EXPECT_TRUE(sceneNeeds(scene).planar.on);
 }
 
+TEST(SplitScenes, HoldAndMoveAllPartsOfATile) {
+  Scene scene;
+  scene.model = makeTessellation({});
+  scene.timeline = {{Occasion{}, timeline::Pin{{5}}, {"--pin"}},
+                    {Occasion{}, timeline::Unpin{{5, 6}}, {}}};
+  scene.velocities = {{{2, 5}, Vector3::UnitX(), Vector3::Zero(), {}}, {}};
+  splitTiles({5, 6}, scene);
+  EXPECT_EQ(std::get<timeline::Pin>(scene.timeline[0].action).tiles, (std::vector<int>{5, 16}));
+  EXPECT_EQ(std::get<timeline::Unpin>(scene.timeline[1].action).tiles,
+            (std::vector<int>{5, 16, 6, 17}));
+  EXPECT_EQ(scene.velocities[0].tiles, (std::vector<int>{2, 5, 16}));
+  EXPECT_TRUE(scene.velocities[1].tiles.empty());  // all
+  // Concave tiles are cut into ears, which are joined in any order.
+  Scene concave;
+  concave.model.tiles = {Tile{{{0, 0, 0},
+                               {1, 0.9, 0},
+                               {2, 0, 0},
+                               {1.1, 1, 0},
+                               {2, 2, 0},
+                               {1, 1.1, 0},
+                               {0, 2, 0},
+                               {0.9, 1, 0}}}};
+  concave.timeline = {{Occasion{}, timeline::Pin{{0}}, {"--pin"}}};
+  splitTiles({}, concave);
+  EXPECT_EQ(std::get<timeline::Pin>(concave.timeline[0].action).tiles,
+            (std::vector<int>{0, 1, 2, 3, 4, 5}));
+}
+
+TEST(SplitScenes, RefuseWhatNamesTilesOrTheirCorners) {
+  const auto refusal = [](Scene scene) -> std::string {
+    scene.model = makeTessellation({});
+    try {
+      splitTiles({}, scene);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  Scene scene;
+  scene.grips.emplace_back();
+  EXPECT_EQ(refusal(scene),
+            "error: --split-tiles gives tiles other numbers than drags, chains of targets, grips "
+            "and files of hinges name; leave one of them out");
+  scene.grips.clear();
+  EXPECT_EQ(refusal(scene), "accepted");
+  scene.timeline = {{Occasion{}, timeline::Drag{}, {}}};
+  EXPECT_THAT(refusal(scene), HasSubstr("other numbers"));
+  scene.timeline.clear();
+  scene.hinges.own.emplace_back();
+  EXPECT_THAT(refusal(scene), HasSubstr("other numbers"));
+}
+
 TEST_F(HingeSpringsOfAScene, RefuseLinesThatMakeNoSense) {
   const auto said = [&](const std::string& line) { return refusal(line + "\n"); };
   EXPECT_THAT(said("0 1 -2"), EndsWith("hinges.txt:1:5: error: '-2' is not a stiffness from 0 to "
