@@ -197,6 +197,47 @@ TEST(FoldSprings, LeaveThePlane) {
   EXPECT_TRUE(sceneNeeds(scene).planar.on);
 }
 
+// What tiles are made of says how they bend where they are split, and folds by their length scale;
+// springs that are asked for by themselves are at the model's own hinges.
+TEST(PanelSprings, AreAsStiffAsTheirMaterial) {
+  const test::TemporaryFolder folder;
+  Scene scene = foldedByFile(folder, "[[0,1,4,5],[1,2,3,4]]");
+  scene.hinges.stiffness = 0;
+  scene.hinges.rest = 20 * kDegree;
+  scene.hinges.panels = PanelMaterial{2e9, 0.3, 0};
+  scene.model = splitTiles(scene.model, {});
+  const auto springs = [&] {
+    return hingeSprings(scene, makeBricks(scene.model.tiles, scene.brick));
+  };
+  const double plate = 2e9 * std::pow(0.02, 3) / (12 * 0.91);
+  const double bend = 0.55 * plate * std::cbrt(std::sqrt(2.0) / 0.02);
+  ASSERT_EQ(springs().size(), 2u);
+  for (const HingeSpring& spring : springs()) {
+    EXPECT_NEAR(spring.stiffness, bend, 1e-12 * bend);
+    EXPECT_EQ(spring.rest, spring.hinge.start);
+  }
+  const auto atFold = [&] {
+    for (const HingeSpring& spring : springs()) {
+      if (spring.rest == 20 * kDegree) return spring.stiffness;
+    }
+    return 0.0;
+  };
+  scene.hinges.panels->foldLength = 0.5;
+  ASSERT_EQ(springs().size(), 3u);
+  EXPECT_NEAR(atFold(), plate / 0.5, 1e-12 * plate);  // the edge is 1 m long
+  scene.hinges.stiffness = 7;
+  EXPECT_EQ(atFold(), 7);
+  scene.hinges.damping = 0.1;
+  for (const HingeSpring& spring : springs()) EXPECT_EQ(spring.damping, 0.1);
+}
+
+// Panels that touch at corners alone have no hinges, which is no mistake.
+TEST_F(HingeSpringsOfAScene, NeedNoHingesWhereTilesAlone) {
+  use(JointFace::Bottom);
+  scene_.hinges.panels = PanelMaterial{1e9, 0.3, 0.1};
+  EXPECT_TRUE(springs().empty());
+}
+
 TEST(SplitScenes, HoldAndMoveAllPartsOfATile) {
   Scene scene;
   scene.model = makeTessellation({});
