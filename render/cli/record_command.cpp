@@ -34,7 +34,6 @@
 #include "render/record/verify.h"
 #include "sim/base/error.h"
 #include "sim/base/files.h"
-#include "sim/model/convex_parts.h"
 #include "sim/model/read_model.h"
 
 namespace kirireel {
@@ -100,14 +99,6 @@ constexpr const char* kPeerNote =
     "as\n"
     "dynamics with PyKirigami's constants for what they leave out.\n\n";
 
-/// Pins and timelines name tiles, which splitting would give other numbers.
-void requireTilesKeepNumbers(const Scene& scene) {
-  if (scene.timeline.empty() && scene.hinges.own.empty()) return;
-  throw InputError(
-      "error: --split-tiles gives tiles other numbers than pins, chains of targets, timelines and "
-      "files of hinges name; leave one of them out");
-}
-
 /// What a run can live with is appended to the warnings; everything else throws.
 Scene readScene(const RecordOrder& order, std::vector<std::string>& warnings) {
   Scene scene = order.scene;
@@ -119,10 +110,7 @@ Scene readScene(const RecordOrder& order, std::vector<std::string>& warnings) {
   scene.brick.density *= std::pow(order.unit, 3);
   if (order.faces) chooseJointFaces(scene.model, *order.faces);
   // After faces, since the triangles of a split tile inherit its joints.
-  if (order.splitTiles) {
-    requireTilesKeepNumbers(scene);
-    scene.model = splitTiles(scene.model, *order.splitTiles);
-  }
+  if (order.splitTiles) splitTiles(*order.splitTiles, scene);
   // The ground is below the bricks where they start, whatever their thickness.
   if (scene.environment.ground) scene.environment.ground->height = lowestPoint(scene);
   checkThickness(scene, warnings);

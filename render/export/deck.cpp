@@ -79,7 +79,7 @@ void appendNeckStiffness(std::string& text, const ElementMesh& mesh, const DeckS
          "** In the sheet's plane a neck beside a shut slit is a rotational spring of {:.4g}{} N "
          "m/rad\n** with E = {} Pa: {}.\n",
          least, stiffest, deckNumber(settings.material.youngs),
-         length > 0 ? "a beam's E t w^3 / (12 L), less what squares give at its ends"
+         length > 0 ? "a beam's E t w^3 / (12 L), less what its two tiles give at its ends"
                     : "what its two tiles give, as their corners' angles are");
 }
 

@@ -57,6 +57,32 @@ void requireInTime(const Timeline& timeline, double duration) {
   }
 }
 
+/// In motion tiles bend between their parts, and nothing stretches.
+void requireBending(const Scene& scene, const std::vector<HingeSpring>& springs) {
+  if (!scene.hinges.panels) return;
+  if (sceneNeeds(scene).planar.on) {
+    throw InputError(
+        "error: tiles that bend leave their plane; leave --planar on away, or --panels");
+  }
+  if (!springs.empty()) return;
+  throw InputError(
+      "error: in motion --panels bends tiles that are split and folds, and there are none: split "
+      "tiles (--split-tiles all), or give folds a length scale (--panels E,NU,LENGTH); tiles that "
+      "stretch too need a [[grip]] in scene.toml");
+}
+
+/// Tiles that a material was given for, and that stay rigid all the same.
+std::string rigidTilesWarning(const Scene& scene) {
+  if (!scene.hinges.panels) return "";
+  const auto isWhole = [](const Tile& tile) { return tile.vertices.size() > 3; };
+  const auto count = std::ranges::count_if(scene.model.tiles, isWhole);
+  if (count == 0) return "";
+  return fmt::format(
+      "{} of {} tiles have more than three corners and stay rigid in motion; --split-tiles lets "
+      "them bend",
+      count, scene.model.tiles.size());
+}
+
 void requireSense(const Scene& scene, double sampleInterval) {
   if (!(sampleInterval > 0) || !std::isfinite(sampleInterval)) {
     throw InputError(
@@ -69,7 +95,10 @@ void requireSense(const Scene& scene, double sampleInterval) {
     throw InputError("the model has no tiles; add one to vertices.txt");
   const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
   const std::vector<HingeSpring> springs = hingeSprings(scene, bricks);
-  if (scene.grips.empty()) static_cast<void>(dynamicTies(scene, bricks, springs));
+  if (scene.grips.empty()) {
+    static_cast<void>(dynamicTies(scene, bricks, springs));
+    requireBending(scene, springs);
+  }
   // What these throw shall be thrown before a search that may take minutes.
   static_cast<void>(makeDriveForce(scene, bricks));
 }
@@ -103,6 +132,9 @@ void requireMotion(const Scene& scene, const GeometricPaths& found) {
 void search(const Scene& scene, SearchBudget& budget, const TrialObserver& watch, Search& found) {
   watch({kAssembling, 0});
   found.warnings = targetWarnings(scene);
+  if (std::string rigid = rigidTilesWarning(scene); !rigid.empty()) {
+    found.warnings.push_back(std::move(rigid));
+  }
   for (const std::string& warning : found.warnings) watch({kAssembling, 0, warning});
   SearchBudget assembling(kAssemblingShare * budget.seconds());
   found.nearest = assembleAtTarget(scene, assembling, [&] {
@@ -278,11 +310,6 @@ DeploymentResult deployUnkept(const Scene& given, double sampleInterval,
   fillFromModel(scene);
   requireSense(scene, sampleInterval);
   if (scene.solver.kind == SolverKind::Bullet) checkpoints = nullptr;
-  if (scene.grips.empty() && scene.hinges.panels) {
-    throw InputError(
-        "error: --panels needs grips, in whose equilibria tiles bend; add a [[grip]] to "
-        "scene.toml, or leave it away");
-  }
   if (!scene.grips.empty()) return followGrips(scene, sampleInterval, observer);
   double ownSeconds = 0;
   double& searchSeconds = checkpoints ? checkpoints->searchSeconds() : ownSeconds;

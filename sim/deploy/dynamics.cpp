@@ -149,7 +149,7 @@ DirectDynamics::DirectDynamics(const Scene& scene, const Needs& needs,
       bodies_(bodiesOf(bricks, obstacles_)),
       solver_(solverOf(scene, needs, bricks, bodies_)),
       substeps_(scene.solver.substeps.value_or(1)),
-      keepsEnergy_(scene.hinges.areLigaments),
+      keepsEnergy_(scene.hinges.areLigaments || scene.hinges.panels),
       isRubbing_(!groundSupports(scene, needs, bricks).empty()),
       touching_(std::min(kTilePart * tileSize_, kThicknessPart * scene.brick.thickness)) {
   requireSpace(scene, needs);

@@ -275,6 +275,12 @@ struct PanelSide {
   std::array<int, 3> corners{};
 };
 
+/// The two triangles at a fold.
+struct FoldSides {
+  PanelSide left;
+  PanelSide right;
+};
+
 using Edge = std::pair<int, int>;
 using Edges = std::map<Edge, std::vector<PanelSide>>;
 
@@ -310,38 +316,15 @@ class BarHingeMaker {
     for (const auto& [edge, sides] : edges_) addBends(sides);
   }
 
-  // Springs at hinges of the scene, at every edge that their two tiles share.
+  /// Springs at hinges of the scene: each edge that the two tiles share has its part by length.
   void addFolds(const std::vector<HingeSpring>& springs) {
     for (const HingeSpring& spring : springs) {
-      const auto [a, b] = std::pair(spring.hinge.brickA, spring.hinge.brickB);
-      bool isFound = false;
-      for (const auto& [edge, sides] : edges_) {
-        for (const PanelSide& left : sides) {
-          for (const PanelSide& right : sides) {
-            if (left.tile != a || right.tile != b) continue;
-            addFold(left, right, spring.stiffness).rest = spring.rest;
-            isFound = true;
-          }
-        }
-      }
-      if (!isFound) refuseHinge(a, b);
-    }
-  }
-
-  /// Folds between all tiles, by the length scale of folds; at rest where the model's file says,
-  /// else as they stand.
-  void addUsualFolds() {
-    for (const auto& [edge, sides] : edges_) {
-      for (std::size_t b = 1; b < sides.size(); ++b) {
-        for (std::size_t a = 0; a < b; ++a) {
-          if (sides[a].tile == sides[b].tile) continue;
-          Fold& fold = addFold(sides[a], sides[b],
-                               foldStiffness(lengthOf(edge), material_.foldLength, material_.youngs,
-                                             material_.poisson, thickness_));
-          const auto& angles = scene_.model.foldAngles;
-          const auto own = angles.find({sides[a].tile, sides[b].tile});
-          if (own != angles.end()) fold.rest = own->second;
-        }
+      const std::vector<FoldSides> shared = sidesBetween(spring.hinge.brickA, spring.hinge.brickB);
+      double length = 0;
+      for (const auto& [left, right] : shared) length += lengthOf({left.from, left.to});
+      for (const auto& [left, right] : shared) {
+        const double share = lengthOf({left.from, left.to}) / length;
+        addFold(left, right, share * spring.stiffness).rest = spring.rest;
       }
     }
   }
@@ -428,6 +411,20 @@ class BarHingeMaker {
     return made_.folds.emplace_back(fold);
   }
 
+  /// The triangles of two tiles on both sides of each edge that they share.
+  std::vector<FoldSides> sidesBetween(int a, int b) const {
+    std::vector<FoldSides> found;
+    for (const auto& [edge, sides] : edges_) {
+      for (const PanelSide& left : sides) {
+        for (const PanelSide& right : sides) {
+          if (left.tile == a && right.tile == b) found.push_back({left, right});
+        }
+      }
+    }
+    if (found.empty()) refuseHinge(a, b);
+    return found;
+  }
+
   [[noreturn]] void refuseHinge(int a, int b) const {
     const int first = scene_.model.fileOrder.countsFrom;
     throw InputError(fmt::format(
@@ -465,11 +462,7 @@ std::unique_ptr<LoadedSheet> makeBarHingeSheet(const Scene& scene, const std::ve
                                                const std::vector<GripOrder>& grips) {
   requireNodes(scene.model);
   BarHingeMaker maker(scene, bricks);
-  if (scene.hinges.areOn()) {
-    maker.addFolds(springs);
-  } else if (scene.hinges.panels->foldLength > 0) {
-    maker.addUsualFolds();
-  }
+  maker.addFolds(springs);
   maker.fix(pinned);
   std::vector<NodeGrip> held;
   for (const GripOrder& grip : grips) held.push_back(maker.gripOf(grip));

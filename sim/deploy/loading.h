@@ -33,9 +33,9 @@ struct GripOrder {
 
 /// The sheet of a scene with panels. Corners that joints hold together are one node, whichever face
 /// they lie on; tiles with more than three corners bend about the diagonals of tileTriangles().
-/// Folds have the stiffness and rest angle of their springs, or where no hinge has one that of
-/// foldStiffness(), at rest at the start. Throws InputError for joints on both faces, fixed tiles,
-/// springs at hinges that are no common edge of two tiles, and grips that turn.
+/// Folds have the stiffness and rest angle of their springs (hingeSprings()). Throws InputError for
+/// joints on both faces, fixed tiles, springs at hinges that are no common edge of two tiles, and
+/// grips that turn.
 std::unique_ptr<LoadedSheet> makeBarHingeSheet(const Scene& scene, const std::vector<Brick>& bricks,
                                                const std::vector<HingeSpring>& springs,
                                                const std::vector<int>& pinned,

@@ -402,6 +402,8 @@ std::vector<JoinedPair> joinedPairs(const std::vector<Brick>& bricks, std::span<
                                       cutPrismsOf(bricks[b], b, corners.ofB, length)});
     pair.hints.resize(pair.cutA.size() * pair.cutB.size());
     pair.hintsCut = pair.hints;
+    // Nothing of a tile that bends is in the way of the rest of it.
+    if (corners.areOneTile) pair.cutA.clear();
   }
   return pairs;
 }
@@ -445,6 +447,7 @@ Overlaps overlapsOutsidePivots(const std::vector<Brick>& bricks, std::span<const
     const int a = placed[pieceA].brick, b = placed[pieceB].brick;
     const auto corners = joined.find({a, b});
     if (corners == joined.end()) return pairDepth(placed[pieceA], placed[pieceB], least);
+    if (corners->second.areOneTile) return least;
     const double length = cutLength(bricks[a], bricks[b], zone);
     std::vector<std::size_t> hints(placed.of(a).size() * placed.of(b).size(),
                                    std::numeric_limits<std::size_t>::max());

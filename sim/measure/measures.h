@@ -50,8 +50,8 @@ constexpr long mostPairs(std::size_t bricks) {
 /// Costs a sort of all bricks and a few dozen axes for each pair of bricks near each other.
 Penetration deepestPenetration(const std::vector<Brick>& bricks, const Poses& poses);
 
-/// The same with joined bricks meeting without the corners that they share: what contacts hold
-/// apart. `zone` as in cutLength.
+/// The same with joined bricks meeting without the corners that they share, and parts of one tile
+/// not at all: what contacts hold apart. `zone` as in cutLength.
 Penetration deepestPenetrationOutsidePivots(const std::vector<Brick>& bricks,
                                             std::span<const Pivot> pivots, double zone,
                                             const Poses& poses);

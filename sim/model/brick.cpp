@@ -62,8 +62,8 @@ Pivot makePivot(const Joint& joint, int jointIndex, JointFace face,
   };
   // A joint on the top alone is no second pivot of anything.
   const bool isUpper = joint.face == JointFace::Both && face == JointFace::Top;
-  return {joint.a.tile, joint.b.tile,   point(joint.a), point(joint.b), jointIndex, 0,
-          isUpper,      joint.a.vertex, joint.b.vertex};
+  return {joint.a.tile, joint.b.tile,   point(joint.a), point(joint.b),    jointIndex, 0,
+          isUpper,      joint.a.vertex, joint.b.vertex, joint.isWithinTile};
 }
 
 Pivot makeLinkPivot(const Joint& joint, int jointIndex, const std::vector<Brick>& bricks) {

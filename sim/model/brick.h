@@ -89,8 +89,9 @@ struct Pivot {
   int joint = 0;         ///< index into the model's joints
   double distance = 0;   ///< that the two points keep, metres; above 0 for links alone
   bool isUpper = false;  ///< the second pivot of a hinge, which says nothing new in a planar scene
-  int cornerA = kNoCorner;  ///< vertex of brick A's tile, where pivoted bricks share a corner
-  int cornerB = kNoCorner;  ///< vertex of brick B's tile, likewise
+  int cornerA = kNoCorner;    ///< vertex of brick A's tile, where pivoted bricks share a corner
+  int cornerB = kNoCorner;    ///< vertex of brick B's tile, likewise
+  bool isWithinTile = false;  ///< see Joint
 };
 
 /// By how much a pivot's two points miss what it asks of them, metres, from 0.

@@ -46,6 +46,7 @@ std::map<std::pair<int, int>, SharedCorners> sharedCorners(std::span<const Pivot
   for (const Pivot& pivot : pivots) {
     const bool swapped = pivot.brickB < pivot.brickA;
     SharedCorners& corners = shared[std::minmax(pivot.brickA, pivot.brickB)];
+    corners.areOneTile = corners.areOneTile || pivot.isWithinTile;
     // The pair is noted all the same: fixed and linked bricks count as joined.
     if (pivot.cornerA == kNoCorner) continue;
     note(corners.ofA, swapped ? pivot.cornerB : pivot.cornerA);

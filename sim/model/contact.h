@@ -124,6 +124,8 @@ Brick withoutCorners(const BrickPiece& piece, const std::vector<int>& corners, d
 struct SharedCorners {
   std::vector<int> ofA;
   std::vector<int> ofB;
+  /// Whether both are parts of one tile: they never touch, as their common edge is where it bends.
+  bool areOneTile = false;
 };
 
 /// The shared corners of all joined pairs, none where bricks are linked or fixed; keys have the

@@ -385,7 +385,8 @@ class Splitter {
           const auto found = std::find(parts[b].begin(), parts[b].end(), parts[a][i]);
           if (found == parts[b].end()) continue;
           const int j = static_cast<int>(found - parts[b].begin());
-          hinge.push_back({{numbers[a], i}, {numbers[b], j}, JointFace::Bottom});
+          Joint& end = hinge.emplace_back(Joint{{numbers[a], i}, {numbers[b], j}});
+          end.isWithinTile = true;
         }
         // Parts that touch at one corner only are held together through the parts between them.
         if (hinge.size() < 2) continue;

@@ -43,6 +43,8 @@ struct Joint {
   JointKind kind = JointKind::Pivot;
   Vector3 apart = Vector3::Zero();  ///< from corner b to corner a at the start, of links and fixed
                                     ///< joints, metres; a link's has a length
+  /// Whether the two are parts of one tile that bends between them: they never touch.
+  bool isWithinTile = false;
 };
 
 /// Something that a reader put right in a file, so that the model is what was meant.

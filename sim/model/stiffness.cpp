@@ -29,6 +29,10 @@
 //   b = (b_A + b_B) / 2,   x = (b_A x_A + b_B x_B) / (b_A + b_B),   h = (h_A + h_B) / 2,
 //   s = (s_A + b_A (x_A - x)^2 + s_B + b_B (x_B - x)^2) / 2
 // Decks of 60 beside 120 degrees have these within 1% at 0.05 sides, with the values of rhombi.
+//
+// A neck with a length between other tiles than squares has their b for that of squares, less by
+// the same part as e falls with the length:
+//   k = E t w^2 / (12 L / w + b e(L / w) / e(0))
 #include "sim/model/stiffness.h"
 
 #include <algorithm>
@@ -121,6 +125,12 @@ CornerNeckRow cornerRow(double width, const std::array<NeckCorner, 2>& tiles) {
   return both;
 }
 
+/// The widths by which a neck between these tiles seems longer: what squares give falls with its
+/// length as the table says, what others give by the same part.
+double endsBetween(double width, double length, const CornerNeckRow& tiles) {
+  return tiles.bend / 12 * endsOf(length / width) / endsOf(0);
+}
+
 }  // namespace
 
 double neckStiffness(double youngs, double thickness, double width, double length) {
@@ -139,12 +149,31 @@ NeckCorner neckCorner(const Brick& brick, int corner) {
           std::sqrt(brick.volume / brick.thickness)};
 }
 
+namespace {
+
+/// How far along a shut slit the strip of a neck begins, metres from the corner, as flat_sheet.cpp
+/// draws it: where both tiles have begun that are cut back by half of its length, from half of its
+/// width before the corner on.
+double neckBegin(double width, double length, const std::array<NeckCorner, 2>& tiles) {
+  double begin = -0.5 * width;
+  for (const NeckCorner& tile : tiles) {
+    if (tile.angle < std::numbers::pi) {
+      begin = std::max(begin, 0.5 * length / std::tan(tile.angle));
+    }
+  }
+  return begin;
+}
+
+}  // namespace
+
 double neckAxis(double width, double length, const std::array<NeckCorner, 2>& tiles) {
   // The axis of a neck's own bending lies in its middle; that of its ends where cornerRow() says.
   // Both weigh by the angle that they give under one moment: L / w against e.
   constexpr double kOwn = 0.5;  ///< widths
-  const double widths = length / width, ends = endsOf(widths);
-  return width * (kOwn * widths + cornerRow(width, tiles).axis * ends) / (widths + ends);
+  const CornerNeckRow row = cornerRow(width, tiles);
+  const double widths = length / width, ends = endsBetween(width, length, row);
+  const double within = width * (kOwn * widths + row.axis * ends) / (widths + ends);
+  return neckBegin(width, length, tiles) + within;
 }
 
 CornerNeck cornerNeck(double youngs, double thickness, double width,
@@ -157,8 +186,8 @@ CornerNeck cornerNeck(double youngs, double thickness, double width,
 
 double neckStiffness(double youngs, double thickness, double width, double length,
                      const std::array<NeckCorner, 2>& tiles) {
-  return length > 0 ? neckStiffness(youngs, thickness, width, length)
-                    : cornerNeck(youngs, thickness, width, tiles).bending;
+  const double ends = endsBetween(width, length, cornerRow(width, tiles));
+  return youngs * thickness * width * width / (12 * (length / width + ends));
 }
 
 // ------------------------------------------------------------------------------------------------

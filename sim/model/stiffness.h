@@ -38,7 +38,9 @@ NeckCorner neckCorner(const Brick& brick, int corner);
 /// How far from the tiles' common corner, along the slit, such a neck's axis lies, metres: about
 /// which tiles turn under a moment, and through which a force turns none. It is the mean of the
 /// neck's own, in its middle, and of its ends', that of cornerNeck(), weighed by what each gives:
-/// slits that are shut end in tiles that give more on the slit's side.
+/// slits that are shut end in tiles that give more on the slit's side. A neck with a length begins
+/// where both tiles have begun at its ends: beyond the corner between tiles with acute corners,
+/// before it between obtuse ones.
 double neckAxis(double width, double length, const std::array<NeckCorner, 2>& tiles);
 
 /// How a neck without a length gives, which is how the tiles do that it joins: in the plane, with
@@ -65,8 +67,8 @@ CornerNeck cornerNeck(double youngs, double thickness, double width,
                       const std::array<NeckCorner, 2>& tiles);
 
 /// The moment per angle, N m/rad, of a neck between two tiles with these corners beside a shut
-/// slit: without a length cornerNeck()'s bending, else neckStiffness(), whose ends are those of
-/// squares for all tiles.
+/// slit: without a length cornerNeck()'s bending, else that of a neck whose ends give as much more
+/// or less than those of squares in neckStiffness() as they do without a length.
 double neckStiffness(double youngs, double thickness, double width, double length,
                      const std::array<NeckCorner, 2>& tiles);
 

@@ -188,6 +188,7 @@ bool isQuasiStatic(const Scene& scene, std::string& reason) {
            : !scene.timeline.empty()                          ? "the timeline leads"
            : !scene.velocities.empty()                        ? "tiles begin with a speed"
            : !scene.environment.obstacles.empty()             ? "there is ground or an obstacle"
+           : scene.hinges.panels                              ? "tiles bend"
            : scene.hinges.areOn()                             ? "hinges have springs"
            : fliesApart ? "tiles that no joint holds fly apart"
                         : whyDynamics(scene);

@@ -97,16 +97,18 @@ struct HingeSettings {
   std::optional<HingeNeck> neck;  ///< says the stiffness at corners
   /// Whether necks give in every way, not in their angle alone; under grips.
   bool areLigaments = false;
-  std::optional<PanelMaterial> panels;  ///< tiles give too; under grips
+  std::optional<PanelMaterial> panels;  ///< tiles give too: under grips, and where they are split
   std::optional<double> rest;       ///< their angle without moment, radians; absent: at the start
   double damping = 0;               ///< N m s/rad, from 0
   std::filesystem::path file;       ///< springs of hinges one by one; empty: there is none
   std::vector<OwnHingeSpring> own;  ///< what it holds, read by completeScene()
 
-  /// Whether any hinge may have a spring or a dashpot.
-  bool areOn() const {
+  /// Whether hinges have springs or dashpots of their own, whatever tiles are made of.
+  bool areGiven() const {
     return stiffness > 0 || neck || damping > 0 || !file.empty() || !own.empty();
   }
+  /// Whether any hinge may have a spring or a dashpot.
+  bool areOn() const { return areGiven() || panels; }
 };
 
 /// What drives the bricks.

@@ -11,12 +11,14 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <set>
 
 #include <fmt/format.h>
 
 #include "sim/base/error.h"
+#include "sim/model/convex_parts.h"
 #include "sim/model/isometry.h"
 #include "sim/model/read_model.h"
 #include "sim/model/stiffness.h"
@@ -170,6 +172,67 @@ void completeScene(const SceneParts& parts, Scene& scene, std::vector<std::strin
   addLinks(parts.links, scene.model);
 }
 
+namespace {
+
+/// The parts of each tile that the model had before, by its number there.
+std::vector<std::vector<int>> partsOfTiles(const Model& split, std::size_t count) {
+  std::vector<int> whole(split.tiles.size());
+  std::iota(whole.begin(), whole.end(), 0);
+  // The first part keeps the tile's number, which is less than those of all others.
+  for (bool isDone = false; !isDone;) {
+    isDone = true;
+    for (const Joint& joint : split.joints) {
+      int& a = whole[static_cast<std::size_t>(joint.a.tile)];
+      int& b = whole[static_cast<std::size_t>(joint.b.tile)];
+      if (!joint.isWithinTile || a == b) continue;
+      a = b = std::min(a, b);
+      isDone = false;
+    }
+  }
+  std::vector<std::vector<int>> parts(count);
+  for (std::size_t k = 0; k < whole.size(); ++k) {
+    parts[static_cast<std::size_t>(whole[k])].push_back(static_cast<int>(k));
+  }
+  return parts;
+}
+
+/// Puts the parts of tiles in the place of the tiles.
+void replaceByParts(const std::vector<std::vector<int>>& parts, std::vector<int>& tiles) {
+  std::vector<int> all;
+  for (const int tile : tiles) {
+    const std::vector<int>& own = parts[static_cast<std::size_t>(tile)];
+    all.insert(all.end(), own.begin(), own.end());
+  }
+  tiles = std::move(all);
+}
+
+/// Whether an entry names tiles in a way that parts have no place in.
+bool namesWholeTiles(const TimelineEntry& entry) {
+  const auto* goTo = std::get_if<timeline::GoTo>(&entry.action);
+  return std::holds_alternative<timeline::Drag>(entry.action) || (goTo && !goTo->tiles.empty());
+}
+
+}  // namespace
+
+void splitTiles(const std::vector<int>& tiles, Scene& scene) {
+  if (!scene.grips.empty() || !scene.hinges.own.empty() ||
+      std::ranges::any_of(scene.timeline, namesWholeTiles)) {
+    throw InputError(
+        "error: --split-tiles gives tiles other numbers than drags, chains of targets, grips and "
+        "files of hinges name; leave one of them out");
+  }
+  const std::size_t count = scene.model.tiles.size();
+  scene.model = splitTiles(scene.model, tiles);
+  const std::vector<std::vector<int>> parts = partsOfTiles(scene.model, count);
+  for (TimelineEntry& entry : scene.timeline) {
+    if (auto* pin = std::get_if<timeline::Pin>(&entry.action)) replaceByParts(parts, pin->tiles);
+    if (auto* unpin = std::get_if<timeline::Unpin>(&entry.action)) {
+      replaceByParts(parts, unpin->tiles);
+    }
+  }
+  for (InitialVelocity& velocity : scene.velocities) replaceByParts(parts, velocity.tiles);
+}
+
 // ------------------------------------------------------------------------------------------------
 // Springs at hinges: those of a file, one hinge a line, and those that all hinges have.
 //
@@ -182,7 +245,9 @@ void completeScene(const SceneParts& parts, Scene& scene, std::vector<std::strin
 //    the angle that a FOLD file has for it, all others at that of the start. The stiffness of all
 //    hinges may be that of a neck of material (stiffness.h) where tiles turn about a corner. A
 //    neck without length beside a slit that is shut at the start has the stiffness of the end of a
-//    crack, which is its own table.
+//    crack, which is its own table. Where tiles have a material (PanelMaterial), the hinges between
+//    the parts of one tile have its bending stiffness and rest as they stand, whatever is said of
+//    all hinges, and folds without a stiffness have that of the material's length scale.
 // 3. A rest angle at which bricks would lie in each other is refused, since contacts or joints
 //    could never let the spring come to rest.
 
@@ -305,13 +370,13 @@ void addIndirectFolds(const Scene& scene, const std::vector<Brick>& bricks, Foun
   }
 }
 
-/// The hinges of a scene, of which there must be one at least.
+/// The hinges of a scene. Springs that were asked for by themselves need one at least.
 FoundHinges requireHinges(const Scene& scene, const std::vector<Brick>& bricks) {
   // In the plane one shared point is a hinge about the vertical; in space it is a ball.
   const bool isPlanar = sceneNeeds(scene).planar.on;
   FoundHinges found = findHinges(bricks, makePivots(scene.model.joints, bricks), isPlanar);
   if (!isPlanar) addIndirectFolds(scene, bricks, found);
-  if (!found.hinges.empty()) return found;
+  if (!found.hinges.empty() || !scene.hinges.areGiven()) return found;
   if (found.ballJoints.empty()) {
     throw InputError(
         "error: springs need hinges, but no two tiles turn about a corner or an edge that they "
@@ -324,26 +389,132 @@ FoundHinges requireHinges(const Scene& scene, const std::vector<Brick>& bricks) 
       found.ballJoints.size()));
 }
 
-/// What a hinge has of which no line of the file says more.
-double stiffnessOf(const HingeSettings& all, const Hinge& hinge, const std::vector<Brick>& bricks,
-                   const BrickRule& rule) {
-  // Necks stand at corners. A fold has the stiffness of all hinges.
-  const bool isCorner = hinge.least == 0;
-  if (!all.neck || !isCorner) return all.stiffness;
-  const HingeNeck& neck = *all.neck;
-  const bool isShut = hinge.start <= kAngleRounding;
-  if (!isShut) return neckStiffness(neck.youngs, rule.thickness, neck.width, neck.length);
-  return neckStiffness(neck.youngs, rule.thickness, neck.width, neck.length,
-                       {neckCorner(bricks[static_cast<std::size_t>(hinge.brickA)], hinge.cornerA),
-                        neckCorner(bricks[static_cast<std::size_t>(hinge.brickB)], hinge.cornerB)});
+/// An edge that two tiles have in common: its corners as the first tile and as the second number
+/// them.
+struct CommonEdge {
+  std::array<int, 2> ofA{};
+  std::array<int, 2> ofB{};
+};
+
+/// The corners that pairs of tiles have in common by joints, of the first tile and of the second.
+std::map<TilePair, std::set<std::pair<int, int>>> commonCorners(const std::vector<Joint>& joints) {
+  std::map<TilePair, std::set<std::pair<int, int>>> common;
+  for (const JointFace face : {JointFace::Bottom, JointFace::Top}) {
+    for (const Joint& joint : joinedCorners(joints, face)) {
+      const bool isSwapped = joint.b.tile < joint.a.tile;
+      const Corner &a = isSwapped ? joint.b : joint.a, &b = isSwapped ? joint.a : joint.b;
+      common[{a.tile, b.tile}].emplace(a.vertex, b.vertex);
+    }
+  }
+  return common;
 }
 
-/// The angle that the model's file has for a fold.
-std::optional<double> fileAngle(const Model& model, const Hinge& hinge) {
-  const auto found = model.foldAngles.find({hinge.brickA, hinge.brickB});
-  if (!isFold(hinge) || found == model.foldAngles.end()) return std::nullopt;
-  return found->second;
+/// Whether two corners of a tile are neighbours.
+bool areNeighbours(int corner, int other, const Tile& tile) {
+  const int apart = std::abs(corner - other);
+  return apart == 1 || apart + 1 == static_cast<int>(tile.vertices.size());
 }
+
+/// The edges between corners that are neighbours in both tiles.
+std::vector<CommonEdge> edgesBetween(const std::set<std::pair<int, int>>& corners, const Tile& a,
+                                     const Tile& b) {
+  std::vector<CommonEdge> edges;
+  for (const auto& [fromA, fromB] : corners) {
+    for (const auto& [toA, toB] : corners) {
+      if (toA <= fromA || !areNeighbours(fromA, toA, a) || !areNeighbours(fromB, toB, b)) continue;
+      edges.push_back({{fromA, toA}, {fromB, toB}});
+    }
+  }
+  return edges;
+}
+
+/// What the hinges of a scene have of which no line of its file says more.
+class UsualSprings {
+ public:
+  UsualSprings(const Scene& scene, const std::vector<Brick>& bricks)
+      : scene_(scene), bricks_(bricks) {
+    if (!scene.hinges.panels) return;
+    common_ = commonCorners(scene.model.joints);
+    for (const Joint& joint : scene.model.joints) {
+      if (joint.isWithinTile) bends_.insert(std::minmax(joint.a.tile, joint.b.tile));
+    }
+  }
+
+  /// Whether the hinge is where a tile bends by its material: springs of hinges are not meant.
+  bool isBend(const Hinge& hinge) const { return bends_.contains(tilesOf(hinge)); }
+
+  double stiffness(const Hinge& hinge) const {
+    const HingeSettings& all = scene_.hinges;
+    if (isBend(hinge)) return bending(hinge);
+    // Necks stand at corners. A fold has the stiffness of all hinges.
+    if (all.neck && !isFold(hinge)) return neckStiffnessAt(hinge);
+    const bool isByLength = all.stiffness == 0 && all.panels && all.panels->foldLength > 0;
+    return isByLength && isFold(hinge) ? folding(hinge) : all.stiffness;
+  }
+
+  double rest(const Hinge& hinge) const {
+    const auto found = scene_.model.foldAngles.find({hinge.brickA, hinge.brickB});
+    const bool isInFile = isFold(hinge) && found != scene_.model.foldAngles.end();
+    return isInFile ? found->second : hinge.start;
+  }
+
+ private:
+  static TilePair tilesOf(const Hinge& hinge) { return std::minmax(hinge.brickA, hinge.brickB); }
+  const Tile& tile(int number) const {
+    return scene_.model.tiles[static_cast<std::size_t>(number)];
+  }
+  const Brick& brick(int number) const { return bricks_[static_cast<std::size_t>(number)]; }
+
+  std::vector<CommonEdge> edgesAt(const Hinge& hinge) const {
+    const auto [a, b] = tilesOf(hinge);
+    return edgesBetween(common_.at({a, b}), tile(a), tile(b));
+  }
+
+  double neckStiffnessAt(const Hinge& hinge) const {
+    const HingeNeck& neck = *scene_.hinges.neck;
+    const double thickness = scene_.brick.thickness;
+    const bool isShut = hinge.start <= kAngleRounding;
+    if (!isShut) return neckStiffness(neck.youngs, thickness, neck.width, neck.length);
+    return neckStiffness(neck.youngs, thickness, neck.width, neck.length,
+                         {neckCorner(brick(hinge.brickA), hinge.cornerA),
+                          neckCorner(brick(hinge.brickB), hinge.cornerB)});
+  }
+
+  /// Of a tile at the diagonal between two of its triangles.
+  double bending(const Hinge& hinge) const {
+    const PanelMaterial& material = *scene_.hinges.panels;
+    const auto [a, b] = tilesOf(hinge);
+    const CommonEdge edge = edgesAt(hinge).at(0);
+    // The corners of a triangle add up to 3.
+    const auto wing = [&](int number, const std::array<int, 2>& corners) {
+      return tile(number).vertices[static_cast<std::size_t>(3 - corners[0] - corners[1])];
+    };
+    const Vector3& from = tile(a).vertices[static_cast<std::size_t>(edge.ofA[0])];
+    const Vector3& to = tile(a).vertices[static_cast<std::size_t>(edge.ofA[1])];
+    return bendStiffness({from, wing(b, edge.ofB), to, wing(a, edge.ofA)}, (to - from).norm(),
+                         material.youngs, material.poisson, scene_.brick.thickness);
+  }
+
+  /// Of a fold, whose length is that of all edges that its tiles have in common.
+  double folding(const Hinge& hinge) const {
+    const PanelMaterial& material = *scene_.hinges.panels;
+    const Tile& a = tile(tilesOf(hinge).first);
+    double length = 0;
+    for (const CommonEdge& edge : edgesAt(hinge)) {
+      const auto [from, to] = edge.ofA;
+      length +=
+          (a.vertices[static_cast<std::size_t>(to)] - a.vertices[static_cast<std::size_t>(from)])
+              .norm();
+    }
+    return foldStiffness(length, material.foldLength, material.youngs, material.poisson,
+                         scene_.brick.thickness);
+  }
+
+  const Scene& scene_;
+  const std::vector<Brick>& bricks_;
+  std::map<TilePair, std::set<std::pair<int, int>>> common_;
+  std::set<TilePair> bends_;
+};
 
 /// The lines of the file by their tiles, the lower first.
 std::map<TilePair, const OwnHingeSpring*> byTiles(const std::vector<OwnHingeSpring>& own) {
@@ -389,6 +560,7 @@ std::vector<HingeSpring> hingeSprings(const Scene& scene, const std::vector<Bric
   const HingeSettings& all = scene.hinges;
   if (!all.areOn()) return {};
   const FoundHinges found = requireHinges(scene, bricks);
+  const UsualSprings usual(scene, bricks);
   std::map<TilePair, const OwnHingeSpring*> lines = byTiles(all.own);
   std::vector<HingeSpring> springs;
   for (const Hinge& hinge : found.hinges) {
@@ -399,11 +571,9 @@ std::vector<HingeSpring> hingeSprings(const Scene& scene, const std::vector<Bric
       // What is left of the file in the end names no hinge, and is refused.
       lines.erase(line);
     }
-    const std::optional<double> rest = own.rest ? own.rest : all.rest;
-    const double usualRest = fileAngle(scene.model, hinge).value_or(hinge.start);
-    const HingeSpring spring{hinge,
-                             own.stiffness.value_or(stiffnessOf(all, hinge, bricks, scene.brick)),
-                             rest.value_or(usualRest), own.damping.value_or(all.damping)};
+    const std::optional<double> rest = own.rest || usual.isBend(hinge) ? own.rest : all.rest;
+    const HingeSpring spring{hinge, own.stiffness.value_or(usual.stiffness(hinge)),
+                             rest.value_or(usual.rest(hinge)), own.damping.value_or(all.damping)};
     if (spring.stiffness == 0 && spring.damping == 0) continue;
     if (rest) requireRoomAtRest(spring, own.rest ? &own : nullptr, scene.model);
     springs.push_back(spring);

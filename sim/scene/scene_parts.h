@@ -28,6 +28,12 @@ struct SceneParts {
 /// files that hold no target of this model and for numbers that name no tile or vertex.
 void completeScene(const SceneParts& parts, Scene& scene, std::vector<std::string>& warnings);
 
+/// Splits tiles of a completed scene, in the numbers of the model's file, all when empty: see
+/// splitTiles() of a model. Pins and speeds of a tile are those of all its parts. Throws InputError
+/// for a tile that does not exist, and where drags, other targets, grips or a file of hinges name
+/// tiles and their corners.
+void splitTiles(const std::vector<int>& tiles, Scene& scene);
+
 // ------------------------------------------------------------------------------------------------
 // Torsional springs at hinges: the file that lists them, and those of a scene.
 
@@ -42,11 +48,13 @@ std::vector<OwnHingeSpring> readHingeSprings(const std::filesystem::path& file, 
 
 /// The springs of a scene's hinges, in the order of findHinges(), and then of the folds between
 /// tiles whose common corners are joined by way of others: those with a stiffness or a damping.
+/// Where scene.hinges has panels, the stiffness between parts of one tile is bendStiffness(), at
+/// rest as they stand, and that of folds, unless given, foldStiffness() of their common edges.
 /// Their rest angle is that of the line, else that of all hinges, else at a fold that of the
 /// model's file (Model::foldAngles), else the angle at the start. `bricks` are the scene's. Throws
-/// InputError where nothing has an axis to turn about, where a line of the file names no hinge, and
-/// where bricks would lie in each other at the rest angle. Empty where scene.hinges asks for
-/// nothing. Costs about O(joints log joints).
+/// InputError where springs of hinges are asked for and nothing has an axis, where a line of the
+/// file names no hinge, and where bricks would lie in each other at the rest angle. Empty where
+/// scene.hinges asks for nothing. Costs about O(joints log joints).
 std::vector<HingeSpring> hingeSprings(const Scene& scene, const std::vector<Brick>& bricks);
 
 // ------------------------------------------------------------------------------------------------

@@ -273,13 +273,14 @@ SettingGroup hingeSettings() {
            .with(hasNecks, "--hinge-neck"),
        special(
            "panels", "E[,NU[,LENGTH]]", "",
-           "tiles that stretch and bend, as bars and hinges: Young's modulus in Pa, Poisson's "
-           "ratio (0.3), and the length scale of folds in metres, which says their stiffness; "
-           "with [[grip]]",
+           "tiles that stretch and bend with [[grip]], as bars and hinges, and that bend in motion "
+           "where --split-tiles splits them: Young's modulus in Pa, Poisson's ratio (0.3), and the "
+           "length scale of folds in metres, which says their stiffness",
            [](Scene& scene, const TypedValue& typed) { scene.hinges.panels = parsePanels(typed); },
            [](const Scene& scene) {
              return scene.hinges.panels ? panelsText(*scene.hinges.panels) : "";
-           }),
+           })
+           .with(isDirect, kDirect),
        hingeRest().with(hasHingeSprings, "--hinge-stiffness, --hinge-neck or --hinge-file"),
        number<&Scene::hinges, &HingeSettings::damping>("hinge_damping", kFromZero, "N*M*S/RAD",
                                                        "damping of the hinges' angles")

@@ -151,6 +151,12 @@ void writeJoints(ArrayWriter& file, const std::vector<Joint>& joints) {
                     std::string("tile a, vertex a, tile b, vertex b, face (1 bottom, 2 top, 3 "
                                 "both), kind (0 pivot, 1 link, 2 fixed)"));
   writePoints(file, "model/joint_apart", apart);
+  std::vector<int> within;
+  for (std::size_t k = 0; k < joints.size(); ++k) {
+    if (joints[k].isWithinTile) within.push_back(static_cast<int>(k));
+  }
+  if (within.empty()) return;
+  file.write("model/joints_within_tiles", std::span<const int>(within), {within.size()});
 }
 
 // How many vertices each tile has: what splits the flat list of vertices into tiles again.
@@ -636,6 +642,14 @@ class SubjectReader {
                         static_cast<JointFace>(within(row[4], 1, 3, "face")),
                         static_cast<JointKind>(within(row[5], 0, 2, "kind")),
                         Vector3(&apart[3 * k])});
+    }
+    if (!file_.has("model/joints_within_tiles")) return joints;
+    for (const int joint : file_.integers("model/joints_within_tiles")) {
+      if (joint < 0 || static_cast<std::size_t>(joint) >= count) {
+        file_.refuse(
+            fmt::format("model/joints_within_tiles names joint {}, which is not there", joint));
+      }
+      joints[static_cast<std::size_t>(joint)].isWithinTile = true;
     }
     return joints;
   }

@@ -10,6 +10,8 @@
 ///       vertices, target      vertices x 3     m; tile by tile; target only if there is one
 ///       joints                joints x 6       tile, vertex, tile, vertex, face, kind
 ///       joint_apart           joints x 3       m, corner b to a, of links and fixed joints
+///       joints_within_tiles   rows of joints   whose two are parts of one tile that bends; only if
+///                                              there are some
 ///       pulled_tiles          (only if given)
 ///     bricks/                 attributes rule_thickness, rule_mass, rule_density
 ///       bottom, top           vertices x 3     m, brick axes

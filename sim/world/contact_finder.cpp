@@ -154,8 +154,11 @@ bool ContactFinder::Internals::mayTouch(int a, int b) const {
   // b has the larger number, so that an obstacle among the two is b. Obstacles do not meet each
   // other.
   if (bodies.partOf(b)) return !bodies.partOf(a);
-  return environment.contacts == ContactFilter::All ||
-         (environment.contacts == ContactFilter::Unjoined && !joined.contains({a, b}));
+  const ContactFilter contacts = environment.contacts;
+  if (contacts != ContactFilter::All && contacts != ContactFilter::Unjoined) return false;
+  const auto corners = joined.find({a, b});
+  if (corners == joined.end()) return true;
+  return contacts == ContactFilter::All && !corners->second.areOneTile;
 }
 
 // Takes notice of a move; the list of near pairs changes seldom.

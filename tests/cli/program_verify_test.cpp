@@ -172,6 +172,29 @@ TEST(VerifyLigaments, NoticesThoseThatAreAnother) {
   EXPECT_TRUE(verifyRun(run).complaints.empty());
 }
 
+// Tiles that bend under their weight: what their diagonals hold is in the summary, and verify finds
+// the same of it and of overlaps, which parts of a tile do not count in.
+TEST(VerifyBendingTiles, AgreesWithTheirRun) {
+  const ScratchFolder scratch;
+  const std::string run = scratch / "run";
+  const ProgramEnd end = runKirireel({"simulate",      shippedModel("tessellation_4x4").string(),
+                                      "--split-tiles", "all",
+                                      "--panels",      "3e7",
+                                      "--gravity",     "0,0,-9.81",
+                                      "--pin",         "0",
+                                      "--actuation",   "none",
+                                      "--contacts",    "all",
+                                      "--duration",    "0.2",
+                                      "--fps",         "10",
+                                      "--out",         run});
+  ASSERT_EQ(end.exitCode, 0) << end.err;
+  const auto summary = nlohmann::json::parse(readText(std::filesystem::path(run) / "summary.json"));
+  EXPECT_EQ(summary["elasticity"]["springs"], 16);
+  EXPECT_GT(summary["elasticity"]["energy_end"], 0);
+  const ProgramEnd verified = runKirireel({"verify", run});
+  EXPECT_EQ(verified.exitCode, 0) << verified.out;
+}
+
 TEST_F(Verify, LooksAtNothingOutsideTheFolder) {
   const std::string summary = readText(folder() / "summary.json");
   for (const std::string name : {"/proc/kcore", "../final.obj", ""}) {

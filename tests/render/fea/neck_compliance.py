@@ -107,7 +107,7 @@ def solve(lines, loads, held, step="*STEP\n*STATIC\n"):
 def main():
     lines, nodes, sets = read(sys.argv[1])
     width = float(sys.argv[2])
-    tiles = [shares(nodes, cells) for _, cells in sorted(sets.items())]
+    tiles = [shares(nodes, cells) for name, cells in sorted(sets.items()) if name[:4] == "TILE"]
     rows = [{}, {}, {}]
     for area, sign in zip(tiles, (-1, 1)):
         for row, part in zip(rows, motion(nodes, area, sign)):

@@ -162,7 +162,7 @@ TEST(StatePainter, RefusesAScaleBarInPerspective) {
                InputError);
 }
 
-TEST(StatePainter, ShowsAnotherMotifAsANewStudioWould) {
+TEST(StatePainter, ShowsOtherContentAsANewPainterWould) {
   Look dark;
   dark.theme = Theme::Dark;
   dark.colouring = Colouring::TargetError;

@@ -262,9 +262,19 @@ TEST(Loading, RefusesWhatBarsAndHingesDoNotKnow) {
   scene.grips[1].corners.clear();
   scene.grips[1].turn = 0.1;
   EXPECT_THAT(refusalOf(scene), HasSubstr("tiles that bend have no turn of their own"));
-  scene = liftedFold();
-  scene.grips.clear();
-  EXPECT_THAT(refusalOf(scene), HasSubstr("--panels needs grips"));
+}
+
+// An edge of two pieces is one fold, whose stiffness both have together.
+TEST(Loading, FoldsOfTwoEdgesAreOneHinge) {
+  Scene scene = liftedFold();
+  scene.model.tiles = {Tile{{{0, 0, 0}, {1, 0, 0}, {1, 0.3, 0}, {1, 1, 0}, {0, 1, 0}}},
+                       Tile{{{1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 0.3, 0}}}};
+  scene.model.joints = {{{0, 1}, {1, 0}}, {{0, 2}, {1, 4}}, {{0, 3}, {1, 3}}};
+  scene.grips[0].corners = {{0, 0}, {0, 1}, {0, 2}, {0, 3}, {0, 4}};
+  const DeploymentResult run = deploy(scene, 0.5, nullptr);
+  EXPECT_EQ(run.outcome, Outcome::Settled) << run.reason;
+  const double angle = std::asin(0.6);
+  EXPECT_NEAR(run.loadCurve->states.back().energy, 0.25 * angle * angle, 1e-5);
 }
 
 }  // namespace

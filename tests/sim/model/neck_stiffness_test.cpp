@@ -1,4 +1,5 @@
 #include <array>
+#include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
@@ -52,6 +53,29 @@ TEST(NeckStiffness, WithoutLengthIsThatOfItsTiles) {
   }
   // A long neck turns about its middle.
   EXPECT_NEAR(neckAxis(0.01, 10, squares(1)), 0.005, 1e-5);
+}
+
+// With a length the ends are what they are without one, but for what squares' lose with it.
+TEST(NeckStiffness, OfAnyTilesGoesFromTheirCornersToABeam) {
+  const double youngs = 2e9, thickness = 0.003, width = 0.02;
+  for (const double angle : {60.0, 90.0, 120.0}) {
+    const NeckCorner corner{angle * std::numbers::pi / 180, 1};
+    const auto stiffness = [&](double length) {
+      return neckStiffness(youngs, thickness, width, length, {corner, corner});
+    };
+    const CornerNeck shut = cornerNeck(youngs, thickness, width, {corner, corner});
+    EXPECT_NEAR(stiffness(0) / shut.bending, 1, 1e-12);
+    EXPECT_NEAR(stiffness(1e-7 * width) / shut.bending, 1, 1e-6);
+    const double beam = youngs * thickness * std::pow(width, 3) / (12 * 1000 * width);
+    EXPECT_NEAR(stiffness(1000 * width) / beam, 1, 3e-3);
+    EXPECT_NEAR(neckAxis(width, 0, {corner, corner}), shut.axis, 1e-12);
+    // Squares' own table, of tiles 50 widths wide.
+    if (angle != 90) continue;
+    EXPECT_NEAR(stiffness(width) / neckStiffness(youngs, thickness, width, width), 1, 2e-3);
+  }
+  // Acute tiles begin beyond the corner at the neck's ends, by L / 2 cot(60 degrees).
+  const NeckCorner acute{std::numbers::pi / 3, 1};
+  EXPECT_NEAR(neckAxis(0.001, 0.1, {acute, acute}), 0.05 / std::sqrt(3.0) + 0.0005, 3e-5);
 }
 
 TEST(NeckStiffness, FallsWithTheAnglesOfItsTiles) {

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <numeric>
 
 #include <gtest/gtest.h>
@@ -31,6 +32,7 @@ TEST(SplitTiles, PartsCoverTheSheetAndStayTogether) {
   const Model split = splitTiles(whole, {});
   EXPECT_EQ(split.tiles.size(), 32U);
   EXPECT_EQ(split.joints.size(), 24U + 2 * 16);
+  EXPECT_EQ(std::ranges::count_if(split.joints, &Joint::isWithinTile), 2 * 16);
   EXPECT_NEAR(area(split.tiles), area(whole.tiles), 1e-12);
   EXPECT_NEAR(area(*split.target), area(whole.tiles), 1e-12);
   EXPECT_LT(opening(split, split.tiles), 1e-15);

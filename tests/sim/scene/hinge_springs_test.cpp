@@ -197,6 +197,99 @@ TEST(FoldSprings, LeaveThePlane) {
   EXPECT_TRUE(sceneNeeds(scene).planar.on);
 }
 
+// What tiles are made of says how they bend where they are split, and folds by their length scale;
+// springs that are asked for by themselves are at the model's own hinges.
+TEST(PanelSprings, AreAsStiffAsTheirMaterial) {
+  const test::TemporaryFolder folder;
+  Scene scene = foldedByFile(folder, "[[0,1,4,5],[1,2,3,4]]");
+  scene.hinges.stiffness = 0;
+  scene.hinges.rest = 20 * kDegree;
+  scene.hinges.panels = PanelMaterial{2e9, 0.3, 0};
+  scene.model = splitTiles(scene.model, {});
+  const auto springs = [&] {
+    return hingeSprings(scene, makeBricks(scene.model.tiles, scene.brick));
+  };
+  const double plate = 2e9 * std::pow(0.02, 3) / (12 * 0.91);
+  const double bend = 0.55 * plate * std::cbrt(std::sqrt(2.0) / 0.02);
+  ASSERT_EQ(springs().size(), 2u);
+  for (const HingeSpring& spring : springs()) {
+    EXPECT_NEAR(spring.stiffness, bend, 1e-12 * bend);
+    EXPECT_EQ(spring.rest, spring.hinge.start);
+  }
+  const auto atFold = [&] {
+    for (const HingeSpring& spring : springs()) {
+      if (spring.rest == 20 * kDegree) return spring.stiffness;
+    }
+    return 0.0;
+  };
+  scene.hinges.panels->foldLength = 0.5;
+  ASSERT_EQ(springs().size(), 3u);
+  EXPECT_NEAR(atFold(), plate / 0.5, 1e-12 * plate);  // the edge is 1 m long
+  scene.hinges.stiffness = 7;
+  EXPECT_EQ(atFold(), 7);
+  scene.hinges.damping = 0.1;
+  for (const HingeSpring& spring : springs()) EXPECT_EQ(spring.damping, 0.1);
+}
+
+// Panels that touch at corners alone have no hinges, which is no mistake.
+TEST_F(HingeSpringsOfAScene, NeedNoHingesWhereTilesAlone) {
+  use(JointFace::Bottom);
+  scene_.hinges.panels = PanelMaterial{1e9, 0.3, 0.1};
+  EXPECT_TRUE(springs().empty());
+}
+
+TEST(SplitScenes, HoldAndMoveAllPartsOfATile) {
+  Scene scene;
+  scene.model = makeTessellation({});
+  scene.timeline = {{Occasion{}, timeline::Pin{{5}}, {"--pin"}},
+                    {Occasion{}, timeline::Unpin{{5, 6}}, {}}};
+  scene.velocities = {{{2, 5}, Vector3::UnitX(), Vector3::Zero(), {}}, {}};
+  splitTiles({5, 6}, scene);
+  EXPECT_EQ(std::get<timeline::Pin>(scene.timeline[0].action).tiles, (std::vector<int>{5, 16}));
+  EXPECT_EQ(std::get<timeline::Unpin>(scene.timeline[1].action).tiles,
+            (std::vector<int>{5, 16, 6, 17}));
+  EXPECT_EQ(scene.velocities[0].tiles, (std::vector<int>{2, 5, 16}));
+  EXPECT_TRUE(scene.velocities[1].tiles.empty());  // all
+  // Concave tiles are cut into ears, which are joined in any order.
+  Scene concave;
+  concave.model.tiles = {Tile{{{0, 0, 0},
+                               {1, 0.9, 0},
+                               {2, 0, 0},
+                               {1.1, 1, 0},
+                               {2, 2, 0},
+                               {1, 1.1, 0},
+                               {0, 2, 0},
+                               {0.9, 1, 0}}}};
+  concave.timeline = {{Occasion{}, timeline::Pin{{0}}, {"--pin"}}};
+  splitTiles({}, concave);
+  EXPECT_EQ(std::get<timeline::Pin>(concave.timeline[0].action).tiles,
+            (std::vector<int>{0, 1, 2, 3, 4, 5}));
+}
+
+TEST(SplitScenes, RefuseWhatNamesTilesOrTheirCorners) {
+  const auto refusal = [](Scene scene) -> std::string {
+    scene.model = makeTessellation({});
+    try {
+      splitTiles({}, scene);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  Scene scene;
+  scene.grips.emplace_back();
+  EXPECT_EQ(refusal(scene),
+            "error: --split-tiles gives tiles other numbers than drags, chains of targets, grips "
+            "and files of hinges name; leave one of them out");
+  scene.grips.clear();
+  EXPECT_EQ(refusal(scene), "accepted");
+  scene.timeline = {{Occasion{}, timeline::Drag{}, {}}};
+  EXPECT_THAT(refusal(scene), HasSubstr("other numbers"));
+  scene.timeline.clear();
+  scene.hinges.own.emplace_back();
+  EXPECT_THAT(refusal(scene), HasSubstr("other numbers"));
+}
+
 TEST_F(HingeSpringsOfAScene, RefuseLinesThatMakeNoSense) {
   const auto said = [&](const std::string& line) { return refusal(line + "\n"); };
   EXPECT_THAT(said("0 1 -2"), EndsWith("hinges.txt:1:5: error: '-2' is not a stiffness from 0 to "
