@@ -87,7 +87,8 @@ void judge(const Scene& scene, GeometricPath& found, ContactFilter wanted) {
   PenetrationMeter meter(bricks, pivots, scene.environment.pivotZone, states.front(), 0);
   found.grown = found.opening = 0;
   for (const Poses& state : states) {
-    found.grown = std::max(found.grown, meter.at(state).grown);
+    found.grownAtEnd = meter.at(state).grown;
+    found.grown = std::max(found.grown, found.grownAtEnd);
     if (!found.hasCompliantJoints) continue;
     found.opening = std::max(found.opening, jointGap(pivots, state).max);
   }
@@ -493,9 +494,10 @@ std::string endOf(const Scene& scene, const GeometricPath& found, double error) 
                       error)
                 : fmt::format("the path ends {:.3g} from the target", error);
   } else if (standsStill(scene, found.path)) {
-    words =
-        "the tiles are at full extension from the start: no small motion of the mechanism takes "
-        "them farther apart";
+    words = fmt::format(
+        "{}: no small motion of the mechanism takes them farther apart, so that nothing moves",
+        found.contacts == ContactFilter::None ? "the tiles are at full extension from the start"
+                                              : "the tiles hold each other at the start");
   }
   if (found.passesThrough) {
     words += fmt::format(", bricks pass through each other on it by up to {:.2g} m", found.grown);
