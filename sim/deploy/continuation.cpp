@@ -538,12 +538,14 @@ bool closeInPlace(Poses& poses, Dynamics& dynamics) {
   return true;
 }
 
-double pathDistance(const std::vector<Brick>& bricks, const Poses& from, const Poses& to) {
+double pathDistance(const std::vector<Brick>& bricks, const Poses& from, const Poses& to,
+                    double turnWeight) {
   double sum = 0;
   for (std::size_t i = 0; i < bricks.size(); ++i) {
     const double radius = gyrationRadius(bricks[i]);
-    sum += (to[i].position - from[i].position).squaredNorm() +
-           radius * radius * turnBetween(from[i].rotation, to[i].rotation).squaredNorm();
+    sum +=
+        (to[i].position - from[i].position).squaredNorm() +
+        turnWeight * radius * radius * turnBetween(from[i].rotation, to[i].rotation).squaredNorm();
   }
   return std::sqrt(sum / static_cast<double>(bricks.size()));
 }
@@ -612,6 +614,8 @@ constexpr int kPatience = 12;
 constexpr double kNoStart = 0.05;
 // Whether a path turns back is looked at in so many pieces.
 constexpr int kTurnPieces = 200;
+// Bricks that go straight from one state to another are looked at in these parts of the way.
+constexpr double kBetween[] = {0.25, 0.5, 0.75};
 
 /// Which states lie at even distances along a path, in so many pieces; the first and the last too.
 std::vector<std::size_t> evenStates(const MechanismPath& path, int pieces) {
@@ -624,6 +628,73 @@ std::vector<std::size_t> evenStates(const MechanismPath& path, int pieces) {
     if (state > found.back()) found.push_back(state);
   }
   return found;
+}
+
+/// Which states a path may have: those on which joints are open by at most `mostGap` metres and
+/// bricks overlap by no more than `mostGrown` metres beyond the start; infinity: by anything.
+class ClearStates {
+ public:
+  ClearStates(const Scene& scene, const std::vector<Brick>& bricks, const Poses& start,
+              double mostGap, double mostGrown)
+      : mostGap_(mostGap),
+        mostGrown_(mostGrown),
+        pivots_(makePivots(scene.model.joints, bricks)),
+        meter_(bricks, pivots_, scene.environment.pivotZone, start, 0) {}
+
+  bool contain(const Poses& poses) {
+    return jointGap(pivots_, poses).max <= mostGap_ &&
+           (std::isinf(mostGrown_) || meter_.at(poses).grown <= mostGrown_);
+  }
+
+ private:
+  double mostGap_;    // metres
+  double mostGrown_;  // likewise
+  std::vector<Pivot> pivots_;
+  PenetrationMeter meter_;
+};
+
+/// Where a path turns back: its moves from one state to a second, and on to a third, are opposed.
+struct Kink {
+  std::size_t before = 0;
+  std::size_t middle = 0;
+  std::size_t after = 0;
+};
+
+/// The first such place whose middle is the state `from` or a later one, for moves of about
+/// 1/kTurnPieces of the path.
+std::optional<Kink> nextKink(const std::vector<Brick>& bricks, const MechanismPath& path,
+                             std::size_t from) {
+  const double step = path.length() / kTurnPieces;
+  if (!(step > 0)) return std::nullopt;
+  Kink kink;
+  for (std::size_t k = from; k + 1 < path.states.size(); ++k) {
+    while (path.lengths[kink.before + 1] <= path.lengths[k] - step) ++kink.before;
+    kink.after = std::max(kink.after, k);
+    while (kink.after + 1 < path.states.size() &&
+           path.lengths[kink.after] < path.lengths[k] + step) {
+      ++kink.after;
+    }
+    if (path.lengths[k] - path.lengths[kink.before] < step) continue;
+    kink.middle = k;
+    const Poses& middle = path.states[k];
+    const double come = pathDistance(bricks, path.states[kink.before], middle);
+    const double go = pathDistance(bricks, middle, path.states[kink.after]);
+    // By the law of cosines the two moves are opposed.
+    const double both = pathDistance(bricks, path.states[kink.before], path.states[kink.after]);
+    if (both * both < come * come + go * go) return kink;
+  }
+  return std::nullopt;
+}
+
+/// Leaves out the states from `first` to the one before `last`.
+void leaveOut(const std::vector<Brick>& bricks, MechanismPath& path, std::size_t first,
+              std::size_t last) {
+  const double present = path.lengths[last] - path.lengths[first - 1];
+  const double saved = present - pathDistance(bricks, path.states[first - 1], path.states[last]);
+  for (std::size_t k = last; k < path.lengths.size(); ++k) path.lengths[k] -= saved;
+  const auto begin = static_cast<long>(first), end = static_cast<long>(last);
+  path.states.erase(path.states.begin() + begin, path.states.begin() + end);
+  path.lengths.erase(path.lengths.begin() + begin, path.lengths.begin() + end);
 }
 
 class Shortening {
@@ -727,21 +798,27 @@ bool isDetour(const Scene& scene, const MechanismPath& path) {
 }
 
 bool turnsBack(const Scene& scene, const MechanismPath& path) {
+  return nextKink(makeBricks(scene.model.tiles, scene.brick), path, 1).has_value();
+}
+
+MechanismPath withoutKinks(const Scene& scene, MechanismPath path, double mostGap,
+                           double mostGrown) {
   const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
-  const double step = path.length() / kTurnPieces;
-  std::size_t before = 0, after = 0;
-  for (std::size_t k = 1; k + 1 < path.states.size(); ++k) {
-    while (path.lengths[before + 1] <= path.lengths[k] - step) ++before;
-    while (after + 1 < path.states.size() && path.lengths[after] < path.lengths[k] + step) ++after;
-    if (path.lengths[k] - path.lengths[before] < step) continue;
-    const Poses& middle = path.states[k];
-    const double come = pathDistance(bricks, path.states[before], middle);
-    const double go = pathDistance(bricks, middle, path.states[after]);
-    // By the law of cosines the two moves are opposed.
-    const double both = pathDistance(bricks, path.states[before], path.states[after]);
-    if (both * both < come * come + go * go) return true;
+  ClearStates clear(scene, bricks, path.states.front(), mostGap, mostGrown);
+  std::size_t from = 1;
+  while (const std::optional<Kink> kink = nextKink(bricks, path, from)) {
+    const Poses& before = path.states[kink->before];
+    const Poses& after = path.states[kink->after];
+    const bool mayGoStraight = std::ranges::all_of(
+        kBetween, [&](double share) { return clear.contain(interpolate(before, after, share)); });
+    if (mayGoStraight) {
+      leaveOut(bricks, path, kink->before + 1, kink->after);
+      from = std::max<std::size_t>(1, kink->before);
+    } else {
+      from = kink->middle + 1;
+    }
   }
-  return false;
+  return path;
 }
 
 MechanismPath withShortcuts(const Scene& scene, MechanismPath path, double mostGrown,
@@ -754,10 +831,11 @@ MechanismPath withShortcuts(const Scene& scene, MechanismPath path, double mostG
 //
 // Images q_0 ... q_m of the path, the ends fixed, minimise the energy of a chain of springs
 //   E = sum over k of |q_(k+1) - q_k|^2 / h_k  with  c(q_k) = 0,  phi(q_k) >= 0,
-// h_k their distances at first and |.| the distance of pathDistance(). Where E is least the images
-// lie on a geodesic of the mechanism, straight but for joints and contacts, and evenly. The pull on
-// image k is d_k, from it to the weighted mean of its neighbours; the mechanism follows it by
-// P d_k, a move of the joint solver from rest. The images then move by u,
+// h_k their distances at first and |.| the distance of pathDistance(), in which turns may weigh
+// more than places. Where E is least the images lie on a geodesic of the mechanism, straight but
+// for joints and contacts, and evenly. The pull on image k is d_k, from it to the weighted mean of
+// its neighbours; the mechanism follows it by P d_k, a move of the joint solver from rest. The
+// images then move by u,
 //   (1 + a) w_k u_k - u_(k-1) / h_(k-1) - u_(k+1) / h_k = w_k P d_k,  w_k = 1 / h_(k-1) + 1 / h_k,
 // as far as the mechanism lets them. With a = 0 that is Newton's method in free space: what each
 // image finds is spread over the whole path, which moves of single images would need m^2 rounds
@@ -789,6 +867,8 @@ constexpr double kWedged = 0.25;
 constexpr double kLeastPull = 1e-4;
 // A detour that rounds make no shorter is moved by this part of a tile.
 constexpr double kNudgeShare = 0.1;
+// Images count as no nearer to each other than this part of their mean distance.
+constexpr double kLeastGap = 0.1;
 // Joints of an image may be open by this part of a tile.
 constexpr double kOpenImage = 1e-10;
 
@@ -821,40 +901,17 @@ void add(double factor, const Displacements& more, Displacements& to) {
   for (std::size_t i = 0; i < to.size(); ++i) to[i] += factor * more[i];
 }
 
-/// Which states a path may have: those with closed joints on which bricks overlap by no more than
-/// `mostGrown` metres beyond the start; infinity: by anything.
-class ClearStates {
- public:
-  ClearStates(const Scene& scene, const std::vector<Brick>& bricks, const Poses& start,
-              double mostGrown)
-      : mostGap_(kOpenImage * tileSize(scene.model)),
-        mostGrown_(mostGrown),
-        pivots_(makePivots(scene.model.joints, bricks)),
-        meter_(bricks, pivots_, scene.environment.pivotZone, start, 0) {}
-
-  bool contain(const Poses& poses) {
-    return jointGap(pivots_, poses).max <= mostGap_ &&
-           (std::isinf(mostGrown_) || meter_.at(poses).grown <= mostGrown_);
-  }
-
- private:
-  double mostGap_;    // metres
-  double mostGrown_;  // likewise
-  std::vector<Pivot> pivots_;
-  PenetrationMeter meter_;
-};
-
 class CurveShortening {
  public:
-  CurveShortening(const Scene& scene, MechanismPath path, double mostGrown, SearchBudget& budget,
-                  const PathObserver& goesOn)
+  CurveShortening(const Scene& scene, MechanismPath path, double turnWeight, double mostGrown,
+                  SearchBudget& budget, const PathObserver& goesOn)
       : scene_(withoutLoads(scene)),
         path_(std::move(path)),
-        spacing_(kImageShare * path_.length()),
+        turnWeight_(turnWeight),
         budget_(budget),
         goesOn_(goesOn),
         bricks_(makeBricks(scene.model.tiles, scene.brick)),
-        clear_(scene, bricks_, path_.states.front(), mostGrown),
+        clear_(scene, bricks_, path_.states.front(), kOpenImage * tileSize(scene.model), mostGrown),
         symmetries_(scene_, path_.symmetries) {
     takeImages();
   }
@@ -882,24 +939,35 @@ class CurveShortening {
 
   /// Takes a state near the start, the last, and states between at even distances.
   void takeImages() {
-    double next = kKeptImages * spacing_;
+    const double spacing = kImageShare * path_.length();
+    double next = kKeptImages * spacing;
     for (std::size_t k = 0; k + 1 < path_.states.size(); ++k) {
       const double length = path_.lengths[k];
-      if (length < next || path_.length() - length < 0.5 * spacing_) continue;
+      if (length < next || path_.length() - length < 0.5 * spacing) continue;
       if (images_.empty()) first_ = k;
-      take(k);
-      next = length + spacing_;
+      images_.push_back(path_.states[k]);
+      next = length + spacing;
     }
-    if (images_.empty()) take(0);
-    take(path_.states.size() - 1);
+    if (images_.empty()) images_.push_back(path_.states.front());
+    images_.push_back(path_.states.back());
+    takeGaps();
     longest_.assign(images_.size(), spacing_);
     mechanisms_.resize(images_.size());
   }
 
-  void take(std::size_t state) {
-    if (!images_.empty()) gaps_.push_back(path_.lengths[state] - last_);
-    images_.push_back(path_.states[state]);
-    last_ = path_.lengths[state];
+  /// Where the path turns back, images may lie near each other; a chain needs some distance.
+  void takeGaps() {
+    for (std::size_t k = 1; k < images_.size(); ++k) {
+      gaps_.push_back(distance(images_[k - 1], images_[k]));
+      spacing_ += gaps_.back();
+    }
+    spacing_ /= static_cast<double>(gaps_.size());
+    for (double& gap : gaps_) gap = std::max(gap, kLeastGap * spacing_);
+  }
+
+  /// Of two states in the metric of the chain, metres.
+  double distance(const Poses& from, const Poses& to) const {
+    return pathDistance(bricks_, from, to, turnWeight_);
   }
 
   /// The mechanism at an image. Contacts remember the image's own overlaps; where bricks never
@@ -908,7 +976,7 @@ class CurveShortening {
     const bool isOneForAll = !sceneNeeds(scene_).contacts.on;
     std::unique_ptr<Mechanism>& mechanism = mechanisms_[isOneForAll ? 0 : image];
     if (!mechanism) {
-      const ContinuationSettings even = {.turnWeight = 1};
+      const ContinuationSettings even = {.turnWeight = turnWeight_};
       mechanism = std::make_unique<Mechanism>(scene_, even, images_[image]);
     }
     return *mechanism;
@@ -917,8 +985,8 @@ class CurveShortening {
   double energyOf(const std::vector<Poses>& images) const {
     double energy = 0;
     for (std::size_t k = 1; k < images.size(); ++k) {
-      const double distance = pathDistance(bricks_, images[k - 1], images[k]);
-      energy += distance * distance / gaps_[k - 1];
+      const double length = distance(images[k - 1], images[k]);
+      energy += length * length / gaps_[k - 1];
     }
     return energy;
   }
@@ -929,7 +997,7 @@ class CurveShortening {
     const Poses& from = images_[image];
     double& longest = longest_[image];
     if (longest < kLeastPull * spacing_) return from;
-    const double whole = pathDistance(bricks_, from, displaced(from, by));
+    const double whole = distance(from, displaced(from, by));
     const double wanted = std::min(whole, longest);
     if (!(wanted > 0)) return from;
     Poses to = from;
@@ -982,7 +1050,7 @@ class CurveShortening {
     double farthest = 0;
     for (std::size_t j = 0; j < moves.size(); ++j) {
       const Poses& image = images_[j + 1];
-      farthest = std::max(farthest, pathDistance(bricks_, image, displaced(image, moves[j])));
+      farthest = std::max(farthest, distance(image, displaced(image, moves[j])));
     }
     const double longest = kLongestPull * spacing_;
     if (!(farthest > longest)) return;
@@ -1014,7 +1082,7 @@ class CurveShortening {
     for (std::size_t k = 1; k + 1 < images_.size(); ++k) {
       const double part = static_cast<double>(k) / static_cast<double>(images_.size() - 1);
       const Poses wide = spread(images_[k], 1);
-      const double whole = pathDistance(bricks_, images_[k], wide);
+      const double whole = distance(images_[k], wide);
       if (!(whole > 0)) continue;
       Displacements apart = displacementsBetween(images_[k], wide);
       scale(apart, 4 * part * (1 - part) * share * tileSize(scene_.model) / whole);
@@ -1056,7 +1124,8 @@ class CurveShortening {
 
   Scene scene_;
   MechanismPath path_;
-  double spacing_;  // of images, metres
+  double turnWeight_;
+  double spacing_ = 0;  // of images in the mean, metres; see distance()
   SearchBudget& budget_;
   const PathObserver& goesOn_;
   std::vector<Brick> bricks_;
@@ -1064,8 +1133,7 @@ class CurveShortening {
   SymmetricStates symmetries_;
   std::vector<Poses> images_;
   std::size_t first_ = 0;        // state that is an image
-  double last_ = 0;              // length of the path up to the last image, metres
-  std::vector<double> gaps_;     // between images along the path at first, metres
+  std::vector<double> gaps_;     // between images at first, metres; see distance()
   std::vector<double> longest_;  // move of each image, metres
   std::vector<std::unique_ptr<Mechanism>> mechanisms_;
   double caution_ = kFirstCaution;  // a
@@ -1073,13 +1141,13 @@ class CurveShortening {
 
 }  // namespace
 
-MechanismPath pulledTight(const Scene& scene, MechanismPath path, double mostGrown,
-                          SearchBudget& budget, const PathObserver& goesOn) {
+MechanismPath pulledTight(const Scene& scene, MechanismPath path, double turnWeight,
+                          double mostGrown, SearchBudget& budget, const PathObserver& goesOn) {
   double before = 0;
   do {
     before = path.length();
     if (!(before > 0)) return path;
-    path = CurveShortening(scene, std::move(path), mostGrown, budget, goesOn).find();
+    path = CurveShortening(scene, std::move(path), turnWeight, mostGrown, budget, goesOn).find();
   } while (path.length() < kShorter * before);
   return path;
 }

@@ -38,10 +38,12 @@ struct MechanismPath {
 };
 
 /// How far two states of the same bricks are apart, metres: the root of the mean over bricks of
-///   |dx|^2 + rho^2 |dphi|^2,
-/// dx the move of the centre of mass, dphi the turn in radians, and rho the root mean square
-/// distance of the brick's bottom vertices from its centre of mass.
-double pathDistance(const std::vector<Brick>& bricks, const Poses& from, const Poses& to);
+///   |dx|^2 + w rho^2 |dphi|^2,
+/// dx the move of the centre of mass, dphi the turn in radians, rho the root mean square distance
+/// of the brick's bottom vertices from its centre of mass, and w `turnWeight`: 1 in the length of a
+/// path.
+double pathDistance(const std::vector<Brick>& bricks, const Poses& from, const Poses& to,
+                    double turnWeight = 1);
 
 /// Closes joints as Dynamics::assemble() does, and leaves the bricks' common centre in its place:
 /// near singular states closing would carry the whole along, by rounding times its stiffness.
@@ -154,12 +156,21 @@ MechanismPath withShortcuts(const Scene& scene, MechanismPath path, double mostG
                             SearchBudget& budget, const PathObserver& goesOn = {});
 
 /// The path pulled tight along the mechanism, its ends held, among the contacts that the scene asks
-/// for: until it is about as short as any path nearby. Joints are exact, and no bricks overlap by
-/// more than `mostGrown` metres beyond their overlap at the start. The path keeps its symmetries.
+/// for: until it is about as short as any path nearby, where turns count by `turnWeight` as in
+/// pathDistance(). With the weight 1 that is the shortest path; the heavier turns are, the more
+/// evenly each tile turns, and the more regular a sheet looks on the way. Joints are exact, and no
+/// bricks overlap by more than `mostGrown` metres beyond their overlap at the start. The path keeps
+/// its symmetries.
 /// Ends early when the budget is spent or `goesOn`, which may be empty, returns false. Costs some
 /// tens of moves of each of about a hundred states.
-MechanismPath pulledTight(const Scene& scene, MechanismPath path, double mostGrown,
-                          SearchBudget& budget, const PathObserver& goesOn = {});
+MechanismPath pulledTight(const Scene& scene, MechanismPath path, double turnWeight,
+                          double mostGrown, SearchBudget& budget, const PathObserver& goesOn = {});
+
+/// A path with compliant joints without the places where it turns back: the states there are left
+/// out wherever bricks go straight past them, which may overlap by `mostGrown` metres beyond the
+/// start, and joints may be open by `mostGap` metres. Costs a look at some states for each place.
+MechanismPath withoutKinks(const Scene& scene, MechanismPath path, double mostGap,
+                           double mostGrown);
 
 // ------------------------------------------------------------------------------------------------
 // States of a recorded run between its samples.

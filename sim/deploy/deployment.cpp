@@ -185,14 +185,28 @@ void addOverlapWarning(const Scene& scene, DeploymentResult& result) {
                   grown, grown / tile));
 }
 
-/// Said of a path on which bricks pass through each other, with what would show or mend it.
+/// Said of a path on which bricks pass through each other, with what would show or mend it. Bricks
+/// that overlap where the path ends have no other way there; in the plane none gets room by being
+/// thinner.
 std::string passingThrough(const Scene& scene, const GeometricPath& path) {
-  return fmt::format(
-      "bricks pass through each other on the way, by up to {:.2g} m ({:.2g} tiles): no path among "
-      "touching bricks was found; thinner bricks (--thickness {:.2g}) or a longer --search may "
-      "have "
-      "one, and --contacts all shows where they lock",
-      path.grown, path.grown / tileSize(scene.model), 0.25 * scene.brick.thickness);
+  const double tile = tileSize(scene.model);
+  const std::string words = fmt::format(
+      "bricks pass through each other on the way, by up to {:.2g} m ({:.2g} tiles): ", path.grown,
+      path.grown / tile);
+  if (path.grownAtEnd > kClearShare * tile) {
+    return words + fmt::format(
+                       "they overlap by {:.2g} m where it ends, so that no path among touching "
+                       "bricks leads there; --contacts all shows how far they come",
+                       path.grownAtEnd);
+  }
+  const std::string thinner =
+      sceneNeeds(scene).planar.on
+          ? ""
+          : fmt::format("thinner bricks (--thickness {:.2g}) or ", 0.25 * scene.brick.thickness);
+  return words + fmt::format(
+                     "no path among touching bricks was found; {}a longer --search may have one, "
+                     "and --contacts all shows where they lock",
+                     thinner);
 }
 
 /// Runs the scene by its dynamics, along the path that is chosen for it.

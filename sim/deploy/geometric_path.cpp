@@ -4,7 +4,10 @@
 // contacts, where bricks overlapped on the way; with compliant joints, which open as little as they
 // can (each path found guides the next, with joints ten times as stiff). Every path that arrives is
 // judged: how deep bricks overlap beyond the start, how far joints open. One that is much longer
-// than its tiles' own motions, or turns back, is made shorter (continuation.cpp).
+// than its tiles' own motions, or turns back, is made shorter (continuation.cpp): first as far as
+// that makes tiles turn more evenly, so that a sheet looks regular on the way; a path that is as
+// short as can be often is not. Only one that stays a detour so is made as short as can be, if
+// that makes it none.
 //
 // A walk has an even pace: state k is reached at T L_k / L, L_k the path's length up to it
 // (pathDistance) and T the walking time. Samples lie between two states, with joints closed again.
@@ -57,6 +60,10 @@ constexpr double kParts = 5;
 constexpr double kAloneShare = 0.4;
 // Shortening a path that was found may cost this part of it.
 constexpr double kShorteningShare = 0.25;
+// Of turns against places, times rho^2, in what a shorter path is: at first, where tiles turn
+// evenly, then in the length itself.
+constexpr double kEvenTurns = 10;
+constexpr double kPlainLength = 1;
 // An extension shorter than this part of a tile is none.
 constexpr double kLeastExtension = 1e-3;
 
@@ -80,7 +87,8 @@ void judge(const Scene& scene, GeometricPath& found, ContactFilter wanted) {
   PenetrationMeter meter(bricks, pivots, scene.environment.pivotZone, states.front(), 0);
   found.grown = found.opening = 0;
   for (const Poses& state : states) {
-    found.grown = std::max(found.grown, meter.at(state).grown);
+    found.grownAtEnd = meter.at(state).grown;
+    found.grown = std::max(found.grown, found.grownAtEnd);
     if (!found.hasCompliantJoints) continue;
     found.opening = std::max(found.opening, jointGap(pivots, state).max);
   }
@@ -101,22 +109,37 @@ void judge(const Scene& scene, GeometricPath& found) {
   judge(scene, found, scene.environment.contacts);
 }
 
-/// Shortens a path with exact joints that is a detour or turns back, at a part of the budget.
-/// Bricks overlap no deeper on it than before, or than counts as clear; where no contacts are
-/// wanted, they may overlap.
+/// A path pulled tight so that tiles turn evenly on it; where it is a detour so and none when it is
+/// as short as can be, as short as can be.
+MechanismPath evenlyTight(const Scene& scene, MechanismPath path, double mostGrown,
+                          SearchBudget& budget, const PathObserver& goesOn) {
+  path = pulledTight(scene, std::move(path), kEvenTurns, mostGrown, budget, goesOn);
+  if (!isDetour(scene, path)) return path;
+  MechanismPath shortest = pulledTight(scene, path, kPlainLength, mostGrown, budget, goesOn);
+  return isDetour(scene, shortest) ? path : shortest;
+}
+
+/// Shortens a path that is a detour or turns back, at a part of the budget. Bricks overlap no
+/// deeper on it than before, or than counts as clear; where no contacts are wanted, they may
+/// overlap. Compliant joints open no farther; their path is only cleared of the places where it
+/// turns back.
 void shorten(const Scene& scene, GeometricPath& found, ContactFilter wanted, SearchBudget& budget,
              const PathObserver& goesOn) {
-  if (found.hasCompliantJoints) return;
-  if (!isDetour(scene, found.path) && !turnsBack(scene, found.path)) return;
+  const bool isBack = turnsBack(scene, found.path);
+  if (!isBack && (found.hasCompliantJoints || !isDetour(scene, found.path))) return;
+  const double mostGrown = wanted == ContactFilter::None
+                               ? std::numeric_limits<double>::infinity()
+                               : std::max(found.grown, kClearShare * tileSize(scene.model));
+  if (found.hasCompliantJoints) {
+    found.path = withoutKinks(scene, std::move(found.path), found.opening, mostGrown);
+    return judge(scene, found, wanted);
+  }
   Scene touching = scene;
   // Bricks that did not meet may do so on a shorter path.
   const bool mayMeet = areKeptApart(wanted) && !found.passesThrough;
   touching.environment.contacts = mayMeet ? ContactFilter::All : found.contacts;
-  const double mostGrown = wanted == ContactFilter::None
-                               ? std::numeric_limits<double>::infinity()
-                               : std::max(found.grown, kClearShare * tileSize(scene.model));
   SearchBudget part(std::min(budget.left() / kWorkPerSecond, kShorteningShare * budget.seconds()));
-  found.path = pulledTight(touching, std::move(found.path), mostGrown, part, goesOn);
+  found.path = evenlyTight(touching, std::move(found.path), mostGrown, part, goesOn);
   if (isDetour(scene, found.path)) {
     found.path = withShortcuts(touching, std::move(found.path), mostGrown, part, goesOn);
   }
@@ -258,6 +281,8 @@ class GeometricSearch {
       if (best || isOver_) break;
     }
     if (!best) return;
+    shorten(scene_, *best, scene_.environment.contacts, budget_,
+            [&](double) { return tell(kShortening); });
     best->reason = fmt::format(
         "a path of the mechanism with compliant joints, which open by up to {:.2g} m ({:.2g} "
         "tiles): none with exact joints was found",
@@ -469,9 +494,10 @@ std::string endOf(const Scene& scene, const GeometricPath& found, double error) 
                       error)
                 : fmt::format("the path ends {:.3g} from the target", error);
   } else if (standsStill(scene, found.path)) {
-    words =
-        "the tiles are at full extension from the start: no small motion of the mechanism takes "
-        "them farther apart";
+    words = fmt::format(
+        "{}: no small motion of the mechanism takes them farther apart, so that nothing moves",
+        found.contacts == ContactFilter::None ? "the tiles are at full extension from the start"
+                                              : "the tiles hold each other at the start");
   }
   if (found.passesThrough) {
     words += fmt::format(", bricks pass through each other on it by up to {:.2g} m", found.grown);

@@ -20,6 +20,7 @@ struct GeometricPath {
   /// Bricks may touch, yet pass through each other: no other path was found.
   bool passesThrough = false;
   double grown = 0;                 ///< deepest overlap of any pair beyond its start, metres
+  double grownAtEnd = 0;            ///< the same in the last state
   bool hasCompliantJoints = false;  ///< no path with exact joints was found
   double opening = 0;               ///< of compliant joints, the largest on the path, metres
 };
