@@ -23,11 +23,11 @@
 #include "sim/base/interruption.h"
 #include "sim/deploy/assembled_state.h"
 #include "sim/deploy/dynamics.h"
-#include "sim/deploy/forces.h"
 #include "sim/deploy/geometric_path.h"
 #include "sim/deploy/loading.h"
 #include "sim/deploy/path_choice.h"
 #include "sim/deploy/run.h"
+#include "sim/deploy/run_drive.h"
 #include "sim/scene/scene_parts.h"
 #include "sim/scene/settings.h"
 

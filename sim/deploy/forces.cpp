@@ -1,5 +1,4 @@
-// The choice of a drive. Springs to a target are not made here: a run moves their target on,
-// stiffens them and switches them, so that it keeps them itself.
+// The forces that drive bricks, each in a section of its own with its equations.
 #include "sim/deploy/forces.h"
 
 #include <algorithm>
@@ -13,22 +12,6 @@
 #include "sim/model/model.h"
 
 namespace kirireel {
-
-std::unique_ptr<DriveForce> makeDriveForce(const Scene& scene, const std::vector<Brick>& bricks) {
-  const TargetSpringSettings strength = springsOf(scene);
-  switch (scene.actuation.drive) {
-    case Drive::Expansion:
-      return std::make_unique<Expansion>(bricks, strength);
-    case Drive::Boundary:
-      return std::make_unique<BoundarySprings>(scene.model, bricks, strength,
-                                               scene.actuation.boundary);
-    case Drive::Auto:
-    case Drive::Target:
-    case Drive::None:
-      break;
-  }
-  return nullptr;
-}
 
 // ------------------------------------------------------------------------------------------------
 // Springs from the hull's corners to an ellipse. With the middle m of the hull's corners and the

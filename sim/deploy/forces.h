@@ -39,10 +39,6 @@ class DriveForce {
   virtual bool isEndless() const = 0;
 };
 
-/// The drive that a scene asks for; null where that is the target or nothing. Scene and bricks must
-/// outlive it. Throws InputError where the model does not have what the drive needs.
-std::unique_ptr<DriveForce> makeDriveForce(const Scene& scene, const std::vector<Brick>& bricks);
-
 // ------------------------------------------------------------------------------------------------
 // Expansion: every brick is pushed away from the common centre (PyKirigami's --cm_expansion).
 
