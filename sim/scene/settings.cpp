@@ -255,7 +255,9 @@ SettingGroup hingeSettings() {
            [](Scene& scene, const TypedValue& typed) { scene.hinges.panels = parsePanels(typed); },
            [](const Scene& scene) {
              return scene.hinges.panels ? panelsText(*scene.hinges.panels) : "";
-           }),
+           })
+           .needsSpace([](const Scene& scene) { return scene.hinges.panels.has_value(); },
+                       "tiles bend"),
        hingeRest().with(hasHingeSprings, "--hinge-stiffness, --hinge-neck or --hinge-file"),
        number<&Scene::hinges, &HingeSettings::damping>("hinge_damping", kFromZero, "N*M*S/RAD",
                                                        "damping of the hinges' angles")
@@ -439,6 +441,12 @@ Setting Setting::with(bool (*holds)(const Scene&), const char* needed) && {
   return std::move(*this);
 }
 
+Setting Setting::needsSpace(bool (*holds)(const Scene&), const char* why) && {
+  isSpatial = holds;
+  space = why;
+  return std::move(*this);
+}
+
 Setting Setting::needsDynamics(const char* why) && {
   dynamics = why;
   return std::move(*this);
@@ -475,6 +483,15 @@ void requireRanges(const Scene& scene) {
       if (!text.empty()) setting.read(read, {setting.key, text});
     }
   }
+}
+
+std::string whySpace(const Scene& scene) {
+  for (const SettingGroup& group : sceneSettings()) {
+    for (const Setting& setting : group.settings) {
+      if (setting.isSpatial && setting.isSpatial(scene)) return setting.space;
+    }
+  }
+  return "";
 }
 
 std::string whyDynamics(const Scene& scene) {

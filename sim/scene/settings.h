@@ -148,9 +148,14 @@ struct Setting {
   /// it needs none for that.
   std::string dynamics;
   std::vector<Condition> conditions;  ///< the first that does not hold is told
+  /// Whether a scene has to be in space for it; null: never.
+  bool (*isSpatial)(const Scene&) = nullptr;
+  std::string space;  ///< why, as in "tiles bend"
 
   /// The setting with a condition more.
   Setting with(bool (*holds)(const Scene&), const char* needed) &&;
+  /// The setting as one that may need space: where `holds`, for this reason.
+  Setting needsSpace(bool (*holds)(const Scene&), const char* why) &&;
   /// The setting as one of dynamics.
   Setting needsDynamics(const char* why) &&;
 
@@ -175,6 +180,9 @@ const Setting& sceneSetting(const std::string& key);
 /// Throws InputError for the first number of a scene that is out of its range.
 /// Words and switches cannot be out of range; texts such as file names are not looked at.
 void requireRanges(const Scene& scene);
+
+/// Why the settings of a scene need three dimensions; empty where a planar one serves them.
+std::string whySpace(const Scene& scene);
 
 /// Why the settings of a scene need dynamics; empty where a path that is geometry serves them.
 std::string whyDynamics(const Scene& scene);
