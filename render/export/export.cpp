@@ -245,7 +245,7 @@ class Exporter {
       ElementMesh mesh =
           makeElementMesh(subject_.bricks, subject_.model.joints, sample.poses, elements_);
       // Springs that find no patches are left out; exportWarnings() has said so.
-      addHingeSprings(mesh, subject_.hingeSprings, sample.poses);
+      addHingeSprings(mesh, hingeSpringsOf(subject_.pairForces), sample.poses);
       const DeckOrigin origin = originOf(state.label, sample);
       std::string sets;
       // The drive is written first: its sets of nodes belong to the end of the mesh deck.
@@ -558,7 +558,7 @@ std::vector<std::string> exportWarnings(const TrajectoryReader& trajectory,
                     bricks.size(), usualPerEdge(bricks, settings.elements)));
   }
   if (!wants(settings, kDeck)) return lines;
-  const std::vector<HingeSpring>& springs = trajectory.subject().hingeSprings;
+  const std::vector<HingeSpring>& springs = hingeSpringsOf(trajectory.subject().pairForces);
   const bool hasSprings = std::ranges::any_of(springs, [](auto& one) { return one.stiffness > 0; });
   // Only patches have rotations that a spring can join.
   if (hasSprings && settings.elements.joints != JointStyle::Patch) {
@@ -566,7 +566,7 @@ std::vector<std::string> exportWarnings(const TrajectoryReader& trajectory,
         "warning: these decks are without the run's springs at hinges, which stand between rigid "
         "patches; choose --joints patch");
   }
-  if (!trajectory.subject().ligaments.empty()) {
+  if (!ligamentsOf(trajectory.subject().pairForces).empty()) {
     lines.emplace_back(
         "warning: these decks join tiles exactly, where the run's ligaments stretch and shear; "
         "--joints neck has the start with its necks");

@@ -545,8 +545,9 @@ Colourist::Colourist(const Look& look, const Motif& motif)
         "error: the model has no target, so there is no target error to show; give another "
         "--colour or add target.txt");
   }
-  if ((colouring_ == Colouring::Moment || colouring_ == Colouring::Energy) &&
-      motif.hingeSprings.empty()) {
+  const bool isPulled = colouring_ == Colouring::Moment ? !hingeSpringsOf(motif.pairForces).empty()
+                                                        : !motif.pairForces.empty();
+  if ((colouring_ == Colouring::Moment || colouring_ == Colouring::Energy) && !isPulled) {
     throw InputError(
         "error: the hinges have no springs, so there is no moment or energy to show; give another "
         "--colour or add --hinge-stiffness or --hinge-neck");
@@ -659,9 +660,9 @@ std::vector<double> Colourist::values(const Poses& poses) const {
       return degrees;
     }
     case Colouring::Moment:
-      return brickMoments(motif_.hingeSprings, motif_.ligaments, poses);
+      return brickMoments(motif_.pairForces, poses);
     case Colouring::Energy:
-      return brickElasticEnergies(motif_.hingeSprings, motif_.ligaments, poses);
+      return brickElasticEnergies(motif_.pairForces, poses);
     default:
       return brickJointGaps(motif_.pivots, poses);
   }

@@ -165,8 +165,7 @@ struct Motif {
   std::vector<Brick> bricks;
   Poses start;                              ///< one a brick
   std::vector<Pivot> pivots;                ///< of all joints
-  std::vector<HingeSpring> hingeSprings;    ///< of the bricks' hinges
-  std::vector<Ligament> ligaments;          ///< each at a spring's hinge
+  PairForces pairForces;                    ///< springs at hinges, ligaments, ...
   std::optional<std::vector<Tile>> target;  ///< one tile a brick, world axes
   std::optional<double> groundHeight;       ///< z of the scene's ground, if it has one, metres
   std::vector<Tile> obstacles;              ///< faces of what stays where it is, world axes

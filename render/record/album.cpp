@@ -100,8 +100,7 @@ bool seesRun(const TrajectoryReader& run, const Stage& stage) {
 
 Motif motifOf(const Subject& subject) {
   Motif motif = makeMotif(subject.model, subject.brickRule, subject.ground);
-  motif.hingeSprings = subject.hingeSprings;
-  motif.ligaments = subject.ligaments;
+  motif.pairForces = subject.pairForces;
   motif.obstacles = subject.obstacles;
   return motif;
 }

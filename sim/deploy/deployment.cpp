@@ -66,9 +66,8 @@ void requireSense(const Scene& scene, double sampleInterval) {
   if (scene.model.tiles.empty())
     throw InputError("the model has no tiles; add one to vertices.txt");
   const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
-  const std::vector<HingeSpring> springs = hingeSprings(scene, bricks);
-  if (scene.grips.empty()) static_cast<void>(dynamicTies(scene, bricks, springs));
   // What these throw shall be thrown before a search that may take minutes.
+  static_cast<void>(scene.grips.empty() ? dynamicTies(scene, bricks) : Ties{});
   static_cast<void>(makeDriveForce(scene, bricks));
 }
 

@@ -37,7 +37,7 @@ struct GripOrder {
 /// foldStiffness(), at rest at the start. Throws InputError for joints on both faces, fixed tiles,
 /// springs at hinges that are no common edge of two tiles, and grips that turn.
 std::unique_ptr<LoadedSheet> makeBarHingeSheet(const Scene& scene, const std::vector<Brick>& bricks,
-                                               const std::vector<HingeSpring>& springs,
+                                               const PairForces& pairForces,
                                                const std::vector<int>& pinned,
                                                const std::vector<GripOrder>& grips);
 

@@ -148,7 +148,7 @@ RunDrive::RunDrive(const SceneBricks& bricks, const StepClock& clock)
 
 // Joints that give while the tiles are led close again; on a straight path they stay as they are.
 bool RunDrive::jointsGive() const {
-  if (!bricks_.ties.ligaments.empty()) return true;
+  if (bricks_.ties.pairForces.replaceJoints()) return true;
   const PathSettings& path = bricks_.scene.path;
   return path.jointsGive() && (isOnPath() || path.kind == PathKind::Straight);
 }

@@ -13,7 +13,6 @@
 #include "sim/deploy/dynamics.h"
 #include "sim/deploy/run_figures.h"
 #include "sim/model/brick.h"
-#include "sim/model/hinge.h"
 #include "sim/scene/scene.h"
 #include "sim/scene/scene_parts.h"
 
@@ -24,15 +23,14 @@ namespace kirireel {
 
 /// The bricks of a scene, how they are joined, and what follows from both.
 struct SceneBricks {
-  /// The scene must outlive this, its path be chosen (not Auto). Throws InputError for springs,
-  /// ligaments and needs that the scene cannot have.
+  /// The scene must outlive this, its path be chosen (not Auto). Throws InputError for forces
+  /// between pairs and needs that the scene cannot have.
   explicit SceneBricks(const Scene& given);
 
   const Scene& scene;
-  std::vector<Brick> bricks;              ///< one a tile
-  std::vector<Pivot> pivots;              ///< of all joints
-  std::vector<HingeSpring> hingeSprings;  ///< of the bricks' hinges
-  Ties ties;                              ///< exact pivots, ligaments in the place of the others
+  std::vector<Brick> bricks;  ///< one a tile
+  std::vector<Pivot> pivots;  ///< of all joints
+  Ties ties;  ///< exact pivots, ligaments in the place of the others, and what else acts in pairs
   Needs needs;
   double size = 0;      ///< of the model, metres
   double tileSize = 0;  ///< metres

@@ -12,7 +12,7 @@
 #include "sim/base/step_report.h"
 #include "sim/model/brick.h"
 #include "sim/model/contact.h"
-#include "sim/model/hinge.h"
+#include "sim/model/pair_force.h"
 
 namespace kirireel {
 
@@ -28,9 +28,9 @@ struct JointSolverSettings {
   bool planar = false;     ///< three degrees of freedom a brick (x, y, turn about z)
   double lengthScale = 1;  ///< a typical tile edge, metres: tolerances refer to it
   std::vector<Support> supports;
-  std::vector<HingeSpring> hingeSprings;  ///< implicit in the step
-  /// In the plane alone: implicit in the step, which finds its end by Newton's method.
-  std::vector<Ligament> ligaments;
+  /// Implicit in the step, which finds its end by Newton's method unless they are springs at hinges
+  /// alone. Ligaments ask for the plane.
+  PairForces pairForces;
 };
 
 /// Writes the load on every brick at the given poses; `loads` has one entry a brick, to be
@@ -102,7 +102,7 @@ class JointSolver {
   virtual StepReport eulerStep(Motion& motion, double step, const LoadSource& loads,
                                LoadGain& given) = 0;
 
-  /// What the motion holds, and springs at hinges and ligaments at its poses, joules.
+  /// What the motion holds, and the forces between pairs at its poses, joules.
   virtual double energy(const Motion& motion) const = 0;
 
   /// The largest speed along their planes that points of contacts, and supports, have at the start

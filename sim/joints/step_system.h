@@ -12,6 +12,7 @@
 #include "sim/model/brick.h"
 #include "sim/model/contact.h"
 #include "sim/model/hinge.h"
+#include "sim/model/pair_force.h"
 
 namespace kirireel {
 
@@ -221,68 +222,9 @@ Iterator endOfPlane(Iterator first, Iterator end) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Ligaments as a part of a step's matrices.
-
-/// The energy E of ligaments in the plane along a step of h seconds from poses q with velocities x,
-/// as a quadratic function of x,
-///   E(q + h x) ~ E + h g^T (x - x0) + h^2 (x - x0)^T K (x - x0) / 2,
-/// about velocities x0. All of pairs of bricks, in their six coordinates.
-class LigamentBlocks {
- public:
-  using Vector = Eigen::VectorXd;
-
-  /// K: the second derivative, or that without what is negative of it. With the latter each minimum
-  /// is one, and Newton's steps lead downhill; but it has kinks where a ligament buckles, on which
-  /// the orders of extrapolated steps are lost.
-  enum class Curvature { Whole, Convex };
-
-  /// What one ligament adds to a step.
-  struct LigamentBlock {
-    Vector6 force = Vector6::Zero();   ///< to f: -h g + h^2 K x0, N s and N m s
-    Matrix6 weight = Matrix6::Zero();  ///< to A: h^2 K
-  };
-
-  LigamentBlocks() = default;
-  /// `lengthScale` in metres makes turning and moving comparable.
-  LigamentBlocks(std::vector<Ligament> ligaments, double lengthScale)
-      : ligaments_(std::move(ligaments)), lengthScale_(lengthScale), blocks_(ligaments_.size()) {}
-
-  bool empty() const { return ligaments_.empty(); }
-  std::size_t size() const { return ligaments_.size(); }
-  const Ligament& ligament(std::size_t k) const { return ligaments_[k]; }
-  const LigamentBlock& block(std::size_t k) const { return blocks_[k]; }
-
-  /// Begins a step at these poses, whose blocks are to be set. One entry a brick: those that are
-  /// held take no part.
-  /// `step` in seconds.
-  void begin(const Poses& poses, double step, const std::vector<bool>& held);
-  /// Sets the blocks about velocities x0.
-  void setAbout(const Vector& x0, Curvature curvature);
-  /// Takes all blocks away.
-  void clear() { blocks_.assign(ligaments_.size(), {}); }
-
-  /// E after a displacement since begin(), joules.
-  double energyAfter(const Vector& displacement) const;
-  /// Adds the blocks' force to f.
-  void addForce(Vector& f) const;
-  /// Adds the product of the blocks' weights with x.
-  void addProduct(const Vector& x, Vector& to) const;
-
- private:
-  Poses posesAfter(const Vector& displacement) const;
-
-  std::vector<Ligament> ligaments_;
-  double lengthScale_ = 1;
-  std::vector<LigamentBlock> blocks_;
-  Poses start_;
-  double step_ = 0;
-  std::vector<bool> held_;
-};
-
-// ------------------------------------------------------------------------------------------------
 // The graph that the system of a step stands on.
 
-/// An edge for each two bricks that share a joint, a spring or a ligament, or have touched.
+/// An edge for each two bricks that share a joint or a force, or have touched.
 class BrickGraph {
  public:
   /// Without edges, of so many bricks.
@@ -359,6 +301,68 @@ class SpringRows {
 };
 
 // ------------------------------------------------------------------------------------------------
+// Forces between pairs of bricks in a step, but for springs at hinges: ligaments and others.
+
+/// The energy E of such forces along a step of h seconds from poses q with velocities x, as a
+/// quadratic function of x,
+///   E(q + h x) ~ E + h g^T (x - x0) + h^2 (x - x0)^T K (x - x0) / 2,
+/// about velocities x0. All of pairs of bricks, in the coordinates of both.
+template <int D>
+class PairBlocks {
+ public:
+  using Vector = Eigen::VectorXd;
+  using PairVector = Eigen::Matrix<double, 2 * D, 1>;
+  using PairMatrix = Eigen::Matrix<double, 2 * D, 2 * D>;
+
+  /// K: the second derivative, or that without what is negative of it. With the latter each minimum
+  /// is one, and Newton's steps lead downhill; but it has kinks where a ligament buckles, on which
+  /// the orders of extrapolated steps are lost.
+  enum class Curvature { Whole, Convex };
+
+  /// What one pair adds to a step.
+  struct Block {
+    PairOnGraph pair;
+    PairVector force = PairVector::Zero();   ///< to f: -h g + h^2 K x0, N s and N m s
+    PairMatrix weight = PairMatrix::Zero();  ///< to A: h^2 K
+  };
+
+  /// `lengthScale` in metres makes turning and moving comparable. Springs at hinges are left out.
+  /// Each pair becomes an edge of the graph.
+  PairBlocks(const PairForces& forces, double lengthScale, BrickGraph& graph);
+
+  bool empty() const { return blocks_.empty(); }
+  const std::vector<Block>& blocks() const { return blocks_; }
+
+  /// Begins a step at these poses, whose blocks are to be set. One entry a brick: those that are
+  /// held take no part.
+  /// `step` in seconds.
+  void begin(const Poses& poses, double step, const std::vector<bool>& held);
+  /// Sets the blocks about velocities x0.
+  void setAbout(const Vector& x0, Curvature curvature);
+  /// Takes all blocks away.
+  void clear();
+
+  /// E after a displacement since begin(), joules.
+  double energyAfter(const Vector& displacement) const;
+  /// Adds the blocks' force to f.
+  void addForce(Vector& f) const;
+  /// Adds the product of the blocks' weights with x.
+  void addProduct(const Vector& x, Vector& to) const;
+
+ private:
+  Poses posesAfter(const Vector& displacement) const;
+  PairMatrix withoutNegative(const PairMatrix& matrix) const;
+  void leaveOutHeld(Block& block) const;
+
+  PairForces forces_;
+  double lengthScale_;
+  std::vector<Block> blocks_;  // force by force, pair by pair
+  Poses start_;
+  double step_ = 0;
+  std::vector<bool> held_;
+};
+
+// ------------------------------------------------------------------------------------------------
 // One implicit step of the joined bricks as a linear system, and its factor.
 
 /// The rows of a pivot, and its bricks' edge of the graph.
@@ -377,10 +381,11 @@ struct FactorCost {
 /// The matrices of one step in D degrees of freedom a brick:
 ///   A = M + h D + h^2 K + S^T W S,   f = M u0 + h F + h S^T m,   joint rows J, contact rows C,
 ///   H = A + kappa J^T J + rho C^T C (over the contacts that act),
-/// with the blocks of ligaments added to A and f (LigamentBlocks), on the graph of bricks that
-/// share a joint, a ligament, or have touched. S has a row for each hinge with a spring, the rate
-/// of its angle; m are the springs' moments at the start of the step, and W = h^2 k + h c their
-/// stiffness and damping. About the axis of a closed hinge the rate is exact.
+/// with the blocks of ligaments and other forces between pairs added to A and f (PairBlocks), on
+/// the graph of bricks that share a joint or such a force, or have touched. S has a row for each
+/// hinge with a spring, the rate of its angle; m are the springs' moments at the start of the step,
+/// and W = h^2 k + h c their stiffness and damping. About the axis of a closed hinge the rate is
+/// exact.
 template <int D>
 class StepSystem {
  public:
@@ -389,10 +394,10 @@ class StepSystem {
   using RowVector = typename Space::RowVector;
   using Vector = Eigen::VectorXd;
 
-  /// `lengthScale` in metres makes turning and moving comparable. `springs` are at hinges of the
-  /// pivots.
+  /// `lengthScale` in metres makes turning and moving comparable. Springs among `pairForces` are at
+  /// hinges of the pivots; ligaments need D = 3.
   StepSystem(const std::vector<Brick>& bricks, std::span<const Pivot> pivots, double lengthScale,
-             std::vector<HingeSpring> springs = {}, std::vector<Ligament> ligaments = {});
+             const PairForces& pairForces = {});
 
   int brickCount() const { return static_cast<int>(bricks_.size()); }
   int jointRowCount() const { return Space::kJointRows * static_cast<int>(pivots_.size()); }
@@ -402,15 +407,15 @@ class StepSystem {
   /// brick.
   void setPinned(std::vector<bool> pinned) { pinned_ = std::move(pinned); }
 
-  /// Sets A and f from the motion at the start of a step, but for ligaments. `jointStiffness` in
+  /// Sets A and f from the motion at the start of a step, but for pair blocks. `jointStiffness` in
   /// N/m makes the joints springs: kappa = h^2 k; infinity makes them exact.
   void setStep(const Motion& motion, const std::vector<Load>& loads, double step,
                double jointStiffness);
-  bool hasLigaments() const { return !ligaments_.empty(); }
-  /// Sets the ligaments' part of A and f, about velocities x of the step.
-  void setLigamentsAbout(const Vector& x, LigamentBlocks::Curvature curvature);
-  /// What the step minimises, the ligaments' own energy in the place of their blocks, for
-  /// velocities x, joules.
+  bool hasPairBlocks() const { return !pairBlocks_.empty(); }
+  /// Sets the pair blocks' part of A and f, about velocities x of the step.
+  void setPairBlocksAbout(const Vector& x, typename PairBlocks<D>::Curvature curvature);
+  /// What the step minimises, the pairs' own energy in the place of their blocks, for velocities x,
+  /// joules.
   double potential(double step, const Vector& x) const;
   /// Sets A = M alone, f = 0: for closing an open state.
   void setMasses(const Poses& poses);
@@ -426,7 +431,7 @@ class StepSystem {
   /// Of bricks at these poses that move with velocities x, joules.
   double kineticEnergy(const Poses& poses, const Vector& x) const;
   /// What a further displacement costs against the loads, the hinges' springs as they were set
-  /// last, and the ligaments, after a first one, joules.
+  /// last, and the other forces between pairs, after a first one, joules.
   double workAgainst(const std::vector<Load>& loads, const Vector& first,
                      const Vector& further) const;
   /// What the hinges' dashpots take in a step with velocities x, joules.
@@ -462,7 +467,7 @@ class StepSystem {
                        const Eigen::Matrix<double, kRows, D>& b, double weight);
   void addJointsToMatrix();
   void addSpringsToMatrix();
-  void addLigamentsToMatrix();
+  void addPairBlocksToMatrix();
   void addContactToMatrix(const ContactRow<D>& row);
 
   const std::vector<Brick>& bricks_;
@@ -472,8 +477,8 @@ class StepSystem {
   BrickGraph graph_;  // joints first, then contacts as they come
   std::vector<JointRows<D>> jointRows_;
   SpringRows<D> springs_;     // without weight while only masses count
-  LigamentBlocks ligaments_;  // likewise
-  Vector ownForce_;           // f without ligaments
+  PairBlocks<D> pairBlocks_;  // likewise
+  Vector ownForce_;           // f without pair blocks
   std::vector<Block, Eigen::aligned_allocator<Block>> A_;
   Vector f_;
   double kappa_ = 0;

@@ -9,8 +9,8 @@
 #include "sim/base/state_tape.h"
 #include "sim/base/step_report.h"
 #include "sim/model/brick.h"
-#include "sim/model/hinge.h"
 #include "sim/model/model.h"
+#include "sim/model/pair_force.h"
 #include "sim/scene/scene.h"
 
 namespace kirireel {
@@ -33,7 +33,7 @@ struct Energies {
   double kinetic = 0;  ///< of the bricks, from 0
   /// Stored in the springs of the drive and of drags, and in joints that give; from 0.
   double spring = 0;
-  double elastic = 0;  ///< stored in springs at hinges and in ligaments; from 0
+  double elastic = 0;  ///< stored in forces between pairs of bricks, as springs at hinges; from 0
   /// What drives have put in since before the start: they tighten and move springs, stiffen them
   /// and the joints, expand the bricks; and gravity.
   double work = 0;
@@ -124,14 +124,13 @@ struct Event {
 /// What a trajectory shows: all that stays the same from the first sample to the last, and enough
 /// to make pictures and meshes again without the scene.
 struct Subject {
-  Model model;                            ///< as it was simulated, aligned to its target
-  BrickRule brickRule;                    ///< how tiles became bricks
-  std::vector<Brick> bricks;              ///< one a tile
-  std::optional<Ground> ground;           ///< absent when the scene had none
-  std::vector<Tile> obstacles;            ///< the faces of what stays where it is, world axes
-  std::vector<HingeSpring> hingeSprings;  ///< of the bricks' hinges
-  std::vector<Ligament> ligaments;        ///< in place of exact joints, each at a spring's hinge
-  std::string settings;                   ///< of the run, as JSON; may be empty
+  Model model;                   ///< as it was simulated, aligned to its target
+  BrickRule brickRule;           ///< how tiles became bricks
+  std::vector<Brick> bricks;     ///< one a tile
+  std::optional<Ground> ground;  ///< absent when the scene had none
+  std::vector<Tile> obstacles;   ///< the faces of what stays where it is, world axes
+  PairForces pairForces;         ///< springs at hinges, ligaments in place of joints, ...
+  std::string settings;          ///< of the run, as JSON; may be empty
 };
 
 /// What is known once a run is over.

@@ -18,12 +18,14 @@
 ///       inertia               bricks x 3 x 3   kg m^2, about the centre of mass
 ///     obstacles/face_sizes    faces            vertices of each face; only if there are some
 ///     obstacles/vertices      vertices x 3     m, world axes
-///     hinges/                 only if hinges have springs
+///     GROUP/                  of each force between pairs of bricks that the run has, see
+///                             pairForceKinds(); the arrays besides `bricks` are the kind's own:
+///     hinges/                 springs at hinges
 ///       bricks                springs x 2      the two bricks of each hinge
 ///       axis                  springs x 3
 ///       start, least, most, rest   springs     rad
 ///       stiffness, damping    springs          N m/rad, N m s/rad
-///     ligaments/              only if ligaments stand in place of joints; see Ligament
+///     ligaments/              ligaments in place of joints; see Ligament
 ///       bricks                ligaments x 2    the two bricks that each joins
 ///       joint                 ligaments        in whose place it stands
 ///       point_a, point_b      ligaments x 3    m, in the axes of its bricks
@@ -176,52 +178,6 @@ inline constexpr double kFormatVersion = 3;  ///< older ones are read too, from 
 inline constexpr double kFirstVersion = 1;   ///< had neither steps nor figures
 /// Columns of model/joints: tile, vertex, tile, vertex, face, kind.
 inline constexpr std::size_t kJointColumns = 6;
-
-/// A number that each spring at a hinge has; files without springs, and of earlier releases, have
-/// no group "hinges".
-struct SpringColumn {
-  const char* name;  ///< of its array
-  double& (*field)(HingeSpring&);
-  const char* unit;
-};
-inline constexpr std::array kSpringColumns = {
-    SpringColumn{"hinges/start", [](HingeSpring& s) -> double& { return s.hinge.start; }, "rad"},
-    SpringColumn{"hinges/least", [](HingeSpring& s) -> double& { return s.hinge.least; }, "rad"},
-    SpringColumn{"hinges/most", [](HingeSpring& s) -> double& { return s.hinge.most; }, "rad"},
-    SpringColumn{"hinges/stiffness", [](HingeSpring& s) -> double& { return s.stiffness; },
-                 "N m/rad"},
-    SpringColumn{"hinges/rest", [](HingeSpring& s) -> double& { return s.rest; }, "rad"},
-    SpringColumn{"hinges/damping", [](HingeSpring& s) -> double& { return s.damping; },
-                 "N m s/rad"}};
-
-/// A number that each ligament has; runs with exact joints have no group "ligaments".
-struct LigamentColumn {
-  const char* name;  ///< of its array
-  double& (*field)(Ligament&);
-  const char* unit;
-};
-inline constexpr std::array kLigamentColumns = {
-    LigamentColumn{"ligaments/stretch", [](Ligament& l) -> double& { return l.stretchStiffness; },
-                   "N/m"},
-    LigamentColumn{"ligaments/shear", [](Ligament& l) -> double& { return l.shearStiffness; },
-                   "N m/rad, of pins N/m"},
-    LigamentColumn{"ligaments/opening_2", [](Ligament& l) -> double& { return l.opening[0]; },
-                   "N m/rad^2"},
-    LigamentColumn{"ligaments/opening_3", [](Ligament& l) -> double& { return l.opening[1]; },
-                   "N m/rad^3"}};
-
-/// A vector that each ligament has.
-struct LigamentVector {
-  const char* name;  ///< of its array
-  Vector3 Ligament::*field;
-  const char* unit;
-};
-inline constexpr const char* kLigamentAcross = "ligaments/across";
-inline constexpr std::array kLigamentVectors = {
-    LigamentVector{"ligaments/point_a", &Ligament::pointA, "m"},
-    LigamentVector{"ligaments/point_b", &Ligament::pointB, "m"},
-    LigamentVector{"ligaments/start", &Ligament::start, "m"},
-    LigamentVector{kLigamentAcross, &Ligament::across, "1"}};
 
 /// A figure that each sample has.
 struct Measure {

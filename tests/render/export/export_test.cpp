@@ -257,7 +257,7 @@ TEST(ExportWarnings, TellOfLigamentsThatDecksDoNotHave) {
       "--joints neck has the start with its necks";
   EXPECT_THAT(exportWarnings(TrajectoryReader(folder / "trajectory.h5"), settings),
               ElementsAre(warning));
-  run.ligaments.clear();
+  run.pairForces = {};
   writeTrajectory(run, folder / "trajectory.h5");
   EXPECT_THAT(exportWarnings(TrajectoryReader(folder / "trajectory.h5"), settings), ElementsAre());
 }

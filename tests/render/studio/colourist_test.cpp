@@ -5,6 +5,7 @@
 #include "render/picture/studio.h"
 #include "sim/base/error.h"
 #include "sim/model/lattice.h"
+#include "tests/support/pair_forces.h"
 
 namespace kirireel {
 namespace {
@@ -67,7 +68,7 @@ TEST(ShapeKinds, CountsCornersWhenShapesAreMany) {
 TEST(Colourist, ShowsWhatSpringsAtHingesPullWithAndHold) {
   Motif motif = tessellationMotif();
   // Between the first two tiles, 2 N m/rad and at rest a quarter turn ahead.
-  motif.hingeSprings = {{{0, 1, Vector3::UnitZ(), 0, -10, 10}, 2, 0.5, 0}};
+  motif.pairForces = test::pairForces({{{0, 1, Vector3::UnitZ(), 0, -10, 10}, 2, 0.5, 0}});
   motif.states = {motif.start};
   const Colourist moment(coloured(Colouring::Moment), motif);
   EXPECT_NEAR(moment.scale()->most, 1, 1e-12);  // 2 * 0.5
@@ -81,13 +82,13 @@ TEST(Colourist, ShowsWhatSpringsAtHingesPullWithAndHold) {
 // The springs' bricks are coloured by what a neck's ligament holds, too.
 TEST(Colourist, ShowsWhatLigamentsPullWithAndHold) {
   Motif motif = tessellationMotif();
-  motif.hingeSprings = {{{0, 1, Vector3::UnitZ(), 0, -10, 10}, 2, 0, 0}};
   Ligament ligament{0, 1};
   // From centre to centre: at rest at the start.
   ligament.start = motif.start[1].position - motif.start[0].position;
   ligament.stretchStiffness = 6;
   ligament.shearStiffness = 3;
-  motif.ligaments = {ligament};
+  motif.pairForces =
+      test::pairForces({{{0, 1, Vector3::UnitZ(), 0, -10, 10}, 2, 0, 0}}, {ligament});
   Poses turned = motif.start, parted = motif.start;
   turned[1].rotation = rotationFromVector({0, 0, 0.4});
   parted[1].position += 0.5 * ligament.start.normalized();
