@@ -4,6 +4,6 @@
 
 #include "render/picture/frame.h"
 #include "render/picture/png.h"
-#include "render/picture/studio.h"
+#include "render/picture/state_painter.h"
 #include "render/record/record.h"
 #include "sim/sim.h"

@@ -1,7 +1,7 @@
 /// Options of everything that paints: looks, cameras, videos.
 #pragma once
 
-#include "render/picture/studio.h"
+#include "render/picture/state_painter.h"
 #include "render/record/record.h"
 
 namespace CLI {

@@ -111,11 +111,11 @@ void requireTilesKeepNumbers(const Scene& scene) {
 /// A thickness for tiles of another size is most often one in another unit of length. 0.1% to 10%
 /// of a tile's mean edge passes; usual are 2%.
 void checkThickness(const Scene& scene, std::vector<std::string>& warnings) {
-  constexpr double kMost = 0.1;  // of a tile's mean edge
-  constexpr double kLeast = 1e-3;
+  constexpr double kThickest = 0.1;  // of a tile's mean edge
+  constexpr double kThinnest = 1e-3;
   const double edge = tileSize(scene.model);
   const double thickness = scene.brick.thickness;
-  if (thickness >= kLeast * edge && thickness <= kMost * edge) return;
+  if (thickness >= kThinnest * edge && thickness <= kThickest * edge) return;
   warnings.push_back(
       fmt::format("{}: warning: bricks are {:.3g} m thick, but a tile's mean edge is {:.3g} m; "
                   "lengths are in metres, and --thickness {:.2g} would be usual",

@@ -15,7 +15,7 @@
 #include <fmt/ranges.h>
 #include <unistd.h>
 
-#include "render/picture/studio.h"
+#include "render/picture/state_painter.h"
 #include "sim/deploy/assembled_state.h"
 #include "sim/measure/sheet.h"
 #include "sim/scene/scene_parts.h"

@@ -622,8 +622,8 @@ int addHingeSprings(ElementMesh& mesh, std::span<const HingeSpring> springs, con
 namespace {
 
 /// It lies between the rounding of poses and the length of the shortest elements.
-constexpr double kSamePlane = 1e-6;  ///< of the sheet's size
-constexpr double kFlat = 1e-3;       ///< of the size: a sheet whose tiles lie side by side
+constexpr double kSamePlane = 1e-6;    ///< of the sheet's size
+constexpr double kFlatOfSheet = 1e-3;  ///< of the size: a sheet whose tiles lie side by side
 /// By axis, then MIN before MAX: plane k is across axis k / 2.
 constexpr const char* kPlanes[] = {"XMIN", "XMAX", "YMIN", "YMAX", "ZMIN", "ZMAX"};
 
@@ -644,7 +644,7 @@ bool isFlatAcross(const ElementMesh& mesh, int axis, double size) {
       most = std::max(most, mesh.nodes[node][axis]);
     }
   }
-  return most - least <= kFlat * size;
+  return most - least <= kFlatOfSheet * size;
 }
 
 /// The nodes that a boundary condition may hold, with their positions.
@@ -709,7 +709,7 @@ int longestAxis(const ElementMesh& mesh) {
 namespace {
 
 /// Below it corners that a run leaves apart still count as partners.
-constexpr double kSamePlace = 1e-5;  ///< of the sheet's size, what a run leaves of symmetry
+constexpr double kSameNodePlace = 1e-5;  ///< of the sheet's size, what a run leaves of symmetry
 
 Eigen::AlignedBox3d boxAround(const ElementMesh& mesh) {
   Eigen::AlignedBox3d box;
@@ -722,7 +722,7 @@ Eigen::AlignedBox3d boxAround(const ElementMesh& mesh) {
 std::optional<std::vector<std::pair<int, int>>> partners(const ElementMesh& mesh, int axis,
                                                          const std::vector<int>& low,
                                                          const std::vector<int>& high) {
-  const double tolerance = kSamePlace * boxAround(mesh).sizes().norm();
+  const double tolerance = kSameNodePlace * boxAround(mesh).sizes().norm();
   if (low.empty() || low.size() != high.size()) return std::nullopt;
   std::vector<std::pair<int, int>> pairs;
   std::vector<bool> isTaken(high.size());

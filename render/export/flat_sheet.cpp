@@ -24,12 +24,12 @@
 namespace kirireel {
 namespace {
 
-constexpr double kFlatness = 1e-6;  ///< of the model size, that vertices may be off the plane
+constexpr double kPlanarStart = 1e-6;  ///< of the model size, that vertices may be off the plane
 
 /// Looks at every vertex.
 void requireFlat(const Model& model, const Vector3& normal) {
   const Vector3& origin = model.tiles[0].vertices[0];
-  const double allowed = kFlatness * modelSize(model);
+  const double allowed = kPlanarStart * modelSize(model);
   const auto first = static_cast<std::size_t>(model.fileOrder.countsFrom);
   for (std::size_t t = 0; t < model.tiles.size(); ++t) {
     if (tileNormal(model.tiles[t]).dot(normal) < 0) {
@@ -117,7 +117,7 @@ Vector2 directionFrom(const std::vector<FlatTile>& tiles, const EdgeEnd& end) {
 
 namespace {
 
-constexpr double kSameVertex = 1e-4;  ///< of the tile size, within which edges coincide
+constexpr double kSameEdge = 1e-4;  ///< of the tile size, within which edges coincide
 
 /// How much shorter edges are at their ends than in the model, metres.
 using Trims = std::map<EdgeEnd, double>;
@@ -135,7 +135,7 @@ class PatternMaker {
       : tiles_(flatSheet(model).tiles),
         first_(model.fileOrder.countsFrom),
         width_(hingeWidth),
-        same_(kSameVertex * tileSize(model)) {
+        same_(kSameEdge * tileSize(model)) {
     for (std::size_t j = 0; j < model.joints.size(); ++j) addHinge(model.joints[j], j);
     addEdges();
   }
@@ -483,8 +483,8 @@ std::string foldText(const Model& model, const std::vector<SheetState>& states) 
 namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-constexpr double kTiny = 1e-9;  ///< of the tile size: shorter lines are left out
-constexpr int kArcLines = 6;    ///< of a quarter circle
+constexpr double kShortestLine = 1e-9;  ///< of the tile size: shorter lines are left out
+constexpr int kArcLines = 6;            ///< of a quarter circle
 
 /// What a shape cannot have, and where. Caught within this file alone.
 struct Misfit {
@@ -543,7 +543,7 @@ struct CornerPoints {
 class OutlineMaker {
  public:
   OutlineMaker(const Model& model, const FlatSheet& sheet, const NeckShape& shape)
-      : model_(model), shape_(shape), tiny_(kTiny * tileSize(model)) {
+      : model_(model), shape_(shape), tiny_(kShortestLine * tileSize(model)) {
     outline_.sheet = sheet;
     outline_.neckWidth = shape.width;
     shape_.length = std::max(shape.length, shape.kerf);

@@ -798,11 +798,12 @@ bool hasSpringsEverywhere(const ElementMesh& mesh) {
 /// How short the columns are that have nothing left. As said at the head of the file: min(1e-3,
 /// sqrt(n) (1e-8 + g / s)).
 double nothingLeft(const ElementMesh& mesh, const std::vector<TileMotion>& motions) {
-  constexpr double kRounding = 1e-8;
-  constexpr double kMost = 1e-3;
+  constexpr double kColumnRounding = 1e-8;
+  constexpr double kShortestColumn = 1e-3;
   const double least = std::ranges::min(motions, {}, &TileMotion::size).size;
   const auto unknowns = static_cast<double>(6 * motions.size());
-  return std::min(kMost, std::sqrt(unknowns) * (kRounding + mesh.largestGap / least));
+  return std::min(kShortestColumn,
+                  std::sqrt(unknowns) * (kColumnRounding + mesh.largestGap / least));
 }
 
 }  // namespace

@@ -279,15 +279,15 @@ std::string plyText(const std::vector<Brick>& bricks, const std::vector<Vector3>
                     const std::filesystem::path& path) {
   auto mesh = sharedMesh(static_cast<unsigned>(corners.size()), allTriangles(bricks));
   const std::string numbers = exported(*sceneOf(std::move(mesh)), "ply", path);
-  constexpr std::string_view kFloat = "property float ";
+  constexpr std::string_view kPlyFloat = "property float ";
   std::string text;
   std::string_view rest = numbers;
   // The header, line by line, with doubles in place of floats.
   for (std::string_view line; line != "end_header" && !rest.empty();) {
     line = takeLine(rest);
-    const bool isFloat = line.starts_with(kFloat);
+    const bool isFloat = line.starts_with(kPlyFloat);
     if (isFloat) text += "property double ";
-    text.append(isFloat ? line.substr(kFloat.size()) : line).append("\n");
+    text.append(isFloat ? line.substr(kPlyFloat.size()) : line).append("\n");
   }
   // Rows of vertices come in the order of the corners; the faces after them need no change.
   for (std::size_t k = 0; k < corners.size(); ++k) appendCorner(text, takeLine(rest), corners);
@@ -347,7 +347,7 @@ static_assert(std::endian::native == std::endian::little, "glTF is little-endian
 using Json = nlohmann::ordered_json;
 
 // glTF's own numbers.
-constexpr int kFloat = 5126;
+constexpr int kGltfFloat = 5126;
 constexpr int kUnsigned = 5125;
 constexpr int kVertexTarget = 34962;
 constexpr int kIndexTarget = 34963;
@@ -429,8 +429,8 @@ Json meshJson(const Brick& brick, const std::string& name, Asset& asset) {
   const auto declareNext = [&](View view, const char* type, int componentType, std::size_t count) {
     return asset.declare(view, type, componentType, count, asset.views[view].size());
   };
-  const std::size_t positions = declareNext(kPositions, "VEC3", kFloat, vertices);
-  const std::size_t normals = declareNext(kNormals, "VEC3", kFloat, vertices);
+  const std::size_t positions = declareNext(kPositions, "VEC3", kGltfFloat, vertices);
+  const std::size_t normals = declareNext(kNormals, "VEC3", kGltfFloat, vertices);
   const std::size_t indices = declareNext(kIndices, "SCALAR", kUnsigned, 3 * triangles);
   // Indices count within the mesh, from 0.
   Bounds bounds;
@@ -493,7 +493,7 @@ Poses readKeys(std::size_t brickCount, std::size_t keyCount,
 /// The end time as it is stored, in single precision.
 Json animationJson(std::size_t brickCount, std::size_t keyCount, float endTime, Asset& asset) {
   // All samplers share the times.
-  const std::size_t times = asset.declare(kTimes, "SCALAR", kFloat, keyCount, 0);
+  const std::size_t times = asset.declare(kTimes, "SCALAR", kGltfFloat, keyCount, 0);
   asset.accessors[times]["min"] = {0.0};
   asset.accessors[times]["max"] = {endTime};
   Json samplers = Json::array();
@@ -505,9 +505,9 @@ Json animationJson(std::size_t brickCount, std::size_t keyCount, float endTime, 
   };
   for (std::size_t brick = 0; brick < brickCount; ++brick) {
     const std::size_t first = brick * keyCount;
-    add(asset.declare(kMoves, "VEC3", kFloat, keyCount, first * 3 * sizeof(float)), brick,
+    add(asset.declare(kMoves, "VEC3", kGltfFloat, keyCount, first * 3 * sizeof(float)), brick,
         "translation");
-    add(asset.declare(kTurns, "VEC4", kFloat, keyCount, first * 4 * sizeof(float)), brick,
+    add(asset.declare(kTurns, "VEC4", kGltfFloat, keyCount, first * 4 * sizeof(float)), brick,
         "rotation");
   }
   return {{"name", "deployment"}, {"samplers", samplers}, {"channels", channels}};

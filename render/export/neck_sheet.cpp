@@ -33,7 +33,7 @@ constexpr double kAcrossNeck = 6;  ///< elements, at the usual number per edge
 constexpr double kFinerAtCorners = 8;
 constexpr double kFinerAtEnds = 4;  ///< of shells
 /// Metres of element size a metre of distance.
-constexpr double kGrowth = 0.25;
+constexpr double kMeshGrowth = 0.25;
 
 /// Quadrilaterals by region: tiles first, then necks.
 struct RegionMesh {
@@ -166,7 +166,7 @@ void appendSizes(std::string& text, const CellSizes& sizes, std::size_t firstPoi
            "}};\nField[{0}] = Threshold;\nField[{0}].InField = {1};\nField[{0}].SizeMin = {2};\n"
            "Field[{0}].SizeMax = {3};\nField[{0}].DistMin = {4};\nField[{0}].DistMax = {5};\n",
            field + 1, field, 2 * zone.size, 2 * sizes.most, zone.from,
-           zone.from + std::max(sizes.most - zone.size, 1e-9) / kGrowth);
+           zone.from + std::max(sizes.most - zone.size, 1e-9) / kMeshGrowth);
     append(thresholds, "{}{}", thresholds.empty() ? "" : ", ", ++field);
   }
   if (!sizes.zones.empty()) {

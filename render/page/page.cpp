@@ -27,9 +27,9 @@
 #include "render/page/embedded_files.h"
 #include "render/picture/grid.h"
 #include "render/picture/png.h"
-#include "render/picture/studio.h"
-#include "render/record/album.h"
+#include "render/picture/state_painter.h"
 #include "render/record/pace.h"
+#include "render/record/run_pictures.h"
 #include "render/record/summary.h"
 #include "sim/base/error.h"
 #include "sim/base/files.h"
@@ -230,7 +230,7 @@ void writePage(const std::vector<std::filesystem::path>& trajectories,
 
 // ------------------------------------------------------------------------------------------------
 // Makes the JSON of a run that stage.js and the other scripts read. Everything that decides how it
-// looks (colours, lights, widths, cameras) comes from render/picture and render/studio, so that a
+// looks (colours, lights, widths, cameras) comes from render/picture and render/painter, so that a
 // page and our pictures agree.
 //
 //     name; bricks: counts, corners, rises, triangles of concave ones; states: times, progress,
@@ -267,16 +267,16 @@ Json lightsJson(const Style& style) {
   return {{"ambient", style.ambient}, {"key", light(style.key)}, {"fill", light(style.fill)}};
 }
 
-/// A motif of one brick: what a style needs that does not depend on the run.
-Motif anyMotif() {
-  Motif motif;
-  motif.points = {Vector3::Zero(), Vector3::Ones()};
-  return motif;
+/// A content of one brick: what a style needs that does not depend on the run.
+PictureContent anyContent() {
+  PictureContent content;
+  content.points = {Vector3::Zero(), Vector3::Ones()};
+  return content;
 }
 
 Style styleOf(const Look& look) {
   // So large that no line is thickened: the page does that for its own size.
-  return Stage(look, anyMotif(), {kMaxFrameSide, kMaxFrameSide}).style();
+  return PictureSetup(look, anyContent(), {kMaxFrameSide, kMaxFrameSide}).style();
 }
 
 void appendPoint(std::vector<float>& numbers, const Vector3& point) {
@@ -339,11 +339,12 @@ double largestRadius(const std::vector<Brick>& bricks) {
   return radius;
 }
 
-/// The states of a page and what is measured of them, taken one by one. The motif must outlive it.
+/// The states of a page and what is measured of them, taken one by one. The content must outlive
+/// it.
 class StateCollector {
  public:
-  StateCollector(const Motif& motif, const PageStates& states)
-      : motif_(motif), poses_(stepsFor(motif, states)) {}
+  StateCollector(const PictureContent& content, const PageStates& states)
+      : content_(content), poses_(stepsFor(content, states)) {}
 
   void add(const Sample& sample, double progress) {
     times_.push_back(sample.time);
@@ -352,14 +353,14 @@ class StateCollector {
     error_.push_back(sample.targetError);
     poses_.add(sample.poses);
     // One value a brick and state; the page colours bricks by them.
-    append(gaps_, brickJointGaps(motif_.pivots, sample.poses));
-    if (motif_.target) {
-      append(errors_, brickTargetErrors(*motif_.target, motif_.bricks, sample.poses));
+    append(gaps_, brickJointGaps(content_.pivots, sample.poses));
+    if (content_.target) {
+      append(errors_, brickTargetErrors(*content_.target, content_.bricks, sample.poses));
     }
   }
 
   Json json() const {
-    const bool hasTarget = motif_.target.has_value();
+    const bool hasTarget = content_.target.has_value();
     return {{"times", times_},
             {"progress", progress_},
             {"gap", gap_},
@@ -370,27 +371,29 @@ class StateCollector {
   }
 
  private:
-  static std::optional<PoseSteps> stepsFor(const Motif& motif, const PageStates& states) {
+  static std::optional<PoseSteps> stepsFor(const PictureContent& content,
+                                           const PageStates& states) {
     if (states.exact) return std::nullopt;
     Eigen::AlignedBox3d box;
-    for (const Vector3& point : motif.points) box.extend(point);
-    return finePoseSteps(box.center(), box.diagonal().norm(), largestRadius(motif.bricks));
+    for (const Vector3& point : content.points) box.extend(point);
+    return finePoseSteps(box.center(), box.diagonal().norm(), largestRadius(content.bricks));
   }
 
   static void append(std::vector<double>& values, const std::vector<double>& more) {
     values.insert(values.end(), more.begin(), more.end());
   }
 
-  const Motif& motif_;
+  const PictureContent& content_;
   PosePacker poses_;
   std::vector<double> times_, progress_, gap_, error_;  ///< one a state
   std::vector<double> gaps_, errors_;                   ///< state by state, one a brick
 };
 
 /// States between two samples are interpolated with their joints closed, see Replay.
-Json statesJson(const TrajectoryReader& run, const Motif& motif, const PageStates& states) {
+Json statesJson(const TrajectoryReader& run, const PictureContent& content,
+                const PageStates& states) {
   const MotionCurve motion = motionOf(run);
-  StateCollector collector(motif, states);
+  StateCollector collector(content, states);
   if (states.samples == 0) {
     for (std::size_t k = 0; k < run.times().size(); ++k) {
       collector.add(run.sample(k), motion.shareAt(run.times()[k]));
@@ -484,35 +487,35 @@ Json mapJson(ColourMap map) {
 
 Json runJson(const TrajectoryReader& run, const Look& look, const PageStates& states) {
   const Subject& subject = run.subject();
-  const Motif motif = motifOf(run, stillSettings(look));
-  const Stage stage(look, motif, kStillSize);
-  Json statesOfPage = statesJson(run, motif, states);
+  const PictureContent content = contentOf(run, stillSettings(look));
+  const PictureSetup setup(look, content, kStillSize);
+  Json statesOfPage = statesJson(run, content, states);
   Json curves = curvesJson(curvesAt(curvesOf(run), statesOfPage["times"]));
   return {{"name", subject.model.name},
           {"bricks", bricksJson(subject.bricks)},
           {"states", std::move(statesOfPage)},
-          {"joints", joinsJson(motif.pivots)},
-          {"target", motif.target ? polygonsJson(*motif.target) : Json(nullptr)},
-          {"obstacles", polygonsJson(motif.obstacles)},
-          {"plate", plateJson(stage.style().plate)},
-          {"views", camerasJson(look, motif)},
+          {"joints", joinsJson(content.pivots)},
+          {"target", content.target ? polygonsJson(*content.target) : Json(nullptr)},
+          {"obstacles", polygonsJson(content.obstacles)},
+          {"plate", plateJson(setup.style().plate)},
+          {"views", camerasJson(look, content)},
           {"curves", std::move(curves)}};
 }
 
 std::string stillPicture(const TrajectoryReader& run, const Look& look) {
   const PictureSettings settings = stillSettings(look);
   const MotionCurve motion = motionOf(run);
-  Studio studio(kStillSize, look, motifOf(run, settings));
+  StatePainter painter(kStillSize, look, contentOf(run, settings));
   Replay replay(run);
   std::vector<GridPicture> pictures;
   for (const double share : kStillShares) {
     const Sample sample = replay.at(motion.timeAt(share));
-    pictures.push_back(
-        {studio.take({sample.time, sample.poses, {}, share}), fmt::format("{:.0f}%", 100 * share)});
+    pictures.push_back({painter.paint({sample.time, sample.poses, {}, share}),
+                        fmt::format("{:.0f}%", 100 * share)});
   }
   GridStyle style;
-  style.background = studio.stage().style().background;
-  style.text = studio.stage().style().text;
+  style.background = painter.setup().style().background;
+  style.text = painter.setup().style().text;
   return pngBytes(composeGrid(pictures, {1, static_cast<int>(pictures.size())}, style));
 }
 
@@ -652,25 +655,25 @@ Json cameraJson(const Camera& camera, double aspect) {
 }
 
 /// From the narrowest canvas to the widest.
-Json viewJson(const char* name, const Look& look, const Motif& motif) {
+Json viewJson(const char* name, const Look& look, const PictureContent& content) {
   Json fits = Json::array();
   for (const FrameSize size : kSizes) {
-    const Stage stage(look, motif, size);
-    fits.push_back(cameraJson(stage.camera({0, motif.start, {}}), size.aspect()));
+    const PictureSetup setup(look, content, size);
+    fits.push_back(cameraJson(setup.camera({0, content.start, {}}), size.aspect()));
   }
   return {{"name", name}, {"fits", std::move(fits)}};
 }
 
 }  // namespace
 
-Json camerasJson(const Look& look, const Motif& motif) {
-  Json views = {viewJson("Usual", look, motif)};
+Json camerasJson(const Look& look, const PictureContent& content) {
+  Json views = {viewJson("Usual", look, content)};
   const std::pair<const char*, ViewAngles> others[] = {
       {"Top", kTopView}, {"Front", kFrontView}, {"Side", kRightView}, {"Corner", kIsometricView}};
   for (const auto& [name, view] : others) {
     Look other = look;
     other.camera.view = view;
-    views.push_back(viewJson(name, other, motif));
+    views.push_back(viewJson(name, other, content));
   }
   return views;
 }

@@ -11,7 +11,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "render/picture/studio.h"
+#include "render/picture/state_painter.h"
 #include "sim/base/geometry.h"
 #include "sim/trajectory/trajectory_file.h"
 
@@ -131,7 +131,7 @@ std::string stillPicture(const TrajectoryReader& run, const Look& look);
 //
 // A page is page.html with its style sheet, its scripts, three.js (r111, MIT licence) and the
 // runs' data within. What it shows looks as our pictures do: colours, lights, widths and cameras
-// come from render/picture and render/studio as data.
+// come from render/picture and render/painter as data.
 
 /// The file that a page is, in its folder.
 inline constexpr const char* kPageFile = "page.html";
@@ -173,7 +173,7 @@ void writePage(const std::vector<std::filesystem::path>& trajectories,
 /// A list of {"name", "key", "fits": [{"aspect", "eye", "centre", "up", "orthographic",
 /// "field_of_view", "view_height"}, ...]}: first the view of the look, as pictures have it, then
 /// others. Of a view's fits, narrowest first, the page takes the widest that its canvas holds.
-/// Aspect is width by height. Costs five fits a view, each a look at all points of the motif.
-Json camerasJson(const Look& look, const Motif& motif);
+/// Aspect is width by height. Costs five fits a view, each a look at all points of the content.
+Json camerasJson(const Look& look, const PictureContent& content);
 
 }  // namespace kirireel

@@ -35,7 +35,7 @@ namespace {
 
 /// Flat models: how thick the layer of all points may be, against its larger side. A sheet that has
 /// begun to fold is seen from a corner.
-constexpr double kFlatness = 0.15;
+constexpr double kFlatView = 0.15;
 
 /// Empty until something is added: low is above high.
 struct AxisRange {
@@ -167,7 +167,7 @@ ViewAngles defaultView(std::span<const Vector3> points) {
     y.add(point.y());
     z.add(point.z());
   }
-  const bool flat = z.length() < kFlatness * std::max(x.length(), y.length());
+  const bool flat = z.length() < kFlatView * std::max(x.length(), y.length());
   return flat ? kTopView : kIsometricView;
 }
 

@@ -604,8 +604,8 @@ void drawOutlines(const std::vector<SeenOutline>& outlines, const Projector& pro
 
 }  // namespace
 
-void drawSketch(const Sketch& sketch, const Camera& camera, FrameSize size,
-                const Eigen::Vector2d& corner, const std::string& name, Canvas& canvas) {
+void drawGeometry(const PictureGeometry& geometry, const Camera& camera, FrameSize size,
+                  const Eigen::Vector2d& corner, const std::string& name, Canvas& canvas) {
   const Projector project(camera, size, corner);
   const auto layerName = [&name](const char* part) {
     return name.empty() ? std::string(part) : name + '_' + part;
@@ -616,19 +616,19 @@ void drawSketch(const Sketch& sketch, const Camera& camera, FrameSize size,
     drawPieces(pieces, project, canvas);
     canvas.end();
   };
-  layer("ground", makePieces(sketch, sketch.ground, camera));
-  if (!sketch.shadow.empty()) {
-    drawShadow(makePieces(sketch, sketch.shadow, camera), project, layerName("shadow"), canvas);
+  layer("ground", makePieces(geometry, geometry.ground, camera));
+  if (!geometry.shadow.empty()) {
+    drawShadow(makePieces(geometry, geometry.shadow, camera), project, layerName("shadow"), canvas);
   }
-  std::vector<Piece> bricks = makePieces(sketch, sketch.solid, camera);
-  std::ranges::move(makePieces(sketch, sketch.translucent, camera), std::back_inserter(bricks));
+  std::vector<Piece> bricks = makePieces(geometry, geometry.solid, camera);
+  std::ranges::move(makePieces(geometry, geometry.translucent, camera), std::back_inserter(bricks));
   layer("bricks", farthestFirst(bricks));
   if (std::ranges::any_of(bricks, &Piece::outlined)) {
     canvas.begin(layerName("outlines"));
     drawOutlines(seenOutlines(bricks, camera), project, canvas);
     canvas.end();
   }
-  layer("overlay", makePieces(sketch, sketch.overlay, camera));
+  layer("overlay", makePieces(geometry, geometry.overlay, camera));
 }
 
 }  // namespace kirireel

@@ -1,4 +1,4 @@
-/// Vector graphics: pages as SVG, PDF and PNG, and sketches drawn on them with hidden surfaces
+/// Vector graphics: pages as SVG, PDF and PNG, and geometries drawn on them with hidden surfaces
 /// removed. No Cairo header is needed to make them.
 #pragma once
 
@@ -10,7 +10,7 @@
 
 #include "render/picture/camera.h"
 #include "render/picture/label.h"
-#include "render/picture/sketch.h"
+#include "render/picture/picture_geometry.h"
 #include "sim/base/geometry.h"
 
 namespace kirireel {
@@ -106,11 +106,11 @@ std::unique_ptr<Canvas> makeCanvas(PageFormat format, const PageSettings& settin
 // ------------------------------------------------------------------------------------------------
 // Sketches on pages, hidden surfaces removed.
 
-/// Draws what the camera sees of the sketch, from back to front, in parts called `name`_ground,
+/// Draws what the camera sees of the geometry, from back to front, in parts called `name`_ground,
 /// _shadow, _bricks, _outlines and _overlay as far as there are such (without `name`_ when that is
 /// empty). size: of the picture, pixels; its upper left corner stands at `corner` of the canvas.
 /// Names must be unique on a page: they become ids in SVG.
-void drawSketch(const Sketch& sketch, const Camera& camera, FrameSize size,
-                const Eigen::Vector2d& corner, const std::string& name, Canvas& canvas);
+void drawGeometry(const PictureGeometry& geometry, const Camera& camera, FrameSize size,
+                  const Eigen::Vector2d& corner, const std::string& name, Canvas& canvas);
 
 }  // namespace kirireel

@@ -32,7 +32,7 @@ constexpr int kSmallestText = 9;
 constexpr double kStripEms = 1.6;
 constexpr double kBaselineEms = 1.25;
 /// From line to line of a caption; the strip over a picture with its letter, and its baseline; ems.
-constexpr double kLineEms = 1.25;
+constexpr double kCaptionLineEms = 1.25;
 constexpr double kLetterEms = 1.4;
 constexpr double kLetterBaselineEms = 1;
 /// Strip over the columns with their heads, and its baseline; ems.
@@ -221,7 +221,7 @@ GridLayout layOutGrid(FrameSize picture, GridShape shape, const GridStyle& style
       std::max(kSmallestText, static_cast<int>(std::lround(style.captionSize * picture.height)));
   if (style.textSize) layout.textSize = *style.textSize;
   layout.captionHeight =
-      static_cast<int>(std::lround((kStripEms + (lines - 1) * kLineEms) * layout.textSize));
+      static_cast<int>(std::lround((kStripEms + (lines - 1) * kCaptionLineEms) * layout.textSize));
   if (style.letters) {
     layout.letterHeight = static_cast<int>(std::lround(kLetterEms * layout.textSize));
   }
@@ -279,7 +279,7 @@ void drawGridText(Surface& surface, const GridLayout& layout, const GridStyle& s
     const int width = style.textSize ? layout.picture.width : std::numeric_limits<int>::max();
     for (const std::string& line : captionLines(captions[cell], writer, width)) {
       drawCentred(surface, line, left, layout.picture.width, baseline, em, style.text);
-      baseline += std::round(kLineEms * layout.textSize);
+      baseline += std::round(kCaptionLineEms * layout.textSize);
     }
   }
   drawScales(surface, layout, style);

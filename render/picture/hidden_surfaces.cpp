@@ -174,8 +174,8 @@ CutPolygon polygonOf(std::span<const Vector3> corners, FacetPart part) {
 }
 
 /// The normal is that of the outer corners.
-Piece makePiece(const Sketch& sketch, const Facet& facet) {
-  Piece piece{polygonOf(sketch.corners(facet), facet.part),
+Piece makePiece(const PictureGeometry& geometry, const Facet& facet) {
+  Piece piece{polygonOf(geometry.corners(facet), facet.part),
               facet.outlined || facet.part == FacetPart::Border, facet.pale, facet.colour,
               facet.part};
   const std::vector<Vector3>& corners = piece.outer.corners;
@@ -394,13 +394,13 @@ class SideFinder {
 
 }  // namespace
 
-std::vector<Piece> makePieces(const Sketch& sketch, const std::vector<Facet>& facets,
+std::vector<Piece> makePieces(const PictureGeometry& geometry, const std::vector<Facet>& facets,
                               const Camera& camera) {
   const Vector3 forward = (camera.centre - camera.eye).normalized();
   const Plane nearPlane{forward, forward.dot(camera.eye) + camera.near, 0};
   std::vector<Piece> pieces;
   for (const Facet& facet : facets) {
-    Piece piece = makePiece(sketch, facet);
+    Piece piece = makePiece(geometry, facet);
     if (sidesOf(piece, nearPlane).back) piece = frontPart(piece, nearPlane);
     if (!piece.outer.corners.empty()) pieces.push_back(std::move(piece));
   }

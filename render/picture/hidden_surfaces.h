@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "render/picture/camera.h"
-#include "render/picture/sketch.h"
+#include "render/picture/picture_geometry.h"
 #include "sim/base/geometry.h"
 
 namespace kirireel {
@@ -31,7 +31,7 @@ struct Piece {
 
 /// The pieces of a layer of facets, in the order in which they stand. Parts nearer to the camera
 /// than its near plane are cut away. In order of the facets, not sorted.
-std::vector<Piece> makePieces(const Sketch& sketch, const std::vector<Facet>& facets,
+std::vector<Piece> makePieces(const PictureGeometry& geometry, const std::vector<Facet>& facets,
                               const Camera& camera);
 
 /// The lines of a facet's outline that nothing hides, each through two points or more, world axes;

@@ -1,6 +1,7 @@
 // A picture in five steps:
 //
-// - 1. Sketcher makes flat polygons of what the camera sees (sketch.h), in five layers: ground,
+// - 1. GeometryBuilder makes flat polygons of what the camera sees (geometry.h), in five layers:
+// ground,
 //   shadow, solid, translucent, overlay.
 // - 2. Tessellator turns them into triangles in clip coordinates. A face with an outline is the
 //   polygon within it and a band of two triangles along each side. Translucent polygons are cut and
@@ -17,7 +18,7 @@
 // their own depth smooth the crossings of faces, too. Coordinates are doubles up to clip
 // coordinates, then floats.
 //
-// Nothing depends on time, threads or earlier pictures, so the same shot gives the same bytes.
+// Nothing depends on time, threads or earlier pictures, so the same items gives the same bytes.
 #include "render/picture/painter.h"
 
 #include <algorithm>
@@ -132,8 +133,9 @@ struct TriangleMesh {
 /// side. Facets are convex, so each is a fan from its first corner.
 class Tessellator {
  public:
-  Tessellator(const Sketch& sketch, const Eigen::Matrix4d& clipFromWorldAxes, TriangleMesh& mesh)
-      : sketch_(sketch), clipFromWorld_(clipFromWorldAxes), mesh_(mesh) {}
+  Tessellator(const PictureGeometry& geometry, const Eigen::Matrix4d& clipFromWorldAxes,
+              TriangleMesh& mesh)
+      : sketch_(geometry), clipFromWorld_(clipFromWorldAxes), mesh_(mesh) {}
 
   /// Cut where they cross, the farthest first.
   void appendSorted(const std::vector<Facet>& facets, const Camera& camera) {
@@ -195,29 +197,29 @@ class Tessellator {
     mesh_.indices.push_back(c);
   }
 
-  const Sketch& sketch_;
+  const PictureGeometry& sketch_;
   Eigen::Matrix4d clipFromWorld_;
   TriangleMesh& mesh_;
 };
 
 /// Facets without outlines that look the same: within each outline one, and one along each side.
-std::vector<Facet> withoutOutlines(const std::vector<Facet>& facets, Sketch& sketch) {
+std::vector<Facet> withoutOutlines(const std::vector<Facet>& facets, PictureGeometry& geometry) {
   std::vector<Facet> split;
   for (const Facet& facet : facets) {
     if (!facet.outlined) {
       split.push_back(facet);
-      split.back().colour = sketch.flatColourOf(facet);
+      split.back().colour = geometry.flatColourOf(facet);
       continue;
     }
     split.push_back(
         {.first = facet.first + facet.count, .count = facet.count, .colour = facet.colour});
     for (int k = 0; k < facet.count; ++k) {
       const int from = facet.first + k, to = facet.first + (k + 1) % facet.count;
-      split.push_back({.first = static_cast<int>(sketch.points.size()),
+      split.push_back({.first = static_cast<int>(geometry.points.size()),
                        .count = 4,
-                       .colour = sketch.outlineOf(facet)});
+                       .colour = geometry.outlineOf(facet)});
       for (const int corner : {from, to, to + facet.count, from + facet.count}) {
-        sketch.points.push_back(Vector3(sketch.points[corner]));
+        geometry.points.push_back(Vector3(geometry.points[corner]));
       }
     }
   }
@@ -356,7 +358,7 @@ FrameSize validated(FrameSize size) {
 
 /// What is painted, apart from the graphics context.
 struct PaintedBricks {
-  Sketcher sketcher;
+  GeometryBuilder sketcher;
   Colour background;
   bool opaque;  ///< whether all pixels have alpha 255
 
@@ -378,7 +380,7 @@ struct Painter::Parts {
   Program facePainter;
   MeshBuffer meshBuffer;
   // Kept between frames for their memory.
-  Sketch sketch;
+  PictureGeometry geometry;
   TriangleMesh mesh;
   std::vector<GLuint> indices;  ///< of the triangles of one part
   /// In these: of the ground, the solid facets, the translucent ones, the overlay.
@@ -388,7 +390,7 @@ struct Painter::Parts {
   Parts(FrameSize frameSize, const std::vector<Brick>& bricks, const Style& style,
         Smoothness smoothness);
 
-  void collectTriangles(const Shot& shot, const Camera& camera);
+  void collectTriangles(const PictureItems& items, const Camera& camera);
   void fitSamples(const PixelBox& part);
   void chooseTriangles(const PixelBox& part);
   void drawSamples(const PixelBox& part, const PixelBox& touched) const;
@@ -408,19 +410,19 @@ Painter::Parts::Parts(FrameSize frameSize, const std::vector<Brick>& bricks, con
 }
 
 /// Fills the mesh and loads its vertices; indices are loaded part by part.
-void Painter::Parts::collectTriangles(const Shot& shot, const Camera& camera) {
-  subject.sketcher.draw(shot, camera, sketch);
-  sketch.translucent = withoutOutlines(sketch.translucent, sketch);
+void Painter::Parts::collectTriangles(const PictureItems& items, const Camera& camera) {
+  subject.sketcher.draw(items, camera, geometry);
+  geometry.translucent = withoutOutlines(geometry.translucent, geometry);
   mesh.clear();
-  Tessellator tessellator(sketch, clipFromWorld(camera, size.aspect()), mesh);
-  tessellator.append(sketch.ground);
-  tessellator.append(sketch.shadow);
+  Tessellator tessellator(geometry, clipFromWorld(camera, size.aspect()), mesh);
+  tessellator.append(geometry.ground);
+  tessellator.append(geometry.shadow);
   mesh.groundEnd = mesh.facetCount();
-  tessellator.append(sketch.solid);
+  tessellator.append(geometry.solid);
   mesh.solidEnd = mesh.facetCount();
-  tessellator.appendSorted(sketch.translucent, camera);
+  tessellator.appendSorted(geometry.translucent, camera);
   mesh.translucentEnd = mesh.facetCount();
-  tessellator.append(sketch.overlay);
+  tessellator.append(geometry.overlay);
   MeshBuffer::loadVertices(mesh.vertices);
 }
 
@@ -546,12 +548,12 @@ FrameSize Painter::size() const {
 }
 
 Frame Painter::paint(const Poses& poses, const Camera& camera) {
-  return paint(Shot{poses}, camera);
+  return paint(PictureItems{poses}, camera);
 }
 
-Frame Painter::paint(const Shot& shot, const Camera& camera, Frame storage) {
+Frame Painter::paint(const PictureItems& items, const Camera& camera, Frame storage) {
   parts_->context.makeCurrent();
-  parts_->collectTriangles(shot, camera);
+  parts_->collectTriangles(items, camera);
   Frame frame = makeFrame(size(), parts_->subject.background, std::move(storage));
   const TouchedPixels touched(parts_->mesh.facets, frame.size);
   for (const PixelBox& part : pictureParts(touched.all(), frame.size)) {

@@ -7,7 +7,7 @@
 
 #include "render/picture/camera.h"
 #include "render/picture/frame.h"
-#include "render/picture/sketch.h"
+#include "render/picture/picture_geometry.h"
 #include "render/picture/style.h"
 #include "sim/model/brick.h"
 
@@ -40,10 +40,10 @@ class Painter {
   /// takes longer to make than many small pictures to paint. What was painted before is not kept.
   void show(const std::vector<Brick>& bricks, const Style& style);
 
-  /// What the shot shows. storage: a frame that is needed no more, whose memory the picture gets.
+  /// What the items shows. storage: a frame that is needed no more, whose memory the picture gets.
   /// Throws OutputError. One entry of `poses` for each brick. Throws Interrupted when the user ends
   /// the program.
-  Frame paint(const Shot& shot, const Camera& camera, Frame storage = {});
+  Frame paint(const PictureItems& items, const Camera& camera, Frame storage = {});
 
   /// The picture of the bricks alone at these poses, in the colours of the style.
   Frame paint(const Poses& poses, const Camera& camera);

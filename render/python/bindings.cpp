@@ -23,9 +23,9 @@
 #include "render/cli/command_line.h"
 #include "render/folder/output_folder.h"
 #include "render/manual/manual.h"
-#include "render/picture/studio.h"
-#include "render/record/album.h"
+#include "render/picture/state_painter.h"
 #include "render/record/pace.h"
+#include "render/record/run_pictures.h"
 #include "render/record/summary.h"
 #include "sim/base/error.h"
 #include "sim/model/read_model.h"
@@ -455,8 +455,9 @@ py::array render(const MemoryRun& run, std::optional<double> time, const py::kwa
     if (settings.graphics) setGraphicsLibrary(*settings.graphics);
     const Sample sample = run.reader.sample(nearestSample(run.reader.times(), time));
     // As frames are: where colours stand for values, a bar under the picture says which.
-    Studio studio(settings.size, settings.look, motifOf(run.reader, settings), {.colours = true});
-    *frame = studio.take(
+    StatePainter painter(settings.size, settings.look, contentOf(run.reader, settings),
+                         {.colours = true});
+    *frame = painter.paint(
         {sample.time, sample.poses, sample.pinned, orbitBehind(run, settings, sample.time)});
   });
   const py::ssize_t width = frame->size.width;

@@ -31,7 +31,7 @@ using Json = nlohmann::ordered_json;
 // Overlap that is told, as a part of a tile.
 constexpr double kOverlap = 1e-6;
 // Flat states are flat to this part of the model's size.
-constexpr double kFlat = 1e-9;
+constexpr double kFlatOfModel = 1e-9;
 // What looking for the state nearest to the target may cost, seconds of a reference core.
 constexpr double kSearchTime = 10;
 
@@ -54,7 +54,7 @@ StateInspection inspectState(const Scene& scene, const std::vector<Tile>& tiles)
   state.overlaps = tileOverlaps(tiles, kOverlap * tileSize(model));
   state.seesAllPairs = static_cast<long>(state.overlaps.size()) < mostPairs(tiles.size());
   // Freedoms in the plane mean something for flat states alone.
-  if (liesFlat(tiles, kFlat * modelSize(model))) {
+  if (liesFlat(tiles, kFlatOfModel * modelSize(model))) {
     state.inPlane = mobility(model, tiles, Freedom::Plane, scene.brick.thickness);
   }
   state.inSpace = mobility(model, tiles, Freedom::Space, scene.brick.thickness);
@@ -290,14 +290,14 @@ class StatePicture {
     fit.orthographic = true;
     camera_ = fitCamera(points, fit);
     const std::vector<Brick> bricks = makeBricks(tiles, rule);
-    Shot shot;
-    shot.poses = startPoses(tiles, bricks);
+    PictureItems items;
+    items.poses = startPoses(tiles, bricks);
     for (const Mend& mend : model.mends) {
       for (const Corner& corner : mend.corners) {
-        shot.marks.push_back(tiles[corner.tile].vertices[corner.vertex]);
+        items.marks.push_back(tiles[corner.tile].vertices[corner.vertex]);
       }
     }
-    frame_ = Painter(size, bricks, Style{}).paint(shot, camera_);
+    frame_ = Painter(size, bricks, Style{}).paint(items, camera_);
   }
 
   /// To be called once: it gives the frame away.
@@ -377,10 +377,10 @@ Frame crossingPicture(const Tile& tile, const Vector3& place, FrameSize size) {
   fit.orthographic = true;
   Style style;
   style.markSize = 0.03;
-  Shot shot;
-  shot.overlay = {tile};
-  shot.marks = {place};
-  return Painter(size, {}, style).paint(shot, fitCamera(tile.vertices, fit));
+  PictureItems items;
+  items.overlay = {tile};
+  items.marks = {place};
+  return Painter(size, {}, style).paint(items, fitCamera(tile.vertices, fit));
 }
 
 // ------------------------------------------------------------------------------------------------

@@ -11,8 +11,8 @@
 
 #include <fmt/format.h>
 
-#include "render/picture/studio.h"
-#include "render/record/album.h"
+#include "render/picture/state_painter.h"
+#include "render/record/run_pictures.h"
 #include "sim/base/error.h"
 #include "sim/deploy/continuation.h"
 
@@ -22,19 +22,19 @@ namespace {
 /// In which an even pace gathers and loses speed, seconds of video.
 constexpr double kRampSeconds = 0.6;
 /// Times closer than this part of a step are the same.
-constexpr double kSameTime = 1e-6;
+constexpr double kSameFrameTime = 1e-6;
 
 /// How far the bricks that both pictures show are from one state to the next, metres. Bricks that
 /// have flown off would take most of the path's length.
-double shownDistance(const Subject& subject, const Motif& motif, const Poses& from,
+double shownDistance(const Subject& subject, const PictureContent& content, const Poses& from,
                      const Poses& to) {
-  if (showsAllBricks(motif, from) && showsAllBricks(motif, to)) {
+  if (showsAllBricks(content, from) && showsAllBricks(content, to)) {
     return pathDistance(subject.bricks, from, to);
   }
   std::vector<Brick> bricks;
   Poses before, after;
   for (std::size_t i = 0; i < subject.bricks.size(); ++i) {
-    if (!isShown(motif, i, from[i]) || !isShown(motif, i, to[i])) continue;
+    if (!isShown(content, i, from[i]) || !isShown(content, i, to[i])) continue;
     bricks.push_back(subject.bricks[i]);
     before.push_back(from[i]);
     after.push_back(to[i]);
@@ -73,7 +73,7 @@ std::vector<FrameMoment> evenMoments(const MotionCurve& motion, const PictureSet
 std::vector<FrameMoment> realMoments(const MotionCurve& motion, const PictureSettings& settings) {
   const double step = settings.speed / settings.framesPerSecond;
   // The last frame shows the end, a shorter step after the one before.
-  const long steps = static_cast<long>(std::ceil(motion.endTime() / step - kSameTime));
+  const long steps = static_cast<long>(std::ceil(motion.endTime() / step - kSameFrameTime));
   std::vector<FrameMoment> moments;
   for (long k = 0; k <= steps; ++k) {
     const double time = std::min(motion.endTime(), static_cast<double>(k) * step);
@@ -96,12 +96,12 @@ double MotionCurve::timeAt(double share) const {
 }
 
 MotionCurve motionOf(const TrajectoryReader& run) {
-  const Motif motif = makeMotif(run.subject().model, run.subject().brickRule, {});
+  const PictureContent content = makeContent(run.subject().model, run.subject().brickRule, {});
   std::vector<double> lengths = {0};
   Poses before = run.sample(0).poses;
   for (std::size_t i = 1; i < run.times().size(); ++i) {
     Poses poses = run.sample(i).poses;
-    lengths.push_back(lengths.back() + shownDistance(run.subject(), motif, before, poses));
+    lengths.push_back(lengths.back() + shownDistance(run.subject(), content, before, poses));
     before = std::move(poses);
   }
   return {run.times(), std::move(lengths)};
@@ -179,9 +179,9 @@ Sample Replay::at(double time) {
   return interpolator_.between(pair_[0], pair_[1], share);
 }
 
-StateFeed replay(const TrajectoryReader& run, const std::vector<FrameMoment>& moments,
-                 const ProgressObserver& observer, PictureReport& report) {
-  return [&run, &moments, &observer, &report](const StateTaker& take) {
+StateSource replay(const TrajectoryReader& run, const std::vector<FrameMoment>& moments,
+                   const ProgressObserver& observer, PictureReport& report) {
+  return [&run, &moments, &observer, &report](const StateConsumer& take) {
     Replay states(run);
     for (std::size_t k = 0; k < moments.size(); ++k) {
       const FrameMoment& moment = moments[k];

@@ -67,7 +67,7 @@ std::vector<FrameMoment> snapshotMoments(const MotionCurve& motion, const Pictur
                                          int count);
 
 // ------------------------------------------------------------------------------------------------
-// A recorded run as a feed of states to be painted.
+// A recorded run as a source of states to be painted.
 
 /// The states of a run at any time. It remembers the samples read last, so that times that follow
 /// each other closely cost little.
@@ -99,16 +99,16 @@ struct FrameState {
 using SharedState = std::shared_ptr<const FrameState>;
 
 /// Takes the next state of a run; false asks for an early end.
-using StateTaker = std::function<bool(const SharedState&)>;
+using StateConsumer = std::function<bool(const SharedState&)>;
 
-/// Gives states to a taker, one after the other, and returns when there are no more.
-using StateFeed = std::function<void(const StateTaker&)>;
+/// Gives states to a consumer, one after the other, and returns when there are no more.
+using StateSource = std::function<void(const StateConsumer&)>;
 
 /// Gives the states of the moments in turn. The observer may end it early, which the report then
-/// notes. What is passed must outlive the feed. The feed calls the observer after each state, with
-/// the stage "painting".
-StateFeed replay(const TrajectoryReader& run, const std::vector<FrameMoment>& moments,
-                 const ProgressObserver& observer, PictureReport& report);
+/// notes. What is passed must outlive the source. The source calls the observer after each state,
+/// with the stage "painting".
+StateSource replay(const TrajectoryReader& run, const std::vector<FrameMoment>& moments,
+                   const ProgressObserver& observer, PictureReport& report);
 
 // ------------------------------------------------------------------------------------------------
 // Which samples of a run become pictures of their own.

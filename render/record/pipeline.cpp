@@ -10,20 +10,20 @@
 
 namespace kirireel {
 
-Crew::~Crew() {
+TaskGroup::~TaskGroup() {
   if (threads_.empty()) return;
   stopAll_();
   threads_.clear();
 }
 
-void Crew::start(std::function<void()> stage) {
+void TaskGroup::start(std::function<void()> stage) {
   threads_.emplace_back([this, stage = std::move(stage), checks = presentChecks()] {
     const InterruptionScope scope(checks);
     run(stage);
   });
 }
 
-void Crew::run(const std::function<void()>& stage) {
+void TaskGroup::run(const std::function<void()>& stage) {
   try {
     stage();
   } catch (...) {
@@ -36,7 +36,7 @@ void Crew::run(const std::function<void()>& stage) {
   }
 }
 
-void Crew::finish() {
+void TaskGroup::finish() {
   for (std::jthread& thread : threads_) thread.join();
   threads_.clear();
   if (error_) std::rethrow_exception(error_);
@@ -46,24 +46,25 @@ void Crew::finish() {
 // Writing and compressing samples takes time: on a thread of its own it costs the deployment
 // nothing as long as there is a core for it. Sixteen samples may wait; then the deployment waits.
 
-Scribe::Scribe(const std::filesystem::path& path, const Subject& subject)
+ThreadedTrajectoryWriter::ThreadedTrajectoryWriter(const std::filesystem::path& path,
+                                                   const Subject& subject)
     : writer_(path, subject, makeCurveMeter(subject)),
       samples_(kWaitingSamples),
-      crew_([this] { samples_.stop(); }) {
-  crew_.start([this] { writeAll(); });
+      tasks_([this] { samples_.stop(); }) {
+  tasks_.start([this] { writeAll(); });
 }
 
-bool Scribe::take(const SharedSample& sample) {
+bool ThreadedTrajectoryWriter::take(const SharedSample& sample) {
   return samples_.push(sample);
 }
 
-void Scribe::writeAll() {
+void ThreadedTrajectoryWriter::writeAll() {
   while (const std::optional<SharedSample> sample = samples_.pop()) writer_.append(**sample);
 }
 
-void Scribe::finish(const TrajectoryEnd& end) {
+void ThreadedTrajectoryWriter::finish(const TrajectoryEnd& end) {
   samples_.close();
-  crew_.finish();
+  tasks_.finish();
   writer_.finish(end);
 }
 

@@ -93,14 +93,14 @@ class BoundedQueue {
 
 /// Starts the stages of a job, each on a thread of its own. The first error of any of them stops
 /// the others, and finish() throws it.
-class Crew {
+class TaskGroup {
  public:
   /// stopAll: makes every stage end soon, whatever it waits for; called from any thread.
-  explicit Crew(std::function<void()> stopAll) : stopAll_(std::move(stopAll)) {}
+  explicit TaskGroup(std::function<void()> stopAll) : stopAll_(std::move(stopAll)) {}
   /// Stops what is still at work and waits for it.
-  ~Crew();
-  Crew(const Crew&) = delete;
-  Crew& operator=(const Crew&) = delete;
+  ~TaskGroup();
+  TaskGroup(const TaskGroup&) = delete;
+  TaskGroup& operator=(const TaskGroup&) = delete;
 
   /// Runs a stage on a thread of its own; what may end this thread from within may end that one.
   void start(std::function<void()> stage);
@@ -108,8 +108,8 @@ class Crew {
   /// Runs a stage on this thread. Throws nothing: an error is kept for finish().
   void run(const std::function<void()>& stage);
 
-  /// Waits until every stage has ended; throws the first error. Afterwards the crew has no threads.
-  /// Errors after the first are dropped: most are consequences of it.
+  /// Waits until every stage has ended; throws the first error. Afterwards the tasks has no
+  /// threads. Errors after the first are dropped: most are consequences of it.
   void finish();
 
  private:
@@ -135,12 +135,12 @@ inline constexpr std::size_t kWaitingSamples = 16;
 // ------------------------------------------------------------------------------------------------
 // Writes a run's trajectory on a thread of its own while the deployment goes on.
 
-/// Owns the file and the thread. A scribe that goes without finish() leaves no file.
-class Scribe {
+/// Owns the file and the thread. A writer that goes without finish() leaves no file.
+class ThreadedTrajectoryWriter {
  public:
   /// The file gets the curves' channels (makeCurveMeter). `subject` must outlive this. Throws
   /// OutputError when the file cannot be made.
-  Scribe(const std::filesystem::path& path, const Subject& subject);
+  ThreadedTrajectoryWriter(const std::filesystem::path& path, const Subject& subject);
 
   /// Hands over a sample. False once writing has failed; finish() says why. May wait for room in
   /// the queue.
@@ -154,7 +154,7 @@ class Scribe {
 
   TrajectoryWriter writer_;
   BoundedQueue<SharedSample> samples_;
-  Crew crew_;  // last: its thread ends before what it uses
+  TaskGroup tasks_;  // last: its thread ends before what it uses
 };
 
 // ------------------------------------------------------------------------------------------------

@@ -32,9 +32,9 @@
 #include "render/folder/output_folder.h"
 #include "render/picture/gl_context.h"
 #include "render/picture/label.h"
-#include "render/record/album.h"
 #include "render/record/pace.h"
 #include "render/record/pipeline.h"
+#include "render/record/run_pictures.h"
 #include "render/record/summary.h"
 #include "sim/base/error.h"
 #include "sim/base/files.h"
@@ -165,7 +165,7 @@ class LiveRun {
         observer_(observer),
         deployer_(deployer),
         subject_(subjectOf(scene)),
-        start_(motifOf(subject_)),
+        start_(contentOf(subject_)),
         checkpoints_(settings.folder / output::kCheckpoint, settings.order) {
     if (settings.resume) {
       remark_ = checkpoints_.find();
@@ -174,16 +174,16 @@ class LiveRun {
     }
   }
 
-  /// Observers are called on this thread, the scribe writes on another.
+  /// Observers are called on this thread, the writer writes on another.
   void deploy() {
-    std::optional<Scribe> scribe;
+    std::optional<ThreadedTrajectoryWriter> writer;
     if (leavesTrajectory(settings_)) {
       subject_.settings = settingsText(scene_, settings_);
-      scribe.emplace(settings_.folder / output::kTrajectory, subject_);
+      writer.emplace(settings_.folder / output::kTrajectory, subject_);
     }
     const SampleObserver watch = [&](const Sample& sample) {
       keep(sample);
-      const bool taken = !scribe || scribe->take(end_.last);
+      const bool taken = !writer || writer->take(end_.last);
       return taken && tell("deploying", std::min(1.0, sample.time / scene_.stop.duration));
     };
     const TrialObserver searching = [&](const SearchNews& news) {
@@ -194,11 +194,11 @@ class LiveRun {
     end_.result = deployer_(scene_, settings_.sampleInterval(), watch, searching,
                             settings_.order.empty() ? nullptr : &checkpoints_);
     if (interruption_) nameInterruption(*interruption_, end_.result);
-    if (!scribe) return;
+    if (!writer) return;
     RunSummary summary;
     summarize(end_, summary);
     end_.result.trajectory.findings = findingsText(scene_, summary);
-    scribe->finish(end_.result.trajectory);
+    writer->finish(end_.result.trajectory);
   }
 
   const RunEnd& end() const { return end_; }
@@ -239,7 +239,7 @@ class LiveRun {
   const ProgressObserver& observer_;
   const Deployer& deployer_;
   Subject subject_;
-  Motif start_;
+  PictureContent start_;
   Checkpoints checkpoints_;
   std::string remark_;  // not told yet
   const char* stage_ = "looking for a path";
@@ -314,9 +314,9 @@ void makePictures(const TrajectoryReader& run, const PictureSettings& settings,
                   const ProgressObserver& observer, PictureReport& report) {
   if (!settings.paints()) return;
   const MotionCurve motion = motionOf(run);
-  Album album(run, settings, report);
-  if (settings.paintsFrames()) album.makeFrames(run, motion, observer);
-  album.writeSnapshots(run, motion);
+  RunPictures pictures(run, settings, report);
+  if (settings.paintsFrames()) pictures.makeFrames(run, motion, observer);
+  pictures.writeSnapshots(run, motion);
 }
 
 /// Files in place change no more: each is read once. Files whose digest is known already are not
@@ -390,7 +390,7 @@ RunSummary record(const Scene& scene, const RecordSettings& asked, const Progres
                   const Deployer& deployer) {
   const Stopwatch stopwatch;
   requireValidSettings(asked);
-  requirePaintable(motifOf(subjectOf(scene)), asked);
+  requirePaintable(contentOf(subjectOf(scene)), asked);
   requireExportable(scene.model, scene.brick, asked.exports);
   FileSet files(asked.folder, output::kSummary);
   files.requireFree([&asked](const std::string& name) { return isOutput(name, asked); });

@@ -14,7 +14,7 @@
 #include "render/picture/frame.h"
 #include "render/picture/gl_context.h"
 #include "render/picture/grid.h"
-#include "render/picture/studio.h"
+#include "render/picture/state_painter.h"
 #include "sim/base/files.h"
 #include "sim/deploy/deployment.h"
 #include "sim/scene/scene.h"
@@ -79,11 +79,11 @@ struct PictureSettings {
   std::string madeBy;             ///< who makes the pictures from what, noted in the files
   SnapshotSpacing spacing = SnapshotSpacing::Progress;
   bool video = true;
-  std::string videoFile = "deployment.mp4";  ///< its ending chooses the format
-  std::optional<int> crf;                    ///< of the video, see VideoSettings
-  std::string preset = "auto";               ///< of the video, see VideoSettings
-  std::string encoder;                       ///< of the video, see VideoSettings
-  bool snapshots = true;                     ///< snapshots.png
+  std::string videoFile = output::kVideo;  ///< its ending chooses the format
+  std::optional<int> crf;                  ///< of the video, see VideoSettings
+  std::string preset = "auto";             ///< of the video, see VideoSettings
+  std::string encoder;                     ///< of the video, see VideoSettings
+  bool snapshots = true;                   ///< snapshots.png
   bool svg = false;     ///< snapshot_01.svg ..., the grid's pictures as vector graphics
   bool frames = false;  ///< frames/frame_00000.png ..., every frame of the video
   std::vector<FrameChoice> chosenFrames;  ///< the same of these moments alone

@@ -40,21 +40,19 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kSummary = "summary.json";
-constexpr const char* kTrajectory = "trajectory.h5";
 // Figures are computed again from the same numbers by the same arithmetic, so they agree to the
 // last bit. This part of a figure is left to compilers that add in another order.
-constexpr double kRounding = 1e-12;
+constexpr double kFigureRounding = 1e-12;
 
 /// Throws InputError where there is none.
 std::string readSummary(const fs::path& folder) {
-  if (fs::exists(folder / kSummary)) {
-    return readTextFile(folder / kSummary, "give the folder that a run left");
+  if (fs::exists(folder / output::kSummary)) {
+    return readTextFile(folder / output::kSummary, "give the folder that a run left");
   }
   throw InputError(fmt::format(
       "{}: error: there is no {} here; give the folder that a run of kirireel record or "
       "simulate left",
-      folder.string(), kSummary));
+      folder.string(), output::kSummary));
 }
 
 /// A text as summary.json has it: bytes that are not UTF-8 are U+FFFD there. Names of models may
@@ -80,10 +78,10 @@ class Verifier {
 
   VerifyReport run() {
     const std::string text = readSummary(folder_);
-    if (!isSealed(text)) complain(kSummary, "this is not the text that the run wrote");
+    if (!isSealed(text)) complain(output::kSummary, "this is not the text that the run wrote");
     const Json summary = Json::parse(text, nullptr, false);
     if (!summary.is_object() || !summary.contains("contents")) {
-      complain(kSummary, "it names no files to compare with; record the run again");
+      complain(output::kSummary, "it names no files to compare with; record the run again");
       return report_;
     }
     try {
@@ -91,7 +89,7 @@ class Verifier {
       // A damaged trajectory would only repeat the complaint in many words.
       if (report_.complaints.empty()) compareFigures(summary);
     } catch (const Json::exception&) {
-      complain(kSummary, "its entries are not those of a run");
+      complain(output::kSummary, "its entries are not those of a run");
     }
     return report_;
   }
@@ -120,14 +118,15 @@ class Verifier {
   void compare(const std::string& place, const std::string& figure, double stated,
                double computed) {
     const double larger = std::max(std::abs(stated), std::abs(computed));
-    if (std::abs(stated - computed) <= kRounding * larger) return;
+    if (std::abs(stated - computed) <= kFigureRounding * larger) return;
     complain(place,
              fmt::format("{} is {:.17g}, yet the poses give {:.17g}", figure, stated, computed));
   }
 
   /// An entry of the summary of which trajectory.h5 has a copy.
   void compareCopy(const std::string& entry, const Json& stated, const Json& copy) {
-    if (stated != copy) complain(kSummary, fmt::format("{} differs from trajectory.h5", entry));
+    if (stated != copy)
+      complain(output::kSummary, fmt::format("{} differs from trajectory.h5", entry));
   }
 
   /// One sample.
@@ -135,11 +134,12 @@ class Verifier {
     const Subject& subject = run.subject();
     const Sample stored = run.sample(index);
     const std::string at = fmt::format(" at {:.4g} s", stored.time);
-    compare(kTrajectory, "joint_gap" + at, stored.jointGap, jointGap(pivots, stored.poses).max);
-    compare(kTrajectory, "penetration" + at, stored.penetration,
+    compare(output::kTrajectory, "joint_gap" + at, stored.jointGap,
+            jointGap(pivots, stored.poses).max);
+    compare(output::kTrajectory, "penetration" + at, stored.penetration,
             deepestPenetration(subject.bricks, stored.poses).depth);
     if (subject.model.target) {
-      compare(kTrajectory, "target_error" + at, stored.targetError,
+      compare(output::kTrajectory, "target_error" + at, stored.targetError,
               targetError(*subject.model.target, subject.bricks, stored.poses));
     }
     ++report_.samples;
@@ -147,11 +147,11 @@ class Verifier {
 
   /// Files agree already, so what differs here was wrong when it was written.
   void compareFigures(const Json& summary) {
-    const TrajectoryReader run(folder_ / kTrajectory);
+    const TrajectoryReader run(folder_ / output::kTrajectory);
     const std::vector<Pivot> pivots = makePivots(run.subject().model.joints, run.subject().bricks);
     for (std::size_t i = 0; i < run.times().size(); ++i) recompute(run, pivots, i);
     if (run.steps().empty()) {
-      complain(kTrajectory,
+      complain(output::kTrajectory,
                "an earlier version of the program left it, without the states that "
                "the summary's figures stand for; record the run again");
       return;
@@ -179,13 +179,13 @@ class Verifier {
 
   /// The last event of a run repeats its outcome and reason.
   void compareEnd(const Json& summary, const TrajectoryReader& run) {
-    compare(kSummary, "end_time", summary.at("end_time"), run.times().back());
+    compare(output::kSummary, "end_time", summary.at("end_time"), run.times().back());
     const std::string outcome = summary.at("outcome");
     const std::string stated = fmt::format("{}: {}", outcome, summary.at("reason"));
     // What interrupts the painting comes after the run.
     if (outcome == "interrupted" || run.end().events.empty()) return;
     if (run.end().events.back().text != stated) {
-      complain(kSummary, "outcome or reason differ from the last event of trajectory.h5");
+      complain(output::kSummary, "outcome or reason differ from the last event of trajectory.h5");
     }
   }
 
@@ -193,11 +193,12 @@ class Verifier {
   void compareModel(const Json& stated, const Model& model) {
     compareCopy("model.name", stated.at("name"), asInJson(model.name));
     compareCopy("model.has_target", stated.at("has_target"), model.target.has_value());
-    compare(kSummary, "model.tiles", stated.at("tiles"), static_cast<double>(model.tiles.size()));
-    compare(kSummary, "model.joints", stated.at("joints"),
+    compare(output::kSummary, "model.tiles", stated.at("tiles"),
+            static_cast<double>(model.tiles.size()));
+    compare(output::kSummary, "model.joints", stated.at("joints"),
             static_cast<double>(model.joints.size()));
-    compare(kSummary, "model.size", stated.at("size"), modelSize(model));
-    compare(kSummary, "model.tile_size", stated.at("tile_size"), tileSize(model));
+    compare(output::kSummary, "model.size", stated.at("size"), modelSize(model));
+    compare(output::kSummary, "model.tile_size", stated.at("tile_size"), tileSize(model));
   }
 
   /// The figures that all steps decide together.
@@ -213,16 +214,16 @@ class Verifier {
       leastError = std::min(leastError, step.targetError);
     }
     const Json& accuracy = summary.at("accuracy");
-    compare(kSummary, "joint_gap_mean", accuracy.at("joint_gap_mean"),
+    compare(output::kSummary, "joint_gap_mean", accuracy.at("joint_gap_mean"),
             gapSum / static_cast<double>(run.steps().size()));
-    compare(kSummary, "joint_gap_max", accuracy.at("joint_gap_max"), largestGap);
+    compare(output::kSummary, "joint_gap_max", accuracy.at("joint_gap_max"), largestGap);
     if (run.subject().model.target)
-      compare(kSummary, "target_error_min", accuracy.at("target_error_min"), leastError);
+      compare(output::kSummary, "target_error_min", accuracy.at("target_error_min"), leastError);
     // Counts of steps: figures without a part are not in the summary.
     for (const StepFigure& figure : kStepFigures) {
       if (!figure.part) continue;
-      compare(kSummary, figure.partName, summary.at(figure.part).value(figure.partName, 0.0),
-              figure.get(took));
+      compare(output::kSummary, figure.partName,
+              summary.at(figure.part).value(figure.partName, 0.0), figure.get(took));
     }
   }
 
@@ -234,13 +235,15 @@ class Verifier {
     const Sample first = run.sample(0);
     const Sample last = run.sample(run.times().size() - 1);
     const Poses asRead = startPoses(subject.model.tiles, subject.bricks);
-    compare(kSummary, "assembly_move", stated.at("assembly_move"),
+    compare(output::kSummary, "assembly_move", stated.at("assembly_move"),
             targetError(bottomTiles(subject.bricks, asRead), subject.bricks, first.poses));
-    compare(kSummary, "joint_gap_end", stated.at("joint_gap_end"), last.jointGap);
+    compare(output::kSummary, "joint_gap_end", stated.at("joint_gap_end"), last.jointGap);
     if (subject.model.target) {
-      compare(kSummary, "target_error_start", stated.at("target_error_start"), first.targetError);
-      compare(kSummary, "target_error_end", stated.at("target_error_end"), last.targetError);
-      compare(kSummary, "rigid_bound", stated.at("rigid_bound"),
+      compare(output::kSummary, "target_error_start", stated.at("target_error_start"),
+              first.targetError);
+      compare(output::kSummary, "target_error_end", stated.at("target_error_end"),
+              last.targetError);
+      compare(output::kSummary, "rigid_bound", stated.at("rigid_bound"),
               rigidBound(subject.model.tiles, *subject.model.target));
     }
     compareElasticity(summary, subject, first.poses, last.poses);
@@ -250,9 +253,10 @@ class Verifier {
       const auto state =
           std::ranges::find(run.end().figureStates, figure.name, &FigureState::figure);
       if (state != run.end().figureStates.end()) {
-        compare(kSummary, figure.name, stated.at(figure.name), figure.compute(state->poses));
+        compare(output::kSummary, figure.name, stated.at(figure.name),
+                figure.compute(state->poses));
       } else if (stated.at(figure.name) != 0 && !stated.at(figure.name).is_null()) {
-        complain(kSummary, fmt::format("{} has no state in trajectory.h5", figure.name));
+        complain(output::kSummary, fmt::format("{} has no state in trajectory.h5", figure.name));
       }
     }
   }
@@ -262,18 +266,19 @@ class Verifier {
     const Json stated = summary.value("elasticity", Json());
     const bool isElastic = !subject.pairForces.empty();
     if (isElastic == stated.is_null()) {
-      complain(kSummary, "elasticity and the springs in trajectory.h5 do not go together");
+      complain(output::kSummary, "elasticity and the springs in trajectory.h5 do not go together");
     }
     if (!isElastic || stated.is_null()) return;
     const Elasticity found = elasticityOf(subject.pairForces, start, end);
     for (const PairForceKind& kind : pairForceKinds()) {
       // Summaries of earlier releases do not tell of all kinds.
       const std::string name = kind.name.counted;
-      compare(kSummary, "elasticity." + name, stated.value(name, 0), found.count(name));
+      compare(output::kSummary, "elasticity." + name, stated.value(name, 0), found.count(name));
     }
-    compare(kSummary, "elasticity.energy_start", stated.at("energy_start"), found.energyStart);
-    compare(kSummary, "elasticity.energy_end", stated.at("energy_end"), found.energyEnd);
-    compare(kSummary, "elasticity.moment_end", stated.at("moment_end"), found.momentEnd);
+    compare(output::kSummary, "elasticity.energy_start", stated.at("energy_start"),
+            found.energyStart);
+    compare(output::kSummary, "elasticity.energy_end", stated.at("energy_end"), found.energyEnd);
+    compare(output::kSummary, "elasticity.moment_end", stated.at("moment_end"), found.momentEnd);
   }
 
   /// How each figure is computed from its state. What is passed must outlive the list.
@@ -312,11 +317,11 @@ class Verifier {
       if (!isVideo(name) || fs::path(name).extension() == ".gif") continue;
       // One that was painted again since is not the run's.
       if (listedFiles(folder_ / output::kContents).contains(name)) return;
-      compare(kSummary, "video_frames", summary.at("video_frames"),
+      compare(output::kSummary, "video_frames", summary.at("video_frames"),
               countVideoFrames(folder_ / name));
       return;
     }
-    compare(kSummary, "video_frames", summary.at("video_frames"), 0);
+    compare(output::kSummary, "video_frames", summary.at("video_frames"), 0);
   }
 
   fs::path folder_;
@@ -326,7 +331,7 @@ class Verifier {
 }  // namespace
 
 std::optional<FinishedRun> findFinishedRun(const fs::path& folder, const std::string& order) {
-  if (!fs::is_regular_file(folder / kSummary)) return std::nullopt;
+  if (!fs::is_regular_file(folder / output::kSummary)) return std::nullopt;
   const std::string text = readSummary(folder);
   const Json summary = Json::parse(text, nullptr, false);
   if (!isSealed(text) || !summary.is_object()) return std::nullopt;

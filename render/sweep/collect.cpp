@@ -29,7 +29,7 @@
 #include <unistd.h>
 
 #include "render/folder/output_folder.h"
-#include "render/picture/studio.h"
+#include "render/picture/state_painter.h"
 #include "render/sweep/sweep_plan.h"
 #include "sim/base/error.h"
 #include "sim/base/files.h"
@@ -456,18 +456,18 @@ class EndStatePainter {
     model.tiles = readTileFile(picture.vertices);
     BrickRule rule;
     rule.thickness = picture.thickness;
-    const Motif motif = makeMotif(model, rule, std::nullopt);
+    const PictureContent content = makeContent(model, rule, std::nullopt);
     // A graphics context takes longer to make than a small picture to paint.
-    if (studio_) {
-      studio_->show({}, motif);
+    if (painter_) {
+      painter_->show({}, content);
     } else {
-      studio_.emplace(kPictureSize, Look(), motif);
+      painter_.emplace(kPictureSize, Look(), content);
     }
-    return studio_->take({0, motif.start, {}});
+    return painter_->paint({0, content.start, {}});
   }
 
  private:
-  std::optional<Studio> studio_;
+  std::optional<StatePainter> painter_;
 };
 
 /// At most so many of the numbers from 0 on, evenly, the first and the last among them.

@@ -28,7 +28,7 @@ constexpr double kSameMoment = 1e-9;
 constexpr int kMostImpacts = 8;  // in one call
 // Where they crowd, or contacts change too fast, so many calls go by first order at once.
 constexpr int kCallsToWait = 8;
-constexpr int kBisections = 60;  // to the last bit
+constexpr int kImpactBisections = 60;  // to the last bit
 
 /// The bricks of a contact alone.
 Motion motionOf(const Contact& contact, const Motion& all) {
@@ -47,7 +47,7 @@ double momentOfClosing(Contact contact, const Motion& from, const Motion& to, do
   contact.brickA = 0;
   if (contact.brickB != kFixed) contact.brickB = 1;
   double open = 0, closed = latest;
-  for (int k = 0; k < kBisections && contactGap(contact, start.poses) > 0; ++k) {
+  for (int k = 0; k < kImpactBisections && contactGap(contact, start.poses) > 0; ++k) {
     const double middle = 0.5 * (open + closed);
     const Poses poses = posesBetween(start, {}, end, seconds, middle);
     (contactGap(contact, poses) > 0 ? open : closed) = middle;

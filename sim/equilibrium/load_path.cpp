@@ -31,21 +31,21 @@ using Matrix = LoadedSheet::Matrix;
 // Heavier constraints are rounded more; they are taken where constraints are so nearly redundant,
 // as in sheets that are almost shut, that the usual weight does not outweigh the forces that the
 // sheet carries.
-constexpr double kMostWeight = 1e12;
+constexpr double kMostPenalty = 1e12;
 constexpr double kHeavier = 1e2;
 constexpr int kRefinements = 20;
-constexpr double kRefined = 1e-13;   // of the right side
-constexpr double kClosed = 1e-12;    // constraints, length scales
-constexpr double kBalanced = 1e-13;  // forces, parts of the stiffest spring
+constexpr double kRefined = 1e-13;           // of the right side
+constexpr double kClosedConstraint = 1e-12;  // constraints, length scales
+constexpr double kBalanced = 1e-13;          // forces, parts of the stiffest spring
 constexpr int kNewtonRounds = 12;
-constexpr int kFewRounds = 4;         // after so many the next step may be longer
-constexpr double kLongestMove = 0.3;  // in one round while the first equilibrium is sought
+constexpr int kFewRounds = 4;              // after so many the next step may be longer
+constexpr double kLongestFirstMove = 0.3;  // in one round while the first equilibrium is sought
 constexpr int kRelaxations = 500;
 constexpr double kFirstShift = 1e-3;  // of the stiffest spring, where the energy falls
 constexpr double kMostShift = 1e6;
 constexpr double kShortestStep = 1e-7;  // of the longest
 constexpr double kStraight = 0.9;       // cosine between the directions at the ends of a step
-constexpr int kBisections = 60;
+constexpr int kLimitBisections = 60;
 constexpr double kNoSlope = 1e-8;  // of the force along the path, parts of the stiffest spring
 constexpr double kBackwards = -1;  // a load below this leads nowhere
 
@@ -98,7 +98,7 @@ class Equations {
   Change solve(const Vector& forces, const Vector& gaps) {
     double best = weight_;
     Change found = refine(forces, gaps);
-    while (found.rest > kRefined && weight_ < kMostWeight * scale_) {
+    while (found.rest > kRefined && weight_ < kMostPenalty * scale_) {
       factorise(kHeavier * weight_);
       if (!isFactored()) break;
       Change heavier = refine(forces, gaps);
@@ -224,7 +224,7 @@ class Follower {
         std::max({sheet_.stiffnessScale(),
                   at.multipliers.size() ? at.multipliers.lpNorm<Eigen::Infinity>() : 0});
     return forces.lpNorm<Eigen::Infinity>() <= kBalanced * largest &&
-           (gaps.size() == 0 || gaps.lpNorm<Eigen::Infinity>() <= kClosed);
+           (gaps.size() == 0 || gaps.lpNorm<Eigen::Infinity>() <= kClosedConstraint);
   }
 
   /// The equilibrium next to the start, by Newton's method downhill in energy.
@@ -244,7 +244,7 @@ class Follower {
       equations.makeConvex();
       const Equations::Change change = equations.solve(-forcesAt(at), -gaps);
       // Turns are nonlinear: a round moves no coordinate farther than the formulas hold.
-      const double share = std::min(1.0, kLongestMove / change.q.lpNorm<Eigen::Infinity>());
+      const double share = std::min(1.0, kLongestFirstMove / change.q.lpNorm<Eigen::Infinity>());
       at.q += share * change.q;
       at.multipliers += share * change.multipliers;
     }
@@ -360,7 +360,7 @@ class Follower {
     Stepped found = end;
     // Bisection on the length of the step from the same point: `low` is before what turns, `high`
     // behind it. Each try is a whole equilibrium, so that the state that is noted lies on the path.
-    for (int k = 0; k < kBisections && high - low > 1e-15 * step; ++k) {
+    for (int k = 0; k < kLimitBisections && high - low > 1e-15 * step; ++k) {
       const double middle = 0.5 * (low + high);
       const std::optional<Stepped> next = stepFrom(from, along, middle);
       if (!next) break;

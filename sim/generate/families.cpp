@@ -32,7 +32,7 @@ namespace {
 // What a generated model may be off by, as a part of a tile. Largest met: 7e-15.
 constexpr double kExactModel = 1e-9;
 // Overlap that counts, as a part of a tile; neighbours in a closed sheet touch to rounding.
-constexpr double kTouching = 1e-7;
+constexpr double kTouchingTiles = 1e-7;
 // The least sine of a corner of a generated tile.
 constexpr double kConvex = 1e-3;
 
@@ -464,7 +464,7 @@ std::string stateFault(const Model& model, const std::vector<Tile>& tiles, bool 
     return "its joints do not close";
   if (!(largestUnevenness(tiles) <= kExactModel * size)) return "its tiles are not flat";
   if (!isConcave && !(leastCornerSine(tiles) >= kConvex)) return "its tiles are not convex";
-  const std::vector<TileOverlap> overlaps = tileOverlaps(tiles, kTouching * size);
+  const std::vector<TileOverlap> overlaps = tileOverlaps(tiles, kTouchingTiles * size);
   if (overlaps.empty()) return "";
   return fmt::format("its tiles {} and {} overlap by {:.2g} m", overlaps[0].tileA,
                      overlaps[0].tileB, overlaps[0].depth);

@@ -27,7 +27,7 @@ constexpr int kMostRows = 8;  // beyond, rounding shows in the sums
 // A step is this much shorter than its estimate allows, and what it grows or shrinks by.
 constexpr double kSafety = 0.94;
 constexpr double kAim = 0.65;
-constexpr double kLeastFactor = 0.02;
+constexpr double kLeastStepFactor = 0.02;
 constexpr double kMostFactor = 20;
 // An order is changed for so much less work a second.
 constexpr double kFewer = 0.8;
@@ -39,7 +39,7 @@ constexpr int kRejections = 8;
 // The part of the tolerance that the energy may be off by after one of the longest steps.
 constexpr double kEnergyPart = 0.1;
 constexpr double kCaught = 0.4;  // the part of a step that is tried next where sliding ends in it
-constexpr double kSameTime = 1e-9;
+constexpr double kSameStepTime = 1e-9;
 // Joints count as closed below this part of a length scale.
 constexpr double kClosedGap = 1e-10;
 
@@ -207,7 +207,7 @@ void Extrapolation::estimate(Trial& trial) const {
   // is H (kAim / error)^(1/order).
   const double factor = kSafety * std::pow(kAim / std::max(error, 1e-12), 1.0 / order);
   const double bounded =
-      std::isfinite(error) ? std::clamp(factor, kLeastFactor, kMostFactor) : kLeastFactor;
+      std::isfinite(error) ? std::clamp(factor, kLeastStepFactor, kMostFactor) : kLeastStepFactor;
   trial.errors.push_back(error);
   trial.lengths.push_back(bounded * trial.length);
   trial.costs.push_back(costOf(order) / std::min(trial.lengths.back(), settings_.longestStep));
@@ -310,7 +310,7 @@ void Extrapolation::chooseNext(const Trial& trial, bool wasRejected) {
 /// Sets order and length after a step that was not taken.
 void Extrapolation::chooseAgain(const Trial& trial) {
   if (trial.errors.size() <= 2) {
-    length_ = kLeastFactor * trial.length;
+    length_ = kLeastStepFactor * trial.length;
     return;
   }
   int best = std::min(trial.order(), order_);
@@ -325,7 +325,8 @@ std::optional<double> Extrapolation::step(Motion& motion, double seconds, const 
   const double energy = settings_.keepsEnergy ? solver_.energy(motion) : 0;
   mostEnergy_ = std::max(mostEnergy_, energy);
   for (int tries = 0; tries < kRejections; ++tries) {
-    const double parts = std::ceil(seconds / std::min(length_, settings_.longestStep) - kSameTime);
+    const double parts =
+        std::ceil(seconds / std::min(length_, settings_.longestStep) - kSameStepTime);
     Trial trial{motion, seconds / std::max(1.0, parts), energy, 0, {}, {}};
     const bool isSmooth = tryOrders(trial, loads, report);
     const double caught = isSmooth ? caughtError(trial) : 0;

@@ -36,9 +36,9 @@ namespace {
 
 constexpr int kAccelerationRounds = 6;
 constexpr int kForceRounds = 12;
-constexpr double kRounding = 1e-14;  // of forces, relative to the largest
+constexpr double kForceRounding = 1e-14;  // of forces, relative to the largest
 // A round that takes less than this off the rest is the last.
-constexpr double kWorthwhile = 0.5;
+constexpr double kWorthwhileRound = 0.5;
 // Random states that are projected: one that by chance is blind to a joint is no harm.
 constexpr int kProbes = 2;
 // Of a random state between -1 and 1, what a joint has in self-stress is above this.
@@ -195,8 +195,8 @@ class Reactor final : public ReactionSolver {
     double before = std::numeric_limits<double>::infinity();
     for (int round = 0; round < kForceRounds; ++round) {
       const double size = rest.template lpNorm<Eigen::Infinity>();
-      if (size <= kRounding * load.template lpNorm<Eigen::Infinity>()) break;
-      if (size > kWorthwhile * before) break;
+      if (size <= kForceRounding * load.template lpNorm<Eigen::Infinity>()) break;
+      if (size > kWorthwhileRound * before) break;
       before = size;
       Vector change = system_.kappa() * rest;
       system_.solveInPlace(change);

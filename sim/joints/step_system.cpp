@@ -721,7 +721,7 @@ template class StepSystem<6>;
 namespace {
 
 constexpr double kNewtonTolerance = 1e-7;  // of a Newton step; rounding is 1e-10 to 1e-8
-constexpr int kNewtonRounds = 60;
+constexpr int kPieceRounds = 60;
 constexpr int kBoldRounds = 8;  // whole steps at first: most often they settle the contacts' states
 constexpr int kSearchRounds = 30;
 
@@ -794,7 +794,7 @@ bool setContactStates(StepProgram<D>& program, double rho) {
 template <int D>
 // Newton's method on the pieces: whole steps at first, then with a line search.
 RoundReport minimize(StepSystem<D>& system, StepProgram<D>& program, double slow) {
-  for (int round = 0; round < kNewtonRounds; ++round) {
+  for (int round = 0; round < kPieceRounds; ++round) {
     const Eigen::VectorXd slope = gradientOfPiece(system, program);
     Eigen::VectorXd dx = -slope;
     system.solveInPlace(dx);

@@ -135,9 +135,9 @@ struct Coordinates {
  private:
   /// The rotation by this vector. Most turns are tiny, where the series has all digits.
   static Quaternion turnBy(const Vector3& vector) {
-    constexpr double kTiny = 1e-4;
+    constexpr double kTinyTurn = 1e-4;
     const double square = vector.squaredNorm();
-    if (square > kTiny * kTiny) return rotationFromVector(vector);
+    if (square > kTinyTurn * kTinyTurn) return rotationFromVector(vector);
     const Vector3 imaginary = (0.5 - square / 48) * vector;
     return {1 - square / 8, imaginary.x(), imaginary.y(), imaginary.z()};
   }

@@ -94,13 +94,13 @@ double kineticEnergy(const std::vector<Brick>& bricks, const Motion& motion) {
 namespace {
 
 // Below this sine two directions count as parallel: they give the same separating axes.
-constexpr double kParallel = 1e-9;
+constexpr double kParallelSine = 1e-9;
 // Bricks are in one layer where their faces are apart by no more than this part of their thickness.
 constexpr double kSameLayer = 1e-6;
 
 // Of unit vectors, either way round.
 bool isParallel(const Vector3& a, const Vector3& b) {
-  return a.cross(b).squaredNorm() < kParallel * kParallel;
+  return a.cross(b).squaredNorm() < kParallelSine * kParallelSine;
 }
 
 /// What of a convex piece of a brick decides its overlaps, in brick axes.
@@ -233,7 +233,7 @@ bool mayOverlapBy(double known, std::span<const PlacedPrism> a, std::span<const 
   // Of the boxes' axes only those within the layer bound its depth.
   const Vector3& normal = a.front().normal();
   for (int axis = 0; axis < 3; ++axis) {
-    if (std::abs(normal[axis]) < kParallel && overlaps[axis] <= known) return false;
+    if (std::abs(normal[axis]) < kParallelSine && overlaps[axis] <= known) return false;
   }
   return true;
 }
@@ -616,9 +616,9 @@ constexpr int kMostIterations = 1000;
 // Of all tiles together: later tiles, which fit better, keep the bound that they have.
 constexpr long kMostFits = 200'000;
 // Residuals below this part of the tile's reach from the origin are rounding.
-constexpr double kRounding = 1e-14;
+constexpr double kResidualRounding = 1e-14;
 // A vertex keeps at least this part of the largest factor: a weight of zero could never grow again.
-constexpr double kLeastFactor = 1e-3;
+constexpr double kLeastVertexWeight = 1e-3;
 
 /// A weighted fit of one tile, and what it says of the largest residual of any fit.
 struct TileFit {
@@ -647,7 +647,7 @@ std::vector<double> evenWeights(const Tile& tile) {
 double rounding(const Tile& target) {
   double reach = 0;
   for (const Vector3& vertex : target.vertices) reach = std::max(reach, vertex.norm());
-  return kRounding * reach;
+  return kResidualRounding * reach;
 }
 
 /// The best bound of one tile, or of what was known if no bound of this tile exceeds that. `fits`
@@ -667,7 +667,7 @@ double boundOf(const Tile& tile, const Tile& target, double known, long& fits) {
     double sum = 0;
     for (std::size_t k = 0; k < weights.size(); ++k) {
       // Lawson's step.
-      weights[k] *= std::max(fit.residuals[k], kLeastFactor * fit.largest);
+      weights[k] *= std::max(fit.residuals[k], kLeastVertexWeight * fit.largest);
       sum += weights[k];
     }
     for (double& weight : weights) weight /= sum;

@@ -295,7 +295,7 @@ RunCurves curvesAt(const RunCurves& curves, const std::vector<double>& times) {
 namespace {
 
 /// Parts of the box's diagonal by which flat tiles may leave their plane.
-constexpr double kFlat = 1e-6;
+constexpr double kFlatOfBox = 1e-6;
 /// Strains below this say nothing.
 constexpr double kLeastStrain = 1e-3;
 
@@ -333,7 +333,7 @@ HullSize hullSize(const std::vector<Tile>& tiles) {
 }
 
 std::optional<double> coveredArea(const std::vector<Tile>& tiles) {
-  if (!liesFlat(tiles, kFlat * boxSides(tiles).norm())) return std::nullopt;
+  if (!liesFlat(tiles, kFlatOfBox * boxSides(tiles).norm())) return std::nullopt;
   double area = 0;
   for (const Tile& tile : tiles) area += tileArea(tile);
   return area;

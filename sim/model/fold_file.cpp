@@ -367,7 +367,7 @@ void foldAlong(const std::vector<Crease>& creases, const CornerNumbers& faces, M
                const fs::path& file, std::vector<std::string>& warnings) {
   // The largest opening between joints that a target may have: the same part of a tile as kTooFar
   // in model_checks.cpp. More means that the angles do not close round a loop.
-  constexpr double kTorn = 0.05;  // of a tile
+  constexpr double kTornFold = 0.05;  // of a tile
   if (!liesFlat(model.tiles, 1e-9 * modelSize(model))) return;
   std::optional<std::vector<Tile>> folded = foldedTiles(faces, creases, model.tiles);
   if (!folded) return;
@@ -378,7 +378,7 @@ void foldAlong(const std::vector<Crease>& creases, const CornerNumbers& faces, M
     const Vector3& b = (*folded)[joint.b.tile].vertices[joint.b.vertex];
     worst = std::max(worst, (a - b).norm());
   }
-  if (worst > kTorn * tileSize(model)) {
+  if (worst > kTornFold * tileSize(model)) {
     warnings.push_back(
         fmt::format("{}: warning: folded by its edges_foldAngle, joints would open by "
                     "{:.2g} m; there is no target, and springs at folds rest at these angles",

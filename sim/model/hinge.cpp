@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 // Points closer than this part of a brick's edge are one.
-constexpr double kSamePoint = 1e-6;
+constexpr double kSameHingePoint = 1e-6;
 // Angles closer than this are equal, radians.
 constexpr double kSameAngle = 1e-6;
 
@@ -137,7 +137,7 @@ FoundHinges findHinges(const std::vector<Brick>& bricks, std::span<const Pivot> 
     if (shared.isTied) continue;
     const Pivot& pivot = *shared.first;
     const Brick& brick = bricks[static_cast<std::size_t>(pivot.brickA)];
-    const CommonLine line = commonLine(shared.points, kSamePoint * meanEdge(brick));
+    const CommonLine line = commonLine(shared.points, kSameHingePoint * meanEdge(brick));
     if (planar) {
       if (line.isPoint) found.hinges.push_back(cornerHinge(bricks, pivot));
     } else if (line.isPoint) {

@@ -505,9 +505,9 @@ using Vector2 = Eigen::Vector2d;
 
 constexpr const char* kPatternPurpose = "give a cut pattern that `kirireel export` left";
 // Points nearer than this part of the pattern's size are one.
-constexpr double kSamePoint = 1e-7;
+constexpr double kSamePatternPoint = 1e-7;
 // Sides that differ by less than this angle, radians, leave in one direction.
-constexpr double kSameDirection = 1e-6;
+constexpr double kSamePatternDirection = 1e-6;
 constexpr double kTurn = 2 * std::numbers::pi;
 
 enum class LineLayer { Cuts, Slits, Hinges, Other };
@@ -691,11 +691,11 @@ double angleOf(const Vector2& direction) {
   return std::atan2(direction.y(), direction.x());
 }
 
-/// An angle in [-kSameDirection, 2 pi - kSameDirection).
+/// An angle in [-kSamePatternDirection, 2 pi - kSamePatternDirection).
 double turnedBy(double angle) {
   double turn = std::fmod(angle, kTurn);
-  if (turn < -kSameDirection) turn += kTurn;
-  return turn >= kTurn - kSameDirection ? turn - kTurn : turn;
+  if (turn < -kSamePatternDirection) turn += kTurn;
+  return turn >= kTurn - kSamePatternDirection ? turn - kTurn : turn;
 }
 
 struct Neck {
@@ -717,7 +717,7 @@ class PatternReader {
   PatternReader(std::vector<DrawnLine> lines, const fs::path& file)
       : lines_(std::move(lines)),
         file_(file),
-        tolerance_(kSamePoint * sizeOf(lines_)),
+        tolerance_(kSamePatternPoint * sizeOf(lines_)),
         origin_(lines_.empty() ? Vector2(0, 0) : lines_.front().from),
         points_(tolerance_, origin_) {
     if (!(tolerance_ > 0)) throw patternFault(file_, "there are no lines of a sheet in it");
@@ -864,7 +864,7 @@ class PatternReader {
       double corner = turnedBy(back - angleOf(points_[sides_[candidate].to] - here));
       // A side that leaves along the way back closes a corner of a full turn: it is the last
       // choice.
-      if (corner <= kSameDirection) corner += kTurn;
+      if (corner <= kSamePatternDirection) corner += kTurn;
       if (corner >= least) continue;
       least = corner;
       best = candidate;
@@ -1011,7 +1011,7 @@ Model readCutPattern(const fs::path& file, std::vector<std::string>& warnings) {
   if (model.tiles.empty()) throw patternFault(file, "there are no tiles in it");
   const TileTable table = patternTable(file, model.tiles);
   checkTiles(table);
-  refuseHoles(model.tiles, kSamePoint * modelSize(model), file);
+  refuseHoles(model.tiles, kSamePatternPoint * modelSize(model), file);
   model.joints = reader.joints();
   turnClockwiseTiles(table, model, warnings);
   return model;

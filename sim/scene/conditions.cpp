@@ -59,7 +59,7 @@ int tileOfModel(int number, const Model& model, const FileLocation& where) {
 namespace {
 
 // A bound against slips of the pen, and against products that overflow; no real load comes near it.
-constexpr double kMost = 1e12;  // of any amount
+constexpr double kMostAmount = 1e12;  // of any amount
 const std::vector<std::string> kGripKeys = {"tile", "tiles", "vertex", "edge", "move", "force"};
 const std::vector<std::string> kAmountKeys = {"x", "y", "z", "turn"};
 
@@ -73,7 +73,8 @@ void readAmounts(const TomlEntry& entry, GripSetting& grip) {
   }
   for (const TomlEntry& amount : *table) {
     const auto read = [&] {
-      return requireNumber(amount.value, -kMost, kMost, "a number, at most 1e12 in size");
+      return requireNumber(amount.value, -kMostAmount, kMostAmount,
+                           "a number, at most 1e12 in size");
     };
     if (amount.key == "x") {
       grip.x = read();

@@ -64,10 +64,11 @@ bool leavesPlane(const InitialVelocity& velocity) {
 
 /// Whether springs at folds rest where the model's file has them folded.
 bool foldsOutOfPlane(const Scene& scene) {
-  constexpr double kFlatFold = 1e-6 * kDegree;
+  constexpr double kFlatFoldAngle = 1e-6 * kDegree;
   return scene.hinges.areOn() && !scene.hinges.rest &&
-         std::ranges::any_of(scene.model.foldAngles,
-                             [](const auto& fold) { return std::abs(fold.second) > kFlatFold; });
+         std::ranges::any_of(scene.model.foldAngles, [](const auto& fold) {
+           return std::abs(fold.second) > kFlatFoldAngle;
+         });
 }
 
 // The first reason found is the one told; their order goes from the most to the least basic.

@@ -135,7 +135,7 @@ VertexError sheetError(int side, double angle, const std::vector<Tile>& found) {
 
 namespace {
 
-constexpr double kClosed = 1e-12;  // metres
+constexpr double kClosedSheet = 1e-12;  // metres
 // Quadratic convergence needs about 5; near singular states it is linear.
 constexpr int kMostRounds = 50;
 
@@ -249,11 +249,11 @@ PlanarState ClosurePath::close(PlanarState state, double wanted) const {
     const ClosureEquations here = equations(state, held, wanted);
     const double worst = here.missed.lpNorm<Eigen::Infinity>();
     // On to rounding: a round that no longer halves what is missed is the last.
-    if (worst < kClosed && worst > 0.5 * before) break;
+    if (worst < kClosedSheet && worst > 0.5 * before) break;
     before = worst;
     state -= here.slopes.completeOrthogonalDecomposition().solve(here.missed);
   }
-  if (gap(state) <= kClosed) return state;
+  if (gap(state) <= kClosedSheet) return state;
   throw RunError(fmt::format("error: no closed state at {} radians: a gap of {:.2g} m is left",
                              wanted, gap(state)));
 }

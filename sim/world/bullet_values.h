@@ -1,4 +1,4 @@
-/// Our values as Bullet's and back. For the files of this room alone.
+/// Our values as Bullet's and back. For the files of this module alone.
 #pragma once
 
 #include <Eigen/Eigenvalues>

@@ -554,7 +554,7 @@ constexpr double kTouching = 1e-3;
 // How often the plane that keeps a pair apart may change within a step, and how finely the moment
 // of a change is sought.
 constexpr int kPlaneChanges = 4;
-constexpr int kBisections = 20;
+constexpr int kTouchBisections = 20;
 // Below this angle the motion of a pair counts as straight, radians.
 constexpr double kNoTurn = 1e-9;
 
@@ -721,7 +721,7 @@ bool BrickPair::keptApartInTurn(const PairMove& move) const {
     // Bisect for the last moment to which one of them holds.
     double lost = 1;
     const double from = reached;
-    for (int round = 0; round < kBisections; ++round) {
+    for (int round = 0; round < kTouchBisections; ++round) {
       const double part = 0.5 * (reached + lost);
       placeOutline(b_.outline, onTheWay(screw, move.start, part), way);
       (std::any_of(holding.begin(), holding.end(), holds) ? reached : lost) = part;
@@ -834,7 +834,7 @@ namespace {
 using Kind = SeparatingPlane::Kind;
 
 // Below this sine two edges span no plane.
-constexpr double kParallel = 1e-6;
+constexpr double kParallelEdges = 1e-6;
 // Below this sine the plane of two edges turns too fast to be held.
 constexpr double kSteady = 0.05;
 // Points that reach equally far to this part of an edge tie.
@@ -971,7 +971,7 @@ Vector3 planeNormal(const SeparatingPlane& plane, const PlacedOutline& a, const 
   }
   const Vector3 product = a.directions[plane.a].cross(b.directions[plane.b]);
   const double length = product.norm();
-  return length < kParallel ? Vector3::Zero() : Vector3(plane.sign / length * product);
+  return length < kParallelEdges ? Vector3::Zero() : Vector3(plane.sign / length * product);
 }
 
 double separation(const SeparatingPlane& plane, const PlacedOutline& a, const PlacedOutline& b) {

@@ -5,7 +5,7 @@
 
 #include "render/picture/gl_context.h"
 #include "render/picture/opengl.h"
-#include "render/picture/sketch.h"
+#include "render/picture/picture_geometry.h"
 #include "sim/model/lattice.h"
 
 namespace kirireel::bench {
@@ -16,10 +16,10 @@ struct BareVertex {
   std::array<std::uint8_t, 4> colour;
 };
 
-/// The triangles of a sketch's faces and outlines.
+/// The triangles of a geometry's faces and outlines.
 std::vector<BareVertex> bareTriangles(const PaintedSheet& sheet) {
-  Sketch sketch;
-  Sketcher(sheet.bricks, {}).draw({sheet.poses, {}, {}, {}, {}}, sheet.camera, sketch);
+  PictureGeometry geometry;
+  GeometryBuilder(sheet.bricks, {}).draw({sheet.poses, {}, {}, {}, {}}, sheet.camera, geometry);
   const Eigen::Matrix4d clip = clipFromWorld(sheet.camera, kSize.aspect());
   std::vector<BareVertex> vertices;
   const auto add = [&](const Vector3& point, Colour colour) {
@@ -27,8 +27,8 @@ std::vector<BareVertex> bareTriangles(const PaintedSheet& sheet) {
     vertices.push_back({{place.x(), place.y(), place.z(), place.w()},
                         {colour.red, colour.green, colour.blue, colour.alpha}});
   };
-  for (const Facet& facet : sketch.solid) {
-    const auto outer = sketch.corners(facet), inner = sketch.inner(facet);
+  for (const Facet& facet : geometry.solid) {
+    const auto outer = geometry.corners(facet), inner = geometry.inner(facet);
     for (std::size_t k = 2; k < inner.size(); ++k) {
       for (const std::size_t corner : {std::size_t{0}, k - 1, k}) add(inner[corner], facet.colour);
     }
@@ -36,7 +36,7 @@ std::vector<BareVertex> bareTriangles(const PaintedSheet& sheet) {
       const std::size_t next = (k + 1) % outer.size();
       for (const Vector3& point :
            {outer[k], outer[next], inner[next], outer[k], inner[next], inner[k]}) {
-        add(point, sketch.edge);
+        add(point, geometry.edge);
       }
     }
   }

@@ -17,33 +17,33 @@ BrickRule thick(double thickness) {
 /// Rotates bricks about z as the exact motion of a tessellation does.
 GoldenScene openingScene(const std::string& name, const TessellationShape& shape, double angle) {
   const BrickRule rule = thick(0.15);
-  GoldenScene scene{name, makeMotif(makeTessellation(shape), rule, std::nullopt), {}};
+  GoldenScene scene{name, makeContent(makeTessellation(shape), rule, std::nullopt), {}};
   const std::vector<Tile> tiles = tessellationTiles(shape, angle);
   scene.poses = startPoses(tiles, makeBricks(tiles, rule));
   for (std::size_t k = 0; k < scene.poses.size(); ++k) {
     // How far the tile's first side has turned since the start.
     const Vector3 now = tiles[k].vertices[1] - tiles[k].vertices[0];
-    const Vector3 start = scene.motif.bricks[k].bottom[1] - scene.motif.bricks[k].bottom[0];
+    const Vector3 start = scene.content.bricks[k].bottom[1] - scene.content.bricks[k].bottom[0];
     const double turn = std::atan2(now.y(), now.x()) - std::atan2(start.y(), start.x());
     scene.poses[k].rotation = rotationFromVector(Vector3(0, 0, turn));
   }
-  keepInSight(scene.motif, scene.poses);
+  keepInSight(scene.content, scene.poses);
   return scene;
 }
 
 /// Bricks that started flat and are on their way to a target farther out.
 GoldenScene brickScene(const std::string& name, const SampleBricks& sample, const Poses& start) {
   GoldenScene scene{name, {}, sample.poses};
-  scene.motif.bricks = sample.bricks;
-  scene.motif.start = start;
+  scene.content.bricks = sample.bricks;
+  scene.content.start = start;
   for (int k = 0; k + 1 < static_cast<int>(sample.bricks.size()); ++k) {
-    scene.motif.pivots.push_back(
+    scene.content.pivots.push_back(
         {k, k + 1, sample.bricks[k].top[2], sample.bricks[k + 1].top[0], k});
   }
   Poses target = sample.poses;
   for (Pose& pose : target) pose.position *= 1.15;
-  scene.motif.target = bottomTiles(sample.bricks, target);
-  keepInSight(scene.motif, sample.poses);
+  scene.content.target = bottomTiles(sample.bricks, target);
+  keepInSight(scene.content, sample.poses);
   return scene;
 }
 

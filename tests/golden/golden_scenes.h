@@ -4,14 +4,14 @@
 #include <string>
 #include <vector>
 
-#include "render/picture/studio.h"
+#include "render/picture/state_painter.h"
 
 namespace kirireel::test {
 
 /// A state in the middle of a motion.
 struct GoldenScene {
   std::string name;  ///< of its sheet in tests/golden
-  Motif motif;
+  PictureContent content;
   Poses poses;
 };
 

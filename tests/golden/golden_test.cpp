@@ -81,8 +81,8 @@ void expectGolden(const Frame& frame, const std::string& file, const std::vector
 }
 
 GridPicture picture(const test::GoldenScene& scene, const test::GoldenLook& look) {
-  Studio studio(kCell, look.look, scene.motif, {.colours = true});
-  return {studio.take({0.5, scene.poses, look.pinned, 0.5}), look.name};
+  StatePainter painter(kCell, look.look, scene.content, {.colours = true});
+  return {painter.paint({0.5, scene.poses, look.pinned, 0.5}), look.name};
 }
 
 class GoldenSheet : public testing::TestWithParam<int> {};

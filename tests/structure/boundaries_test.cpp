@@ -1,4 +1,4 @@
-// The boundaries between rooms and the rules of the house, read off the sources themselves.
+// The boundaries between modules and the rules of the code, read off the sources themselves.
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
@@ -56,11 +56,11 @@ const std::vector<SourceFile>& sources() {
 }
 
 /// "FILE includes HEADER" for every include that matches, in files whose path starts so.
-std::vector<std::string> uses(const std::string& room, const std::string& headerPattern) {
+std::vector<std::string> uses(const std::string& module, const std::string& headerPattern) {
   const std::regex pattern(headerPattern);
   std::vector<std::string> found;
   for (const SourceFile& file : sources()) {
-    if (!file.path.starts_with(room)) continue;
+    if (!file.path.starts_with(module)) continue;
     for (const std::string& header : file.includes) {
       if (std::regex_match(header, pattern)) found.push_back(file.path + " includes " + header);
     }
@@ -211,15 +211,15 @@ TEST(Boundaries, TimeIsMeasuredByClocksThatNeverJump) {
   }
 }
 
-/// "sim/joints" of "sim/joints/joint_solver.h"; empty for what is in no room.
-std::string roomOf(const std::string& path) {
+/// "sim/joints" of "sim/joints/joint_solver.h"; empty for what is in no module.
+std::string moduleOf(const std::string& path) {
   static const std::regex pattern("((sim|render)/[^/]+)/.*");
   std::smatch match;
   return std::regex_match(path, match, pattern) ? match[1].str() : "";
 }
 
-/// All rooms, in the order in which CMake takes them.
-std::vector<std::string> rooms() {
+/// All modules, in the order in which CMake takes them.
+std::vector<std::string> modules() {
   static const std::regex pattern("add_subdirectory\\((\\w+)\\)");
   std::vector<std::string> found;
   for (const std::string floor : {"sim", "render"}) {
@@ -232,9 +232,9 @@ std::vector<std::string> rooms() {
   return found;
 }
 
-/// A library of a room, and what it links.
+/// A library of a module, and what it links.
 struct Library {
-  std::string room;
+  std::string module;
   std::set<std::string> links;
 };
 
@@ -243,11 +243,11 @@ std::map<std::string, Library> libraries() {
   static const std::regex module("kirireel_module\\((\\w+)([^)]*)\\)");
   static const std::regex link("kirireel_(\\w+)");
   std::map<std::string, Library> found;
-  for (const std::string& room : rooms()) {
-    const std::string text = readText(fs::path(KIRIREEL_SOURCE_DIR) / room / "CMakeLists.txt");
+  for (const std::string& module : modules()) {
+    const std::string text = readText(fs::path(KIRIREEL_SOURCE_DIR) / module / "CMakeLists.txt");
     for (std::sregex_iterator match(text.begin(), text.end(), module), end; match != end; ++match) {
       Library& library = found[(*match)[1]];
-      library.room = room;
+      library.module = module;
       const std::string list = (*match)[2];
       for (std::sregex_iterator name(list.begin(), list.end(), link); name != end; ++name) {
         library.links.insert((*name)[1]);
@@ -258,16 +258,16 @@ std::map<std::string, Library> libraries() {
 }
 
 TEST(Boundaries, RoomsIncludeAndLinkOnlyRoomsAboveThem) {
-  const std::vector<std::string> order = rooms();
+  const std::vector<std::string> order = modules();
   ASSERT_GT(order.size(), 15U);
-  const auto rank = [&order](const std::string& room) {
-    return std::ranges::find(order, room) - order.begin();
+  const auto rank = [&order](const std::string& module) {
+    return std::ranges::find(order, module) - order.begin();
   };
   for (const SourceFile& file : sources()) {
     for (const std::string& header : file.includes) {
-      const std::string room = roomOf(header);
-      if (room.empty()) continue;
-      EXPECT_LE(rank(room), rank(roomOf(file.path))) << file.path << " includes " << header;
+      const std::string module = moduleOf(header);
+      if (module.empty()) continue;
+      EXPECT_LE(rank(module), rank(moduleOf(file.path))) << file.path << " includes " << header;
     }
   }
   const std::map<std::string, Library> all = libraries();
@@ -275,17 +275,17 @@ TEST(Boundaries, RoomsIncludeAndLinkOnlyRoomsAboveThem) {
     for (const std::string& link : library.links) {
       const auto linked = all.find(link);
       ASSERT_NE(linked, all.end()) << name << " links " << link;
-      EXPECT_LE(rank(linked->second.room), rank(library.room)) << name << " links " << link;
+      EXPECT_LE(rank(linked->second.module), rank(library.module)) << name << " links " << link;
     }
   }
 }
 
-/// The rooms of what a room's libraries link, and of what that links in turn.
-std::set<std::string> roomsWithinReach(const std::string& room) {
+/// The modules of what a module's libraries link, and of what that links in turn.
+std::set<std::string> modulesWithinReach(const std::string& module) {
   const std::map<std::string, Library> all = libraries();
   std::vector<std::string> open;
   for (const auto& [name, library] : all) {
-    if (library.room == room) open.push_back(name);
+    if (library.module == module) open.push_back(name);
   }
   std::set<std::string> seen;
   std::set<std::string> reached;
@@ -293,7 +293,7 @@ std::set<std::string> roomsWithinReach(const std::string& room) {
     const std::string name = open.back();
     open.pop_back();
     if (!seen.insert(name).second) continue;
-    reached.insert(all.at(name).room);
+    reached.insert(all.at(name).module);
     for (const std::string& link : all.at(name).links) open.push_back(link);
   }
   return reached;
@@ -301,13 +301,13 @@ std::set<std::string> roomsWithinReach(const std::string& room) {
 
 TEST(Boundaries, RoomsLinkWhatTheyInclude) {
   std::map<std::string, std::set<std::string>> reach;
-  for (const std::string& room : rooms()) reach[room] = roomsWithinReach(room);
+  for (const std::string& module : modules()) reach[module] = modulesWithinReach(module);
   for (const SourceFile& file : sources()) {
     for (const std::string& header : file.includes) {
-      const std::string room = roomOf(header);
-      const bool isForOthers = roomOf(file.path).empty();  // sim/sim.h, render/render.h
-      if (room.empty() || isForOthers || file.path.ends_with("/main.cpp")) continue;
-      EXPECT_TRUE(reach[roomOf(file.path)].contains(room)) << file.path << " includes " << header;
+      const std::string module = moduleOf(header);
+      const bool isForOthers = moduleOf(file.path).empty();  // sim/sim.h, render/render.h
+      if (module.empty() || isForOthers || file.path.ends_with("/main.cpp")) continue;
+      EXPECT_TRUE(reach[moduleOf(file.path)].contains(module)) << file.path << " includes " << header;
     }
   }
 }

@@ -31,8 +31,8 @@ void openSheet(const char* picture) {
               width(scene.model.tiles), width(kirireel::bottomTiles(run.trajectory.bricks, end)));
 
   const kirireel::FrameSize size{640, 480};
-  kirireel::Studio studio(size, {}, kirireel::makeMotif(scene.model, scene.brick, {}));
-  kirireel::writePng(studio.take({0, end, {}}), picture);
+  kirireel::StatePainter painter(size, {}, kirireel::makeContent(scene.model, scene.brick, {}));
+  kirireel::writePng(painter.paint({0, end, {}}), picture);
 }
 
 }  // namespace

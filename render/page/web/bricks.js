@@ -1,6 +1,6 @@
 "use strict";
 // Bricks as faces: for drawing, and for finding the one under a finger. The outlines are those of
-// render/picture/sketch.cpp: each side of a face moves inwards by half of the line's width.
+// render/picture/picture_geometry.cpp: each side of a face moves inwards by half of the line's width.
 
 const BOTTOM = 0, TOP = 1, SIDE = 2; // kinds of faces, as their colours are listed
 

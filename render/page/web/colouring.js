@@ -1,5 +1,5 @@
 "use strict";
-// Colours that say something of each brick: the measures of render/picture/studio.cpp.
+// Colours that say something of each brick: the measures of render/picture/state_painter.cpp.
 
 /** {name, unit, valueOf(stage, brick), mostOf(run)} of each measure. */
 const MEASURES = {

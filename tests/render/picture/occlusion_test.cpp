@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "render/picture/sketch.h"
+#include "render/picture/picture_geometry.h"
 #include "tests/render/picture/sample_bricks.h"
 
 namespace kirireel::test {

@@ -284,11 +284,11 @@ TEST(Painter, ShadowsThatOverlapAreAsDarkAsOne) {
 }
 
 /// Two plates over each other, the first one the lower, with an opacity each.
-Shot stackedPlates(const SampleBricks& sample, double lower, double upper) {
-  Shot shot{sample.poses};
-  shot.colours = {withOpacity(shadesOf({200, 40, 40}), lower),
-                  withOpacity(shadesOf({40, 40, 200}), upper)};
-  return shot;
+PictureItems stackedPlates(const SampleBricks& sample, double lower, double upper) {
+  PictureItems items{sample.poses};
+  items.colours = {withOpacity(shadesOf({200, 40, 40}), lower),
+                   withOpacity(shadesOf({40, 40, 200}), upper)};
+  return items;
 }
 
 SampleBricks stackedSample() {
@@ -307,14 +307,14 @@ TEST(Painter, TranslucentBricksAreBlendedFromTheFarthestOn) {
   const SampleBricks sample = stackedSample();
   const Style style = withoutOcclusion();
   const Camera camera = parallelCamera(Vector3(0.6, 0.5, 0), kTopView, 2);
-  const Shot shot = stackedPlates(sample, 0.6, 0.4);
-  const Frame frame = Painter({200, 200}, sample.bricks, style).paint(shot, camera);
+  const PictureItems items = stackedPlates(sample, 0.6, 0.4);
+  const Frame frame = Painter({200, 200}, sample.bricks, style).paint(items, camera);
   const auto over = [](Colour above, Eigen::Array3d below) -> Eigen::Array3d {
     const double alpha = above.alpha / 255.0;
     return alpha * Eigen::Array3d(above.red, above.green, above.blue) + (1 - alpha) * below;
   };
   const auto top = [&](int brick) {
-    return faceColour(Vector3::UnitZ(), shot.colours[brick].top, style);
+    return faceColour(Vector3::UnitZ(), items.colours[brick].top, style);
   };
   const Eigen::Array3d white(255, 255, 255);
   const auto near = [&](int x, const Eigen::Array3d& expected) {
@@ -335,13 +335,13 @@ TEST(Painter, TranslucentBricksMayComeInAnyOrder) {
   sample.poses[0].rotation = rotationFromVector(Vector3(0.8, 0.1, 0));
   sample.poses[1].rotation = rotationFromVector(Vector3(-0.5, 0.3, 0.2));
   sample.poses[1].position.z() -= 0.4;
-  Shot shot = stackedPlates(sample, 0.6, 0.4);
+  PictureItems items = stackedPlates(sample, 0.6, 0.4);
   const Camera camera = parallelCamera(Vector3(0.6, 0.5, 0), kIsometricView, 2);
-  const Frame one = Painter({200, 200}, sample.bricks, Style()).paint(shot, camera);
+  const Frame one = Painter({200, 200}, sample.bricks, Style()).paint(items, camera);
   std::swap(sample.bricks[0], sample.bricks[1]);
-  std::swap(shot.poses[0], shot.poses[1]);
-  std::swap(shot.colours[0], shot.colours[1]);
-  const Frame other = Painter({200, 200}, sample.bricks, Style()).paint(shot, camera);
+  std::swap(items.poses[0], items.poses[1]);
+  std::swap(items.colours[0], items.colours[1]);
+  const Frame other = Painter({200, 200}, sample.bricks, Style()).paint(items, camera);
   int differ = 0;
   for (std::size_t k = 0; k < one.pixels.size(); ++k) {
     differ += std::abs(one.pixels[k] - other.pixels[k]) > 2 ? 1 : 0;
@@ -356,7 +356,7 @@ TEST(Painter, BricksThatAreNotOpaqueAtAllAreNotThere) {
   const Camera camera = parallelCamera(Vector3(0.6, 0.5, 0), kIsometricView, 3);
   const Frame frame =
       Painter({200, 200}, sample.bricks, style).paint(stackedPlates(sample, 1, 0), camera);
-  Shot alone{{sample.poses[0]}};
+  PictureItems alone{{sample.poses[0]}};
   alone.colours = {shadesOf({200, 40, 40})};
   EXPECT_EQ(frame.pixels,
             Painter({200, 200}, {sample.bricks[0]}, style).paint(alone, camera).pixels);
@@ -379,10 +379,10 @@ TEST(Painter, DrawsPinnedBricksInTheirColour) {
   const SampleBricks sample =
       sampleBricks({rectangleTile(0, 0, 1, 1), rectangleTile(1, 0, 1, 1)}, 0.1);
   const Style style;
-  Shot shot{sample.poses};
-  shot.pinned = {1};
+  PictureItems items{sample.poses};
+  items.pinned = {1};
   const Camera camera = parallelCamera(Vector3(1, 0.5, 0), kTopView, 2.5);
-  const Frame frame = Painter({100, 100}, sample.bricks, style).paint(shot, camera);
+  const Frame frame = Painter({100, 100}, sample.bricks, style).paint(items, camera);
   EXPECT_EQ(frame.at(30, 50), faceColour(Vector3::UnitZ(), style.brick.top, style));
   EXPECT_EQ(frame.at(70, 50), faceColour(Vector3::UnitZ(), style.pinned.top, style));
 }
@@ -390,10 +390,10 @@ TEST(Painter, DrawsPinnedBricksInTheirColour) {
 TEST(Painter, DrawsEachBrickInItsOwnColours) {
   const SampleBricks sample =
       sampleBricks({rectangleTile(0, 0, 1, 1), rectangleTile(1, 0, 1, 1)}, 0.1);
-  Shot shot{sample.poses};
-  shot.colours = {shadesOf({10, 200, 30}), shadesOf({200, 10, 30})};
+  PictureItems items{sample.poses};
+  items.colours = {shadesOf({10, 200, 30}), shadesOf({200, 10, 30})};
   const Camera camera = parallelCamera(Vector3(1, 0.5, 0), kTopView, 2.5);
-  const Frame frame = Painter({100, 100}, sample.bricks, {}).paint(shot, camera);
+  const Frame frame = Painter({100, 100}, sample.bricks, {}).paint(items, camera);
   EXPECT_EQ(frame.at(30, 50), faceColour(Vector3::UnitZ(), {10, 200, 30}, {}));
   EXPECT_EQ(frame.at(70, 50), faceColour(Vector3::UnitZ(), {200, 10, 30}, {}));
 }
@@ -402,17 +402,17 @@ TEST(Painter, DashesLinesWhereBricksHideThem) {
   const SampleBricks sample = sampleBricks({rectangleTile(0, 0, 2, 2)}, 1);
   Style style;
   style.overlayWidth = 0.1;
-  Shot shot{sample.poses};
-  shot.overlay = {rectangleTile(0.5, 0.5, 1, 1)};  // on the brick's far side
+  PictureItems items{sample.poses};
+  items.overlay = {rectangleTile(0.5, 0.5, 1, 1)};  // on the brick's far side
   const Camera camera = parallelCamera(Vector3(1, 1, 0), kTopView, 2);
   const Colour face = faceColour(Vector3::UnitZ(), style.brick.top, style);
-  const Frame hidden = Painter({100, 100}, sample.bricks, style).paint(shot, camera);
+  const Frame hidden = Painter({100, 100}, sample.bricks, style).paint(items, camera);
   EXPECT_EQ(hidden.at(25, 30), style.overlay);
   EXPECT_EQ(hidden.at(25, 50), face);           // between two dashes
   EXPECT_EQ(hidden.at(21, 21), style.overlay);  // the corner is closed
   EXPECT_EQ(hidden.at(50, 50), face);
-  for (Vector3& corner : shot.overlay[0].vertices) corner.z() = 1;  // on its near side
-  const Frame seen = Painter({100, 100}, sample.bricks, style).paint(shot, camera);
+  for (Vector3& corner : items.overlay[0].vertices) corner.z() = 1;  // on its near side
+  const Frame seen = Painter({100, 100}, sample.bricks, style).paint(items, camera);
   EXPECT_EQ(seen.at(25, 50), style.overlay);
   EXPECT_EQ(seen.at(21, 21), style.overlay);
   EXPECT_EQ(seen.at(50, 50), face);
@@ -423,11 +423,11 @@ TEST(Painter, MarksPointsByWholeDots) {
   Style style;
   style.edgeWidth = 0;
   style.markSize = 0.2;
-  Shot shot{sample.poses};
-  shot.marks = {Vector3(2, 2, 0.2)};
+  PictureItems items{sample.poses};
+  items.marks = {Vector3(2, 2, 0.2)};
   const Camera camera = parallelCamera(Vector3(1, 1, 0), kIsometricView, 6);
   Painter painter({300, 300}, sample.bricks, style);
-  const Frame frame = painter.paint(shot, camera);
+  const Frame frame = painter.paint(items, camera);
   double dot = 0;
   for (std::size_t k = 0; k < frame.pixels.size(); k += 4) {
     dot += frame.pixels[k] == style.mark.red && frame.pixels[k + 1] == style.mark.green;
@@ -544,9 +544,9 @@ TEST(Painter, PaintsTheSameIntoMemoryThatWasUsed) {
   const SampleBricks sample = tumbledBricks();
   const Camera camera = fittedCamera(sample, {120, 80}, kIsometricView);
   Painter painter({120, 80}, sample.bricks, {});
-  const Frame fresh = painter.paint(Shot{sample.poses, {}, {}, {}, {}, {}}, camera);
+  const Frame fresh = painter.paint(PictureItems{sample.poses, {}, {}, {}, {}, {}}, camera);
   for (const FrameSize size : {FrameSize{8, 8}, FrameSize{400, 300}}) {
-    const Frame again = painter.paint(Shot{sample.poses, {}, {}, {}, {}, {}}, camera,
+    const Frame again = painter.paint(PictureItems{sample.poses, {}, {}, {}, {}, {}}, camera,
                                       makeFrame(size, {1, 2, 3, 4}));
     EXPECT_EQ(again.pixels, fresh.pixels);
   }

@@ -60,18 +60,18 @@ TEST(BoundedQueue, StopEndsWhoeverWaits) {
   EXPECT_TRUE(full.isStopped());
 }
 
-TEST(Crew, ThrowsTheErrorOfAnyStageAndStopsTheOthers) {
+TEST(TaskGroup, ThrowsTheErrorOfAnyStageAndStopsTheOthers) {
   BoundedQueue<int> never(1);
-  Crew crew([&] { never.stop(); });
-  crew.start([&] { never.pop(); });
-  crew.start([] { throw OutputError("the disk is full"); });
-  EXPECT_THROW(crew.finish(), OutputError);
+  TaskGroup tasks([&] { never.stop(); });
+  tasks.start([&] { never.pop(); });
+  tasks.start([] { throw OutputError("the disk is full"); });
+  EXPECT_THROW(tasks.finish(), OutputError);
 }
 
-TEST(Crew, StopsItsStagesWhenItGoesAway) {
+TEST(TaskGroup, StopsItsStagesWhenItGoesAway) {
   BoundedQueue<int> never(1);
-  Crew crew([&] { never.stop(); });
-  crew.start([&] { never.pop(); });
+  TaskGroup tasks([&] { never.stop(); });
+  tasks.start([&] { never.pop(); });
 }
 
 }  // namespace

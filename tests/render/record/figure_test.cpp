@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render/record/album.h"
+#include "render/record/run_pictures.h"
 #include "sim/base/error.h"
 #include "sim/model/lattice.h"
 #include "tests/support/files.h"
@@ -47,7 +47,7 @@ TEST_F(FigureTest, ShowsARowOfStatesOfEachRunAtOneScale) {
   std::vector<double> scales;
   for (const PanelRow& row : rows) {
     EXPECT_EQ(row.states.size(), 3);
-    scales.push_back(Stage(row.look, row.motif, {160, 120}).metresPerPixel());
+    scales.push_back(PictureSetup(row.look, row.content, {160, 120}).metresPerPixel());
   }
   // 1e-16: zoomed by the ratio of the two.
   EXPECT_NEAR(scales[0] / scales[1], 1, 1e-12);

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "render/record/album.h"
+#include "render/record/run_pictures.h"
 #include "sim/deploy/continuation.h"
 #include "sim/deploy/deployment.h"
 #include "sim/measure/measures.h"

@@ -13,7 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "render/picture/png.h"
-#include "render/record/album.h"
+#include "render/record/run_pictures.h"
 #include "render/record/summary.h"
 #include "sim/base/error.h"
 #include "sim/base/interruption.h"

@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render/picture/studio.h"
+#include "render/picture/state_painter.h"
 #include "render/sweep/collect.h"
 #include "sim/base/error.h"
 #include "sim/model/read_model.h"
@@ -63,8 +63,8 @@ class ContactSheet : public testing::Test {
     model.tiles = readTileFile(file());
     BrickRule rule;
     rule.thickness = thickness;
-    const Motif motif = makeMotif(model, rule, std::nullopt);
-    return Studio({320, 240}, {}, motif).take({0, motif.start, {}});
+    const PictureContent content = makeContent(model, rule, std::nullopt);
+    return StatePainter({320, 240}, {}, content).paint({0, content.start, {}});
   }
 
   const test::TemporaryFolder folder_;

@@ -29,9 +29,9 @@ Camera cameraOf(const SampleBricks& sample) {
 }
 
 std::vector<Piece> piecesOf(const SampleBricks& sample, const Camera& camera) {
-  Sketch sketch;
-  Sketcher(sample.bricks, {}).draw({sample.poses, {}, {}, {}, {}}, camera, sketch);
-  return makePieces(sketch, sketch.solid, camera);
+  PictureGeometry geometry;
+  GeometryBuilder(sample.bricks, {}).draw({sample.poses, {}, {}, {}, {}}, camera, geometry);
+  return makePieces(geometry, geometry.solid, camera);
 }
 
 /// Bricks that cross each other at all angles.

@@ -19,28 +19,28 @@ constexpr FrameSize kSize = {480, 320};
 struct Scenery {
   SampleBricks sample;
   Style style;
-  Shot shot;
+  PictureItems items;
   Camera camera;
 
   explicit Scenery(SampleBricks bricks, const CameraFit& fit = {}) : sample(std::move(bricks)) {
-    shot.poses = sample.poses;
+    items.poses = sample.poses;
     CameraFit fitted = fit;
     fitted.aspect = kSize.aspect();
     camera = fitCamera(brickCorners(sample.bricks, sample.poses), fitted);
   }
 
-  Frame painted() const { return Painter(kSize, sample.bricks, style).paint(shot, camera); }
+  Frame painted() const { return Painter(kSize, sample.bricks, style).paint(items, camera); }
 
   std::string svg() const {
-    Sketch sketch;
-    Sketcher(sample.bricks, style).draw(shot, camera, sketch);
+    PictureGeometry geometry;
+    GeometryBuilder(sample.bricks, style).draw(items, camera, geometry);
     const std::unique_ptr<Canvas> page =
         makeSvgCanvas({.size = kSize,
                        .background = style.background,
                        .outline = style.edge,
                        .outlineWidth = style.edgeWidth * kSize.height,
                        .fontFamily = "DejaVu Sans"});
-    drawSketch(sketch, camera, kSize, {0, 0}, "", *page);
+    drawGeometry(geometry, camera, kSize, {0, 0}, "", *page);
     return page->finish();
   }
 };
@@ -122,7 +122,7 @@ TEST_F(SvgAgainstPainter, ConcaveBricks) {
 TEST_F(SvgAgainstPainter, TranslucentBricks) {
   Scenery scenery(tumbledBricks());
   for (std::size_t k = 0; k < scenery.sample.bricks.size(); ++k) {
-    scenery.shot.colours.push_back(
+    scenery.items.colours.push_back(
         withOpacity(scenery.style.brick, std::array{1.0, 0.5, 0.0, 0.3}[k % 4]));
   }
   expectAlike(scenery);
@@ -146,9 +146,9 @@ TEST_F(SvgAgainstPainter, BeamsInACircle) {
 TEST_F(SvgAgainstPainter, GroundShadowDotsAndLines) {
   Scenery scenery(tumbledBricks());
   scenery.style.plate = groundUnder(brickCorners(scenery.sample.bricks, scenery.sample.poses), -1);
-  scenery.shot.marks = {Vector3(1, 1, 0.5), Vector3(3, 1, 0.5)};
-  scenery.shot.overlay = {rectangleTile(0, 0, 3, 2)};
-  scenery.shot.pinned = {5};
+  scenery.items.marks = {Vector3(1, 1, 0.5), Vector3(3, 1, 0.5)};
+  scenery.items.overlay = {rectangleTile(0, 0, 3, 2)};
+  scenery.items.pinned = {5};
   expectAlike(scenery);
 }
 

@@ -65,7 +65,7 @@ inline constexpr double kDotLift = 3;
 
 /// What the camera is pointed at for one picture. Everything but the poses may be empty. Entries of
 /// lists are in the order of bricks.
-struct Shot {
+struct PictureItems {
   Poses poses;  ///< one a brick
   /// One a brick, empty where all have the style's. A brick that is not drawn casts no shadow.
   std::vector<BrickColours> colours;
@@ -84,10 +84,10 @@ enum class FacetPart {
 };
 
 /// A convex polygon of one colour that looks at the camera, with an outline within it if it has
-/// any. Its points stand in a sketch. With an outline it has 2 count points: the corners, then the
-/// corners within the outline in the same order.
+/// any. Its points stand in a geometry. With an outline it has 2 count points: the corners, then
+/// the corners within the outline in the same order.
 struct Facet {
-  int first = 0;          ///< of its corners in the sketch's points, anticlockwise in the picture
+  int first = 0;          ///< of its corners in the geometry's points, anticlockwise in the picture
   int count = 0;          ///< of its corners
   bool outlined = false;  ///< then as many points follow: its corners within the outline
   bool pale = false;      ///< whether that outline is the pale one
@@ -96,7 +96,7 @@ struct Facet {
 };
 
 /// All that a picture shows, in layers: each hides the ones before it.
-struct Sketch {
+struct PictureGeometry {
   std::vector<Vector3> points;  ///< world axes
   std::vector<Facet> ground;    ///< the plate, if it is visible
   std::vector<Facet> shadow;    ///< overlapping, in painting order: from the palest to the full
@@ -127,16 +127,16 @@ struct Sketch {
   }
 };
 
-/// Makes the sketches of one run.
-class Sketcher {
+/// Makes the geometries of one run.
+class GeometryBuilder {
  public:
   /// Copies what it needs of the bricks.
-  Sketcher(const std::vector<Brick>& bricks, const Style& style);
+  GeometryBuilder(const std::vector<Brick>& bricks, const Style& style);
 
-  /// Fills in the sketch of what this camera sees; what it held before is gone. Faces
+  /// Fills in the geometry of what this camera sees; what it held before is gone. Faces
   /// that look away are left out. Cost is one pass over all faces; with occlusion each face looks
   /// at its neighbours. Throws std::out_of_range for a pinned brick that does not exist.
-  void draw(const Shot& shot, const Camera& camera, Sketch& sketch) const;
+  void draw(const PictureItems& items, const Camera& camera, PictureGeometry& geometry) const;
 
  private:
   /// A face in brick axes.
@@ -154,15 +154,16 @@ class Sketcher {
   using PlacedFaces = std::vector<std::vector<std::vector<Vector3>>>;
 
   /// Of each brick, also of those that are not drawn.
-  std::vector<BrickColours> coloursOf(const Shot& shot) const;
+  std::vector<BrickColours> coloursOf(const PictureItems& items) const;
   /// None of bricks that are not drawn.
   PlacedFaces place(const Poses& poses, const std::vector<BrickColours>& colours) const;
   /// occluders: absent where no light is kept away.
   void drawBrick(int brick, const Pose& pose, const BrickColours& colours, const Camera& camera,
-                 double outline, const std::optional<Occluders>& occluders, Sketch& sketch) const;
+                 double outline, const std::optional<Occluders>& occluders,
+                 PictureGeometry& geometry) const;
   /// A concave face: its inside as triangles, its outline as a band along each side.
   void drawConcave(const Face& face, const Pose& pose, double width, Colour colour, bool pale,
-                   std::vector<Facet>& layer, Sketch& sketch) const;
+                   std::vector<Facet>& layer, PictureGeometry& geometry) const;
   /// Points on the plate whose convex outline is the shadow of a brick or a part of one.
   struct CastPoints {
     std::vector<Vector3> points;
@@ -175,7 +176,7 @@ class Sketcher {
                   std::vector<CastPoints>& cast) const;
   /// pictureHeight: at the camera's centre, metres.
   void drawShadow(const Poses& poses, const std::vector<BrickColours>& colours,
-                  double pictureHeight, Sketch& sketch) const;
+                  double pictureHeight, PictureGeometry& geometry) const;
 
   Style style_;
   std::vector<std::vector<Face>> faces_;  ///< by brick: bottom, top, sides

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "render/picture/studio.h"
+#include "render/picture/state_painter.h"
 
 namespace kirireel {
 namespace {

@@ -1,5 +1,5 @@
-/// Photographs a run: what is asked of its pictures, their colours, the strip under them, and one
-/// camera for them all.
+/// Paints states of a run: what is asked of its pictures, their colours, the strip under them, and
+/// one camera for them all.
 #pragma once
 
 #include <limits>
@@ -12,7 +12,7 @@
 #include "render/picture/frame.h"
 #include "render/picture/label.h"
 #include "render/picture/painter.h"
-#include "render/picture/sketch.h"
+#include "render/picture/picture_geometry.h"
 #include "render/picture/style.h"
 #include "sim/model/brick.h"
 #include "sim/model/hinge.h"
@@ -24,7 +24,7 @@ namespace kirireel {
 // ------------------------------------------------------------------------------------------------
 // What is asked of the pictures of a run.
 //
-// Plain values; what each needs of a run is checked by Stage.
+// Plain values; what each needs of a run is checked by PictureSetup.
 
 /// Page that the pictures are meant for.
 enum class Theme { Light, Dark };
@@ -159,9 +159,9 @@ class Strip {
 // ------------------------------------------------------------------------------------------------
 // Chooses the colours of bricks by what they are or do.
 
-/// A run as a studio sees it. Made once for all pictures of a run. Lengths in metres; a motif of a
-/// trajectory in another unit has all of them in that unit.
-struct Motif {
+/// What pictures of a run show. Made once for all pictures of a run. Lengths in metres; a content
+/// of a trajectory in another unit has all of them in that unit.
+struct PictureContent {
   std::vector<Brick> bricks;
   Poses start;                              ///< one a brick
   std::vector<Pivot> pivots;                ///< of all joints
@@ -191,13 +191,13 @@ BrickColours plainColours(const Look& look);
 std::vector<int> shapeKinds(const std::vector<Brick>& bricks);
 
 /// Decides the colours of all bricks in every picture of one run.
-class Colourist {
+class BrickPalette {
  public:
   /// Throws InputError when the colouring needs a target or springs at hinges and there are none,
   /// when the scale's ends are in the wrong order, when tiles that are not there get a colour or an
   /// opacity, and when tiles get colours where colours stand for values.
-  /// The motif must outlive the colourist.
-  Colourist(const Look& look, const Motif& motif);
+  /// The content must outlive the palette.
+  BrickPalette(const Look& look, const PictureContent& content);
 
   /// One entry a brick; none when all bricks have the style's colours. `poses` has one pose a
   /// brick. Cheap beside painting.
@@ -221,7 +221,7 @@ class Colourist {
   double largestOfRun() const;
 
   Colouring colouring_;
-  const Motif& motif_;
+  const PictureContent& content_;
   std::vector<BrickColours> kinds_;  ///< one a brick, when coloured by shape or tile by tile
   std::vector<std::optional<BrickColours>> own_;  ///< of single tiles, one a brick; or none
   std::vector<double> opacities_;                 ///< one a brick; or none where all are opaque
@@ -230,68 +230,69 @@ class Colourist {
 };
 
 // ------------------------------------------------------------------------------------------------
-// Photographs a run: one look and one camera for all its pictures.
+// Paints states of a run: one look and one camera for all its pictures.
 
 /// Widths of lines in small pictures, pixels: between two flush tiles, and of lines laid over.
 inline constexpr double kThinnestEdge = 2;
 inline constexpr double kThinnestOverlay = 1.2;
 
-/// One moment of a run.
-struct Moment {
+/// A state of a run, as one picture shows it.
+struct ShownState {
   double time = 0;          ///< simulated seconds
   const Poses& poses;       ///< one a brick
   std::vector<int> pinned;  ///< bricks that are held
   double turn = 0;          ///< share of the camera's orbit that is behind, 0 to 1
 };
 
-/// The motif of a model whose bricks are made by the rule, on the scene's ground if it has one.
+/// The content of a model whose bricks are made by the rule, on the scene's ground if it has one.
 /// Cameras hold the start and the target in sight; add to its points what else they should.
 /// `ground`: of the scene; absent: none.
-Motif makeMotif(const Model& model, const BrickRule& rule, const std::optional<Ground>& ground);
+PictureContent makeContent(const Model& model, const BrickRule& rule,
+                           const std::optional<Ground>& ground);
 
 /// A brick farther from its start than this many model sizes is not held in sight: the others would
 /// shrink to a dot.
 inline constexpr double kFarthestShown = 20;
 
 /// Whether a brick at a pose is near enough to be held in sight.
-bool isShown(const Motif& motif, std::size_t brick, const Pose& pose);
+bool isShown(const PictureContent& content, std::size_t brick, const Pose& pose);
 
 /// Whether all bricks are near enough to be held in sight. `poses` has one pose a brick.
-bool showsAllBricks(const Motif& motif, const Poses& poses);
+bool showsAllBricks(const PictureContent& content, const Poses& poses);
 
-/// The corners of the motif's bricks at these poses, metres, but for those too far away.
-std::vector<Vector3> shownCorners(const Motif& motif, const Poses& poses);
+/// The corners of the content's bricks at these poses, metres, but for those too far away.
+std::vector<Vector3> shownCorners(const PictureContent& content, const Poses& poses);
 
 /// Adds the same corners to what cameras must hold in sight.
-void keepInSight(Motif& motif, const Poses& poses);
+void keepInSight(PictureContent& content, const Poses& poses);
 
-/// Everything that decides a picture but the painter: shots, style and cameras. Needs no graphics
+/// Everything that decides a picture but the painter: items, style and cameras. Needs no graphics
 /// context.
-class Stage {
+class PictureSetup {
  public:
-  /// Throws InputError when the look asks for what the motif lacks.
-  Stage(const Look& look, Motif motif, FrameSize size);
-  Stage(const Stage&) = delete;
-  Stage& operator=(const Stage&) = delete;
+  /// Throws InputError when the look asks for what the content lacks.
+  PictureSetup(const Look& look, PictureContent content, FrameSize size);
+  PictureSetup(const PictureSetup&) = delete;
+  PictureSetup& operator=(const PictureSetup&) = delete;
 
-  /// What the picture of a moment shows. The poses are copied.
-  Shot shot(const Moment& moment) const;
+  /// What the picture of a state shows. The poses are copied.
+  PictureItems items(const ShownState& state) const;
 
-  /// The camera of a moment. Throws InputError when it stands within a brick.
-  Camera camera(const Moment& moment) const;
+  /// The camera of a state. Throws InputError when it stands within a brick.
+  Camera camera(const ShownState& state) const;
 
   /// The same as polygons in space, for vector graphics. Throws as camera().
-  Sketch sketch(const Moment& moment) const;
+  PictureGeometry geometry(const ShownState& state) const;
 
-  const Motif& motif() const { return motif_; }
+  const PictureContent& content() const { return content_; }
   const Style& style() const { return style_; }
   FrameSize pictureSize() const { return size_; }
 
   /// What the bricks' colours mean, when they are those of a measure.
-  const std::optional<ColourScale>& colourScale() const { return colourist_.scale(); }
+  const std::optional<ColourScale>& colourScale() const { return palette_.scale(); }
   /// The same where they are those of kinds of bricks; empty where they mean nothing.
-  const std::vector<LegendEntry>& legend() const { return colourist_.legend(); }
-  Colouring colouring() const { return colourist_.colouring(); }
+  const std::vector<LegendEntry>& legend() const { return palette_.legend(); }
+  Colouring colouring() const { return palette_.colouring(); }
 
   /// Height of every picture, metres, when one scale holds all over all of them: the camera stands
   /// still and projects in parallel. Absent in perspective and for cameras that move.
@@ -301,41 +302,41 @@ class Stage {
   double metresPerPixel() const;
 
  private:
-  Motif motif_;
+  PictureContent content_;
   Style style_;
-  Colourist colourist_;
+  BrickPalette palette_;
   FrameSize size_;
   CameraPath cameras_;
   bool jointMarks_;
   bool targetLines_;
 };
 
-/// A stage with a painter. Belongs to the thread that makes it.
-class Studio {
+/// A setup with a painter. Belongs to the thread that makes it.
+class StatePainter {
  public:
   /// size: of the pictures, with a strip under them where there are parts of one; colours stand on
-  /// it only where they are those of a measure. Throws as Stage and Painter do, and OutputError
-  /// when the font is missing.
-  Studio(FrameSize size, const Look& look, Motif motif, const StripParts& parts = {},
-         Smoothness smoothness = Smoothness::Still);
+  /// it only where they are those of a measure. Throws as PictureSetup and Painter do, and
+  /// OutputError when the font is missing.
+  StatePainter(FrameSize size, const Look& look, PictureContent content,
+               const StripParts& parts = {}, Smoothness smoothness = Smoothness::Still);
 
-  /// Another studio with the same stage, for the thread that makes it. A moment's picture is the
+  /// Another painter with the same setup, for the thread that makes it. A state's picture is the
   /// same from both. Throws OutputError when no graphics context can be made.
-  explicit Studio(const Studio& other) : Studio(other, other.smoothness_) {}
+  explicit StatePainter(const StatePainter& other) : StatePainter(other, other.smoothness_) {}
   /// The same with pictures of another smoothness.
-  Studio(const Studio& other, Smoothness smoothness);
-  Studio& operator=(const Studio&) = delete;
+  StatePainter(const StatePainter& other, Smoothness smoothness);
+  StatePainter& operator=(const StatePainter&) = delete;
 
-  /// Photographs this motif from now on, in pictures of the same size; quicker than a new studio.
-  /// Throws as Stage does.
-  void show(const Look& look, Motif motif);
+  /// Paints this content from now on, in pictures of the same size; quicker than a new painter.
+  /// Throws as PictureSetup does.
+  void show(const Look& look, PictureContent content);
 
-  /// The picture of a moment with its strip. storage: a frame that is needed no more, whose memory
+  /// The picture of a state with its strip. storage: a frame that is needed no more, whose memory
   /// the picture gets. Throws InputError when the camera stands within a brick. Throws as
   /// Painter::paint(), too.
-  Frame take(const Moment& moment, const StripText& text = {}, Frame storage = {});
+  Frame paint(const ShownState& state, const StripText& text = {}, Frame storage = {});
 
-  const Stage& stage() const { return *stage_; }
+  const PictureSetup& setup() const { return *setup_; }
 
  private:
   void makeStrip(const Style& style, Colouring colouring);
@@ -344,8 +345,8 @@ class Studio {
   FrameSize size_;
   StripParts parts_;
   Smoothness smoothness_;
-  std::optional<Strip> strip_;  ///< made anew for each motif, as is the stage; always there
-  std::shared_ptr<const Stage> stage_;
+  std::optional<Strip> strip_;  ///< made anew for each content, as is the setup; always there
+  std::shared_ptr<const PictureSetup> setup_;
   std::optional<Painter> painter_;        ///< made anew when the strip's height changes
   std::optional<double> metresPerPixel_;  ///< where a bar of length is drawn
 };

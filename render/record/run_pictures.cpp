@@ -1,7 +1,7 @@
 // A video is painted and encoded at the same time, by threads with short queues between them:
 //
-//     feed (1 thread)      gives states in order; for each a promise of its frame
-//       orders  ->  painters (several), each with a studio of its own: keep the promises
+//     reader (1 thread)    reads states in order; for each a promise of its frame
+//       orders  ->  painters (several), each on a thread of its own: keep the promises
 //       frames  ->  encoder (1 thread): takes the frames in the order of the states
 //
 // The order of frames is that of the futures in the queue, whichever painter is done first. So the
@@ -12,7 +12,7 @@
 // What cameras hold in sight is decided before: the start and the target where nothing else is
 // asked for, or about a hundred samples of the run; where the program chose the camera itself and a
 // sample would be cut off, the whole run.
-#include "render/record/album.h"
+#include "render/record/run_pictures.h"
 
 #include <algorithm>
 #include <cmath>
@@ -47,19 +47,19 @@ constexpr std::size_t kWaitingFrames = 4;
 constexpr double kBorder = 1 + 1e-9;
 
 /// The last sample is always among them.
-void keepRunInSight(Motif& motif, const TrajectoryReader& run) {
+void keepRunInSight(PictureContent& content, const TrajectoryReader& run) {
   const std::size_t count = run.times().size();
   const std::size_t stride = 1 + count / kSamplesFramed;
-  for (std::size_t i = 0; i < count; i += stride) keepInSight(motif, run.sample(i).poses);
-  keepInSight(motif, run.sample(count - 1).poses);
+  for (std::size_t i = 0; i < count; i += stride) keepInSight(content, run.sample(i).poses);
+  keepInSight(content, run.sample(count - 1).poses);
 }
 
 /// For the scale of colours: its bright end is the largest value among these.
-void keepStates(Motif& motif, const TrajectoryReader& run) {
+void keepStates(PictureContent& content, const TrajectoryReader& run) {
   const std::size_t count = run.times().size();
   const std::size_t stride = 1 + count / kSamplesFramed;
-  for (std::size_t i = 0; i < count; i += stride) motif.states.push_back(run.sample(i).poses);
-  motif.states.push_back(run.sample(count - 1).poses);
+  for (std::size_t i = 0; i < count; i += stride) content.states.push_back(run.sample(i).poses);
+  content.states.push_back(run.sample(count - 1).poses);
 }
 
 /// Without a target there is one end alone, so all of the run counts.
@@ -76,20 +76,20 @@ bool choosesCamera(const PictureSettings& settings) {
 }
 
 /// Clip coordinates beyond -w to w are outside the picture.
-bool seesAll(const Stage& stage, const Moment& moment, double aspect) {
-  const Eigen::Matrix4d clip = clipFromWorld(stage.camera(moment), aspect);
-  const std::vector<Vector3> corners = shownCorners(stage.motif(), moment.poses);
+bool seesAll(const PictureSetup& setup, const ShownState& state, double aspect) {
+  const Eigen::Matrix4d clip = clipFromWorld(setup.camera(state), aspect);
+  const std::vector<Vector3> corners = shownCorners(setup.content(), state.poses);
   return std::ranges::all_of(corners, [&](const Vector3& corner) {
     const Eigen::Vector4d point = clip * corner.homogeneous();
     return point.head<2>().cwiseAbs().maxCoeff() <= kBorder * point.w();
   });
 }
 
-/// Whether no sample of the run leaves pictures of this motif. Looks at every sample.
-bool seesRun(const TrajectoryReader& run, const Stage& stage) {
+/// Whether no sample of the run leaves pictures of this content. Looks at every sample.
+bool seesRun(const TrajectoryReader& run, const PictureSetup& setup) {
   for (std::size_t i = 0; i < run.times().size(); ++i) {
     const Sample sample = run.sample(i);
-    if (!seesAll(stage, {sample.time, sample.poses, {}}, stage.pictureSize().aspect())) {
+    if (!seesAll(setup, {sample.time, sample.poses, {}}, setup.pictureSize().aspect())) {
       return false;
     }
   }
@@ -98,27 +98,27 @@ bool seesRun(const TrajectoryReader& run, const Stage& stage) {
 
 }  // namespace
 
-Motif motifOf(const Subject& subject) {
-  Motif motif = makeMotif(subject.model, subject.brickRule, subject.ground);
-  motif.pairForces = subject.pairForces;
-  motif.obstacles = subject.obstacles;
-  return motif;
+PictureContent contentOf(const Subject& subject) {
+  PictureContent content = makeContent(subject.model, subject.brickRule, subject.ground);
+  content.pairForces = subject.pairForces;
+  content.obstacles = subject.obstacles;
+  return content;
 }
 
-Motif motifOf(const TrajectoryReader& run, const PictureSettings& settings) {
-  Motif motif = motifOf(run.subject());
-  const bool fits =
-      fitsEnds(run.subject().model, settings) &&
-      (!choosesCamera(settings) || seesRun(run, Stage(settings.look, motif, settings.size)));
-  if (!fits) keepRunInSight(motif, run);
-  if (isMeasure(settings.look.colouring) && !settings.look.colourMost) keepStates(motif, run);
-  return motif;
+PictureContent contentOf(const TrajectoryReader& run, const PictureSettings& settings) {
+  PictureContent content = contentOf(run.subject());
+  const bool fits = fitsEnds(run.subject().model, settings) &&
+                    (!choosesCamera(settings) ||
+                     seesRun(run, PictureSetup(settings.look, content, settings.size)));
+  if (!fits) keepRunInSight(content, run);
+  if (isMeasure(settings.look.colouring) && !settings.look.colourMost) keepStates(content, run);
+  return content;
 }
 
-void requirePaintable(const Motif& motif, const PictureSettings& settings) {
+void requirePaintable(const PictureContent& content, const PictureSettings& settings) {
   if (!settings.paints()) return;
-  const Stage stage(settings.look, motif, settings.size);
-  if (settings.scaleBar) stage.metresPerPixel();
+  const PictureSetup setup(settings.look, content, settings.size);
+  if (settings.scaleBar) setup.metresPerPixel();
 }
 
 std::string CaptionWriter::text(const FrameState& state, double progress) const {
@@ -154,61 +154,62 @@ StripParts stripParts(const PictureSettings& settings, const CaptionWriter& capt
   return parts;
 }
 
-Album::Album(const TrajectoryReader& run, const PictureSettings& settings, PictureReport& report)
+RunPictures::RunPictures(const TrajectoryReader& run, const PictureSettings& settings,
+                         PictureReport& report)
     : settings_(settings),
       report_(report),
-      captions_(settings.captionParts(), motifOf(run.subject())),
-      frames_(settings.size, settings.look, motifOf(run, settings),
+      captions_(settings.captionParts(), contentOf(run.subject())),
+      frames_(settings.size, settings.look, contentOf(run, settings),
               stripParts(settings, captions_, run.times().back()), Smoothness::Film) {
   report_.graphics = graphicsVersion();
 }
 
-/// This thread paints too, since its studio is there already.
-void Album::makeFrames(const TrajectoryReader& run, const MotionCurve& motion,
-                       const ProgressObserver& observer) {
+/// This thread paints too, since its painter is there already.
+void RunPictures::makeFrames(const TrajectoryReader& run, const MotionCurve& motion,
+                             const ProgressObserver& observer) {
   const std::vector<FrameMoment> moments = videoMoments(motion, settings_);
   const double begin = processCpuSeconds(), encoded = report_.recordCost.cpuSecondsEncode;
-  double feeding = 0;
-  const StateFeed feed = replay(run, moments, observer, report_);
+  double reading = 0;
+  const StateSource source = replay(run, moments, observer, report_);
   const int painters = std::min(settings_.painters(), static_cast<int>(moments.size()));
   OrderQueue orders(kWaitingSamples);
   FrameQueue frames(kWaitingFrames + painters);
   FramePool pool;
-  Crew crew([&] {
+  TaskGroup tasks([&] {
     orders.stop();
     frames.stop();
   });
-  crew.start([&] {
-    const CpuTimer timer(feeding);
-    feed([&](const SharedState& state) {
+  tasks.start([&] {
+    const CpuTimer timer(reading);
+    source([&](const SharedState& state) {
       FrameOrder order{state, {}};
       return frames.push(order.frame.get_future()) && orders.push(std::move(order));
     });
     orders.close();
     frames.close();
   });
-  crew.start([&] { encode(frames, pool); });
+  tasks.start([&] { encode(frames, pool); });
   for (int k = 1; k < painters; ++k) {
-    crew.start([&] {
-      Studio studio(frames_);
-      paint(studio, orders, pool);
+    tasks.start([&] {
+      StatePainter painter(frames_);
+      paint(painter, orders, pool);
     });
   }
-  crew.run([&] { paint(frames_, orders, pool); });
-  crew.finish();
+  tasks.run([&] { paint(frames_, orders, pool); });
+  tasks.finish();
   // What neither of these threads used went into painting, on whichever threads.
   report_.recordCost.cpuSecondsRender +=
-      processCpuSeconds() - begin - feeding - (report_.recordCost.cpuSecondsEncode - encoded);
+      processCpuSeconds() - begin - reading - (report_.recordCost.cpuSecondsEncode - encoded);
 }
 
 /// Ends when the queue is closed or stopped; CPU seconds are added under the lock.
-void Album::paint(Studio& studio, OrderQueue& orders, FramePool& pool) {
+void RunPictures::paint(StatePainter& painter, OrderQueue& orders, FramePool& pool) {
   while (std::optional<FrameOrder> order = orders.pop()) {
     try {
-      order->frame.set_value(takeFrame(studio, *order->state, pool.take()));
+      order->frame.set_value(paintFrame(painter, *order->state, pool.take()));
     } catch (...) {
       // The encoder may wait for this very frame, and learns why it does not come: a promise that
-      // is merely broken would be the first error that the crew hears of.
+      // is merely broken would be the first error that the group hears of.
       order->frame.set_exception(std::current_exception());
       throw;
     }
@@ -216,9 +217,9 @@ void Album::paint(Studio& studio, OrderQueue& orders, FramePool& pool) {
 }
 
 /// On a thread of its own, with the only sink.
-void Album::encode(FrameQueue& frames, FramePool& pool) {
+void RunPictures::encode(FrameQueue& frames, FramePool& pool) {
   FrameSink sink(settings_, report_);
-  const Style& style = frames_.stage().style();
+  const Style& style = frames_.setup().style();
   const Title title{settings_.title, settings_.subtitle};
   if (!title.empty()) {
     sink.putTitle(titleCard(title, settings_.size, style.background, style.text));
@@ -231,20 +232,20 @@ void Album::encode(FrameQueue& frames, FramePool& pool) {
   if (!frames.isStopped()) sink.finish();
 }
 
-Frame Album::takeFrame(Studio& studio, const FrameState& state, Frame storage) const {
-  return studio.take(stillOf(state), {captions_.inVideo(state), state.moment.progress},
-                     std::move(storage));
+Frame RunPictures::paintFrame(StatePainter& painter, const FrameState& state, Frame storage) const {
+  return painter.paint(shownState(state), {captions_.inVideo(state), state.moment.progress},
+                       std::move(storage));
 }
 
-Frame Album::takeStill(const FrameState& state) {
+Frame RunPictures::paintStill(const FrameState& state) {
   const CpuTimer timer(report_.recordCost.cpuSecondsRender);
   if (!stills_) stills_.emplace(frames_, Smoothness::Still);
-  return takeFrame(*stills_, state);
+  return paintFrame(*stills_, state);
 }
 
 /// States are interpolated at the moments of the grid, not taken from the nearest sample.
-void Album::writeGrid(const TrajectoryReader& run, const MotionCurve& motion) {
-  PanelRow row{settings_.look, frames_.stage().motif(), {}, {}};
+void RunPictures::writeGrid(const TrajectoryReader& run, const MotionCurve& motion) {
+  PanelRow row{settings_.look, frames_.setup().content(), {}, {}};
   Replay replayed(run);
   for (const FrameMoment& moment : snapshotMoments(motion, settings_, settings_.grid.cells())) {
     row.states.push_back({moment, replayed.at(moment.time)});
@@ -254,28 +255,28 @@ void Album::writeGrid(const TrajectoryReader& run, const MotionCurve& motion) {
   PanelSheet(rows, settings_.grid, settings_, report_).write();
 }
 
-void Album::writeChosenFrames(const TrajectoryReader& run, const MotionCurve& motion) {
+void RunPictures::writeChosenFrames(const TrajectoryReader& run, const MotionCurve& motion) {
   makeFolder(settings_.folder / output::kFrames);
   for (const int number : chooseFrames(run.times(), motion, settings_.chosenFrames)) {
     const Sample sample = run.sample(static_cast<std::size_t>(number));
-    const Frame frame = takeStill({momentAt(motion, settings_.pace, sample.time), sample});
+    const Frame frame = paintStill({momentAt(motion, settings_.pace, sample.time), sample});
     writePng(frame, settings_.folder / frameFile(number), pngSettings(settings_));
     report_.files.push_back(frameFile(number).string());
   }
 }
 
 /// The pictures that the timeline asked for.
-void Album::writeMoments(const TrajectoryReader& run, const MotionCurve& motion) {
+void RunPictures::writeMoments(const TrajectoryReader& run, const MotionCurve& motion) {
   int number = 0;
   for (const std::size_t index : samplesOf("snapshot", run)) {
     const Sample sample = run.sample(index);
     report_.files.push_back(momentFile(output::kSnapshotMoment, ++number, ".png"));
-    writePng(takeStill({momentAt(motion, settings_.pace, sample.time), sample}),
+    writePng(paintStill({momentAt(motion, settings_.pace, sample.time), sample}),
              settings_.folder / report_.files.back(), pngSettings(settings_));
   }
 }
 
-void Album::writeSnapshots(const TrajectoryReader& run, const MotionCurve& motion) {
+void RunPictures::writeSnapshots(const TrajectoryReader& run, const MotionCurve& motion) {
   writeMoments(run, motion);
   if (settings_.snapshots) writeGrid(run, motion);
   if (!settings_.chosenFrames.empty()) writeChosenFrames(run, motion);
@@ -360,7 +361,7 @@ namespace {
 
 constexpr double kTitleSize = 0.07;      // em, in heights of the picture
 constexpr double kSubtitleSize = 0.045;  // likewise
-constexpr double kLineEms = 1.35;        // from line to line
+constexpr double kCardLineEms = 1.35;    // from line to line
 constexpr double kMostWidth = 0.9;       // of the picture that text may take
 constexpr double kMostHeight = 0.9;
 
@@ -386,7 +387,7 @@ void shrinkToFit(std::vector<CardLine>& lines, FrameSize size) {
   double widest = 1, height = 1;
   for (const CardLine& line : lines) {
     widest = std::max(widest, widthOf(line));
-    height += kLineEms * line.em;
+    height += kCardLineEms * line.em;
   }
   const double share =
       std::min({1.0, kMostWidth * size.width / widest, kMostHeight * size.height / height});
@@ -406,14 +407,14 @@ Frame titleCard(const Title& title, FrameSize size, Colour background, Colour in
   append(lines, title.subtitle, kSubtitleSize * size.height, kMostWidth * size.width);
   shrinkToFit(lines, size);
   double height = 0;
-  for (const CardLine& line : lines) height += kLineEms * line.em;
+  for (const CardLine& line : lines) height += kCardLineEms * line.em;
   Frame card = makeFrame(size, background);
   double upper = 0.5 * (size.height - height);
   for (const CardLine& line : lines) {
     const LabelWriter writer(std::max(1, static_cast<int>(line.em)));
     writer.draw(card, line.text, (size.width - writer.width(line.text)) / 2,
                 static_cast<int>(std::lround(upper + line.em)), ink);
-    upper += kLineEms * line.em;
+    upper += kCardLineEms * line.em;
   }
   return card;
 }
@@ -423,7 +424,7 @@ Frame titleCard(const Title& title, FrameSize size, Colour background, Colour in
 // that all of them leave empty are found (filledPart). Where the sheet has a width in print, the
 // enlargement that gives it is computed and all pictures are painted again, larger: enlarging
 // pixels would blur them. Then they are cut alike, laid out, and written as PNG; SVG and PDF draw
-// the same layout from the sketches, without pixels.
+// the same layout from the geometries, without pixels.
 //
 // With W millimetres and d dots an inch the sheet is W d / 25.4 pixels wide; text of p points is p
 // / 72 inches high, whatever the width came to be.
@@ -434,13 +435,13 @@ constexpr double kMillimetresPerInch = 25.4;
 constexpr double kPointsPerInch = 72;
 
 /// Scales are those of the first row, which all rows share.
-GridStyle gridStyle(const Stage& stage, const PictureSettings& settings) {
+GridStyle gridStyle(const PictureSetup& setup, const PictureSettings& settings) {
   GridStyle style;
-  style.background = stage.style().background;
-  style.text = stage.style().text;
-  style.colourScale = stage.colourScale();
-  style.legend = stage.legend();
-  if (settings.scaleBar) style.metresPerPixel = stage.metresPerPixel();
+  style.background = setup.style().background;
+  style.text = setup.style().text;
+  style.colourScale = setup.colourScale();
+  style.legend = setup.legend();
+  if (settings.scaleBar) style.metresPerPixel = setup.metresPerPixel();
   style.letters = settings.letters;
   style.arrows = settings.arrows;
   style.heads = settings.columnHeads;
@@ -448,13 +449,14 @@ GridStyle gridStyle(const Stage& stage, const PictureSettings& settings) {
 }
 
 /// Outlines are as wide as in the pictures, in pixels of their height.
-PageSettings pageSettings(const Stage& stage, FrameSize size, const std::string& description) {
-  const Style& style = stage.style();
+PageSettings pageSettings(const PictureSetup& setup, FrameSize size,
+                          const std::string& description) {
+  const Style& style = setup.style();
   return {.size = size,
           .background = style.background,
           .outline = style.edge,
           .paleOutline = style.paleEdge,
-          .outlineWidth = style.edgeWidth * stage.pictureSize().height,
+          .outlineWidth = style.edgeWidth * setup.pictureSize().height,
           .fontFamily = fontFamily(),
           .description = description};
 }
@@ -465,19 +467,19 @@ const char* pageFile(PageFormat format) {
   return format == PageFormat::Svg ? output::kSnapshotsSvg : output::kSnapshotsPdf;
 }
 
-Moment stillOf(const FrameState& state) {
+ShownState shownState(const FrameState& state) {
   return {state.moment.time, state.sample.poses, state.sample.pinned, state.moment.turn};
 }
 
 /// All pictures anew, of this size.
-void PanelSheet::takeAll(FrameSize size) {
+void PanelSheet::paintAll(FrameSize size) {
   const CpuTimer timer(report_.recordCost.cpuSecondsRender);
-  studios_.clear();
+  painters_.clear();
   pictures_.clear();
   for (const PanelRow& row : rows_) {
-    studios_.push_back(std::make_unique<Studio>(size, row.look, row.motif));
+    painters_.push_back(std::make_unique<StatePainter>(size, row.look, row.content));
     for (std::size_t k = 0; k < row.states.size(); ++k) {
-      pictures_.push_back({studios_.back()->take(stillOf(row.states[k])), row.captions[k]});
+      pictures_.push_back({painters_.back()->paint(shownState(row.states[k])), row.captions[k]});
     }
   }
 }
@@ -486,14 +488,14 @@ void PanelSheet::takeAll(FrameSize size) {
 void PanelSheet::writeDrawings() {
   int number = 0;
   for (std::size_t row = 0; row < rows_.size(); ++row) {
-    const Stage& stage = studios_[row]->stage();
+    const PictureSetup& setup = painters_[row]->setup();
     for (const FrameState& state : rows_[row].states) {
-      const Moment moment = stillOf(state);
+      const ShownState shown = shownState(state);
       report_.files.push_back(snapshotDrawing(++number).string());
       const std::unique_ptr<Canvas> page =
-          makeSvgCanvas(pageSettings(stage, stage.pictureSize(), settings_.madeBy));
-      drawSketch(stage.sketch(moment), stage.camera(moment), stage.pictureSize(), {0, 0}, "",
-                 *page);
+          makeSvgCanvas(pageSettings(setup, setup.pictureSize(), settings_.madeBy));
+      drawGeometry(setup.geometry(shown), setup.camera(shown), setup.pictureSize(), {0, 0}, "",
+                   *page);
       writeTextFile(settings_.folder / report_.files.back(), page->finish());
     }
   }
@@ -520,7 +522,7 @@ int PanelSheet::textSize(const PictureBox& part, const GridStyle& style) const {
 /// Each picture is cut off at its part, as cutAlike() does with pixels.
 void PanelSheet::writePage(PageFormat format, const PictureBox& part, const GridLayout& layout,
                            const GridStyle& style) {
-  PageSettings page = pageSettings(studios_.front()->stage(), layout.sheet, settings_.madeBy);
+  PageSettings page = pageSettings(painters_.front()->setup(), layout.sheet, settings_.madeBy);
   if (settings_.gridWidth) {
     page.pixelsPerInch = layout.sheet.width / *settings_.gridWidth * kMillimetresPerInch;
   }
@@ -528,15 +530,15 @@ void PanelSheet::writePage(PageFormat format, const PictureBox& part, const Grid
   canvas->begin("pictures");
   int cell = 0;
   for (std::size_t row = 0; row < rows_.size(); ++row) {
-    const Stage& stage = studios_[row]->stage();
+    const PictureSetup& setup = painters_[row]->setup();
     for (const FrameState& state : rows_[row].states) {
       const Eigen::Vector2d corner(layout.left(cell % shape_.columns),
                                    layout.upper(cell / shape_.columns));
       const std::string name = fmt::format("picture_{:02}", ++cell);
-      const Moment moment = stillOf(state);
+      const ShownState shown = shownState(state);
       canvas->beginWithin(name, corner.x(), corner.y(), part.size.width, part.size.height);
-      drawSketch(stage.sketch(moment), stage.camera(moment), stage.pictureSize(),
-                 corner - Eigen::Vector2d(part.left, part.upper), name, *canvas);
+      drawGeometry(setup.geometry(shown), setup.camera(shown), setup.pictureSize(),
+                   corner - Eigen::Vector2d(part.left, part.upper), name, *canvas);
       canvas->end();
     }
   }
@@ -549,16 +551,16 @@ void PanelSheet::writePage(PageFormat format, const PictureBox& part, const Grid
 }
 
 void PanelSheet::write() {
-  takeAll(settings_.size);
+  paintAll(settings_.size);
   if (settings_.svg) writeDrawings();
   PictureBox part = filledPart(pictures_);
-  const double scale = enlargement(part, gridStyle(studios_.front()->stage(), settings_));
+  const double scale = enlargement(part, gridStyle(painters_.front()->setup(), settings_));
   if (scale != 1) {
     part = part.scaled(scale);
-    takeAll(PictureBox{0, 0, settings_.size}.scaled(scale).size);
+    paintAll(PictureBox{0, 0, settings_.size}.scaled(scale).size);
   }
   cutAlike(pictures_, part);
-  GridStyle style = gridStyle(studios_.front()->stage(), settings_);
+  GridStyle style = gridStyle(painters_.front()->setup(), settings_);
   if (settings_.fontPoints) style.textSize = textSize(part, style);
   const GridLayout layout = layOutGrid(part.size, shape_, style, captionsOf(pictures_));
   PngSettings png = pngSettings(settings_);
@@ -581,7 +583,7 @@ namespace {
 /// The view that suits all runs where none is given: from above when all are flat.
 ViewAngles sharedView(std::span<const TrajectoryReader* const> runs) {
   const bool isFlat = std::ranges::all_of(runs, [](const TrajectoryReader* run) {
-    return defaultView(motifOf(run->subject()).points) == kTopView;
+    return defaultView(contentOf(run->subject()).points) == kTopView;
   });
   return isFlat ? kTopView : kIsometricView;
 }
@@ -612,13 +614,13 @@ std::vector<std::string> captionsOf(const std::vector<FrameState>& states,
 
 /// Reads the run for its motion, and for the states of its pictures.
 PanelRow makeRow(const TrajectoryReader& run, const PictureSettings& settings) {
-  PanelRow row{settings.look, motifOf(run, settings), {}, {}};
+  PanelRow row{settings.look, contentOf(run, settings), {}, {}};
   const MotionCurve motion = motionOf(run);
   Replay replayed(run);
   for (const FrameMoment& moment : snapshotMoments(motion, settings, settings.grid.columns)) {
     row.states.push_back({moment, replayed.at(moment.time)});
   }
-  row.captions = captionsOf(row.states, CaptionWriter(settings.captionParts(), row.motif),
+  row.captions = captionsOf(row.states, CaptionWriter(settings.captionParts(), row.content),
                             run.subject().model.name);
   return row;
 }
@@ -628,9 +630,9 @@ void shareScales(FrameSize size, std::vector<PanelRow>& rows) {
   std::vector<double> heights;
   double most = 0;
   for (const PanelRow& row : rows) {
-    const Stage stage(row.look, row.motif, size);
-    heights.push_back(stage.metresPerPixel());
-    if (stage.colourScale()) most = std::max(most, stage.colourScale()->most);
+    const PictureSetup setup(row.look, row.content, size);
+    heights.push_back(setup.metresPerPixel());
+    if (setup.colourScale()) most = std::max(most, setup.colourScale()->most);
   }
   const double largest = *std::ranges::max_element(heights);
   for (std::size_t k = 0; k < rows.size(); ++k) {

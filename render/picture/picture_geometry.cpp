@@ -1,4 +1,4 @@
-// Turns a shot into flat polygons of one colour, which the painter draws as triangles and vector/
+// Turns a items into flat polygons of one colour, which the painter draws as triangles and vector/
 // as shapes, so that both show the same.
 //
 // Outlines lie within the faces: the corners of the inner polygon are corners + w d, with the width
@@ -21,7 +21,7 @@
 //
 // Faces that look away from the camera are left out: bricks are closed. Of a translucent brick,
 // too, so that it is one layer of its colour however thick it is.
-#include "render/picture/sketch.h"
+#include "render/picture/picture_geometry.h"
 
 #include <algorithm>
 #include <array>
@@ -73,20 +73,20 @@ Vector3 towardsEye(const Camera& camera, const Vector3& point) {
 }
 
 /// Appends a polygon without outline.
-Facet appendFacet(Sketch& sketch, std::span<const Vector3> corners, Colour colour) {
-  const int first = static_cast<int>(sketch.points.size());
-  sketch.points.insert(sketch.points.end(), corners.begin(), corners.end());
+Facet appendFacet(PictureGeometry& geometry, std::span<const Vector3> corners, Colour colour) {
+  const int first = static_cast<int>(geometry.points.size());
+  geometry.points.insert(geometry.points.end(), corners.begin(), corners.end());
   return {first, static_cast<int>(corners.size()), false, false, colour};
 }
 
 /// Four corners, anticlockwise from above.
-void drawPlate(const GroundPlate& plate, Colour colour, Sketch& sketch) {
+void drawPlate(const GroundPlate& plate, Colour colour, PictureGeometry& geometry) {
   std::array<Vector3, 4> corners;
   for (int k = 0; k < 4; ++k) {
     corners[k] = {plate.centre.x() + (k == 1 || k == 2 ? 1 : -1) * plate.halfSize,
                   plate.centre.y() + (k >= 2 ? 1 : -1) * plate.halfSize, plate.height};
   }
-  sketch.ground.push_back(appendFacet(sketch, corners, colour));
+  geometry.ground.push_back(appendFacet(geometry, corners, colour));
 }
 
 /// The unit vectors in which the corners of a shadow are widened.
@@ -121,7 +121,7 @@ std::vector<Vector3> widened(const std::vector<Vector3>& points, const std::vect
 
 /// Dots that face the camera.
 void drawMarks(const std::vector<Vector3>& marks, double radius, Colour colour,
-               const Camera& camera, Sketch& sketch) {
+               const Camera& camera, PictureGeometry& geometry) {
   std::array<Vector3, kDotSides> corners;
   for (const Vector3& mark : marks) {
     const Vector3 back = towardsEye(camera, mark).normalized();
@@ -132,20 +132,21 @@ void drawMarks(const std::vector<Vector3>& marks, double radius, Colour colour,
       const double angle = 2 * std::numbers::pi * k / kDotSides;
       corners[k] = centre + radius * (std::cos(angle) * right + std::sin(angle) * up);
     }
-    sketch.solid.push_back(appendFacet(sketch, corners, colour));
+    geometry.solid.push_back(appendFacet(geometry, corners, colour));
   }
 }
 
 /// Polygons in one colour, lit on the side that looks at the camera.
 void drawScenery(const std::vector<Tile>& polygons, const Style& style, const Camera& camera,
-                 Sketch& sketch) {
+                 PictureGeometry& geometry) {
   for (const auto& [corners] : polygons) {
     const Vector3 normal = polygonNormal(corners);
     const bool isFront = normal.dot(towardsEye(camera, corners[0])) > 0;
     std::vector<Vector3> seen = corners;
     if (!isFront) std::reverse(seen.begin(), seen.end());
     const Vector3 towards = isFront ? normal : Vector3(-normal);
-    sketch.solid.push_back(appendFacet(sketch, seen, faceColour(towards, style.scenery, style)));
+    geometry.solid.push_back(
+        appendFacet(geometry, seen, faceColour(towards, style.scenery, style)));
   }
 }
 
@@ -153,7 +154,7 @@ void drawScenery(const std::vector<Tile>& polygons, const Style& style, const Ca
 /// over everything, so that the dashes show where it is hidden; nothing when it points at the
 /// camera.
 void drawLine(const Vector3& from, const Vector3& to, double width, Colour colour,
-              const Camera& camera, Sketch& sketch) {
+              const Camera& camera, PictureGeometry& geometry) {
   const double length = (to - from).norm();
   const Vector3 along = (to - from) / length;
   const Vector3 back = towardsEye(camera, 0.5 * (from + to)).normalized();
@@ -167,7 +168,7 @@ void drawLine(const Vector3& from, const Vector3& to, double width, Colour colou
   // Half a width longer at both ends, so that two lines meet in a closed corner.
   std::array<Vector3, 4> whole = ribbon(-0.5 * width, length + 0.5 * width);
   for (Vector3& corner : whole) corner += kLineLift * width * back;
-  sketch.solid.push_back(appendFacet(sketch, whole, colour));
+  geometry.solid.push_back(appendFacet(geometry, whole, colour));
   // Begins and ends with half a dash, longer as above.
   const double dashes = std::max(1.0, std::round(length / (2 * kDashWidths * width)));
   const double dash = 0.5 * length / dashes;
@@ -175,16 +176,16 @@ void drawLine(const Vector3& from, const Vector3& to, double width, Colour colou
     const double middle = 2 * k * dash;
     const double begin = std::max(-0.5 * width, middle - 0.5 * dash);
     const double end = std::min(length + 0.5 * width, middle + 0.5 * dash);
-    sketch.overlay.push_back(appendFacet(sketch, ribbon(begin, end), colour));
+    geometry.overlay.push_back(appendFacet(geometry, ribbon(begin, end), colour));
   }
 }
 
 void drawOverlay(const std::vector<Tile>& polygons, double width, Colour colour,
-                 const Camera& camera, Sketch& sketch) {
+                 const Camera& camera, PictureGeometry& geometry) {
   for (const auto& [corners] : polygons) {
     checkInterruption();
     for (std::size_t k = 0; k < corners.size(); ++k) {
-      drawLine(corners[k], corners[(k + 1) % corners.size()], width, colour, camera, sketch);
+      drawLine(corners[k], corners[(k + 1) % corners.size()], width, colour, camera, geometry);
     }
   }
 }
@@ -192,7 +193,7 @@ void drawOverlay(const std::vector<Tile>& polygons, double width, Colour colour,
 }  // namespace
 
 /// Done once for each face of a run; per picture faces are only turned and moved.
-Sketcher::Face Sketcher::makeFace(const std::vector<Vector3>& corners) {
+GeometryBuilder::Face GeometryBuilder::makeFace(const std::vector<Vector3>& corners) {
   Face face{corners, {}, {}, std::numeric_limits<double>::infinity(), polygonNormal(corners)};
   if (!isConvexPolygon(corners, face.normal)) face.triangles = trianglesOf(corners, face.normal);
   const std::size_t count = corners.size();
@@ -214,7 +215,8 @@ Sketcher::Face Sketcher::makeFace(const std::vector<Vector3>& corners) {
   return face;
 }
 
-Sketcher::Sketcher(const std::vector<Brick>& bricks, const Style& style) : style_(style) {
+GeometryBuilder::GeometryBuilder(const std::vector<Brick>& bricks, const Style& style)
+    : style_(style) {
   for (const Brick& brick : bricks) {
     std::vector<Face>& faces = faces_.emplace_back();
     for (const std::vector<Vector3>& corners : brickFaces(brick))
@@ -223,11 +225,12 @@ Sketcher::Sketcher(const std::vector<Brick>& bricks, const Style& style) : style
 }
 
 /// Faces are bottom, top, then sides.
-void Sketcher::drawBrick(int brick, const Pose& pose, const BrickColours& colours,
-                         const Camera& camera, double outline,
-                         const std::optional<Occluders>& occluders, Sketch& sketch) const {
+void GeometryBuilder::drawBrick(int brick, const Pose& pose, const BrickColours& colours,
+                                const Camera& camera, double outline,
+                                const std::optional<Occluders>& occluders,
+                                PictureGeometry& geometry) const {
   const bool pale = isDark(colours);
-  std::vector<Facet>& layer = colours.top.alpha < 255 ? sketch.translucent : sketch.solid;
+  std::vector<Facet>& layer = colours.top.alpha < 255 ? geometry.translucent : geometry.solid;
   const Matrix3 rotation = pose.rotation.toRotationMatrix();
   const std::vector<Face>& faces = faces_[brick];
   for (std::size_t k = 0; k < faces.size(); ++k) {
@@ -245,31 +248,31 @@ void Sketcher::drawBrick(int brick, const Pose& pose, const BrickColours& colour
     const double occluded = occluders ? occluders->occlusion(brick, corners, normal) : 0;
     const Colour colour = faceColour(normal, base, style_, occluded);
     if (!face.triangles.empty()) {
-      drawConcave(face, pose, width, colour, pale, layer, sketch);
+      drawConcave(face, pose, width, colour, pale, layer, geometry);
       continue;
     }
-    layer.push_back(appendFacet(sketch, corners, colour));
+    layer.push_back(appendFacet(geometry, corners, colour));
     layer.back().outlined = width > 0;
     layer.back().pale = pale;
     if (width <= 0) continue;
     for (std::size_t i = 0; i < face.corners.size(); ++i) {
-      sketch.points.push_back(pose.position +
-                              rotation * (face.corners[i] + width * face.inwards[i]));
+      geometry.points.push_back(pose.position +
+                                rotation * (face.corners[i] + width * face.inwards[i]));
     }
   }
 }
 
-std::vector<BrickColours> Sketcher::coloursOf(const Shot& shot) const {
-  std::vector<BrickColours> colours = shot.colours;
+std::vector<BrickColours> GeometryBuilder::coloursOf(const PictureItems& items) const {
+  std::vector<BrickColours> colours = items.colours;
   if (colours.empty()) colours.assign(faces_.size(), style_.brick);
-  for (const int brick : shot.pinned) {
+  for (const int brick : items.pinned) {
     colours.at(brick) = withOpacity(style_.pinned, colours.at(brick).top.alpha / 255.0);
   }
   return colours;
 }
 
-Sketcher::PlacedFaces Sketcher::place(const Poses& poses,
-                                      const std::vector<BrickColours>& colours) const {
+GeometryBuilder::PlacedFaces GeometryBuilder::place(
+    const Poses& poses, const std::vector<BrickColours>& colours) const {
   PlacedFaces placed(faces_.size());
   for (std::size_t brick = 0; brick < faces_.size(); ++brick) {
     if (!isDrawn(colours[brick])) continue;
@@ -281,8 +284,9 @@ Sketcher::PlacedFaces Sketcher::place(const Poses& poses,
   return placed;
 }
 
-void Sketcher::drawConcave(const Face& face, const Pose& pose, double width, Colour colour,
-                           bool pale, std::vector<Facet>& layer, Sketch& sketch) const {
+void GeometryBuilder::drawConcave(const Face& face, const Pose& pose, double width, Colour colour,
+                                  bool pale, std::vector<Facet>& layer,
+                                  PictureGeometry& geometry) const {
   const std::size_t count = face.corners.size();
   std::vector<Vector3> outer, inner;
   for (std::size_t k = 0; k < count; ++k) {
@@ -291,28 +295,28 @@ void Sketcher::drawConcave(const Face& face, const Pose& pose, double width, Col
   }
   for (const auto& [a, b, c] : face.triangles) {
     const std::array<Vector3, 3> triangle = {inner[a], inner[b], inner[c]};
-    layer.push_back(appendFacet(sketch, triangle, colour));
+    layer.push_back(appendFacet(geometry, triangle, colour));
     layer.back().part = FacetPart::Inside;
   }
   if (width <= 0) return;
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t next = (k + 1) % count;
     const std::array<Vector3, 4> band = {outer[k], outer[next], inner[next], inner[k]};
-    layer.push_back(appendFacet(sketch, band, colour));
+    layer.push_back(appendFacet(geometry, band, colour));
     layer.back().part = FacetPart::Border;
     layer.back().pale = pale;
   }
 }
 
-void Sketcher::CastPoints::add(const Vector3& point, const Style& style) {
+void GeometryBuilder::CastPoints::add(const Vector3& point, const Style& style) {
   points.push_back(shadowOf(point, style));
   heights.push_back(std::max(0.0, point.z() - style.plate->height));
 }
 
 /// That of a convex brick is the outline of all its corners. A concave one has those of its lit
 /// faces, which cast all of the shadow of a closed brick, in triangles where they are concave.
-void Sketcher::appendCast(const std::vector<Face>& faces, const Pose& pose,
-                          std::vector<CastPoints>& cast) const {
+void GeometryBuilder::appendCast(const std::vector<Face>& faces, const Pose& pose,
+                                 std::vector<CastPoints>& cast) const {
   if (faces[0].triangles.empty()) {
     CastPoints& whole = cast.emplace_back();
     for (const int end : {0, 1}) {
@@ -332,8 +336,8 @@ void Sketcher::appendCast(const std::vector<Face>& faces, const Pose& pose,
   }
 }
 
-void Sketcher::drawShadow(const Poses& poses, const std::vector<BrickColours>& colours,
-                          double pictureHeight, Sketch& sketch) const {
+void GeometryBuilder::drawShadow(const Poses& poses, const std::vector<BrickColours>& colours,
+                                 double pictureHeight, PictureGeometry& geometry) const {
   std::vector<CastPoints> cast;
   for (std::size_t brick = 0; brick < faces_.size(); ++brick) {
     checkInterruption();
@@ -353,45 +357,46 @@ void Sketcher::drawShadow(const Poses& poses, const std::vector<BrickColours>& c
     for (const CastPoints& polygon : cast) {
       checkInterruption();
       const std::vector<Vector3> outline = widened(polygon.points, polygon.heights, softness);
-      if (outline.size() > 2) sketch.shadow.push_back(appendFacet(sketch, outline, colour));
+      if (outline.size() > 2) geometry.shadow.push_back(appendFacet(geometry, outline, colour));
     }
   }
 }
 
 /// Order: ground, shadow, bricks, obstacles, dots, lines.
-void Sketcher::draw(const Shot& shot, const Camera& camera, Sketch& sketch) const {
-  assert(shot.poses.size() == faces_.size());
-  assert(shot.colours.empty() || shot.colours.size() == faces_.size());
-  sketch.points.clear();
-  for (auto* layer :
-       {&sketch.ground, &sketch.shadow, &sketch.solid, &sketch.translucent, &sketch.overlay}) {
+void GeometryBuilder::draw(const PictureItems& items, const Camera& camera,
+                           PictureGeometry& geometry) const {
+  assert(items.poses.size() == faces_.size());
+  assert(items.colours.empty() || items.colours.size() == faces_.size());
+  geometry.points.clear();
+  for (auto* layer : {&geometry.ground, &geometry.shadow, &geometry.solid, &geometry.translucent,
+                      &geometry.overlay}) {
     layer->clear();
   }
-  sketch.edge = style_.edge;
-  sketch.paleEdge = style_.paleEdge;
+  geometry.edge = style_.edge;
+  geometry.paleEdge = style_.paleEdge;
 
   const double height = heightAtCentre(camera);
-  const std::vector<BrickColours> colours = coloursOf(shot);
+  const std::vector<BrickColours> colours = coloursOf(items);
   const std::optional<GroundPlate>& plate = style_.plate;
   const Vector3 middle = plate ? Vector3(plate->centre.x(), plate->centre.y(), plate->height)
                                : Vector3(Vector3::Zero());
   if (plate && towardsEye(camera, middle).z() > 0) {
-    if (plate->visible) drawPlate(*plate, style_.ground, sketch);
-    if (plate->shadow) drawShadow(shot.poses, colours, height, sketch);
+    if (plate->visible) drawPlate(*plate, style_.ground, geometry);
+    if (plate->shadow) drawShadow(items.poses, colours, height, geometry);
   }
 
   std::optional<Occluders> occluders;
-  if (style_.occlusion > 0) occluders.emplace(place(shot.poses, colours));
+  if (style_.occlusion > 0) occluders.emplace(place(items.poses, colours));
   for (int brick = 0; brick < static_cast<int>(faces_.size()); ++brick) {
     checkInterruption();
     if (!isDrawn(colours[brick])) continue;
     // Each of two flush faces draws half of the line between them.
-    drawBrick(brick, shot.poses[brick], colours[brick], camera, 0.5 * style_.edgeWidth * height,
-              occluders, sketch);
+    drawBrick(brick, items.poses[brick], colours[brick], camera, 0.5 * style_.edgeWidth * height,
+              occluders, geometry);
   }
-  drawScenery(shot.scenery, style_, camera, sketch);
-  drawMarks(shot.marks, 0.5 * style_.markSize * height, style_.mark, camera, sketch);
-  drawOverlay(shot.overlay, style_.overlayWidth * height, style_.overlay, camera, sketch);
+  drawScenery(items.scenery, style_, camera, geometry);
+  drawMarks(items.marks, 0.5 * style_.markSize * height, style_.mark, camera, geometry);
+  drawOverlay(items.overlay, style_.overlayWidth * height, style_.overlay, camera, geometry);
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -412,7 +417,7 @@ void Sketcher::draw(const Shot& shot, const Camera& camera, Sketch& sketch) cons
 namespace {
 
 /// In mean radii of bricks.
-constexpr double kReach = 2.5;
+constexpr double kOcclusionReach = 2.5;
 
 /// Points of a face stand half way between its middle and its corners; thin faces have their middle
 /// alone.
@@ -496,7 +501,7 @@ Occluders::Occluders(const std::vector<std::vector<std::vector<Vector3>>>& faces
     radii += made.radius;
     mostRadius_ = std::max(mostRadius_, made.radius);
   }
-  reach_ = kReach * radii / std::max<double>(1, static_cast<double>(occluders_.size()));
+  reach_ = kOcclusionReach * radii / std::max<double>(1, static_cast<double>(occluders_.size()));
   std::ranges::stable_sort(occluders_, {}, [](const Occluder& o) { return o.centre.x(); });
 }
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "render/picture/studio.h"
+#include "render/picture/state_painter.h"
 #include "sim/base/error.h"
 #include "sim/model/lattice.h"
 #include "tests/support/pair_forces.h"
@@ -21,18 +21,18 @@ Tile polygon(std::initializer_list<std::pair<double, double>> corners) {
 }
 
 /// A tessellation whose target stands 2 m above its start.
-Motif tessellationMotif() {
+PictureContent tessellationContent() {
   Model model = makeTessellation({});
   model.target = model.tiles;
   for (Tile& tile : *model.target) {
     for (Vector3& vertex : tile.vertices) vertex.z() += 2;
   }
-  return makeMotif(model, {}, std::nullopt);
+  return makeContent(model, {}, std::nullopt);
 }
 
-/// Poses of the motif's bricks when they have been lifted.
-Poses lifted(const Motif& motif, double height) {
-  Poses poses = motif.start;
+/// Poses of the content's bricks when they have been lifted.
+Poses lifted(const PictureContent& content, double height) {
+  Poses poses = content.start;
   for (Pose& pose : poses) pose.position.z() += height;
   return poses;
 }
@@ -65,50 +65,50 @@ TEST(ShapeKinds, CountsCornersWhenShapesAreMany) {
   EXPECT_EQ(shapeKinds(bricksOf(tiles)), (std::vector<int>{0, 0, 0, 0, 0, 0, 0, 0, 1}));
 }
 
-TEST(Colourist, ShowsWhatSpringsAtHingesPullWithAndHold) {
-  Motif motif = tessellationMotif();
+TEST(BrickPalette, ShowsWhatSpringsAtHingesPullWithAndHold) {
+  PictureContent content = tessellationContent();
   // Between the first two tiles, 2 N m/rad and at rest a quarter turn ahead.
-  motif.pairForces = test::pairForces({{{0, 1, Vector3::UnitZ(), 0, -10, 10}, 2, 0.5, 0}});
-  motif.states = {motif.start};
-  const Colourist moment(coloured(Colouring::Moment), motif);
+  content.pairForces = test::pairForces({{{0, 1, Vector3::UnitZ(), 0, -10, 10}, 2, 0.5, 0}});
+  content.states = {content.start};
+  const BrickPalette moment(coloured(Colouring::Moment), content);
   EXPECT_NEAR(moment.scale()->most, 1, 1e-12);  // 2 * 0.5
   EXPECT_EQ(moment.scale()->title, "moment, N m");
-  EXPECT_EQ(moment.colours(motif.start)[0].top, mapColour(ColourMap::Viridis, 1));
-  EXPECT_EQ(moment.colours(motif.start)[2].top, mapColour(ColourMap::Viridis, 0));
-  const Colourist energy(coloured(Colouring::Energy), motif);
+  EXPECT_EQ(moment.colours(content.start)[0].top, mapColour(ColourMap::Viridis, 1));
+  EXPECT_EQ(moment.colours(content.start)[2].top, mapColour(ColourMap::Viridis, 0));
+  const BrickPalette energy(coloured(Colouring::Energy), content);
   EXPECT_NEAR(energy.scale()->most, 0.125, 1e-12);  // half of 2 * 0.5^2 / 2
 }
 
 // The springs' bricks are coloured by what a neck's ligament holds, too.
-TEST(Colourist, ShowsWhatLigamentsPullWithAndHold) {
-  Motif motif = tessellationMotif();
+TEST(BrickPalette, ShowsWhatLigamentsPullWithAndHold) {
+  PictureContent content = tessellationContent();
   Ligament ligament{0, 1};
   // From centre to centre: at rest at the start.
-  ligament.start = motif.start[1].position - motif.start[0].position;
+  ligament.start = content.start[1].position - content.start[0].position;
   ligament.stretchStiffness = 6;
   ligament.shearStiffness = 3;
-  motif.pairForces =
+  content.pairForces =
       test::pairForces({{{0, 1, Vector3::UnitZ(), 0, -10, 10}, 2, 0, 0}}, {ligament});
-  Poses turned = motif.start, parted = motif.start;
+  Poses turned = content.start, parted = content.start;
   turned[1].rotation = rotationFromVector({0, 0, 0.4});
   parted[1].position += 0.5 * ligament.start.normalized();
-  motif.states = {turned, parted};
+  content.states = {turned, parted};
   // Turned, the neck is sheared by half of the angle: at brick B its end adds half of 3 * 0.2.
-  const Colourist moment(coloured(Colouring::Moment), motif);
+  const BrickPalette moment(coloured(Colouring::Moment), content);
   EXPECT_NEAR(moment.scale()->most, 2 * 0.4 + 0.3, 1e-12);
   EXPECT_EQ(moment.colours(parted)[0].top, mapColour(ColourMap::Viridis, 0));
   // Parted, each brick has half of 6 * 0.5^2 / 2.
-  const Colourist energy(coloured(Colouring::Energy), motif);
+  const BrickPalette energy(coloured(Colouring::Energy), content);
   EXPECT_NEAR(energy.scale()->most, 0.375, 1e-12);
   EXPECT_EQ(energy.colours(parted)[1].top, mapColour(ColourMap::Viridis, 1));
   EXPECT_EQ(energy.colours(parted)[2].top, mapColour(ColourMap::Viridis, 0));
 }
 
-TEST(Colourist, MomentsNeedSpringsAtHinges) {
-  const Motif motif = tessellationMotif();
+TEST(BrickPalette, MomentsNeedSpringsAtHinges) {
+  const PictureContent content = tessellationContent();
   for (const Colouring colouring : {Colouring::Moment, Colouring::Energy}) {
     try {
-      Colourist(coloured(colouring), motif);
+      BrickPalette(coloured(colouring), content);
       FAIL() << "accepted";
     } catch (const InputError& error) {
       EXPECT_STREQ(error.what(),
@@ -118,65 +118,65 @@ TEST(Colourist, MomentsNeedSpringsAtHinges) {
   }
 }
 
-TEST(Colourist, LeavesPlainBricksToTheStyle) {
-  const Motif motif = tessellationMotif();
-  const Colourist colourist({}, motif);
-  EXPECT_TRUE(colourist.colours(motif.start).empty());
-  EXPECT_FALSE(colourist.scale().has_value());
+TEST(BrickPalette, LeavesPlainBricksToTheStyle) {
+  const PictureContent content = tessellationContent();
+  const BrickPalette palette({}, content);
+  EXPECT_TRUE(palette.colours(content.start).empty());
+  EXPECT_FALSE(palette.scale().has_value());
 }
 
-TEST(Colourist, SpansTheScaleFromStartToTarget) {
-  const Motif motif = tessellationMotif();
-  const Colourist colourist(coloured(Colouring::TargetError), motif);
-  EXPECT_EQ(colourist.scale()->title, "target error, m");
-  for (const BrickColours& colours : colourist.colours(lifted(motif, 2))) {
+TEST(BrickPalette, SpansTheScaleFromStartToTarget) {
+  const PictureContent content = tessellationContent();
+  const BrickPalette palette(coloured(Colouring::TargetError), content);
+  EXPECT_EQ(palette.scale()->title, "target error, m");
+  for (const BrickColours& colours : palette.colours(lifted(content, 2))) {
     EXPECT_EQ(colours.top, mapColour(ColourMap::Viridis, 0));
     EXPECT_EQ(colours.bottom, colours.top);
   }
-  for (const BrickColours& colours : colourist.colours(motif.start)) {
+  for (const BrickColours& colours : palette.colours(content.start)) {
     EXPECT_EQ(colours.top, mapColour(ColourMap::Viridis, 1));
   }
-  EXPECT_EQ(colourist.colours(lifted(motif, 1))[3].top, mapColour(ColourMap::Viridis, 0.5));
+  EXPECT_EQ(palette.colours(lifted(content, 1))[3].top, mapColour(ColourMap::Viridis, 0.5));
 }
 
-TEST(Colourist, ShowsRotationsInDegrees) {
-  const Motif motif = tessellationMotif();
+TEST(BrickPalette, ShowsRotationsInDegrees) {
+  const PictureContent content = tessellationContent();
   Look look = coloured(Colouring::Rotation);
   look.colourMost = 90;
-  const Colourist colourist(look, motif);
-  EXPECT_NEAR(colourist.scale()->most, 90, 1e-12);
+  const BrickPalette palette(look, content);
+  EXPECT_NEAR(palette.scale()->most, 90, 1e-12);
   const Colour expected = mapColour(ColourMap::Viridis, 0.5);
-  Poses poses = motif.start;
+  Poses poses = content.start;
   for (Pose& pose : poses) pose.rotation = rotationFromVector(Vector3(0, 0, M_PI / 4));
-  for (const BrickColours& colours : colourist.colours(poses)) EXPECT_EQ(colours.top, expected);
+  for (const BrickColours& colours : palette.colours(poses)) EXPECT_EQ(colours.top, expected);
 }
 
-TEST(Colourist, SpansTheScaleOverTheRun) {
-  Motif motif = tessellationMotif();
-  Poses turned = motif.start;
+TEST(BrickPalette, SpansTheScaleOverTheRun) {
+  PictureContent content = tessellationContent();
+  Poses turned = content.start;
   for (Pose& pose : turned) pose.rotation = rotationFromVector(Vector3(0, 0, M_PI / 6));
-  motif.states = {motif.start, turned};
-  EXPECT_NEAR(Colourist(coloured(Colouring::Rotation), motif).scale()->most, 30, 1e-12);
-  motif.states = {motif.start};  // nothing turns
-  EXPECT_EQ(Colourist(coloured(Colouring::Rotation), motif).scale()->most, 90);
+  content.states = {content.start, turned};
+  EXPECT_NEAR(BrickPalette(coloured(Colouring::Rotation), content).scale()->most, 30, 1e-12);
+  content.states = {content.start};  // nothing turns
+  EXPECT_EQ(BrickPalette(coloured(Colouring::Rotation), content).scale()->most, 90);
 }
 
-TEST(Colourist, TellsStartWayAndTargetApart) {
-  const Motif motif = tessellationMotif();
-  const Colourist colourist(coloured(Colouring::State), motif);
-  const BrickColours start = colourist.colours(motif.start)[0];
-  const BrickColours way = colourist.colours(lifted(motif, 1))[0];
-  const BrickColours target = colourist.colours(lifted(motif, 2))[0];
+TEST(BrickPalette, TellsStartWayAndTargetApart) {
+  const PictureContent content = tessellationContent();
+  const BrickPalette palette(coloured(Colouring::State), content);
+  const BrickColours start = palette.colours(content.start)[0];
+  const BrickColours way = palette.colours(lifted(content, 1))[0];
+  const BrickColours target = palette.colours(lifted(content, 2))[0];
   EXPECT_NE(start, way);
   EXPECT_NE(way, target);
   EXPECT_NE(start, target);
 }
 
-TEST(Colourist, NeedsATargetForItsError) {
-  Motif motif = tessellationMotif();
-  motif.target.reset();
+TEST(BrickPalette, NeedsATargetForItsError) {
+  PictureContent content = tessellationContent();
+  content.target.reset();
   try {
-    Colourist(coloured(Colouring::TargetError), motif);
+    BrickPalette(coloured(Colouring::TargetError), content);
     FAIL();
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(),
@@ -185,78 +185,78 @@ TEST(Colourist, NeedsATargetForItsError) {
   }
 }
 
-TEST(Colourist, SaysWhatColoursOfKindsMean) {
-  Motif motif;
+TEST(BrickPalette, SaysWhatColoursOfKindsMean) {
+  PictureContent content;
   const std::vector<Tile> tiles = {polygon({{0, 0}, {3, 0}, {0, 1}}),
                                    polygon({{0, 0}, {1, 0}, {1, 1}, {0, 1}}),
                                    polygon({{5, 5}, {6, 5}, {6, 8}})};
-  motif.bricks = bricksOf(tiles);
-  motif.start = startPoses(tiles, motif.bricks);
-  const auto textsOf = [](const Colourist& colourist) {
+  content.bricks = bricksOf(tiles);
+  content.start = startPoses(tiles, content.bricks);
+  const auto textsOf = [](const BrickPalette& palette) {
     std::vector<std::string> texts;
-    for (const LegendEntry& entry : colourist.legend()) texts.push_back(entry.text);
+    for (const LegendEntry& entry : palette.legend()) texts.push_back(entry.text);
     return texts;
   };
-  EXPECT_EQ(textsOf(Colourist(coloured(Colouring::Shape), motif)),
+  EXPECT_EQ(textsOf(BrickPalette(coloured(Colouring::Shape), content)),
             (std::vector<std::string>{"2 triangles", "1 quadrilateral"}));
-  EXPECT_EQ(textsOf(Colourist(coloured(Colouring::State), motif)),
+  EXPECT_EQ(textsOf(BrickPalette(coloured(Colouring::State), content)),
             (std::vector<std::string>{"at its start", "on its way"}));
-  EXPECT_TRUE(Colourist(coloured(Colouring::Plain), motif).legend().empty());
+  EXPECT_TRUE(BrickPalette(coloured(Colouring::Plain), content).legend().empty());
 }
 
 /// What a look is refused with.
-std::string refusalOf(const Look& look, const Motif& motif) {
+std::string refusalOf(const Look& look, const PictureContent& content) {
   try {
-    const Colourist colourist(look, motif);
+    const BrickPalette palette(look, content);
   } catch (const InputError& error) {
     return error.what();
   }
   return "";
 }
 
-TEST(Colourist, SingleTilesHaveColoursOfTheirOwn) {
-  const Motif motif = tessellationMotif();
+TEST(BrickPalette, SingleTilesHaveColoursOfTheirOwn) {
+  const PictureContent content = tessellationContent();
   Look look;
   look.brickColour = Colour{10, 20, 30};
   look.tileColours = {{{1, 3}, {200, 0, 0}}, {{3}, {0, 200, 0}}};
-  const std::vector<BrickColours> colours = Colourist(look, motif).colours(motif.start);
-  ASSERT_EQ(colours.size(), motif.bricks.size());
+  const std::vector<BrickColours> colours = BrickPalette(look, content).colours(content.start);
+  ASSERT_EQ(colours.size(), content.bricks.size());
   EXPECT_EQ(colours[0], plainColours(look));
   EXPECT_EQ(colours[1].top, (Colour{200, 0, 0}));
   EXPECT_EQ(colours[3].bottom, (Colour{0, 200, 0}));
   look.colouring = Colouring::State;
-  EXPECT_EQ(Colourist(look, motif).colours(motif.start)[1].top, (Colour{200, 0, 0}));
-  look.tileColours = {{{static_cast<int>(motif.bricks.size())}, {}}};
-  EXPECT_EQ(refusalOf(look, motif),
+  EXPECT_EQ(BrickPalette(look, content).colours(content.start)[1].top, (Colour{200, 0, 0}));
+  look.tileColours = {{{static_cast<int>(content.bricks.size())}, {}}};
+  EXPECT_EQ(refusalOf(look, content),
             fmt::format("error: --tile-colour: there is no tile {}; the model's are numbered 0 to "
                         "{}",
-                        motif.bricks.size(), motif.bricks.size() - 1));
+                        content.bricks.size(), content.bricks.size() - 1));
   look.colouring = Colouring::Rotation;
-  EXPECT_EQ(refusalOf(look, motif),
+  EXPECT_EQ(refusalOf(look, content),
             "error: --tile-colour works with --colour plain, shape or state alone, as other "
             "colours stand for values; give one of these, or leave --tile-colour away");
 }
 
-TEST(Colourist, NamedGroupsOfTilesStandInTheLegend) {
-  const Motif motif = tessellationMotif();
+TEST(BrickPalette, NamedGroupsOfTilesStandInTheLegend) {
+  const PictureContent content = tessellationContent();
   Look look;
   look.tileColours = {{{1, 3}, {200, 0, 0}, "hinge row"}, {{2}, {0, 200, 0}}};
-  const Colourist colourist(look, motif);
-  ASSERT_EQ(colourist.legend().size(), 1);
-  EXPECT_EQ(colourist.legend()[0].colour, (Colour{200, 0, 0}));
-  EXPECT_EQ(colourist.legend()[0].text, "hinge row");
+  const BrickPalette palette(look, content);
+  ASSERT_EQ(palette.legend().size(), 1);
+  EXPECT_EQ(palette.legend()[0].colour, (Colour{200, 0, 0}));
+  EXPECT_EQ(palette.legend()[0].text, "hinge row");
 }
 
-TEST(Colourist, TilesAreAsOpaqueAsAsked) {
-  const Motif motif = tessellationMotif();
+TEST(BrickPalette, TilesAreAsOpaqueAsAsked) {
+  const PictureContent content = tessellationContent();
   for (const Colouring colouring : {Colouring::Plain, Colouring::State, Colouring::Rotation}) {
     Look look;
     look.colouring = colouring;
-    const std::vector<BrickColours> opaque = Colourist(look, motif).colours(motif.start);
+    const std::vector<BrickColours> opaque = BrickPalette(look, content).colours(content.start);
     look.opacity = 0.4;
     look.tileOpacities = {{{1, 3}, 0.2}, {{3}, 0}};
-    const std::vector<BrickColours> colours = Colourist(look, motif).colours(motif.start);
-    ASSERT_EQ(colours.size(), motif.bricks.size());
+    const std::vector<BrickColours> colours = BrickPalette(look, content).colours(content.start);
+    ASSERT_EQ(colours.size(), content.bricks.size());
     for (const auto& [brick, alpha] : {std::pair(0, 102), {1, 51}, {3, 0}}) {
       EXPECT_EQ(colours[brick].top.alpha, alpha);
       EXPECT_EQ(colours[brick].side.alpha, alpha);
@@ -266,23 +266,23 @@ TEST(Colourist, TilesAreAsOpaqueAsAsked) {
     }
     EXPECT_EQ(isDrawn(colours[1]), true);
     EXPECT_EQ(isDrawn(colours[3]), false);
-    look.tileOpacities = {{{static_cast<int>(motif.bricks.size())}, 0.5}};
-    EXPECT_EQ(refusalOf(look, motif),
+    look.tileOpacities = {{{static_cast<int>(content.bricks.size())}, 0.5}};
+    EXPECT_EQ(refusalOf(look, content),
               fmt::format("error: --tile-opacity: there is no tile {}; the model's are numbered 0 "
                           "to {}",
-                          motif.bricks.size(), motif.bricks.size() - 1));
+                          content.bricks.size(), content.bricks.size() - 1));
   }
 }
 
-TEST(Colourist, ScalesBeginWhereAsked) {
-  const Motif motif = tessellationMotif();
+TEST(BrickPalette, ScalesBeginWhereAsked) {
+  const PictureContent content = tessellationContent();
   Look look = coloured(Colouring::Rotation);
   look.map = ColourMap::CoolWarm;
   look.colourLeast = -30;
   look.colourMost = 30;
-  EXPECT_EQ(Colourist(look, motif).colours(motif.start)[0].top, mapColour(look.map, 0.5));
+  EXPECT_EQ(BrickPalette(look, content).colours(content.start)[0].top, mapColour(look.map, 0.5));
   look.colourLeast = 30;
-  EXPECT_EQ(refusalOf(look, motif),
+  EXPECT_EQ(refusalOf(look, content),
             "error: --colour-least 30 is not below 30, the scale's other end; give a smaller one, "
             "or a larger --colour-most");
 }

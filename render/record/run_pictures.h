@@ -10,7 +10,7 @@
 
 #include "render/picture/frame.h"
 #include "render/picture/png.h"
-#include "render/picture/studio.h"
+#include "render/picture/state_painter.h"
 #include "render/record/pace.h"
 #include "render/record/pipeline.h"
 #include "render/record/record.h"
@@ -22,23 +22,23 @@ namespace kirireel {
 // ------------------------------------------------------------------------------------------------
 // The pictures of a run: video, single frames, snapshot grid.
 
-/// A run as a studio sees it before it begins, its start and its target in sight.
-Motif motifOf(const Subject& subject);
+/// What pictures show of a run before it begins, its start and its target in sight.
+PictureContent contentOf(const Subject& subject);
 
 /// The same of a finished run, with everything in sight that the settings ask for. Where they leave
 /// the camera to the program, that is all of the run if anything would be cut off.
-Motif motifOf(const TrajectoryReader& run, const PictureSettings& settings);
+PictureContent contentOf(const TrajectoryReader& run, const PictureSettings& settings);
 
-/// Throws InputError when the look or the grid asks for what the motif cannot give, before anything
-/// is deployed. Needs no graphics context.
-void requirePaintable(const Motif& motif, const PictureSettings& settings);
+/// Throws InputError when the look or the grid asks for what the content cannot give, before
+/// anything is deployed. Needs no graphics context.
+void requirePaintable(const PictureContent& content, const PictureSettings& settings);
 
 /// Writes what pictures say of the states that they show. Holds a copy of the start, from which
 /// turns are measured.
 class CaptionWriter {
  public:
-  CaptionWriter(const CaptionParts& parts, const Motif& motif)
-      : parts_(parts), start_(motif.start), hasTarget_(motif.target.has_value()) {}
+  CaptionWriter(const CaptionParts& parts, const PictureContent& content)
+      : parts_(parts), start_(content.start), hasTarget_(content.target.has_value()) {}
 
   /// In the grid to a tenth of a per cent; whole per cents where frames follow each other. One
   /// line, by the parts that were asked for.
@@ -59,13 +59,13 @@ class CaptionWriter {
 StripParts stripParts(const PictureSettings& settings, const CaptionWriter& captions,
                       double endTime);
 
-/// One studio and what it photographs. Belongs to the thread that makes it.
-class Album {
+/// Paints the pictures of one run. Belongs to the thread that makes it.
+class RunPictures {
  public:
-  /// Everything passed must outlive the album. Throws InputError when the look asks for what the
-  /// motif lacks, OutputError when no graphics context can be made. Makes a graphics context and
-  /// reads what motifOf() reads.
-  Album(const TrajectoryReader& run, const PictureSettings& settings, PictureReport& report);
+  /// Everything passed must outlive the pictures. Throws InputError when the look asks for what the
+  /// content lacks, OutputError when no graphics context can be made. Makes a graphics context and
+  /// reads what contentOf() reads.
+  RunPictures(const TrajectoryReader& run, const PictureSettings& settings, PictureReport& report);
 
   /// Paints the run's video frames and encodes them at the same time: settings.painters() paint,
   /// one of them on this thread, each other thing has a thread of its own. The bytes depend neither
@@ -85,10 +85,10 @@ class Album {
   using OrderQueue = BoundedQueue<FrameOrder>;
   using FrameQueue = BoundedQueue<std::future<Frame>>;
 
-  void paint(Studio& studio, OrderQueue& orders, FramePool& pool);
+  void paint(StatePainter& painter, OrderQueue& orders, FramePool& pool);
   void encode(FrameQueue& frames, FramePool& pool);
-  Frame takeFrame(Studio& studio, const FrameState& state, Frame storage = {}) const;
-  Frame takeStill(const FrameState& state);
+  Frame paintFrame(StatePainter& painter, const FrameState& state, Frame storage = {}) const;
+  Frame paintStill(const FrameState& state);
   void writeGrid(const TrajectoryReader& run, const MotionCurve& motion);
   void writeMoments(const TrajectoryReader& run, const MotionCurve& motion);
   void writeChosenFrames(const TrajectoryReader& run, const MotionCurve& motion);
@@ -96,8 +96,8 @@ class Album {
   const PictureSettings& settings_;
   PictureReport& report_;
   CaptionWriter captions_;
-  Studio frames_;                 ///< with a strip under its pictures
-  std::optional<Studio> stills_;  ///< the same, smoother: of frames that stand alone
+  StatePainter frames_;                 ///< with a strip under its pictures
+  std::optional<StatePainter> stills_;  ///< the same, smoother: of frames that stand alone
 };
 
 // ------------------------------------------------------------------------------------------------
@@ -174,7 +174,7 @@ Frame titleCard(const Title& title, FrameSize size, Colour background, Colour in
 /// different models; those of one run have one row, which fills all cells.
 struct PanelRow {
   Look look;
-  Motif motif;
+  PictureContent content;
   std::vector<FrameState> states;
   std::vector<std::string> captions;  ///< one a state
 };
@@ -183,7 +183,7 @@ struct PanelRow {
 const char* pageFile(PageFormat format);
 
 /// What a picture of a state shows.
-Moment stillOf(const FrameState& state);
+ShownState shownState(const FrameState& state);
 
 /// One sheet. Belongs to the thread that makes it.
 class PanelSheet {
@@ -199,7 +199,7 @@ class PanelSheet {
   void write();
 
  private:
-  void takeAll(FrameSize size);
+  void paintAll(FrameSize size);
   void writeDrawings();
   double enlargement(const PictureBox& part, const GridStyle& style) const;
   int textSize(const PictureBox& part, const GridStyle& style) const;
@@ -210,7 +210,7 @@ class PanelSheet {
   GridShape shape_;
   const PictureSettings& settings_;
   PictureReport& report_;
-  std::vector<std::unique_ptr<Studio>> studios_;  ///< one a row
+  std::vector<std::unique_ptr<StatePainter>> painters_;  ///< one a row
   std::vector<GridPicture> pictures_;
 };
 

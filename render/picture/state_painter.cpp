@@ -1,6 +1,6 @@
-// A Stage decides what a picture shows (style, colours, camera, shot) and needs no graphics; a
-// Studio adds a painter and the strip. Several studios share one stage, each with a painter on its
-// own thread.
+// A PictureSetup decides what a picture shows (style, colours, camera, items) and needs no
+// graphics; a StatePainter adds a painter and the strip. Several painters share one setup, each
+// with a painter on its own thread.
 //
 // Where colours stand for values, lights are weakened: ambient 0.84 and 38% of the directed lights,
 // so that a colour can be found on the scale from every face and faces still stand apart.
@@ -8,7 +8,7 @@
 // Bricks that fly off (a joint that gives, a bad step) would shrink all others to a dot if the
 // camera held them in sight: those farther from their start than 20 model sizes are left out of the
 // fit.
-#include "render/picture/studio.h"
+#include "render/picture/state_painter.h"
 
 #include <algorithm>
 #include <array>
@@ -36,19 +36,19 @@ void append(std::vector<Vector3>& points, const std::vector<Vector3>& more) {
 }
 
 /// Where a ground that the scene does not have is drawn: under everything in sight.
-double groundHeight(const Motif& motif) {
-  if (motif.groundHeight) return *motif.groundHeight;
+double groundHeight(const PictureContent& content) {
+  if (content.groundHeight) return *content.groundHeight;
   double lowest = std::numeric_limits<double>::infinity();
-  for (const Vector3& point : motif.points) lowest = std::min(lowest, point.z());
+  for (const Vector3& point : content.points) lowest = std::min(lowest, point.z());
   return lowest;
 }
 
 /// None where nothing is to be seen, either.
-std::optional<GroundPlate> plateFor(const Look& look, const Motif& motif) {
-  const bool wanted = look.ground == GroundLook::Auto ? motif.groundHeight.has_value()
+std::optional<GroundPlate> plateFor(const Look& look, const PictureContent& content) {
+  const bool wanted = look.ground == GroundLook::Auto ? content.groundHeight.has_value()
                                                       : look.ground != GroundLook::None;
-  if (!wanted || motif.points.empty()) return std::nullopt;
-  GroundPlate plate = groundUnder(motif.points, groundHeight(motif));
+  if (!wanted || content.points.empty()) return std::nullopt;
+  GroundPlate plate = groundUnder(content.points, groundHeight(content));
   plate.visible = look.ground != GroundLook::Shadow;
   return plate;
 }
@@ -62,7 +62,7 @@ Style pageStyle(const Look& look) {
 }
 
 /// The size decides how thin lines may become.
-Style styleFor(const Look& look, const Motif& motif, FrameSize size) {
+Style styleFor(const Look& look, const PictureContent& content, FrameSize size) {
   Style style = pageStyle(look);
   style.brick = plainColours(look);
   if (look.outlineColour) style.edge = style.paleEdge = *look.outlineColour;
@@ -79,18 +79,18 @@ Style styleFor(const Look& look, const Motif& motif, FrameSize size) {
     style.fill.strength *= kMeasureShade;
     style.occlusion *= kMeasureShade;
   }
-  style.plate = plateFor(look, motif);
+  style.plate = plateFor(look, content);
   // On a plate a shadow hides nothing; on a transparent page it darkens what comes under it.
   if (look.transparent && style.plate && !style.plate->visible) style.shadow = {0, 0, 0, 56};
   return style;
 }
 
-/// What cameras must hold in sight: the motif's points and, where they cast one, their shadow with
-/// its soft edge. Five times as many with a shadow.
-std::vector<Vector3> pointsInSight(const Motif& motif, const Style& style) {
-  std::vector<Vector3> points = motif.points;
+/// What cameras must hold in sight: the content's points and, where they cast one, their shadow
+/// with its soft edge. Five times as many with a shadow.
+std::vector<Vector3> pointsInSight(const PictureContent& content, const Style& style) {
+  std::vector<Vector3> points = content.points;
   if (!style.plate || !style.plate->shadow) return points;
-  for (const Vector3& point : motif.points) {
+  for (const Vector3& point : content.points) {
     const Vector3 shadow = shadowOf(point, style);
     const double reach = style.shadowSoftness * std::max(0.0, point.z() - style.plate->height);
     for (const Vector3& side : {Vector3::UnitX().eval(), Vector3::UnitY().eval()}) {
@@ -110,100 +110,101 @@ FrameSize validated(FrameSize size) {
 }  // namespace
 
 /// Cameras hold the start and, where there is one, the target in sight.
-Motif makeMotif(const Model& model, const BrickRule& rule, const std::optional<Ground>& ground) {
-  Motif motif;
-  motif.size = modelSize(model);
-  motif.bricks = makeBricks(model.tiles, rule);
-  motif.start = startPoses(model.tiles, motif.bricks);
-  motif.pivots = makePivots(model.joints, motif.bricks);
-  motif.target = model.target;
-  if (ground) motif.groundHeight = ground->height;
-  keepInSight(motif, motif.start);
-  if (motif.target) {
-    const std::vector<Brick> atTarget = makeBricks(*motif.target, rule);
-    append(motif.points, brickCorners(atTarget, startPoses(*motif.target, atTarget)));
+PictureContent makeContent(const Model& model, const BrickRule& rule,
+                           const std::optional<Ground>& ground) {
+  PictureContent content;
+  content.size = modelSize(model);
+  content.bricks = makeBricks(model.tiles, rule);
+  content.start = startPoses(model.tiles, content.bricks);
+  content.pivots = makePivots(model.joints, content.bricks);
+  content.target = model.target;
+  if (ground) content.groundHeight = ground->height;
+  keepInSight(content, content.start);
+  if (content.target) {
+    const std::vector<Brick> atTarget = makeBricks(*content.target, rule);
+    append(content.points, brickCorners(atTarget, startPoses(*content.target, atTarget)));
   }
-  return motif;
+  return content;
 }
 
-void keepInSight(Motif& motif, const Poses& poses) {
-  append(motif.points, shownCorners(motif, poses));
+void keepInSight(PictureContent& content, const Poses& poses) {
+  append(content.points, shownCorners(content, poses));
 }
 
-bool isShown(const Motif& motif, std::size_t brick, const Pose& pose) {
-  const double moved = (pose.position - motif.start[brick].position).norm();
-  return moved <= kFarthestShown * motif.size;
+bool isShown(const PictureContent& content, std::size_t brick, const Pose& pose) {
+  const double moved = (pose.position - content.start[brick].position).norm();
+  return moved <= kFarthestShown * content.size;
 }
 
-bool showsAllBricks(const Motif& motif, const Poses& poses) {
+bool showsAllBricks(const PictureContent& content, const Poses& poses) {
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    if (!isShown(motif, i, poses[i])) return false;
+    if (!isShown(content, i, poses[i])) return false;
   }
   return true;
 }
 
-std::vector<Vector3> shownCorners(const Motif& motif, const Poses& poses) {
+std::vector<Vector3> shownCorners(const PictureContent& content, const Poses& poses) {
   std::vector<Vector3> corners;
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    if (!isShown(motif, i, poses[i])) continue;
-    for (const Vector3& point : motif.bricks[i].bottom) corners.push_back(poses[i].apply(point));
-    for (const Vector3& point : motif.bricks[i].top) corners.push_back(poses[i].apply(point));
+    if (!isShown(content, i, poses[i])) continue;
+    for (const Vector3& point : content.bricks[i].bottom) corners.push_back(poses[i].apply(point));
+    for (const Vector3& point : content.bricks[i].top) corners.push_back(poses[i].apply(point));
   }
   return corners;
 }
 
-Stage::Stage(const Look& look, Motif motif, FrameSize size)
-    : motif_(std::move(motif)),
-      style_(styleFor(look, motif_, validated(size))),
-      colourist_(look, motif_),
+PictureSetup::PictureSetup(const Look& look, PictureContent content, FrameSize size)
+    : content_(std::move(content)),
+      style_(styleFor(look, content_, validated(size))),
+      palette_(look, content_),
       size_(size),
-      cameras_(look.camera, pointsInSight(motif_, style_), size.aspect()),
+      cameras_(look.camera, pointsInSight(content_, style_), size.aspect()),
       jointMarks_(look.jointMarks),
       targetLines_(look.targetLines) {
-  if (!targetLines_ || motif_.target) return;
+  if (!targetLines_ || content_.target) return;
   throw InputError(
       "error: the model has no target to draw; leave --target-lines away or add target.txt");
 }
 
-Shot Stage::shot(const Moment& moment) const {
-  Shot shot{moment.poses, colourist_.colours(moment.poses), moment.pinned, {}, {}, {}};
+PictureItems PictureSetup::items(const ShownState& state) const {
+  PictureItems items{state.poses, palette_.colours(state.poses), state.pinned, {}, {}, {}};
   if (jointMarks_) {
-    for (const Pivot& pivot : motif_.pivots) {
-      shot.marks.push_back(moment.poses[pivot.brickA].apply(pivot.pointA));
+    for (const Pivot& pivot : content_.pivots) {
+      items.marks.push_back(state.poses[pivot.brickA].apply(pivot.pointA));
     }
   }
-  if (targetLines_) shot.overlay = *motif_.target;
-  shot.scenery = motif_.obstacles;
-  return shot;
+  if (targetLines_) items.overlay = *content_.target;
+  items.scenery = content_.obstacles;
+  return items;
 }
 
 /// From within a brick a picture shows nothing but its inside.
-Camera Stage::camera(const Moment& moment) const {
-  const Camera camera = cameras_.at(moment.time, moment.turn);
+Camera PictureSetup::camera(const ShownState& state) const {
+  const Camera camera = cameras_.at(state.time, state.turn);
   if (camera.orthographic) return camera;
-  if (const auto brick = brickAround(motif_.bricks, moment.poses, camera.eye)) {
+  if (const auto brick = brickAround(content_.bricks, state.poses, camera.eye)) {
     throw InputError(
         fmt::format("error: at {:.4g} s the camera stands within brick {}; move it away with "
                     "--distance, or choose --projection parallel",
-                    moment.time, *brick));
+                    state.time, *brick));
   }
   return camera;
 }
 
-Sketch Stage::sketch(const Moment& moment) const {
-  Sketch sketch;
-  Sketcher(motif_.bricks, style_).draw(shot(moment), camera(moment), sketch);
-  return sketch;
+PictureGeometry PictureSetup::geometry(const ShownState& state) const {
+  PictureGeometry geometry;
+  GeometryBuilder(content_.bricks, style_).draw(items(state), camera(state), geometry);
+  return geometry;
 }
 
-std::optional<double> Stage::sharedHeight() const {
+std::optional<double> PictureSetup::sharedHeight() const {
   const Camera camera = cameras_.at(0, 0);
   if (!cameras_.isStill() || !camera.orthographic) return std::nullopt;
   return camera.viewHeight;
 }
 
 /// For scale bars.
-double Stage::metresPerPixel() const {
+double PictureSetup::metresPerPixel() const {
   const std::optional<double> height = sharedHeight();
   if (height) return *height / size_.height;
   throw InputError(
@@ -211,24 +212,24 @@ double Stage::metresPerPixel() const {
       "add --projection parallel, or leave --scale-bar away");
 }
 
-Studio::Studio(FrameSize size, const Look& look, Motif motif, const StripParts& parts,
-               Smoothness smoothness)
+StatePainter::StatePainter(FrameSize size, const Look& look, PictureContent content,
+                           const StripParts& parts, Smoothness smoothness)
     : size_(size), parts_(parts), smoothness_(smoothness) {
-  show(look, std::move(motif));
+  show(look, std::move(content));
 }
 
-Studio::Studio(const Studio& other, Smoothness smoothness)
+StatePainter::StatePainter(const StatePainter& other, Smoothness smoothness)
     : size_(other.size_),
       parts_(other.parts_),
       smoothness_(smoothness),
-      stage_(other.stage_),
+      setup_(other.setup_),
       metresPerPixel_(other.metresPerPixel_) {
-  makeStrip(stage_->style(), stage_->colouring());
+  makeStrip(setup_->style(), setup_->colouring());
   makePainter();
 }
 
 /// A legend and a colour bar exclude each other: colours stand for kinds or for values.
-void Studio::makeStrip(const Style& style, Colouring colouring) {
+void StatePainter::makeStrip(const Style& style, Colouring colouring) {
   StripParts parts = parts_;
   parts.colours = parts.colours && isMeasure(colouring);
   parts.legend = parts_.colours && !isMeasure(colouring) && colouring != Colouring::Plain;
@@ -236,27 +237,27 @@ void Studio::makeStrip(const Style& style, Colouring colouring) {
 }
 
 /// Keeps the graphics context where the picture's size stays.
-void Studio::makePainter() {
+void StatePainter::makePainter() {
   if (painter_ && painter_->size() == strip_->picture()) {
-    painter_->show(stage_->motif().bricks, stage_->style());
+    painter_->show(setup_->content().bricks, setup_->style());
   } else {
     painter_.reset();
-    painter_.emplace(strip_->picture(), stage_->motif().bricks, stage_->style(), smoothness_);
+    painter_.emplace(strip_->picture(), setup_->content().bricks, setup_->style(), smoothness_);
   }
 }
 
-void Studio::show(const Look& look, Motif motif) {
+void StatePainter::show(const Look& look, PictureContent content) {
   makeStrip(pageStyle(look), look.colouring);
-  stage_ = std::make_shared<const Stage>(look, std::move(motif), strip_->picture());
+  setup_ = std::make_shared<const PictureSetup>(look, std::move(content), strip_->picture());
   metresPerPixel_.reset();
-  if (parts_.scaleBar) metresPerPixel_ = stage_->metresPerPixel();
+  if (parts_.scaleBar) metresPerPixel_ = setup_->metresPerPixel();
   makePainter();
 }
 
-Frame Studio::take(const Moment& moment, const StripText& text, Frame storage) {
-  const Camera camera = stage_->camera(moment);
-  Frame frame = painter_->paint(stage_->shot(moment), camera, std::move(storage));
-  strip_->append(frame, text, stage_->colourScale(), stage_->legend(), metresPerPixel_);
+Frame StatePainter::paint(const ShownState& state, const StripText& text, Frame storage) {
+  const Camera camera = setup_->camera(state);
+  Frame frame = painter_->paint(setup_->items(state), camera, std::move(storage));
+  strip_->append(frame, text, setup_->colourScale(), setup_->legend(), metresPerPixel_);
   return frame;
 }
 
@@ -274,7 +275,7 @@ constexpr double kTextShare = 0.034;
 constexpr int kLeastText = 9;
 /// Heights in ems: of a line of text with its baseline in it, of a line of scales, of the bar of
 /// progress with the room around it, and of that bar alone.
-constexpr double kLineEms = 1.5;
+constexpr double kStripLineEms = 1.5;
 constexpr double kLineBaselineEms = 1.1;
 constexpr double kScalesEms = 1.8;
 constexpr double kProgressEms = 1.2;
@@ -315,8 +316,8 @@ Strip::Strip(FrameSize whole, const StripParts& parts, const Style& style)
   const bool hasScales = scalesEms() > 0;
   if (!hasCaption && !hasScales && !parts.progressBar) return;
   em_ = textSize(whole, parts.longestCaption);
-  height_ = rounded(
-      em_ * ((hasCaption ? kLineEms : 0) + scalesEms() + (parts.progressBar ? kProgressEms : 0)));
+  height_ = rounded(em_ * ((hasCaption ? kStripLineEms : 0) + scalesEms() +
+                           (parts.progressBar ? kProgressEms : 0)));
   height_ = std::min(height_, whole.height - 1);
   if (hasScales) scales_.emplace(em_, text_);
   if (!hasCaption) return;
@@ -342,7 +343,7 @@ void Strip::append(Frame& picture, const StripText& text, const std::optional<Co
     // From the same place in every frame, so that letters do not jump.
     writer_->draw(picture, text.caption, captionLeft_, upper + rounded(kLineBaselineEms * em_),
                   text_);
-    upper += rounded(kLineEms * em_);
+    upper += rounded(kStripLineEms * em_);
   }
   if (scales_) {
     drawScales(picture, upper, colours, legend, metresPerPixel);
@@ -538,15 +539,16 @@ void requireTiles(const char* option, const std::vector<int>& tiles, std::size_t
 
 }  // namespace
 
-Colourist::Colourist(const Look& look, const Motif& motif)
-    : colouring_(look.colouring), motif_(motif) {
-  if (colouring_ == Colouring::TargetError && !motif.target) {
+BrickPalette::BrickPalette(const Look& look, const PictureContent& content)
+    : colouring_(look.colouring), content_(content) {
+  if (colouring_ == Colouring::TargetError && !content.target) {
     throw InputError(
         "error: the model has no target, so there is no target error to show; give another "
         "--colour or add target.txt");
   }
-  const bool isPulled = colouring_ == Colouring::Moment ? !hingeSpringsOf(motif.pairForces).empty()
-                                                        : !motif.pairForces.empty();
+  const bool isPulled = colouring_ == Colouring::Moment
+                            ? !hingeSpringsOf(content.pairForces).empty()
+                            : !content.pairForces.empty();
   if ((colouring_ == Colouring::Moment || colouring_ == Colouring::Energy) && !isPulled) {
     throw InputError(
         "error: the hinges have no springs, so there is no moment or energy to show; give another "
@@ -555,14 +557,14 @@ Colourist::Colourist(const Look& look, const Motif& motif)
   if (colouring_ == Colouring::Shape) colourShapes();
   if (colouring_ == Colouring::State) {
     legend_ = {{kAtStart, "at its start"}, {kMoving, "on its way"}};
-    if (motif.target) legend_.push_back({kAtTarget, "at its target"});
+    if (content.target) legend_.push_back({kAtTarget, "at its target"});
   }
   if (!look.tileColours.empty()) colourTiles(look);
   if (look.opacity < 1 || !look.tileOpacities.empty()) findOpacities(look);
   if (isMeasure(colouring_)) makeScale(look);
 }
 
-void Colourist::makeScale(const Look& look) {
+void BrickPalette::makeScale(const Look& look) {
   const double found = largestOfRun();
   const double most = look.colourMost.value_or(found > 0 ? found : largestExpected());
   const double least = look.colourLeast.value_or(0);
@@ -575,8 +577,8 @@ void Colourist::makeScale(const Look& look) {
   scale_ = ColourScale{look.map, least, most, titleOf(colouring_)};
 }
 
-void Colourist::findOpacities(const Look& look) {
-  opacities_.assign(motif_.bricks.size(), look.opacity);
+void BrickPalette::findOpacities(const Look& look) {
+  opacities_.assign(content_.bricks.size(), look.opacity);
   for (const auto& [tiles, opacity] : look.tileOpacities) {
     requireTiles("--tile-opacity", tiles, opacities_.size());
     for (const int tile : tiles) opacities_[tile] = opacity;
@@ -584,13 +586,13 @@ void Colourist::findOpacities(const Look& look) {
   if (kinds_.empty()) kinds_.assign(opacities_.size(), plainColours(look));
 }
 
-void Colourist::colourTiles(const Look& look) {
+void BrickPalette::colourTiles(const Look& look) {
   if (isMeasure(colouring_)) {
     throw InputError(
         "error: --tile-colour works with --colour plain, shape or state alone, as other colours "
         "stand for values; give one of these, or leave --tile-colour away");
   }
-  own_.resize(motif_.bricks.size());
+  own_.resize(content_.bricks.size());
   for (const auto& [tiles, colour, name] : look.tileColours) {
     requireTiles("--tile-colour", tiles, own_.size());
     for (const int tile : tiles) own_[tile] = evenShades(colour);
@@ -601,8 +603,8 @@ void Colourist::colourTiles(const Look& look) {
 
 /// Fills colours and legend; kinds are in order of appearance, so a new one is always the next
 /// number.
-void Colourist::colourShapes() {
-  const std::vector<int> kinds = shapeKinds(motif_.bricks);
+void BrickPalette::colourShapes() {
+  const std::vector<int> kinds = shapeKinds(content_.bricks);
   std::vector<int> counts;
   std::vector<std::string> names;
   for (std::size_t brick = 0; brick < kinds.size(); ++brick) {
@@ -610,7 +612,7 @@ void Colourist::colourShapes() {
     kinds_.push_back(shadesOf(kindColour(kind)));
     if (kind == static_cast<int>(counts.size())) {
       counts.push_back(0);
-      names.push_back(shapeName(motif_.bricks[brick]));
+      names.push_back(shapeName(content_.bricks[brick]));
     }
     ++counts[kind];
   }
@@ -622,20 +624,21 @@ void Colourist::colourShapes() {
 }
 
 /// The largest value in the states of the run; 0 before it.
-double Colourist::largestOfRun() const {
+double BrickPalette::largestOfRun() const {
   double most = 0;
-  for (const Poses& poses : motif_.states) most = std::max(most, largest(values(poses)));
+  for (const Poses& poses : content_.states) most = std::max(most, largest(values(poses)));
   return most;
 }
 
 /// What is to be expected before the run, in the scale's unit.
-double Colourist::largestExpected() const {
+double BrickPalette::largestExpected() const {
   switch (colouring_) {
     case Colouring::TargetError:
     case Colouring::Displacement:
       // All the way to the target, or without one half of what is in sight.
-      return motif_.target ? largest(brickTargetErrors(*motif_.target, motif_.bricks, motif_.start))
-                           : 0.5 * diagonal(motif_.points);
+      return content_.target
+                 ? largest(brickTargetErrors(*content_.target, content_.bricks, content_.start))
+                 : 0.5 * diagonal(content_.points);
     case Colouring::Rotation:
       return 90;
     case Colouring::Moment:
@@ -643,39 +646,39 @@ double Colourist::largestExpected() const {
       return 1;
     default:
       // Exact joints stay far below this, a baseline solver's do not.
-      return 1e-6 * meanEdge(motif_.bricks);
+      return 1e-6 * meanEdge(content_.bricks);
   }
 }
 
 /// One a brick, in the unit of titleOf().
-std::vector<double> Colourist::values(const Poses& poses) const {
+std::vector<double> BrickPalette::values(const Poses& poses) const {
   switch (colouring_) {
     case Colouring::TargetError:
-      return brickTargetErrors(*motif_.target, motif_.bricks, poses);
+      return brickTargetErrors(*content_.target, content_.bricks, poses);
     case Colouring::Displacement:
-      return brickDisplacements(motif_.start, poses);
+      return brickDisplacements(content_.start, poses);
     case Colouring::Rotation: {
-      std::vector<double> degrees = brickRotations(motif_.start, poses);
+      std::vector<double> degrees = brickRotations(content_.start, poses);
       for (double& angle : degrees) angle /= kDegree;
       return degrees;
     }
     case Colouring::Moment:
-      return brickMoments(motif_.pairForces, poses);
+      return brickMoments(content_.pairForces, poses);
     case Colouring::Energy:
-      return brickElasticEnergies(motif_.pairForces, poses);
+      return brickElasticEnergies(content_.pairForces, poses);
     default:
-      return brickJointGaps(motif_.pivots, poses);
+      return brickJointGaps(content_.pivots, poses);
   }
 }
 
 /// At the target counts before at the start, so that a sheet whose target is its start shows as
 /// arrived.
-std::vector<BrickColours> Colourist::stateColours(const Poses& poses) const {
-  const double near = kArrival * meanEdge(motif_.bricks);
-  const std::vector<double> moved = brickDisplacements(motif_.start, poses);
-  const std::vector<double> turned = brickRotations(motif_.start, poses);
+std::vector<BrickColours> BrickPalette::stateColours(const Poses& poses) const {
+  const double near = kArrival * meanEdge(content_.bricks);
+  const std::vector<double> moved = brickDisplacements(content_.start, poses);
+  const std::vector<double> turned = brickRotations(content_.start, poses);
   std::vector<double> away(poses.size(), near + 1);
-  if (motif_.target) away = brickTargetErrors(*motif_.target, motif_.bricks, poses);
+  if (content_.target) away = brickTargetErrors(*content_.target, content_.bricks, poses);
   std::vector<BrickColours> colours;
   for (std::size_t brick = 0; brick < poses.size(); ++brick) {
     const bool atStart = moved[brick] < near && turned[brick] < kArrival;
@@ -685,7 +688,7 @@ std::vector<BrickColours> Colourist::stateColours(const Poses& poses) const {
   return colours;
 }
 
-std::vector<BrickColours> Colourist::colours(const Poses& poses) const {
+std::vector<BrickColours> BrickPalette::colours(const Poses& poses) const {
   std::vector<BrickColours> colours;
   if (!scale_) {
     colours = colouring_ == Colouring::State ? stateColours(poses) : kinds_;
