@@ -414,8 +414,6 @@ double elasticEnergy(std::span<const Ligament> ligaments, const Poses& poses) {
 
 namespace {
 
-// How far the length of a direction may be from 1.
-constexpr double kUnitTolerance = 1e-6;
 constexpr const char* kAcross = "across";
 
 constexpr std::array kLigamentFields = {

@@ -19,9 +19,6 @@ namespace kirireel {
 // ------------------------------------------------------------------------------------------------
 // What one pair of bricks feels.
 
-using Vector12 = Eigen::Matrix<double, 12, 1>;
-using Matrix12 = Eigen::Matrix<double, 12, 12>;
-
 /// The energy that a pair's force stores, with its derivatives by six coordinates of each brick,
 /// brick A first: how its centre of mass moves (metres) and how it turns (rotation vector,
 /// radians), in world axes, from the poses at hand.
@@ -150,6 +147,7 @@ class PairForce {
   /// What all pairs store at these poses, joules.
   double energy(const Poses& poses) const;
 
+  /// No joint: the pair stands beside all of them.
   static constexpr int kNoJoint = -1;
 };
 
@@ -159,8 +157,11 @@ class PairForces {
   /// Adds a kind; one without pairs, or null, is left out.
   void add(std::shared_ptr<const PairForce> force);
 
+  /// Whether there are none.
   bool empty() const { return forces_.empty(); }
+  /// The first kind, in the order in which they were added.
   auto begin() const { return forces_.begin(); }
+  /// Behind the last.
   auto end() const { return forces_.end(); }
 
   /// The force of this class; null where there is none.

@@ -484,7 +484,6 @@ using layout::kEnergies;
 using layout::kMeasures;
 using layout::kStepColumns;
 
-constexpr double kUnitTolerance = 1e-6;  // of the length of normals and quaternions
 /// Farther away no brick is drawn or meshed, metres. Runs end at a thousand model sizes, and models
 /// reach as far as kMaxCoordinate.
 constexpr double kFarthest = 1e4 * kMaxCoordinate;
