@@ -61,8 +61,8 @@ std::vector<std::string> exportInto(const TrajectoryReader& trajectory,
 
 /// A sample and what its files are called.
 struct ChosenState {
-  std::size_t sample = 0;
-  std::string label;  ///< "final", "50pct", "1.5s", "30deg", "event_TEXT"; "0007" of `all`
+  std::size_t sample = 0;  ///< its number, from 0
+  std::string label;       ///< "final", "50pct", "1.5s", "30deg", "event_TEXT"; "0007" of `all`
 
   bool operator==(const ChosenState&) const = default;
 };

@@ -88,14 +88,17 @@ class RunMechanics {
   /// The account at present.
   struct Account {
     Energies before;  ///< where the last step began
-    Energies now;
+    Energies now;     ///< where it has ended
 
+    /// Records or plays back.
     void transfer(StateTape& tape) { tape.transfer(before, now); }
   };
+  /// Of the last step, joules.
   const Account& account() const { return account_; }
   /// Goes back to an earlier account, where steps are taken back.
   void goBackTo(const Account& account) { account_ = account; }
 
+  /// Records or plays back.
   void transfer(StateTape& tape) { tape.transfer(account_); }
 
  private:

@@ -13,9 +13,9 @@ namespace kirireel {
 
 /// What a grip holds of a brick: a point, or its turn.
 struct GripHandle {
-  int brick = 0;
+  int brick = 0;                    ///< its number, from 0
   Vector3 point = Vector3::Zero();  ///< in the brick's axes
-  bool isTurn = false;
+  bool isTurn = false;              ///< whether its turn is held, and not the point
 };
 
 /// What moves or pushes parts of the sheet, in proportion to the load: a number from 0 on.
@@ -26,7 +26,7 @@ struct Grip {
   /// radians), or with how much all of them together are pushed (newtons, N m; a dead load, which
   /// keeps its direction).
   double amount = 0;
-  bool isForce = false;
+  bool isForce = false;  ///< whether it pushes, or else moves
 };
 
 /// A sheet in the plane. Its coordinates are x and y of each brick's centre of mass in length

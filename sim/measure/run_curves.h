@@ -21,6 +21,7 @@ struct Curve {
   std::string column;          ///< in tables, with its unit, such as "width_m"
   std::vector<double> values;  ///< one a sample; NaN where it does not exist
 
+  /// Whether any is a number.
   bool hasValues() const;
 };
 

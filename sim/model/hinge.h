@@ -31,8 +31,8 @@ namespace kirireel {
 /// The angle is told apart from its turns by 2 pi by what bricks can reach without passing through
 /// each other, so that it is a function of the poses alone.
 struct Hinge {
-  int brickA = 0;
-  int brickB = 0;
+  int brickA = 0;                   ///< its number, from 0
+  int brickB = 0;                   ///< its number, from 0
   Vector3 axis = Vector3::UnitZ();  ///< unit, in the axes of brick A: B turns by it as angles grow
   double start = 0;                 ///< the angle at the start, radians
   double least = 0;                 ///< below this, bricks without thickness lie in each other
@@ -44,7 +44,7 @@ struct Hinge {
 /// A linear torsional spring with a dashpot beside it, which pull with
 ///   moment = stiffness (rest - angle) - damping d(angle)/dt.
 struct HingeSpring {
-  Hinge hinge;
+  Hinge hinge;           ///< where it pulls
   double stiffness = 0;  ///< N m/rad, from 0
   double rest = 0;       ///< radians
   double damping = 0;    ///< N m s/rad, from 0
@@ -79,12 +79,15 @@ double elasticEnergy(std::span<const HingeSpring> springs, const Poses& poses);
 /// linear in the angles.
 class HingeSprings : public PairForce {
  public:
+  /// What files and summaries call it.
   static constexpr PairForceName kName{"hinges", "springs", "springs at {} hinges"};
 
+  /// Of these springs, in their order.
   explicit HingeSprings(std::vector<HingeSpring> springs) : springs_(std::move(springs)) {}
   /// Those of a file. Throws InputError.
   static std::shared_ptr<const PairForce> read(const PairReader& file);
 
+  /// The springs, in their order.
   const std::vector<HingeSpring>& all() const { return springs_; }
 
   const PairForceName& name() const override { return kName; }
@@ -95,6 +98,7 @@ class HingeSprings : public PairForce {
   PairEnergy derivatives(std::size_t pair, const Poses& poses) const override;
   void addForces(const Motion& motion, std::vector<Vector6>& forces) const override;
   std::vector<PairColumn> columns() const override;
+  /// Of all pairs too.
   using PairForce::energy;
 
  private:
@@ -111,8 +115,8 @@ const std::vector<HingeSpring>& hingeSpringsOf(const PairForces& forces);
 /// A straight neck between a point of one brick and a point of another; without a length a pin that
 /// gives: two points that are one at the start, and part across a slit or slide along it.
 struct Ligament {
-  int brickA = 0;
-  int brickB = 0;
+  int brickA = 0;                    ///< its number, from 0
+  int brickB = 0;                    ///< its number, from 0
   int joint = 0;                     ///< of the model, see Pivot
   Vector3 pointA = Vector3::Zero();  ///< in the axes of brick A
   Vector3 pointB = Vector3::Zero();  ///< in the axes of brick B
@@ -125,6 +129,7 @@ struct Ligament {
   /// the turn of brick B against A since the start, about z; N m/rad^2, N m/rad^3.
   std::array<double, 2> opening = {};
 
+  /// Whether it has no length.
   bool isPin() const { return start.isZero(); }
 };
 
@@ -153,12 +158,15 @@ double elasticEnergy(std::span<const Ligament> ligaments, const Poses& poses);
 /// All ligaments as one force.
 class Ligaments : public PairForce {
  public:
+  /// What files and summaries call it.
   static constexpr PairForceName kName{"ligaments", "ligaments", "{} ligaments"};
 
+  /// Of these ligaments, in their order.
   explicit Ligaments(std::vector<Ligament> ligaments) : ligaments_(std::move(ligaments)) {}
   /// Those of a file. Throws InputError.
   static std::shared_ptr<const PairForce> read(const PairReader& file);
 
+  /// The ligaments, in their order.
   const std::vector<Ligament>& all() const { return ligaments_; }
 
   const PairForceName& name() const override { return kName; }
@@ -169,6 +177,7 @@ class Ligaments : public PairForce {
   PairEnergy derivatives(std::size_t pair, const Poses& poses) const override;
   int joint(std::size_t pair) const override { return ligaments_[pair].joint; }
   std::vector<PairColumn> columns() const override;
+  /// Of all pairs too.
   using PairForce::energy;
 
  private:

@@ -38,9 +38,9 @@ bool isAvailable(Engine engine);
 
 /// An engine with its settings.
 struct Method {
-  Engine engine = Engine::Direct;
-  int rate = 240;                ///< steps a simulated second
-  int substeps = 1;              ///< of the engine in each step
+  Engine engine = Engine::Direct;  ///< whose steps they are
+  int rate = 240;                  ///< steps a simulated second
+  int substeps = 1;                ///< of the engine in each step
   int iterations = 0;            ///< in each substep, of the engines that iterate; Box2D has 3/8 of
                                  ///< them for positions, one at least
   double jointCorrection = 0.2;  ///< Bullet's; see BulletSettings
@@ -81,8 +81,11 @@ class SteppedScene {
   /// One step of the scene's timestep; its cost alone is counted in seconds().
   void advance();
 
+  /// One a tile.
   const std::vector<Brick>& bricks() const { return bricks_; }
+  /// Of all joints.
   const std::vector<Pivot>& pivots() const { return pivots_; }
+  /// As it is now.
   const Motion& motion() const { return motion_; }
   /// What the direct solver's steps did so far.
   const StepReport& report() const { return report_; }

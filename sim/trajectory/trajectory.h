@@ -21,8 +21,9 @@ struct StepRecord {
   double jointGap = 0;      ///< largest
   double jointGapMean = 0;  ///< over all pivots
   double targetError = 0;   ///< largest; 0 without a target
-  StepReport took;
+  StepReport took;          ///< what the solver reports
 
+  /// Records or plays back.
   void transfer(StateTape& tape) { tape.transfer(time, jointGap, jointGapMean, targetError, took); }
 };
 
@@ -43,6 +44,7 @@ struct Energies {
   /// What the integrator, and pins that caught moving tiles, have taken: the rest.
   double integrated() const { return work - kinetic - spring - elastic - damped - impacted; }
 
+  /// Records or plays back.
   void transfer(StateTape& tape) {
     tape.transfer(kinetic, spring, elastic, work, damped, impacted);
   }
@@ -60,22 +62,24 @@ enum class HoldKind {
 struct Hold {
   /// What a tile touches when that is no tile; obstacle k is kFirstObstacle - k.
   static constexpr int kGround = -1;
+  /// Obstacle 0.
   static constexpr int kFirstObstacle = -2;
 
-  HoldKind kind = HoldKind::Contact;
-  int tile = 0;
+  HoldKind kind = HoldKind::Contact;  ///< what holds
+  int tile = 0;                       ///< its number, from 0
   int other = kGround;  ///< the tile (above the first), ground or obstacle of a contact
   Vector3 force;        ///< on the tile, newtons
   Vector3 moment;       ///< on the tile about the point, N m
   Vector3 point;        ///< a pinned tile's centre of mass, where it is gripped, or the middle of
                         ///< the push, metres
 
+  /// Records or plays back.
   void transfer(StateTape& tape) { tape.transfer(kind, tile, other, force, moment, point); }
 };
 
 /// What a run with dynamics knows of a state beyond its poses.
 struct Mechanics {
-  Energies energies;
+  Energies energies;  ///< of the whole run
   /// One a joint of the model: the resultant of its pivots on the joint's tile a, newtons, world
   /// axes; of all forces that keep the balance of the state those of least norm.
   std::vector<Vector3> jointForces;
@@ -83,6 +87,7 @@ struct Mechanics {
   std::vector<bool> isIndeterminate;
   std::vector<Hold> holds;  ///< pins and grips by tile, then contacts by tiles
 
+  /// Records or plays back.
   void transfer(StateTape& tape) { tape.transfer(energies, jointForces, isIndeterminate, holds); }
 };
 
@@ -99,6 +104,7 @@ struct Sample {
   /// Of runs with dynamics by the direct solver; a path is geometry, and engines do not tell.
   std::optional<Mechanics> mechanics;
 
+  /// Records or plays back.
   void transfer(StateTape& tape);
 };
 
@@ -108,6 +114,7 @@ struct FigureState {
   double time = 0;     ///< simulated seconds from the start
   Poses poses;         ///< one a brick
 
+  /// Records or plays back.
   void transfer(StateTape& tape) { tape.transfer(figure, time, poses); }
 };
 
@@ -118,6 +125,7 @@ struct Event {
 
   bool operator==(const Event&) const = default;
 
+  /// Records or plays back.
   void transfer(StateTape& tape) { tape.transfer(time, text); }
 };
 
