@@ -174,6 +174,7 @@ class TargetSprings {
 /// not depend on the steps: see nextMoment().
 class AdaptiveStiffness {
  public:
+  /// `enabled`: whether it ever stiffens.
   explicit AdaptiveStiffness(bool enabled) : enabled_(enabled) {}
 
   /// Tells the error at `time`, the end of a step of `step` seconds; doubles where it is time, and
@@ -193,6 +194,7 @@ class AdaptiveStiffness {
   /// Doubles at once (a deployment that came to rest need not wait).
   void stiffen();
 
+  /// Records or plays back.
   void transfer(StateTape& tape) {
     tape.transfer(enabled_, factor_, bestError_, lastError_, lastTime_, improvedAt_);
   }

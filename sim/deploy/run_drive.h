@@ -144,6 +144,7 @@ class RunDrive {
 
   /// How much stiffer the springs to the target have become.
   AdaptiveStiffness& stiffness() { return stiffness_; }
+  /// The same, to be read.
   const AdaptiveStiffness& stiffness() const { return stiffness_; }
 
   /// `target` as it was recorded, or is played back already.

@@ -56,8 +56,8 @@ std::vector<HingeSpring> hingeSprings(const Scene& scene, const std::vector<Bric
 /// Joints that are exact, and the forces between pairs of bricks: ligaments in the place of other
 /// joints, and what else acts between two bricks.
 struct Ties {
-  std::vector<Pivot> pivots;
-  PairForces pairForces;
+  std::vector<Pivot> pivots;  ///< that are exact
+  PairForces pairForces;      ///< between pairs of bricks
 };
 
 /// The ties of a scene's run, whether grips load it or masses move. Throws InputError.
@@ -74,7 +74,7 @@ Ties dynamicTies(const Scene& scene, const std::vector<Brick>& bricks);
 
 /// A kind of force between pairs of bricks: a new one is its class, and its row here.
 struct PairForceKind {
-  const PairForceName& name;
+  const PairForceName& name;  ///< its own constant
   /// The scene's force of this kind between its bricks, null or without pairs where it has none.
   /// Throws InputError. Null for ligaments, which come with the ties, in the place of joints.
   std::shared_ptr<const PairForce> (*make)(const Scene& scene, const std::vector<Brick>& bricks);

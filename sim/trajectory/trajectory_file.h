@@ -136,6 +136,7 @@ class TrajectoryReader {
   TrajectoryReader(const TrajectoryReader&) = delete;
   TrajectoryReader& operator=(const TrajectoryReader&) = delete;
 
+  /// What the run shows.
   const Subject& subject() const;
   const std::vector<double>& times() const;      ///< of all samples, rising, seconds; at least one
   const std::vector<StepRecord>& steps() const;  ///< of the whole run; none in version 1
@@ -181,19 +182,21 @@ inline constexpr std::size_t kJointColumns = 6;
 
 /// A figure that each sample has.
 struct Measure {
-  const char* name;  ///< of its array
-  double Sample::*field;
+  const char* name;       ///< of its array
+  double Sample::*field;  ///< of a sample
 };
+/// All of them, in metres.
 inline constexpr std::array kMeasures = {Measure{"measures/joint_gap", &Sample::jointGap},
                                          Measure{"measures/target_error", &Sample::targetError},
                                          Measure{"measures/penetration", &Sample::penetration}};
 
 /// What each step has, beside the figures of its report.
 struct StepColumn {
-  const char* name;  ///< of its array
-  double StepRecord::*field;
-  const char* unit;
+  const char* name;           ///< of its array
+  double StepRecord::*field;  ///< of a step
+  const char* unit;           ///< of the array
 };
+/// All of them.
 inline constexpr std::array kStepColumns = {
     StepColumn{"steps/time", &StepRecord::time, "s"},
     StepColumn{"steps/joint_gap", &StepRecord::jointGap, "m"},
@@ -207,10 +210,11 @@ inline std::string arrayOf(const StepFigure& figure) {
 
 /// Energies that each sample of a run with dynamics has.
 struct EnergyChannel {
-  const char* name;  ///< of its array
-  double Energies::*field;
-  const char* description;
+  const char* name;         ///< of its array
+  double Energies::*field;  ///< of a sample
+  const char* description;  ///< in words, for the file
 };
+/// All of them, in joules.
 inline constexpr std::array kEnergies = {
     EnergyChannel{"energy/kinetic", &Energies::kinetic, "of the bricks"},
     EnergyChannel{"energy/spring", &Energies::spring,
@@ -222,17 +226,23 @@ inline constexpr std::array kEnergies = {
     EnergyChannel{"energy/impacted", &Energies::impacted,
                   "taken so far by impacts and friction of contacts"}};
 
+/// Forces of all joints, newtons, see Mechanics.
 inline constexpr const char* kJointForces = "forces/joint";
+/// Whether each is indeterminate.
 inline constexpr const char* kIndeterminate = "forces/joint_indeterminate";
+/// The times of samples at which something holds.
 inline constexpr const char* kHoldTimes = "holds/time";
+/// What holds, as a number of HoldKind.
 inline constexpr const char* kHoldKinds = "holds/kind";
+/// The tile, and what it touches.
 inline constexpr const char* kHoldTiles = "holds/tiles";
 /// Vectors of a hold.
 struct HoldChannel {
-  const char* name;  ///< of its array
-  Vector3 Hold::*field;
-  const char* unit;
+  const char* name;      ///< of its array
+  Vector3 Hold::*field;  ///< of a hold
+  const char* unit;      ///< of the array
 };
+/// All of them.
 inline constexpr std::array kHolds = {HoldChannel{"holds/force", &Hold::force, "N"},
                                       HoldChannel{"holds/moment", &Hold::moment, "N m"},
                                       HoldChannel{"holds/point", &Hold::point, "m"}};
@@ -252,6 +262,7 @@ class SampleTable {
   void append(const Sample& sample);
 
   std::size_t size() const { return times_.size(); }  ///< samples
+  /// How many bricks there are.
   std::size_t brickCount() const { return brickCount_; }
 
   /// The sample of an index from 0 to size() - 1.
