@@ -67,7 +67,11 @@ void requireSense(const Scene& scene, double sampleInterval) {
     throw InputError("the model has no tiles; add one to vertices.txt");
   const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
   // What these throw shall be thrown before a search that may take minutes.
-  static_cast<void>(scene.grips.empty() ? dynamicTies(scene, bricks) : Ties{});
+  if (scene.grips.empty()) {
+    static_cast<void>(dynamicTies(scene, bricks));
+  } else {
+    static_cast<void>(hingeSprings(scene, bricks));
+  }
   static_cast<void>(makeDriveForce(scene, bricks));
 }
 
