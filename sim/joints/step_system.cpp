@@ -356,7 +356,7 @@ typename PairBlocks<D>::PairMatrix PairBlocks<D>::withoutNegative(const PairMatr
 }
 
 template <int D>
-void PairBlocks<D>::leaveOutHeld(Block& block) const {
+void PairBlocks<D>::leaveOutHeld(PairBlock& block) const {
   for (const auto& [brick, first] :
        {std::pair{block.pair.brickA, 0}, std::pair{block.pair.brickB, D}}) {
     if (!held_[static_cast<std::size_t>(brick)]) continue;
@@ -385,7 +385,7 @@ void PairBlocks<D>::setAbout(const Vector& x0, Curvature curvature) {
 
 template <int D>
 void PairBlocks<D>::clear() {
-  for (Block& block : blocks_) {
+  for (PairBlock& block : blocks_) {
     block.force.setZero();
     block.weight.setZero();
   }
@@ -400,13 +400,13 @@ double PairBlocks<D>::energyAfter(const Vector& displacement) const {
 
 template <int D>
 void PairBlocks<D>::addForce(Vector& f) const {
-  for (const Block& block : blocks_) addPair<D>(block.pair, block.force, f);
+  for (const PairBlock& block : blocks_) addPair<D>(block.pair, block.force, f);
 }
 
 // Adds h^2 K x without building a matrix.
 template <int D>
 void PairBlocks<D>::addProduct(const Vector& x, Vector& to) const {
-  for (const Block& block : blocks_) {
+  for (const PairBlock& block : blocks_) {
     addPair<D>(block.pair, block.weight * pairOf<D>(block.pair, x), to);
   }
 }

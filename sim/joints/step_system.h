@@ -338,7 +338,7 @@ class PairBlocks {
   enum class Curvature { Whole, Convex };
 
   /// What one pair adds to a step.
-  struct Block {
+  struct PairBlock {
     PairOnGraph pair;                        ///< its bricks, and their edge
     PairVector force = PairVector::Zero();   ///< to f: -h g + h^2 K x0, N s and N m s
     PairMatrix weight = PairMatrix::Zero();  ///< to A: h^2 K
@@ -351,7 +351,7 @@ class PairBlocks {
   /// Whether there are no such forces.
   bool empty() const { return blocks_.empty(); }
   /// Force by force, pair by pair.
-  const std::vector<Block>& blocks() const { return blocks_; }
+  const std::vector<PairBlock>& blocks() const { return blocks_; }
 
   /// Begins a step at these poses, whose blocks are to be set. One entry a brick: those that are
   /// held take no part.
@@ -372,11 +372,11 @@ class PairBlocks {
  private:
   Poses posesAfter(const Vector& displacement) const;
   PairMatrix withoutNegative(const PairMatrix& matrix) const;
-  void leaveOutHeld(Block& block) const;
+  void leaveOutHeld(PairBlock& block) const;
 
   PairForces forces_;
   double lengthScale_;
-  std::vector<Block> blocks_;  // force by force, pair by pair
+  std::vector<PairBlock> blocks_;  // force by force, pair by pair
   Poses start_;
   double step_ = 0;
   std::vector<bool> held_;
