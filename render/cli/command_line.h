@@ -18,7 +18,7 @@ namespace kirireel {
 
 /// `--help` and `--version`. The text is the whole page, made while parsing.
 struct PrintOrder {
-  std::string text;
+  std::string text;  ///< what is printed, lines and their ends included
 };
 
 /// Prints the text. Returns the exit code. Always 0.
@@ -32,7 +32,7 @@ using Order =
 
 /// A model in memory, with what a run of it must know beside.
 struct LoadedModel {
-  Model model;
+  Model model;                        ///< as it was generated, to be written into the folder
   std::filesystem::path place;        ///< that it was read from, as it was named; may be empty
   std::vector<std::string> options;   ///< of `record` that it was read with
   std::vector<InputFile> inputs;      ///< files that it was read from
@@ -73,16 +73,16 @@ struct OptionDescription {
 /// An argument that stands without an option's name.
 struct PlaceDescription {
   std::string name;  ///< e.g. "MODEL"
-  std::string help;
+  std::string help;  ///< one line
 };
 
 /// A command, or the program itself.
 struct CommandDescription {
-  std::string name;
+  std::string name;    ///< as it is typed, as in "record"
   std::string help;    ///< one phrase
   std::string footer;  ///< paragraphs after the options, an empty line between two
-  std::vector<PlaceDescription> places;
-  std::vector<OptionDescription> options;
+  std::vector<PlaceDescription> places;      ///< what it takes beside options, in their order
+  std::vector<OptionDescription> options;    ///< in the order of its help
   std::vector<CommandDescription> commands;  ///< below it
 };
 

@@ -24,10 +24,10 @@ namespace kirireel {
 /// A model to be made, and the place that it goes to. Lengths of parameters are metres, angles
 /// degrees, as the family's list says.
 struct GenerateOrder {
-  std::string family;
+  std::string family;                    ///< as sim/generate/families.h names it
   std::map<std::string, double> values;  ///< of the family's parameters, those that were given
   std::optional<JointFace> face;         ///< of all joints; absent: chosen from the deployed shape
-  std::filesystem::path folder;
+  std::filesystem::path folder;          ///< where the model goes; made when absent
 };
 
 /// Adds `generate` with its families. The order must outlive the parsing.
@@ -54,8 +54,8 @@ int carryOut(const GenerateOrder& order);
 
 /// A model to be written in another format. The formats of both are told by their names.
 struct ConvertOrder {
-  std::filesystem::path input;
-  ReadSettings reading;
+  std::filesystem::path input;   ///< the model, a folder or a file
+  ReadSettings reading;          ///< how it is read
   std::filesystem::path target;  ///< another model whose start is the target; empty for none
   std::filesystem::path output;  ///< its ending says the format
 };
@@ -76,12 +76,12 @@ int carryOut(const ConvertOrder& order);
 /// A model to be looked at. The scene's thickness is an option, since mobility and needs depend on
 /// it.
 struct InspectOrder {
-  std::filesystem::path model;
-  ReadSettings reading;
+  std::filesystem::path model;    ///< a folder or a file
+  ReadSettings reading;           ///< how it is read
   std::filesystem::path target;   ///< another model whose start is the target; empty for none
   std::filesystem::path picture;  ///< where a numbered picture goes; empty for none
   Scene scene;                    ///< everything but the model
-  bool printJson = false;
+  bool printJson = false;         ///< the report as JSON on standard output, instead of text
 };
 
 /// Adds `inspect`. The order must outlive the parsing.

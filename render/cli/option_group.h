@@ -80,8 +80,8 @@ std::string tilesText(const std::vector<int>& tiles);
 
 /// Degrees that yaw and pitch were typed as.
 struct TypedView {
-  double yaw = 0;
-  double pitch = 0;
+  double yaw = 0;    ///< of the camera, degrees
+  double pitch = 0;  ///< of the camera, degrees
 };
 /// The shortest degrees that read back to this view, to the last bit.
 TypedView typedView(const ViewAngles& view);
@@ -108,6 +108,7 @@ class OptionGroup {
   /// the result, and its value is as it was typed.
   class Statement {
    public:
+    /// Of this option, which must outlive it.
     explicit Statement(CLI::Option* option) : option_(option) {}
 
     /// The option's value is what `write` gives, whichever way it was set: as a scene file has it

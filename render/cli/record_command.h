@@ -58,7 +58,7 @@ std::string orderFingerprint(const std::string& terms, const OrderInputs& inputs
 /// completeOrder() and, for what needs the model, by prepareOrder(). After parsing nothing in it
 /// points to the parser.
 struct RecordOrder {
-  std::filesystem::path model;
+  std::filesystem::path model;     ///< a folder or a file
   ReadSettings reading;            ///< of `model`
   std::optional<Model> madeModel;  ///< takes the place of reading `model`
   std::optional<FaceRule> faces;   ///< how joints' faces are chosen; absent: as the model has them
@@ -94,9 +94,9 @@ std::string fingerprintOf(const RecordOrder& order, const OrderInputs& inputs);
 
 /// A run, before or after it was made. Before the run the summary is empty.
 struct RecordResult {
-  Scene scene;
+  Scene scene;              ///< with its model, complete
   RecordSettings settings;  ///< with their folder
-  RunSummary summary;
+  RunSummary summary;       ///< of the run, as far as it came
 };
 
 /// Reads the model of a complete order and all that it is deployed with; nothing runs yet. Throws

@@ -12,11 +12,13 @@
 #include <cstdio>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include "render/picture/state_painter.h"
 #include "sim/deploy/assembled_state.h"
 #include "sim/measure/sheet.h"
+#include "sim/scene/scene_parts.h"
 
 namespace kirireel {
 namespace {
@@ -143,15 +145,17 @@ std::string describePenetration(const Scene& scene, const RunSummary& summary) {
   return text + "\n";
 }
 
-/// What springs hold at the hinges, and ligaments; empty where there are none.
+/// What forces between pairs hold; empty where there are none.
 std::string describeElasticity(const std::optional<Elasticity>& found) {
   if (!found) return "";
-  const std::string ligaments =
-      found->ligaments > 0 ? fmt::format(" and {} ligaments", found->ligaments) : "";
+  std::vector<std::string> forces;
+  for (const PairForceKind& kind : pairForceKinds()) {
+    const int count = found->count(kind.name.counted);
+    if (count > 0) forces.push_back(fmt::format(fmt::runtime(kind.name.words), count));
+  }
   return fmt::format(
-      "springs at {} hinges{}: {:.4g} J at the start, {:.4g} J at the end, moments up to {:.4g} N "
-      "m there\n",
-      found->springs, ligaments, found->energyStart, found->energyEnd, found->momentEnd);
+      "{}: {:.4g} J at the start, {:.4g} J at the end, moments up to {:.4g} N m there\n",
+      fmt::join(forces, " and "), found->energyStart, found->energyEnd, found->momentEnd);
 }
 
 /// Runs without a target say nothing about a path unless joints opened.

@@ -14,6 +14,7 @@ namespace kirireel {
 /// Keeps one line on standard error up to date, when that is a terminal; silent otherwise.
 class ProgressLine {
  public:
+  /// Begins a line of progress on standard error, where that is a terminal.
   ProgressLine();
   /// Ends the line.
   ~ProgressLine();

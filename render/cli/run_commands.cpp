@@ -249,22 +249,20 @@ std::filesystem::path trajectoryFile(const std::filesystem::path& given) {
 void addExportOptions(CLI::App& command, const std::string& formatOption,
                       ExportSettings& settings) {
   OptionGroup group(command, "Export", "recording");
-  // The list follows the enum, so a new format shows up in the help by itself.
-  std::string help = "formats, separated by commas: " + listWords(choiceNames(exportFormatNames()));
+  const std::vector<std::string> formats = exportFormatNames();
+  const std::string help = "formats, separated by commas: " + listWords(formats);
   group
       .value(formatOption, "LIST", "", help,
-             [&settings](const TypedValue& typed) {
+             [&settings, formats](const TypedValue& typed) {
                for (const std::string& word : splitAtCommas(typed)) {
-                 settings.formats.push_back(parseChoice({typed.name, word}, exportFormatNames()));
+                 if (std::ranges::find(formats, word) == formats.end()) {
+                   throw valueError({typed.name, word}, listWords(formats));
+                 }
+                 settings.formats.push_back(word);
                }
              })
-      .saidAs([&settings] {
-        std::vector<std::string> names;
-        for (const ExportFormat format : settings.formats) {
-          names.push_back(nameOfChoice(exportFormatNames(), format));
-        }
-        return quotedText(fmt::format("{}", fmt::join(names, ",")));
-      });
+      .saidAs(
+          [&settings] { return quotedText(fmt::format("{}", fmt::join(settings.formats, ","))); });
   addStateOptions(group, settings);
   group
       .value("--hinge-width", "METRES", "tile size / 20", "of the necks in cut patterns (svg, dxf)",

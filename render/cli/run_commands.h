@@ -42,8 +42,8 @@ int carryOut(const RenderOrder& order);
 struct ExportOrder {
   std::filesystem::path trajectory;  ///< a trajectory.h5, or the folder that it is in
   std::filesystem::path folder;      ///< empty for the trajectory's own
-  ExportSettings settings;
-  bool isChecked = false;  ///< whether jobs are run with two sizes of elements
+  ExportSettings settings;           ///< which states as what
+  bool isChecked = false;            ///< whether jobs are run with two sizes of elements
 };
 
 /// Adds the options that say which states are exported as what; `formatOption` is the name of the
@@ -111,7 +111,7 @@ int carryOut(const PageOrder& order);
 
 /// Which run is to be checked. The folder is the one that was given to --out.
 struct VerifyOrder {
-  std::filesystem::path folder;
+  std::filesystem::path folder;  ///< the run's folder
 };
 
 /// Adds `verify`. The order must outlive the parsing.

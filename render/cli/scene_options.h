@@ -20,7 +20,7 @@ namespace kirireel {
 /// model, whose numbers they use, has not been read yet.
 struct SceneRequest {
   std::filesystem::path file;  ///< of --scene; empty when not given
-  SceneParts parts;
+  SceneParts parts;            ///< what is added to the model that is read
 };
 
 /// Adds all settings of a scene, see sceneSettings(). The scene must outlive the parsing. What is

@@ -22,18 +22,18 @@ namespace kirireel {
 /// is at most `count`.
 struct SweepShard {
   std::uint64_t number = 1;  ///< from 1 to count
-  std::uint64_t count = 1;
+  std::uint64_t count = 1;   ///< of shards, from 1
 };
 
 /// Runs that are to be made or gathered. Nothing of the sweep file is read before carryOut().
 struct SweepOrder {
   std::filesystem::path sweep;   ///< the sweep file
   std::filesystem::path folder;  ///< empty: out/NAME of the sweep file
-  SweepShard shard;
-  WorkerLimits limits;
-  bool retryFailed = false;
-  bool collectOnly = false;  ///< make no runs
-  bool confirmed = false;    ///< however many runs there are
+  SweepShard shard;              ///< the runs that this process makes
+  WorkerLimits limits;           ///< of each worker process
+  bool retryFailed = false;      ///< runs that failed before are tried again
+  bool collectOnly = false;      ///< make no runs
+  bool confirmed = false;        ///< however many runs there are
 };
 
 /// Adds `sweep`. The order must outlive the parsing.

@@ -24,8 +24,8 @@ enum class Solver { Calculix, Abaqus };
 
 /// Which named sets a deck holds beside those of the whole sheet and its boundary.
 enum class SetChoice {
-  Usual,  ///< All up to 1,000 tiles, None above: readers look through all names for each name
-  None,
+  Usual,   ///< All up to 1,000 tiles, None above: readers look through all names for each name
+  None,    ///< no sets beside those of the whole sheet and its boundary
   Joints,  ///< the nodes of each joint
   All,     ///< and of each tile its nodes, faces and surfaces
 };
@@ -57,24 +57,25 @@ struct UnitScale {
 
 /// Which tiles a job moves as the trajectory did.
 struct DriveChoice {
+  /// How tiles are chosen.
   enum Kind {
-    None,
+    None,  ///< none: there is no such job
     All,   ///< every tile
     Edge,  ///< those at the two ends of the sheet's longest axis
     Some,  ///< those listed
   };
-  Kind kind = None;
+  Kind kind = None;        ///< how they are chosen
   std::vector<int> tiles;  ///< of Some, as the model's file numbers them
 };
 
 /// How decks are written.
 struct DeckSettings {
-  Solver solver = Solver::Calculix;
-  SetChoice sets = SetChoice::Usual;
-  Material material;
-  DeckUnit unit = DeckUnit::Model;
-  DriveChoice drive;      ///< of a second job, which follows the deployment
-  bool buckling = false;  ///< a job that finds buckling loads
+  Solver solver = Solver::Calculix;   ///< whose keywords
+  SetChoice sets = SetChoice::Usual;  ///< which sets of nodes and faces have names
+  Material material;                  ///< of all tiles
+  DeckUnit unit = DeckUnit::Model;    ///< of all its numbers
+  DriveChoice drive;                  ///< of a second job, which follows the deployment
+  bool buckling = false;              ///< a job that finds buckling loads
   bool stateMap = false;  ///< jobs that take the first state that is exported to the others
   bool periodic = false;  ///< a job that strains a sheet whose opposite ends are tied
   std::optional<double> contactFriction;  ///< of contact between flanks, from 0; absent: none
@@ -142,7 +143,7 @@ std::string meshDeck(const ElementMesh& mesh, const DeckSettings& settings,
 
 /// Shells that lie on one face, with the set that names them.
 struct ShellOffset {
-  const char* set;
+  const char* set;         ///< as the deck names it; it lives as long as the program
   double offset = 0;       ///< of OFFSET: from the middle to the nodes, in thicknesses
   std::vector<int> tiles;  ///< from 0
 };
@@ -215,7 +216,7 @@ int addHingeSprings(ElementMesh& mesh, std::span<const HingeSpring> springs, con
 
 /// Nodes under a name.
 struct NamedNodes {
-  std::string name;
+  std::string name;        ///< as a deck writes it, in capitals
   std::vector<int> nodes;  ///< rising, from 0; reference nodes count on after the mesh's own
 };
 
@@ -260,8 +261,8 @@ std::vector<Vector3> controlPositions(const Periodicity& periodic, const Element
 
 /// Two flanks that face each other across the gap beside a joint.
 struct ContactPair {
-  std::vector<ElementFace> a;
-  std::vector<ElementFace> b;
+  std::vector<ElementFace> a;  ///< of one tile, all along the flank
+  std::vector<ElementFace> b;  ///< of the other, likewise
 };
 
 /// For each joint the flanks on both sides of its corner, each pair once: what meets when the sheet

@@ -34,11 +34,11 @@ struct ElementRule {
                           ///< more where joint patches need them
   int through = 2;        ///< elements through the thickness, 1 to 64
   bool quadratic = true;  ///< 20 nodes an element instead of 8
-  JointStyle joints = JointStyle::Shared;
+  JointStyle joints = JointStyle::Shared;  ///< how tiles hold together at their joints
   double patchRadius = 0;  ///< of JointStyle::Patch, metres; 0 for a quarter of the shortest edge
   double size = 0;         ///< the longest that elements are along edges, metres; 0 for `perEdge`
-  ElementFamily family = ElementFamily::Solid;
-  NeckShape neck;      ///< of JointStyle::Neck
+  ElementFamily family = ElementFamily::Solid;  ///< solids, shells or plane elements
+  NeckShape neck;                               ///< of JointStyle::Neck
   int countsFrom = 0;  ///< the first tile's number in messages: as the model's file counts
 };
 
@@ -58,15 +58,15 @@ int nodeCount(const ElementRule& rule);
 
 /// A face of an element.
 struct ElementFace {
-  int element = 0;
+  int element = 0;   ///< its number, from 0
   int side = 0;      ///< from its bottom corner `side` to the next, 0 to 3
   int tileEdge = 0;  ///< the tile's edge that it lies on
 };
 
 /// The elements and nodes of one brick. Nodes in rising order unless said otherwise.
 struct TileElements {
-  int firstElement = 0;  ///< elements of a tile follow each other
-  int elementCount = 0;
+  int firstElement = 0;                 ///< elements of a tile follow each other
+  int elementCount = 0;                 ///< how many there are
   int layerCount = 0;                   ///< elements in one layer; the bottom layer comes first
   bool isRow = false;                   ///< one element wide
   double level = 0.5;                   ///< of shells: where nodes lie in the thickness, 0 to 1
@@ -80,11 +80,11 @@ struct TileElements {
 /// The nodes of a joint on its two tiles, pair by pair: the bottom node, the top node, or all nodes
 /// of the edge through the thickness; of shells the one node there is.
 struct JointNodes {
-  int tileA = 0;
-  int tileB = 0;
+  int tileA = 0;         ///< its number, from 0
+  int tileB = 0;         ///< its number, from 0
   bool isHinge = false;  ///< it goes through the thickness: tiles turn about its line alone
-  std::vector<int> a;
-  std::vector<int> b;
+  std::vector<int> a;    ///< of tile A, nodes from 0
+  std::vector<int> b;    ///< of tile B, each that of the same place
 };
 
 /// Corners of tiles that meet in joints, each given as a tile's node.
@@ -96,25 +96,25 @@ struct NodeCluster {
 
 /// A torsional spring between the rigid patches of two tiles, about z.
 struct PatchSpring {
-  int cluster = 0;
-  int patchA = 0;  ///< of the cluster's patches
-  int patchB = 0;
+  int cluster = 0;       ///< the joint, as a number of ElementMesh::clusters
+  int patchA = 0;        ///< of the cluster's patches
+  int patchB = 0;        ///< likewise, of the other tile
   double stiffness = 0;  ///< N m/rad
   double moment = 0;     ///< on B in the mesh's state, and on A in reverse; N m
 };
 
 /// A node that follows another and the control nodes of a sheet that repeats, see deck.h.
 struct PeriodicTie {
-  int node = 0;
-  int leader = 0;
+  int node = 0;                ///< that follows
+  int leader = 0;              ///< that it follows
   std::array<int, 2> times{};  ///< how often it follows the control nodes of x and y: 0 or 1
 };
 
 /// A mesh of all bricks. Coordinates in metres, world axes.
 struct ElementMesh {
-  ElementRule rule;  ///< a patch radius of 0 replaced by the one in use
-  std::vector<Vector3> nodes;
-  std::vector<Element> elements;
+  ElementRule rule;                 ///< a patch radius of 0 replaced by the one in use
+  std::vector<Vector3> nodes;       ///< places, in the order of their numbers
+  std::vector<Element> elements;    ///< tile by tile
   std::vector<TileElements> tiles;  ///< one a brick
   std::vector<TileElements> necks;  ///< of JointStyle::Neck: those with an area of their own
   /// Of JointStyle::Neck: the corners of both tiles at each neck, one a joint.
@@ -192,14 +192,14 @@ struct FootprintPoint {
 
 /// A side of a cell that lies on an edge of the tile.
 struct FootprintSide {
-  int cell = 0;
+  int cell = 0;      ///< its number in Footprint::cells
   int side = 0;      ///< of the cell: from its point `side` to the next
   int tileEdge = 0;  ///< from vertex `tileEdge` to the next
 };
 
 /// Points, and the quadrilaterals between them.
 struct Footprint {
-  std::vector<FootprintPoint> points;
+  std::vector<FootprintPoint> points;     ///< numbered from 0
   std::vector<int> corners;               ///< the point at each vertex of the tile
   std::vector<std::array<int, 4>> cells;  ///< points, anticlockwise
   std::vector<std::array<int, 2>> edges;  ///< of the cells, each once, the lower point first

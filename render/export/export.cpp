@@ -1,7 +1,12 @@
-// Which files an export writes follows from a table, kFiles: a format, whether it has a file for
-// each state, and the ending of its name. The same table tells isExported() which names an export
-// may write, so that a file of somebody else is never overwritten; a new format has to be entered
-// there.
+// A format is one row of a table, exportFormats(): its name, the endings of its files, and what
+// writes each of them. From this table come the words of the command line and the help, which files
+// an export writes, and which names it may write (isExported()), so that a file of somebody else is
+// never overwritten. Files are
+//   of a state        state_####ENDING, written from one sample;
+//   of elements       the same, or sheetENDING for the flat start with necks: decks, jobs and
+//   meshes,
+//                     which share one mesh of elements and are written together (writeElements());
+//   of a deployment   one file with a name of its own, written from the whole trajectory.
 //
 // The way of one export: states are chosen (export.h), each state's sample is read once and
 // handed to all formats, then come the files of the whole deployment. Whatever is written before an
@@ -13,7 +18,6 @@
 #include "render/export/export.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <charconv>
 #include <cmath>
@@ -43,23 +47,6 @@
 namespace kirireel {
 namespace {
 
-/// Indexing the names by the format's number relies on both lists having one order.
-void requireDifferent(const std::vector<ExportFormat>& formats) {
-  for (std::size_t k = 0; k < formats.size(); ++k) {
-    // Looks behind each format for the same one again; there are twelve at most.
-    const auto rest = formats.begin() + static_cast<std::ptrdiff_t>(k) + 1;
-    if (std::find(rest, formats.end(), formats[k]) == formats.end()) continue;
-    throw InputError(
-        fmt::format("error: format {} is given twice, so its files would have one "
-                    "name; leave one out",
-                    exportFormatNames()[static_cast<std::size_t>(formats[k])].first));
-  }
-}
-
-bool wants(const ExportSettings& settings, ExportFormat format) {
-  return std::ranges::find(settings.formats, format) != settings.formats.end();
-}
-
 /// A hinge width of 0 means a twentieth of the tiles' mean edge.
 std::vector<PatternLine> patternOf(const Model& model, const ExportSettings& settings) {
   constexpr double kHingeOfTile = 0.05;
@@ -67,44 +54,71 @@ std::vector<PatternLine> patternOf(const Model& model, const ExportSettings& set
   return cutPattern(model, width != 0 ? width : kHingeOfTile * tileSize(model));
 }
 
-/// A file of a format: one for each state, then `name` is what follows "state_0042", or one for
-/// all.
+class Exporter;
+
+/// A file of a format. Without a writer it shows elements.
 struct ExportFile {
-  ExportFormat format;
-  bool ofEachState;
-  const char* name;
+  const char* name;  ///< of a deployment the whole name, else what follows "state_0042"
+  /// Writes a state's file.
+  void (*writeState)(Exporter&, const Sample&, const std::filesystem::path&) = nullptr;
+  /// Writes the file of a whole deployment.
+  void (*writeDeployment)(Exporter&, const std::filesystem::path&) = nullptr;
+  /// Whether these settings ask for it; null: always.
+  bool (*isWanted)(const DeckSettings&) = nullptr;
+
+  bool showsElements() const { return !writeState && !writeDeployment; }
 };
 
+/// A format: its word on the command line, and its files.
+struct ExportFormat {
+  const char* name;
+  std::vector<ExportFile> files;
+  /// Throws what the format cannot have of a model, whatever its run is like; null: nothing.
+  void (*require)(const Model&, const ExportSettings&) = nullptr;
+};
+
+/// All formats, in the order of the help.
+const std::vector<ExportFormat>& exportFormats();
+
+/// Throws InputError where there is none of this name.
+const ExportFormat& exportFormat(const std::string& name) {
+  const auto found = std::ranges::find(exportFormats(), name, &ExportFormat::name);
+  if (found != exportFormats().end()) return *found;
+  throw InputError(fmt::format("error: there is no format {}; give {}", name,
+                               fmt::join(exportFormatNames(), ", ")));
+}
+
+void requireDifferent(const std::vector<std::string>& formats) {
+  for (auto format = formats.begin(); format != formats.end(); ++format) {
+    // Looks behind each format for the same one again; there are a few at most.
+    if (std::find(format + 1, formats.end(), *format) == formats.end()) continue;
+    throw InputError(
+        fmt::format("error: format {} is given twice, so its files would have one "
+                    "name; leave one out",
+                    *format));
+  }
+}
+
+bool wants(const ExportSettings& settings, const char* format) {
+  return std::ranges::find(settings.formats, format) != settings.formats.end();
+}
+
 constexpr const char* kMeshFile = "_mesh.inp";
+constexpr const char* kJobFile = "_job.inp";
 constexpr const char* kDriveFile = "_drive.inp";
 constexpr const char* kDriveMesh = "_drive_mesh.inp";
 constexpr const char* kBucklingFile = "_buckle.inp";
 constexpr const char* kMapFile = "_map.inp";
+constexpr const char* kGmshFile = ".msh";
 constexpr const char* kPeriodicFile = "_periodic.inp";
 
-/// In the order of the formats. Names of states begin with "state_" and the state's label; names of
-/// necked sheets with "sheet".
-constexpr auto kFiles = std::to_array<ExportFile>({
-    {ExportFormat::Obj, true, ".obj"},
-    {ExportFormat::Ply, true, ".ply"},
-    {ExportFormat::Stl, true, ".stl"},
-    {ExportFormat::Planar, true, "_planar.obj"},
-    {ExportFormat::Vertices, true, "_vertices.txt"},
-    {ExportFormat::Inp, true, kMeshFile},
-    {ExportFormat::Inp, true, "_job.inp"},
-    {ExportFormat::Inp, true, kDriveFile},
-    {ExportFormat::Inp, true, kDriveMesh},
-    {ExportFormat::Inp, true, kBucklingFile},
-    {ExportFormat::Inp, true, kMapFile},
-    {ExportFormat::Inp, true, kPeriodicFile},
-    {ExportFormat::Msh, true, ".msh"},
-    {ExportFormat::Vtu, true, ".vtu"},
-    {ExportFormat::Vtu, false, "deployment.pvd"},
-    {ExportFormat::Glb, false, "deployment.glb"},
-    {ExportFormat::Fold, false, "deployment.fold"},
-    {ExportFormat::Svg, false, "cut_pattern.svg"},
-    {ExportFormat::Dxf, false, "cut_pattern.dxf"},
-});
+// Formats whose files show elements.
+constexpr const char* kDeck = "inp";
+constexpr const char* kGmsh = "msh";
+
+bool wantsElements(const ExportSettings& settings) {
+  return wants(settings, kDeck) || wants(settings, kGmsh);
+}
 
 /// What the name of a state's files begins with.
 std::string fileStem(const std::string& label) {
@@ -113,24 +127,6 @@ std::string fileStem(const std::string& label) {
 
 /// What the names of files of the flat start with necks begin with.
 constexpr const char* kSheet = "sheet";
-
-/// Whether a format shows the flat start with necks, not the states.
-bool isOfSheet(ExportFormat format, const ExportSettings& settings) {
-  return settings.elements.joints == JointStyle::Neck &&
-         (format == ExportFormat::Inp || format == ExportFormat::Msh);
-}
-
-/// Whether an export may write such files. Which of the optional jobs are wanted is a matter of the
-/// deck's settings.
-bool wants(const ExportSettings& settings, const ExportFile& file) {
-  const std::string_view name = file.name;
-  const bool isOfDrive = name == kDriveFile || name == kDriveMesh;
-  if (isOfDrive && settings.decks.drive.kind == DriveChoice::None) return false;
-  if (name == kBucklingFile && !settings.decks.buckling) return false;
-  if (name == kMapFile && !settings.decks.stateMap) return false;
-  if (name == kPeriodicFile && !settings.decks.periodic) return false;
-  return wants(settings, file.format);
-}
 
 /// The rule with tiles numbered as the model's file numbers them. Planar files count from 1,
 /// folders from 0: messages name tiles as the user knows them.
@@ -191,20 +187,65 @@ class Exporter {
   void writeAll() {
     if (isNecked()) writeNeckSheet();
     for (const ChosenState& state : states_) writeState(state, trajectory_.sample(state.sample));
-    for (const ExportFormat format : settings_.formats) writeDeployment(format);
+    for (const std::string& format : settings_.formats) {
+      for (const ExportFile& file : exportFormat(format).files) {
+        if (file.writeDeployment) file.writeDeployment(*this, files_.add(file.name));
+      }
+    }
+  }
+
+  const Subject& subject() const { return subject_; }
+  const ExportSettings& settings() const { return settings_; }
+
+  /// Where the run began, whatever states are asked for.
+  const Poses& start() {
+    if (start_.empty()) start_ = trajectory_.sample(0).poses;
+    return start_;
+  }
+
+  /// The tiles with their vertices in the order of the model's own file.
+  std::vector<Tile> sheetOf(const Sample& sample) const {
+    return inFileOrder(bottomTiles(subject_.bricks, sample.poses), subject_.model.fileOrder);
+  }
+
+  /// Times in seconds with the names of the states' files of this ending, as pvdText() takes them.
+  std::vector<std::pair<double, std::string>> series(const char* ending) const {
+    std::vector<std::pair<double, std::string>> files;
+    for (const ChosenState& state : states_) {
+      files.emplace_back(trajectory_.times()[state.sample], fileStem(state.label) + ending);
+    }
+    return files;
+  }
+
+  /// All samples of the run, whatever states were asked for.
+  std::string animation() const {
+    return animationBytes(subject_.bricks, trajectory_.times().size(), [this](std::size_t k) {
+      Sample sample = trajectory_.sample(k);
+      return AnimationKey{sample.time, std::move(sample.poses)};
+    });
+  }
+
+  /// In rising time, the first being the frame that others inherit from.
+  std::vector<SheetState> sheets() const {
+    std::vector<SheetState> states;
+    for (const ChosenState& state : states_) {
+      const Sample sample = trajectory_.sample(state.sample);
+      states.push_back({sample.time, sheetOf(sample)});
+    }
+    return states;
   }
 
  private:
-  bool wants(ExportFormat format) const { return kirireel::wants(settings_, format); }
+  bool wants(const char* format) const { return kirireel::wants(settings_, format); }
 
   /// All files of one state.
   void writeState(const ChosenState& state, const Sample& sample) {
     const std::string name = fileStem(state.label);
-    if (wantsElements() && !isNecked()) {
+    if (wantsElements(settings_) && !isNecked()) {
       ElementMesh mesh =
           makeElementMesh(subject_.bricks, subject_.model.joints, sample.poses, elements_);
       // Springs that find no patches are left out; exportWarnings() has said so.
-      addHingeSprings(mesh, subject_.hingeSprings, sample.poses);
+      addHingeSprings(mesh, hingeSpringsOf(subject_.pairForces), sample.poses);
       const DeckOrigin origin = originOf(state.label, sample);
       std::string sets;
       // The drive is written first: its sets of nodes belong to the end of the mesh deck.
@@ -214,34 +255,17 @@ class Exporter {
       writeElements(mesh, name, origin, sets);
       writeMap(std::move(mesh), name, origin);
     }
-    // Surface meshes, whose formats writeMesh() tells by the ending.
-    for (const auto& [format, ending] : {std::pair{ExportFormat::Obj, ".obj"},
-                                         {ExportFormat::Ply, ".ply"},
-                                         {ExportFormat::Stl, ".stl"}}) {
-      if (wants(format)) writeMesh(files_.add(name + ending), subject_.bricks, sample.poses);
+    for (const ExportFormat& format : exportFormats()) {
+      if (!wants(format.name)) continue;
+      for (const ExportFile& file : format.files) {
+        if (file.writeState) file.writeState(*this, sample, files_.add(name + file.name));
+      }
     }
-    if (wants(ExportFormat::Vtu)) {
-      // Displacements in the .vtu count from the first sample of the run, whatever states are asked
-      // for.
-      if (start_.empty()) start_ = trajectory_.sample(0).poses;
-      writeTextFile(files_.add(name + ".vtu"), vtuText(subject_, start_, sample));
-    }
-    // The flat formats show the bottoms of bricks, which are the tiles themselves.
-    const std::vector<Tile> tiles = sheetOf(sample);
-    if (wants(ExportFormat::Planar)) {
-      writeTextFile(files_.add(name + "_planar.obj"), planarObjText(tiles));
-    }
-    if (wants(ExportFormat::Vertices)) writeTiles(tiles, files_.add(name + "_vertices.txt"));
-  }
-
-  /// The tiles with their vertices in the order of the model's own file.
-  std::vector<Tile> sheetOf(const Sample& sample) const {
-    return inFileOrder(bottomTiles(subject_.bricks, sample.poses), subject_.model.fileOrder);
   }
 
   /// A map leads from one state to others, of bricks.
   void requireMap() const {
-    if (!settings_.decks.stateMap || !wants(ExportFormat::Inp)) return;
+    if (!settings_.decks.stateMap || !wants(kDeck)) return;
     if (isNecked()) {
       throw InputError(
           "error: --state-map leads from state to state, and a sheet with necks is the start "
@@ -264,12 +288,11 @@ class Exporter {
         "choose --states initial");
   }
 
-  bool wantsElements() const { return wants(ExportFormat::Inp) || wants(ExportFormat::Msh); }
   bool isNecked() const { return settings_.elements.joints == JointStyle::Neck; }
 
   /// The flat start as it is cut, whatever states are asked for.
   void writeNeckSheet() {
-    if (!wantsElements()) return;
+    if (!wantsElements(settings_)) return;
     const double thickness = subject_.brickRule.thickness;
     const ElementMesh mesh = makeNeckMesh(subject_.model, thickness, elements_);
     const DeckOrigin origin = originOf("flat sheet", trajectory_.sample(0));
@@ -281,16 +304,16 @@ class Exporter {
   /// `driveSets` are those of a drive on this mesh.
   void writeElements(const ElementMesh& mesh, const std::string& name, const DeckOrigin& origin,
                      const std::string& driveSets) {
-    if (wants(ExportFormat::Msh)) {
-      writeTextFile(files_.add(name + ".msh"), gmshMesh(mesh, settings_.decks.sets));
+    if (wants(kGmsh)) {
+      writeTextFile(files_.add(name + kGmshFile), gmshMesh(mesh, settings_.decks.sets));
     }
-    if (!wants(ExportFormat::Inp)) return;
+    if (!wants(kDeck)) return;
     // Sets of nodes that a job needs stand at the end of the mesh deck, for readers want them after
     // the nodes.
     const DeckJob job = staticJob(mesh, settings_.decks, origin, name + kMeshFile);
     writeTextFile(files_.add(name + kMeshFile),
                   meshDeck(mesh, settings_.decks, origin) + job.sets + driveSets);
-    writeTextFile(files_.add(name + "_job.inp"), job.text);
+    writeTextFile(files_.add(name + kJobFile), job.text);
     if (settings_.decks.buckling) {
       writeTextFile(files_.add(name + kBucklingFile),
                     bucklingJob(mesh, settings_.decks, origin, name + kMeshFile).text);
@@ -303,7 +326,7 @@ class Exporter {
 
   /// The job that takes the first state to this one; keeps the mesh of the first.
   void writeMap(ElementMesh mesh, const std::string& name, const DeckOrigin& origin) {
-    if (!wants(ExportFormat::Inp) || !settings_.decks.stateMap) return;
+    if (!wants(kDeck) || !settings_.decks.stateMap) return;
     // The first state is where the map begins; later ones get a job each on its mesh deck.
     if (!first_) {
       first_.emplace(name, std::move(mesh));
@@ -318,7 +341,7 @@ class Exporter {
   /// The last sample has nothing after it to follow.
   bool isDriven(std::size_t sample) const {
     const bool hasFuture = sample + 1 < trajectory_.times().size();
-    return wants(ExportFormat::Inp) && settings_.decks.drive.kind != DriveChoice::None && hasFuture;
+    return wants(kDeck) && settings_.decks.drive.kind != DriveChoice::None && hasFuture;
   }
 
   /// Writes the drive's job, and its mesh where it has one of its own. Returns the sets that the
@@ -368,48 +391,6 @@ class Exporter {
                        events.empty() ? "" : events.back().text);
   }
 
-  void writeDeployment(ExportFormat format) {
-    if (format == ExportFormat::Vtu) writeTextFile(files_.add("deployment.pvd"), pvdText(series()));
-    if (format == ExportFormat::Glb) writeTextFile(files_.add("deployment.glb"), animation());
-    if (format == ExportFormat::Fold) {
-      writeTextFile(files_.add("deployment.fold"), foldText(inFileOrder(subject_.model), sheets()));
-    }
-    const auto pattern = [this] { return patternOf(subject_.model, settings_); };
-    if (format == ExportFormat::Svg) {
-      writeTextFile(files_.add("cut_pattern.svg"), patternSvg(pattern()));
-    }
-    if (format == ExportFormat::Dxf) {
-      writeTextFile(files_.add("cut_pattern.dxf"), patternDxf(pattern()));
-    }
-  }
-
-  /// Times in seconds with the names of their files, as pvdText() takes them.
-  std::vector<std::pair<double, std::string>> series() const {
-    std::vector<std::pair<double, std::string>> files;
-    for (const ChosenState& state : states_) {
-      files.emplace_back(trajectory_.times()[state.sample], fileStem(state.label) + ".vtu");
-    }
-    return files;
-  }
-
-  /// All samples of the run, whatever states were asked for.
-  std::string animation() const {
-    return animationBytes(subject_.bricks, trajectory_.times().size(), [this](std::size_t k) {
-      Sample sample = trajectory_.sample(k);
-      return AnimationKey{sample.time, std::move(sample.poses)};
-    });
-  }
-
-  /// In rising time, the first being the frame that others inherit from.
-  std::vector<SheetState> sheets() const {
-    std::vector<SheetState> states;
-    for (const ChosenState& state : states_) {
-      const Sample sample = trajectory_.sample(state.sample);
-      states.push_back({sample.time, sheetOf(sample)});
-    }
-    return states;
-  }
-
   const TrajectoryReader& trajectory_;
   const Subject& subject_;
   const ExportSettings& settings_;
@@ -420,17 +401,101 @@ class Exporter {
   std::optional<std::pair<std::string, ElementMesh>> first_;  ///< of state maps: name and mesh
 };
 
+/// A surface mesh, whose format writeMesh() tells by the ending.
+void writeSurface(Exporter& exporter, const Sample& sample, const std::filesystem::path& file) {
+  writeMesh(file, exporter.subject().bricks, sample.poses);
+}
+
+std::vector<PatternLine> patternOf(const Exporter& exporter) {
+  return patternOf(exporter.subject().model, exporter.settings());
+}
+
+void requirePattern(const Model& model, const ExportSettings& settings) {
+  patternOf(model, settings);
+}
+
+bool isDriven(const DeckSettings& decks) {
+  return decks.drive.kind != DriveChoice::None;
+}
+
+// Files of a deployment have no writer of states.
+ExportFile ofDeployment(const char* name, void (*write)(Exporter&, const std::filesystem::path&)) {
+  return {.name = name, .writeDeployment = write};
+}
+
+const std::vector<ExportFormat>& exportFormats() {
+  using Path = std::filesystem::path;
+  static const std::vector<ExportFormat> formats = {
+      // Closed bricks: a group a tile; triangles; triangles, binary.
+      {"obj", {{".obj", writeSurface}}},
+      {"ply", {{".ply", writeSurface}}},
+      {"stl", {{".stl", writeSurface}}},
+      // The bottoms of bricks, which are the tiles: polygons as PyKirigami has them; as
+      // vertices.txt.
+      {"planar",
+       {{"_planar.obj",
+         [](Exporter& exporter, const Sample& sample, const Path& file) {
+           writeTextFile(file, planarObjText(exporter.sheetOf(sample)));
+         }}}},
+      {"vertices",
+       {{"_vertices.txt", [](Exporter& exporter, const Sample& sample,
+                             const Path& file) { writeTiles(exporter.sheetOf(sample), file); }}}},
+      // CalculiX or Abaqus decks and jobs on them.
+      {kDeck,
+       {{kMeshFile},
+        {kJobFile},
+        {.name = kDriveFile, .isWanted = isDriven},
+        {.name = kDriveMesh, .isWanted = isDriven},
+        {.name = kBucklingFile,
+         .isWanted = [](const DeckSettings& decks) { return decks.buckling; }},
+        {.name = kMapFile, .isWanted = [](const DeckSettings& decks) { return decks.stateMap; }},
+        {.name = kPeriodicFile,
+         .isWanted = [](const DeckSettings& decks) { return decks.periodic; }}}},
+      // A Gmsh 4.1 mesh of the same elements.
+      {kGmsh, {{kGmshFile}}},
+      // ParaView, with measures as fields.
+      {"vtu",
+       {{".vtu",
+         [](Exporter& exporter, const Sample& sample, const Path& file) {
+           writeTextFile(file, vtuText(exporter.subject(), exporter.start(), sample));
+         }},
+        ofDeployment("deployment.pvd",
+                     [](Exporter& exporter, const Path& file) {
+                       writeTextFile(file, pvdText(exporter.series(".vtu")));
+                     })}},
+      // The whole deployment, animated; the states as frames of a FOLD file.
+      {"glb",
+       {ofDeployment("deployment.glb",
+                     [](Exporter& exporter, const Path& file) {
+                       writeTextFile(file, exporter.animation());
+                     })}},
+      {"fold",
+       {ofDeployment("deployment.fold",
+                     [](Exporter& exporter, const Path& file) {
+                       writeTextFile(file, foldText(inFileOrder(exporter.subject().model),
+                                                    exporter.sheets()));
+                     })}},
+      // What to cut to make the start.
+      {"svg",
+       {ofDeployment("cut_pattern.svg",
+                     [](Exporter& exporter, const Path& file) {
+                       writeTextFile(file, patternSvg(patternOf(exporter)));
+                     })},
+       requirePattern},
+      {"dxf",
+       {ofDeployment("cut_pattern.dxf",
+                     [](Exporter& exporter, const Path& file) {
+                       writeTextFile(file, patternDxf(patternOf(exporter)));
+                     })},
+       requirePattern}};
+  return formats;
+}
+
 }  // namespace
 
-const std::vector<std::pair<std::string, ExportFormat>>& exportFormatNames() {
-  static const std::vector<std::pair<std::string, ExportFormat>> names = {
-      {"obj", ExportFormat::Obj},           {"ply", ExportFormat::Ply},
-      {"stl", ExportFormat::Stl},           {"planar", ExportFormat::Planar},
-      {"vertices", ExportFormat::Vertices}, {"inp", ExportFormat::Inp},
-      {"msh", ExportFormat::Msh},           {"vtu", ExportFormat::Vtu},
-      {"glb", ExportFormat::Glb},           {"fold", ExportFormat::Fold},
-      {"svg", ExportFormat::Svg},           {"dxf", ExportFormat::Dxf},
-  };
+std::vector<std::string> exportFormatNames() {
+  std::vector<std::string> names;
+  for (const ExportFormat& format : exportFormats()) names.emplace_back(format.name);
   return names;
 }
 
@@ -438,11 +503,12 @@ void requireExportable(const Model& model, const BrickRule& rule, const ExportSe
   requireDifferent(settings.formats);
   requireValidRule(settings.elements);
   requireDrivable(settings.decks.drive, model.tiles.size(), model.fileOrder.countsFrom);
-  // A cut pattern and necks depend on the start alone, so both can be tried before the run.
-  const bool isPattern = wants(settings, ExportFormat::Svg) || wants(settings, ExportFormat::Dxf);
-  if (isPattern) patternOf(model, settings);
-  const bool isDivided = wants(settings, ExportFormat::Inp) || wants(settings, ExportFormat::Msh);
-  if (!isDivided) return;
+  // What depends on the start alone can be tried before the run, necks among it.
+  for (const std::string& name : settings.formats) {
+    const ExportFormat& format = exportFormat(name);
+    if (format.require) format.require(model, settings);
+  }
+  if (!wantsElements(settings)) return;
   if (settings.elements.joints == JointStyle::Neck) {
     neckOutline(model, settings.elements.neck);
     return;
@@ -466,20 +532,23 @@ bool isExported(const std::string& name, const ExportSettings& settings) {
     return name == nameOf(0) ||
            isNumbered(name, [&](int k) { return nameOf(static_cast<std::size_t>(k)); });
   };
-  return std::ranges::any_of(kFiles, [&](const ExportFile& file) {
-    if (!wants(settings, file)) return false;
-    if (!file.ofEachState) return name == file.name;
-    if (isOfSheet(file.format, settings)) return name == std::string(kSheet) + file.name;
+  const auto isOfFile = [&](const ExportFile& file) {
+    if (file.isWanted && !file.isWanted(settings.decks)) return false;
+    if (file.writeDeployment) return name == file.name;
+    const bool isOfSheet = file.showsElements() && settings.elements.joints == JointStyle::Neck;
+    if (isOfSheet) return name == std::string(kSheet) + file.name;
     return std::ranges::any_of(
         settings.states, [&](const std::string& state) { return isOfState(state, file.name); });
+  };
+  return std::ranges::any_of(settings.formats, [&](const std::string& format) {
+    return std::ranges::any_of(exportFormat(format).files, isOfFile);
   });
 }
 
 std::vector<std::string> exportWarnings(const TrajectoryReader& trajectory,
                                         const ExportSettings& settings) {
   std::vector<std::string> lines;
-  const bool isDivided = wants(settings, ExportFormat::Inp) || wants(settings, ExportFormat::Msh);
-  if (!isDivided || settings.elements.joints == JointStyle::Neck) return lines;
+  if (!wantsElements(settings) || settings.elements.joints == JointStyle::Neck) return lines;
   const std::vector<Brick>& bricks = trajectory.subject().bricks;
   // Large sheets get fewer elements than usual without being asked; the user has to know.
   if (isCoarsened(bricks, settings.elements)) {
@@ -488,8 +557,8 @@ std::vector<std::string> exportWarnings(const TrajectoryReader& trajectory,
                     "truly; choose with --elements-per-edge or --element-size",
                     bricks.size(), usualPerEdge(bricks, settings.elements)));
   }
-  if (!wants(settings, ExportFormat::Inp)) return lines;
-  const std::vector<HingeSpring>& springs = trajectory.subject().hingeSprings;
+  if (!wants(settings, kDeck)) return lines;
+  const std::vector<HingeSpring>& springs = hingeSpringsOf(trajectory.subject().pairForces);
   const bool hasSprings = std::ranges::any_of(springs, [](auto& one) { return one.stiffness > 0; });
   // Only patches have rotations that a spring can join.
   if (hasSprings && settings.elements.joints != JointStyle::Patch) {
@@ -497,7 +566,7 @@ std::vector<std::string> exportWarnings(const TrajectoryReader& trajectory,
         "warning: these decks are without the run's springs at hinges, which stand between rigid "
         "patches; choose --joints patch");
   }
-  if (!trajectory.subject().ligaments.empty()) {
+  if (!ligamentsOf(trajectory.subject().pairForces).empty()) {
     lines.emplace_back(
         "warning: these decks join tiles exactly, where the run's ligaments stretch and shear; "
         "--joints neck has the start with its necks");
@@ -788,7 +857,7 @@ std::string lineOf(const std::string& name, double own, double finer) {
 
 std::vector<std::string> meshSensitivity(const TrajectoryReader& trajectory,
                                          const ExportSettings& settings) {
-  if (std::ranges::find(settings.formats, ExportFormat::Inp) == settings.formats.end()) {
+  if (!wants(settings, kDeck)) {
     throw InputError("error: --check runs the jobs of decks; add inp to --format");
   }
   const Subject& subject = trajectory.subject();

@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "render/export/deck.h"
@@ -12,42 +11,25 @@
 
 namespace kirireel {
 
-/// What a state, or the whole deployment, is written as. #### is the state as it was asked for
-/// (final, 50pct, 1.5s, 30deg), or the number of the sample with `all`.
-enum class ExportFormat {
-  Obj,       ///< state_####.obj: closed bricks, a group a tile
-  Ply,       ///< state_####.ply: closed bricks, triangles
-  Stl,       ///< state_####.stl: closed bricks, triangles, binary
-  Planar,    ///< state_####_planar.obj: the tiles as polygons, as PyKirigami has them
-  Vertices,  ///< state_####_vertices.txt: the tiles in the format of vertices.txt
-  Inp,       ///< state_####_mesh.inp and _job.inp: a CalculiX or Abaqus deck and a job on it; with
-             ///< a drive or buckling, _drive.inp (with _drive_mesh.inp, of coarse elements,
-             ///< unless elements were chosen) and _buckle.inp too; with necks, sheet_*.inp
-  Msh,       ///< state_####.msh (sheet.msh): a Gmsh 4.1 mesh of the same elements
-  Vtu,       ///< state_####.vtu and deployment.pvd: ParaView, measures as fields
-  Glb,       ///< deployment.glb: the whole deployment, animated
-  Fold,      ///< deployment.fold: the states as frames of a FOLD file
-  Svg,       ///< cut_pattern.svg: what to cut to make the start
-  Dxf,       ///< cut_pattern.dxf: the same
-};
-
-/// The names of the formats on the command line, in that order. The order of the enum: some callers
-/// use a format's number as an index.
-const std::vector<std::pair<std::string, ExportFormat>>& exportFormatNames();
+/// The names of the formats that a state, or the whole deployment, can be written as, in the order
+/// of the help: the first words of the table in export.cpp, which says what files each one has. In
+/// their names #### is the state as it was asked for (final, 50pct, 1.5s, 30deg), or the number of
+/// the sample with `all`.
+std::vector<std::string> exportFormatNames();
 
 /// What is to be exported. Defaults are those of the command line.
 struct ExportSettings {
   std::vector<std::string> states = {"initial", "final"};  ///< as chooseStates reads them
-  std::vector<ExportFormat> formats;
-  ElementRule elements;   ///< of decks and meshes
-  DeckSettings decks;     ///< how decks are written
+  std::vector<std::string> formats;                        ///< of exportFormatNames()
+  ElementRule elements;                                    ///< of decks and meshes
+  DeckSettings decks;                                      ///< how decks are written
   double hingeWidth = 0;  ///< of cut patterns, metres; 0 for a twentieth of the tile size
 };
 
 /// Throws what exportStates would of this model whatever its run is like: InputError for formats
-/// given twice, cut patterns, elements, joint patches and necks that it cannot have, and drives of
-/// tiles that it does not have. It makes the elements of the start once, which is the price of an
-/// early answer.
+/// that are none or given twice, cut patterns, elements, joint patches and necks that it cannot
+/// have, and drives of tiles that it does not have. It makes the elements of the start once, which
+/// is the price of an early answer.
 void requireExportable(const Model& model, const BrickRule& rule, const ExportSettings& settings);
 
 /// Whether an export of some run may write a file of this name. Names of states with any sample's
@@ -62,8 +44,8 @@ std::vector<std::string> exportWarnings(const TrajectoryReader& trajectory,
 
 /// Writes the files into the folder, which is made if need be. Returns their names in order. Either
 /// all of them appear or none; contents.json lists them. Throws InputError for states that are not
-/// there, formats given twice, formats that the model cannot have, and where files of others stand
-/// in the way, see FileSet; OutputError when a file cannot be written.
+/// there, formats that are none or given twice, formats that the model cannot have, and where files
+/// of others stand in the way, see FileSet; OutputError when a file cannot be written.
 std::vector<std::string> exportStates(const TrajectoryReader& trajectory,
                                       const ExportSettings& settings,
                                       const std::filesystem::path& folder);
@@ -79,8 +61,8 @@ std::vector<std::string> exportInto(const TrajectoryReader& trajectory,
 
 /// A sample and what its files are called.
 struct ChosenState {
-  std::size_t sample = 0;
-  std::string label;  ///< "final", "50pct", "1.5s", "30deg", "event_TEXT"; "0007" of `all`
+  std::size_t sample = 0;  ///< its number, from 0
+  std::string label;       ///< "final", "50pct", "1.5s", "30deg", "event_TEXT"; "0007" of `all`
 
   bool operator==(const ChosenState&) const = default;
 };

@@ -15,6 +15,7 @@ namespace kirireel {
 // ------------------------------------------------------------------------------------------------
 // The start of a planar model in its own plane, and the gaps beside its joints.
 
+/// A place in the sheet's plane, metres.
 using Vector2 = Eigen::Vector2d;
 
 /// A gap narrower than this counts as closed, radians.
@@ -25,7 +26,7 @@ using FlatTile = std::vector<Vector2>;
 
 /// A planar start. A point of the plane stands at turn^-1 (x, y, height) in the world.
 struct FlatSheet {
-  std::vector<FlatTile> tiles;
+  std::vector<FlatTile> tiles;               ///< in the model's order
   Quaternion turn = Quaternion::Identity();  ///< from the world to the plane's axes
   double height = 0;                         ///< of the plane above the turned origin, metres
 };
@@ -40,9 +41,9 @@ void requirePivot(const Joint& joint, std::size_t number);
 
 /// The end of an edge of a tile: edge k runs from vertex k to the next.
 struct EdgeEnd {
-  int tile = 0;
-  int edge = 0;
-  bool atStart = false;
+  int tile = 0;          ///< its number, from 0
+  int edge = 0;          ///< its number, from 0
+  bool atStart = false;  ///< the end is that at vertex k
 
   auto operator<=>(const EdgeEnd&) const = default;
 };
@@ -74,9 +75,9 @@ enum class PatternLayer {
 /// A straight line in the sheet's plane, metres, seen from the side that the tiles face. Straight
 /// from end to end; lines of one layer may touch but do not overlap.
 struct PatternLine {
-  PatternLayer layer = PatternLayer::Cuts;
-  Eigen::Vector2d from;
-  Eigen::Vector2d to;
+  PatternLayer layer = PatternLayer::Cuts;  ///< what is done along it
+  Eigen::Vector2d from;                     ///< where it begins
+  Eigen::Vector2d to;                       ///< where it ends
 };
 
 /// The lines of the model's start. Around each joint a neck of material stays: the narrower gap
@@ -107,8 +108,8 @@ std::string planarObjText(const std::vector<Tile>& tiles);
 
 /// A sheet at one time.
 struct SheetState {
-  double time = 0;  ///< seconds
-  std::vector<Tile> tiles;
+  double time = 0;          ///< seconds
+  std::vector<Tile> tiles;  ///< of the sheet, in the order of the model's file
 };
 
 /// The text of a FOLD 1.2 file: the first state as its own frame, the others in `file_frames`,
@@ -141,7 +142,7 @@ struct NeckShape {
 /// The regions of a sheet. Regions that share a line share its two points; a shut slit has points
 /// of its own on either side.
 struct NeckOutline {
-  FlatSheet sheet;
+  FlatSheet sheet;                      ///< as it was drawn
   std::vector<Vector2> points;          ///< in the sheet's plane, metres
   std::vector<bool> isAtNeck;           ///< for each point
   std::vector<std::vector<int>> tiles;  ///< each tile's points, anticlockwise

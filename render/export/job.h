@@ -115,17 +115,18 @@ std::vector<NodeDisplacement> leastSupports(const ElementMesh& mesh,
 /// Equations between the six unknowns of one tile and those of another, or the same: first u_first
 /// + second u_second = 0.
 struct PairEquations {
+  /// Six columns, at most six rows.
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6>;
 
-  int firstTile = 0;
-  int secondTile = 0;
-  Rows first;   ///< (equations x 6), at most six
-  Rows second;  ///< as many
+  int firstTile = 0;   ///< its number, from 0
+  int secondTile = 0;  ///< its number, from 0; it may be the first
+  Rows first;          ///< (equations x 6), at most six
+  Rows second;         ///< as many
 };
 
 /// An unknown: one of the six of a tile.
 struct FreeColumn {
-  int tile = 0;
+  int tile = 0;     ///< its number, from 0
   int unknown = 0;  ///< 0 to 5
 };
 

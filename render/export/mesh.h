@@ -35,7 +35,7 @@ std::string meshLibraryVersion();
 /// their order.
 struct AnimationKey {
   double time = 0;  ///< seconds, rising
-  Poses poses;
+  Poses poses;      ///< one a brick
 };
 
 /// The bytes of a binary glTF 2.0 file (.glb): one node and one mesh a brick, named TILE_00000 and

@@ -41,15 +41,23 @@ bool isSealed(const std::string& text);
 
 /// Names of the files that a run leaves.
 namespace output {
+/// The names of a run's files: the deployment as a video.
 inline constexpr const char* kVideo = "deployment.mp4";
+/// The grid of pictures.
 inline constexpr const char* kSnapshots = "snapshots.png";
+/// The same as vector graphics.
 inline constexpr const char* kSnapshotsSvg = "snapshots.svg";
+/// The same for print.
 inline constexpr const char* kSnapshotsPdf = "snapshots.pdf";
 inline constexpr const char* kInitialMesh = "initial";  ///< .obj and .ply
 inline constexpr const char* kFinalMesh = "final";      ///< .obj and .ply
+/// The tiles at the end, in the format of vertices.txt.
 inline constexpr const char* kFinalVertices = "final_vertices.txt";
+/// All samples.
 inline constexpr const char* kTrajectory = "trajectory.h5";
+/// Of a run under grips: load, forces and displacements.
 inline constexpr const char* kLoadCurve = "load_curve.csv";
+/// What the run was and came to.
 inline constexpr const char* kSummary = "summary.json";
 inline constexpr const char* kContents = "contents.json";   ///< of export and render
 inline constexpr const char* kStateMoment = "export";       ///< _0001.obj, .ply, ...
@@ -105,6 +113,7 @@ std::string contentsText(const FileList& files);
 /// changed since says nothing.
 class LeftFiles {
  public:
+  /// What is listed by the records in this folder, which need not exist.
   explicit LeftFiles(std::filesystem::path folder);
 
   /// Whether something stands under this name that is not as one of them left it: another file, a

@@ -29,7 +29,9 @@ std::vector<NamedText> manPages(const CommandDescription& program, const std::st
 /// the text of a file, to be sourced (bash) or put into the shell's folder of completions (zsh,
 /// fish).
 std::string bashCompletion(const CommandDescription& program);
+/// The completion for zsh, likewise.
 std::string zshCompletion(const CommandDescription& program);
+/// The completion for fish, likewise.
 std::string fishCompletion(const CommandDescription& program);
 
 // ------------------------------------------------------------------------------------------------
@@ -47,7 +49,9 @@ std::vector<std::string> optionsNotForPictures(const CommandDescription& program
 /// Docstrings, with each option's unit and default. Groups and options come in the order of the
 /// help.
 std::string deployDoc(const CommandDescription& program);
+/// The docstring of kirireel.generate(), likewise.
 std::string generateDoc(const CommandDescription& program);
+/// The docstring of kirireel.render(), likewise.
 std::string renderDoc(const CommandDescription& program);
 
 /// The text of __init__.pyi. Types for editors and checkers such as mypy; Python itself never reads

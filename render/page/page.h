@@ -40,6 +40,7 @@ std::string htmlText(const std::string& text);
 // bytes, ...), compressed by zlib, in base 64. In planes, numbers that are alike give long runs of
 // equal bytes, so they shrink further.
 
+/// JSON whose keys keep their order.
 using Json = nlohmann::ordered_json;
 
 /// [x, y, z].
@@ -48,9 +49,13 @@ Json vectorJson(const Vector3& vector);
 /// {"type": "f32" | "f64" | "i32" | "u16" | "u8", "count": entries, "data": text}, which packed.js
 /// unpacks.
 Json packedArray(std::span<const float> entries);
+/// Numbers as an array that a page unpacks: 64 bits each.
 Json packedArray(std::span<const double> entries);
+/// The same for whole numbers of 32 bits.
 Json packedArray(std::span<const std::int32_t> entries);
+/// The same for whole numbers of 16 bits from 0.
 Json packedArray(std::span<const std::uint16_t> entries);
+/// The same for whole numbers of 8 bits from 0.
 Json packedArray(std::span<const std::uint8_t> entries);
 
 /// How finely poses are told.
@@ -142,7 +147,7 @@ inline constexpr std::size_t kMostPageRuns = 2;
 /// Which page is wanted. One look for all runs, so that two of them can be compared.
 struct WebPageSettings {
   std::filesystem::path folder;  ///< made if need be
-  PageStates states;
+  PageStates states;             ///< that are shown, in rising time
   /// Files in the folder of each trajectory that go into the page: videos play, pictures show,
   /// others can be saved from it.
   std::vector<std::string> embedded;

@@ -38,8 +38,11 @@ inline constexpr ViewAngles kFrontView{-1.5707963267948966, 0};
 /// From behind, from the left (-x), from the right, +z upwards; and from straight below, +x to the
 /// right.
 inline constexpr ViewAngles kBackView{1.5707963267948966, 0};
+/// See kBackView: from the left.
 inline constexpr ViewAngles kLeftView{3.141592653589793, 0};
+/// From the right.
 inline constexpr ViewAngles kRightView{0, 0};
+/// From straight below.
 inline constexpr ViewAngles kBottomView{-1.5707963267948966, -1.5707963267948966};
 /// All three axes equally foreshortened, x towards the lower right: for models in space.
 inline constexpr ViewAngles kIsometricView{-0.7853981633974483, 0.6154797086703873};
@@ -56,7 +59,7 @@ ViewAngles defaultView(std::span<const Vector3> points);
 
 /// How to frame points.
 struct CameraFit {
-  ViewAngles view = kIsometricView;
+  ViewAngles view = kIsometricView;         ///< where the camera stands, unless angles are given
   double aspect = 16.0 / 9.0;               ///< width / height of the picture
   bool orthographic = false;                ///< else perspective
   double fieldOfView = 0.3490658503988659;  ///< perspective: vertical, radians

@@ -21,14 +21,14 @@ namespace kirireel {
 /// How a page is made. The page's unit is a pixel; at 96 of them an inch a page is as large as a
 /// browser shows it.
 struct PageSettings {
-  FrameSize size;  ///< in its own unit, the pixels of a picture of the same layout
-  double pixelsPerInch = 96;
-  Colour background = {255, 255, 255};
-  Colour outline;           ///< of bricks
-  Colour paleOutline;       ///< of dark bricks
-  double outlineWidth = 1;  ///< pixels
-  std::string fontFamily;   ///< of all text
-  std::string description;  ///< who made it from what, one line
+  FrameSize size;             ///< in its own unit, the pixels of a picture of the same layout
+  double pixelsPerInch = 96;  ///< above 0
+  Colour background = {255, 255, 255};  ///< of the whole page, opaque
+  Colour outline;                       ///< of bricks
+  Colour paleOutline;                   ///< of dark bricks
+  double outlineWidth = 1;              ///< pixels
+  std::string fontFamily;               ///< of all text
+  std::string description;              ///< who made it from what, one line
 };
 
 /// Width of the lines in a polygon's own colour that close the gaps which antialiasing leaves
@@ -46,6 +46,7 @@ inline double cutSeamWidth(const PageSettings& settings) {
 /// in painting order: what is drawn later covers what is there.
 class Canvas : public Surface {
  public:
+  /// A polygon or a line on the page, pixels from the upper left.
   using Points = std::vector<Eigen::Vector2d>;
 
   /// What follows belongs to a named part of the page, up to the matching end(); parts may hold

@@ -10,9 +10,9 @@ namespace kirireel {
 
 /// A colour as it stands in a picture: sRGB bytes, straight (not premultiplied) alpha.
 struct Colour {
-  std::uint8_t red = 0;
-  std::uint8_t green = 0;
-  std::uint8_t blue = 0;
+  std::uint8_t red = 0;      ///< sRGB
+  std::uint8_t green = 0;    ///< sRGB
+  std::uint8_t blue = 0;     ///< sRGB
   std::uint8_t alpha = 255;  ///< 0 transparent, 255 opaque
 
   bool operator==(const Colour&) const = default;
@@ -23,9 +23,10 @@ inline constexpr int kMaxFrameSide = 16384;
 
 /// Width and height of a picture, pixels, each 1 to kMaxFrameSide.
 struct FrameSize {
-  int width = 1280;
-  int height = 720;
+  int width = 1280;  ///< pixels, from 1
+  int height = 720;  ///< pixels, from 1
 
+  /// Width over height.
   double aspect() const { return static_cast<double>(width) / height; }
   bool operator==(const FrameSize&) const = default;
 };
@@ -35,7 +36,7 @@ void requireValidSize(FrameSize size);
 
 /// One picture: RGBA, 4 bytes a pixel, rows from the top, pixels from the left, straight alpha.
 struct Frame {
-  FrameSize size;
+  FrameSize size;                    ///< of the picture, pixels
   std::vector<std::uint8_t> pixels;  ///< size.width * size.height * 4 bytes
 
   /// x from 0 at the left, y from 0 at the top; both must be within the picture.

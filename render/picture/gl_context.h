@@ -64,6 +64,7 @@ std::string graphicsVersion();
 /// One OpenGL 3.3 core context. Made, used and destroyed on one thread.
 class Backend {
  public:
+  /// A function of OpenGL, to be cast to its own type.
   using Function = void (*)();
 
   Backend() = default;
@@ -82,6 +83,7 @@ class Backend {
 /// The context of each library; null when the program was built without the library or the library
 /// cannot make one. The context is not current yet.
 std::unique_ptr<Backend> makeOsmesaBackend();
+/// Likewise of EGL, which needs no screen.
 std::unique_ptr<Backend> makeEglBackend();
 
 // ------------------------------------------------------------------------------------------------

@@ -15,24 +15,25 @@ inline constexpr const char* kArrow = "\u2192";
 
 /// Rows and columns of a grid, each at least 1.
 struct GridShape {
-  int rows = 3;
-  int columns = 3;
+  int rows = 3;     ///< from 1
+  int columns = 3;  ///< from 1
 
+  /// How many pictures fit.
   int cells() const { return rows * columns; }
   bool operator==(const GridShape&) const = default;
 };
 
 /// One cell of a grid.
 struct GridPicture {
-  Frame frame;
+  Frame frame;          ///< all of it
   std::string caption;  ///< printed centred under the picture, UTF-8; may be empty
 };
 
 /// A part of a picture, pixels from its upper left corner.
 struct PictureBox {
-  int left = 0;
-  int upper = 0;
-  FrameSize size;
+  int left = 0;    ///< pixels from the left side of the grid
+  int upper = 0;   ///< pixels from its upper side
+  FrameSize size;  ///< of the picture
 
   /// The same part of a picture that is `scale` times as large.
   PictureBox scaled(double scale) const;
@@ -48,8 +49,8 @@ void cutAlike(std::vector<GridPicture>& pictures, const PictureBox& part);
 
 /// The look of a grid. Lengths are in heights of one picture, so that grids of any size look alike.
 struct GridStyle {
-  Colour background = {255, 255, 255};
-  Colour text = {30, 30, 30};
+  Colour background = {255, 255, 255};  ///< between and around pictures
+  Colour text = {30, 30, 30};           ///< of captions
   double captionSize = 0.065;  ///< height of the text (its em); captions that need less get less
   double gap = 0.04;           ///< between cells and around the sheet
   /// Em of all text, pixels, whatever the pictures' size; captions that need more room get lines.
@@ -118,10 +119,10 @@ Frame composeGrid(const std::vector<GridPicture>& pictures, GridShape shape,
 /// What the caption of a picture says.
 struct CaptionParts {
   bool progress = false;  ///< share of the motion
-  bool time = false;
-  bool angle = false;  ///< by which the brick that has turned most is turned from its start
-  bool error = false;  ///< target error; left out where there is no target
-  bool gap = false;    ///< largest joint gap
+  bool time = false;      ///< simulated seconds
+  bool angle = false;     ///< by which the brick that has turned most is turned from its start
+  bool error = false;     ///< target error; left out where there is no target
+  bool gap = false;       ///< largest joint gap
 };
 
 /// The state that a caption describes.

@@ -23,10 +23,10 @@ struct Piece {
   CutPolygon outer;       ///< with its outline
   bool outlined = false;  ///< whether its sides that are not cut are the outline of a face
   bool pale = false;      ///< whether that is the pale one
-  Colour colour;
-  FacetPart part = FacetPart::Whole;
-  Vector3 normal;     ///< of the facet's plane, unit, towards the camera's side
-  double offset = 0;  ///< normal . point for the points of the plane
+  Colour colour;          ///< of the facet, lit
+  FacetPart part = FacetPart::Whole;  ///< which part of a brick it is of
+  Vector3 normal;                     ///< of the facet's plane, unit, towards the camera's side
+  double offset = 0;                  ///< normal . point for the points of the plane
 };
 
 /// The pieces of a layer of facets, in the order in which they stand. Parts nearer to the camera
@@ -37,9 +37,9 @@ std::vector<Piece> makePieces(const PictureGeometry& geometry, const std::vector
 /// The lines of a facet's outline that nothing hides, each through two points or more, world axes;
 /// a closed line ends where it began.
 struct SeenOutline {
-  std::vector<std::vector<Vector3>> lines;
-  bool pale = false;
-  double opacity = 1;  ///< of its facet
+  std::vector<std::vector<Vector3>> lines;  ///< each two points or more, metres
+  bool pale = false;                        ///< drawn in the pale outline colour, as on dark bricks
+  double opacity = 1;                       ///< of its facet
 };
 
 /// What shows of the outlines of whole facets, as makePieces() gives them, in their order. A side

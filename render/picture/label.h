@@ -106,6 +106,7 @@ class Surface {
 /// Draws on a picture, which must outlive it. What falls outside is left out.
 class FrameSurface : public Surface {
  public:
+  /// Draws on this frame, which must outlive it.
   explicit FrameSurface(Frame& frame) : frame_(frame) {}
 
   void box(double left, double upper, double width, double height, Colour colour) override;
@@ -121,7 +122,7 @@ class FrameSurface : public Surface {
 
 /// A range of values and the marks along it, rising, all within it.
 struct Axis {
-  double low = 0;
+  double low = 0;                  ///< the lowest value shown
   double high = 1;                 ///< above low
   bool isLogarithmic = false;      ///< equal steps of the page are equal ratios; low is above 0
   std::vector<double> ticks;       ///< where numbers stand
@@ -150,15 +151,15 @@ Axis makeLogarithmicAxis(const std::vector<double>& values, int mostTicks);
 
 /// What the colours of a picture mean.
 struct ColourScale {
-  ColourMap map = ColourMap::Viridis;
-  double least = 0;   ///< the value of the scale's dark end
-  double most = 1;    ///< the value of its bright end
-  std::string title;  ///< quantity and unit, ASCII, for example "target error, m"
+  ColourMap map = ColourMap::Viridis;  ///< how values become colours
+  double least = 0;                    ///< the value of the scale's dark end
+  double most = 1;                     ///< the value of its bright end
+  std::string title;                   ///< quantity and unit, ASCII, for example "target error, m"
 };
 
 /// What one of several colours means.
 struct LegendEntry {
-  Colour colour;
+  Colour colour;     ///< what bricks have
   std::string text;  ///< UTF-8, a few words
 };
 
@@ -169,8 +170,8 @@ double shareOf(const ColourScale& scale, double value);
 /// A length that a bar stands for: 1, 2 or 5 times a power of ten, at most `longest`, and how it is
 /// written, for example "0.5 m" or "20 mm".
 struct ScaleLength {
-  double metres = 1;
-  std::string text;
+  double metres = 1;  ///< above 0
+  std::string text;   ///< with its unit, ASCII
 };
 
 /// The longest such length. longest: metres, positive. From 1 um on in um, mm, m, km.

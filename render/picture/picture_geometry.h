@@ -92,7 +92,7 @@ struct Facet {
   bool outlined = false;  ///< then as many points follow: its corners within the outline
   bool pale = false;      ///< whether that outline is the pale one
   Colour colour;          ///< within the outline
-  FacetPart part = FacetPart::Whole;
+  FacetPart part = FacetPart::Whole;  ///< which part of a brick it is of
 };
 
 /// All that a picture shows, in layers: each hides the ones before it.
@@ -117,6 +117,7 @@ struct PictureGeometry {
   Colour flatColourOf(const Facet& facet) const {
     return facet.part == FacetPart::Border ? outlineOf(facet) : facet.colour;
   }
+  /// A facet's corners, in their order, world axes.
   std::span<const Vector3> corners(const Facet& facet) const {
     return std::span(points).subspan(facet.first, facet.count);
   }

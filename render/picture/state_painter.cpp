@@ -546,8 +546,10 @@ BrickPalette::BrickPalette(const Look& look, const PictureContent& content)
         "error: the model has no target, so there is no target error to show; give another "
         "--colour or add target.txt");
   }
-  if ((colouring_ == Colouring::Moment || colouring_ == Colouring::Energy) &&
-      content.hingeSprings.empty()) {
+  const bool isPulled = colouring_ == Colouring::Moment
+                            ? !hingeSpringsOf(content.pairForces).empty()
+                            : !content.pairForces.empty();
+  if ((colouring_ == Colouring::Moment || colouring_ == Colouring::Energy) && !isPulled) {
     throw InputError(
         "error: the hinges have no springs, so there is no moment or energy to show; give another "
         "--colour or add --hinge-stiffness or --hinge-neck");
@@ -661,9 +663,9 @@ std::vector<double> BrickPalette::values(const Poses& poses) const {
       return degrees;
     }
     case Colouring::Moment:
-      return brickMoments(content_.hingeSprings, content_.ligaments, poses);
+      return brickMoments(content_.pairForces, poses);
     case Colouring::Energy:
-      return brickElasticEnergies(content_.hingeSprings, content_.ligaments, poses);
+      return brickElasticEnergies(content_.pairForces, poses);
     default:
       return brickJointGaps(content_.pivots, poses);
   }

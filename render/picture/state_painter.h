@@ -60,8 +60,8 @@ enum class FitScope {
 /// A colour for some tiles.
 struct TileColour {
   std::vector<int> tiles;  ///< numbers, from 0
-  Colour colour;
-  std::string name;  ///< of the group that they are, in the legend; empty: not in the legend
+  Colour colour;           ///< of these tiles
+  std::string name;        ///< of the group that they are, in the legend; empty: not in the legend
 };
 
 /// How opaque some tiles are.
@@ -73,10 +73,10 @@ struct TileOpacity {
 /// The look of all pictures of a run. Defaults give the pictures that a run leaves without any
 /// option.
 struct Look {
-  Theme theme = Theme::Light;
-  bool transparent = false;  ///< no background
-  Colouring colouring = Colouring::Plain;
-  ColourMap map = ColourMap::Viridis;  ///< of colours by a measure
+  Theme theme = Theme::Light;              ///< colours of all that is not said otherwise
+  bool transparent = false;                ///< no background
+  Colouring colouring = Colouring::Plain;  ///< what the colours of bricks say
+  ColourMap map = ColourMap::Viridis;      ///< of colours by a measure
   /// Values at the ends of the scale, in the unit of the measure; absent: 0, and the largest to be
   /// expected.
   std::optional<double> colourLeast, colourMost;
@@ -88,17 +88,17 @@ struct Look {
   /// Of single tiles, whatever colours stand for; of two for one tile the later counts.
   std::vector<TileOpacity> tileOpacities;
   std::optional<Colour> outlineColour;  ///< absent: the theme's, as is the next
-  std::optional<Colour> background;
-  bool outlines = true;     ///< lines on the edges of tiles
-  double outlineWidth = 1;  ///< of these lines, times the style's, positive
+  std::optional<Colour> background;     ///< absent: as the theme has it
+  bool outlines = true;                 ///< lines on the edges of tiles
+  double outlineWidth = 1;              ///< of these lines, times the style's, positive
   /// Brightness that a face loses from which other bricks keep all light away, 0 to 1; absent: the
   /// style's.
   std::optional<double> occlusion;
   bool jointMarks = false;   ///< a dot on each joint
   bool targetLines = false;  ///< the target's tiles as lines, dashed where bricks hide them
-  GroundLook ground = GroundLook::Auto;
-  CameraChoice camera;
-  FitScope fit = FitScope::Auto;
+  GroundLook ground = GroundLook::Auto;  ///< how the ground is shown
+  CameraChoice camera;                   ///< where the camera stands
+  FitScope fit = FitScope::Auto;         ///< what the camera holds in sight
 };
 
 // ------------------------------------------------------------------------------------------------
@@ -162,11 +162,10 @@ class Strip {
 /// What pictures of a run show. Made once for all pictures of a run. Lengths in metres; a content
 /// of a trajectory in another unit has all of them in that unit.
 struct PictureContent {
-  std::vector<Brick> bricks;
+  std::vector<Brick> bricks;                ///< one a tile
   Poses start;                              ///< one a brick
   std::vector<Pivot> pivots;                ///< of all joints
-  std::vector<HingeSpring> hingeSprings;    ///< of the bricks' hinges
-  std::vector<Ligament> ligaments;          ///< each at a spring's hinge
+  PairForces pairForces;                    ///< springs at hinges, ligaments, ...
   std::optional<std::vector<Tile>> target;  ///< one tile a brick, world axes
   std::optional<double> groundHeight;       ///< z of the scene's ground, if it has one, metres
   std::vector<Tile> obstacles;              ///< faces of what stays where it is, world axes
@@ -235,6 +234,7 @@ class BrickPalette {
 
 /// Widths of lines in small pictures, pixels: between two flush tiles, and of lines laid over.
 inline constexpr double kThinnestEdge = 2;
+/// The thinnest that lines over a picture are drawn, pixels.
 inline constexpr double kThinnestOverlay = 1.2;
 
 /// A state of a run, as one picture shows it.
@@ -285,14 +285,18 @@ class PictureSetup {
   /// The same as polygons in space, for vector graphics. Throws as camera().
   PictureGeometry geometry(const ShownState& state) const;
 
+  /// What is shown.
   const PictureContent& content() const { return content_; }
+  /// How it is shown.
   const Style& style() const { return style_; }
+  /// Of each picture, without the strip under it, pixels.
   FrameSize pictureSize() const { return size_; }
 
   /// What the bricks' colours mean, when they are those of a measure.
   const std::optional<ColourScale>& colourScale() const { return palette_.scale(); }
   /// The same where they are those of kinds of bricks; empty where they mean nothing.
   const std::vector<LegendEntry>& legend() const { return palette_.legend(); }
+  /// What the colours of bricks say.
   Colouring colouring() const { return palette_.colouring(); }
 
   /// Height of every picture, metres, when one scale holds all over all of them: the camera stands
@@ -337,6 +341,7 @@ class StatePainter {
   /// Painter::paint(), too.
   Frame paint(const ShownState& state, const StripText& text = {}, Frame storage = {});
 
+  /// The camera and the style of its pictures.
   const PictureSetup& setup() const { return *setup_; }
 
  private:

@@ -20,6 +20,7 @@ namespace kirireel::python {
 /// ignores is ignored.
 class InterruptionWatch {
  public:
+  /// Watches for Ctrl-C from now on, on the thread that made it.
   InterruptionWatch();
   ~InterruptionWatch();
   InterruptionWatch(const InterruptionWatch&) = delete;

@@ -50,10 +50,10 @@ enum class CurvesAgainst {
 
 /// What is to be written of a run.
 struct CurvesSettings {
-  std::filesystem::path folder;   ///< made if need be
-  std::vector<PageFormat> plots;  ///< curves.svg, curves.pdf, curves.png
-  CurvesAgainst against = CurvesAgainst::Time;
-  PlotSettings plot;
+  std::filesystem::path folder;                 ///< made if need be
+  std::vector<PageFormat> plots;                ///< curves.svg, curves.pdf, curves.png
+  CurvesAgainst against = CurvesAgainst::Time;  ///< what the horizontal axis shows
+  PlotSettings plot;                            ///< how the figure looks
 };
 
 /// The table: a row a sample, first time_s and progress, then every curve's column, those of each

@@ -22,13 +22,13 @@ struct StateInspection {
   std::vector<TileOverlap> overlaps;  ///< deeper than a millionth of a tile, deepest first
   bool seesAllPairs = true;           ///< false: there are too many pairs, see mostPairs()
   std::optional<Mobility> inPlane;    ///< of flat states
-  Mobility inSpace;
+  Mobility inSpace;                   ///< of the mechanism in space
 };
 
 /// Everything that is told of a model. Tiles in it count from 0; `countsFrom` is what the text
 /// adds.
 struct Inspection {
-  std::string name;
+  std::string name;                         ///< of the model
   std::map<int, int> tilesByVertices;       ///< how many tiles have so many vertices
   std::map<std::string, int> jointsByKind;  ///< "bottom", "top", "both", "link", "fixed"
   double size = 0;                          ///< diagonal of the start, metres
@@ -38,12 +38,12 @@ struct Inspection {
   double zeroSingularValue = 0;    ///< what counts as zero because of that
   int countsFrom = 0;              ///< the first number of tiles and vertices in its file
   std::vector<std::string> mends;  ///< what was put right in its files, one line each
-  StateInspection start;
-  std::optional<StateInspection> target;
-  std::optional<double> shapeChange;     ///< largest change of a length in a tile, metres
-  std::optional<double> rigidBound;      ///< no rigid tiles come nearer to the target, metres
-  std::optional<double> assembledError;  ///< the least found with joints closed, metres
-  Needs needs;                           ///< what a run would switch on
+  StateInspection start;           ///< at the start
+  std::optional<StateInspection> target;  ///< at the target, where there is one
+  std::optional<double> shapeChange;      ///< largest change of a length in a tile, metres
+  std::optional<double> rigidBound;       ///< no rigid tiles come nearer to the target, metres
+  std::optional<double> assembledError;   ///< the least found with joints closed, metres
+  Needs needs;                            ///< what a run would switch on
 };
 
 /// Looks at the scene's model, with its bricks' thickness. `tell`, which may be empty, is called

@@ -23,6 +23,7 @@ class MotionCurve {
   /// times: rising, seconds, at least one; lengths: as many, never falling, metres, the first 0.
   MotionCurve(std::vector<double> times, std::vector<double> lengths);
 
+  /// Of the run, simulated seconds.
   double endTime() const { return times_.back(); }
   /// Of the whole path, metres.
   double length() const { return lengths_.back(); }
@@ -91,8 +92,8 @@ class Replay {
 
 /// A state of a run, and the moment that it is of.
 struct FrameState {
-  FrameMoment moment;
-  Sample sample;
+  FrameMoment moment;  ///< where in the video it stands
+  Sample sample;       ///< what it shows
 };
 
 /// A state that several threads may read at the same time.

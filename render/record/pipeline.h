@@ -74,6 +74,7 @@ class BoundedQueue {
     changed_.notify_all();
   }
 
+  /// Whether it was stopped; any thread may ask.
   bool isStopped() {
     const std::lock_guard lock(mutex_);
     return stopped_;
@@ -196,6 +197,7 @@ std::int64_t peakMemoryBytes();
 /// Adds the CPU seconds that its thread uses during its lifetime to a sum.
 class CpuTimer {
  public:
+  /// Adds the CPU time of its thread, from now to its end, to a sum of seconds.
   explicit CpuTimer(double& sum) : sum_(sum), start_(threadCpuSeconds()) {}
   ~CpuTimer() { sum_ += threadCpuSeconds() - start_; }
   CpuTimer(const CpuTimer&) = delete;
@@ -209,6 +211,7 @@ class CpuTimer {
 /// Seconds on the wall since it was made.
 class Stopwatch {
  public:
+  /// CPU seconds since it was made.
   double seconds() const {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   }

@@ -35,9 +35,10 @@ enum class Pace {
 
 /// A moment of a run that is wanted as a picture of its own.
 struct FrameChoice {
+  /// What `value` counts.
   enum class Unit { Seconds, Share };
-  double value = 0;  ///< simulated seconds, or the share of the motion, 0 to 1
-  Unit unit = Unit::Seconds;
+  double value = 0;           ///< simulated seconds, or the share of the motion, 0 to 1
+  Unit unit = Unit::Seconds;  ///< of `value`
 
   bool operator==(const FrameChoice&) const = default;
 };
@@ -49,8 +50,8 @@ struct PictureSettings {
   std::filesystem::path folder;  ///< made if need be; a former run's files in it are replaced
   FrameSize size;                ///< of video frames and of each snapshot
   int framesPerSecond = 60;      ///< of the video, 1 to 240
-  Pace pace = Pace::Even;
-  double length = 8;  ///< of a video at an even pace, seconds, without a title
+  Pace pace = Pace::Even;        ///< how time passes in the video
+  double length = 8;             ///< of a video at an even pace, seconds, without a title
   double speed =
       1;  ///< simulated seconds in a second of video at real pace; below 1 is slow motion
   /// Seconds that the video shows its first and its last frame longer; absent: 0.5 at an even pace,
@@ -59,9 +60,9 @@ struct PictureSettings {
   /// Of a card shown before the video, UTF-8, line feeds begin new lines; no card when both are
   /// empty.
   std::string title;
-  std::string subtitle;
-  Look look;  ///< of all pictures
-  GridShape grid;
+  std::string subtitle;  ///< below the title, UTF-8; empty: none
+  Look look;             ///< of all pictures
+  GridShape grid;        ///< of the snapshots
   /// Under the grid's pictures and the video's frames; absent: under the grid alone, progress at an
   /// even pace, time at real pace, nothing where its columns have heads.
   std::optional<CaptionParts> captions;
@@ -77,25 +78,28 @@ struct PictureSettings {
   std::vector<std::string> columnHeads;  ///< over the grid's columns, one each; none when empty
   std::vector<PageFormat> pages;  ///< the grid as vector graphics too, as snapshots.svg, .pdf
   std::string madeBy;             ///< who makes the pictures from what, noted in the files
-  SnapshotSpacing spacing = SnapshotSpacing::Progress;
-  bool video = true;
-  std::string videoFile = output::kVideo;  ///< its ending chooses the format
-  std::optional<int> crf;                  ///< of the video, see VideoSettings
-  std::string preset = "auto";             ///< of the video, see VideoSettings
-  std::string encoder;                     ///< of the video, see VideoSettings
-  bool snapshots = true;                   ///< snapshots.png
+  SnapshotSpacing spacing = SnapshotSpacing::Progress;  ///< which states the snapshots show
+  bool video = true;                                    ///< whether there is one
+  std::string videoFile = output::kVideo;               ///< its ending chooses the format
+  std::optional<int> crf;                               ///< of the video, see VideoSettings
+  std::string preset = "auto";                          ///< of the video, see VideoSettings
+  std::string encoder;                                  ///< of the video, see VideoSettings
+  bool snapshots = true;                                ///< snapshots.png
   bool svg = false;     ///< snapshot_01.svg ..., the grid's pictures as vector graphics
   bool frames = false;  ///< frames/frame_00000.png ..., every frame of the video
   std::vector<FrameChoice> chosenFrames;  ///< the same of these moments alone
   /// That paint a video's frames at the same time; absent: one a core. Decides no bytes.
   std::optional<int> painterCount;
 
+  /// Whether frames of a video are painted.
   bool paintsFrames() const { return video || frames; }
+  /// Whether any picture is painted.
   bool paints() const { return paintsFrames() || snapshots || !chosenFrames.empty(); }
   /// At most 16, unless a number was given.
   int painters() const;
   /// Simulated seconds from one sample of the run to the next.
   double sampleInterval() const { return (pace == Pace::Real ? speed : 1) / framesPerSecond; }
+  /// Seconds for which the video's first and last frame stand.
   double heldSeconds() const { return hold.value_or(pace == Pace::Even ? 0.5 : 0); }
   /// Of the grid in print, where it has a width.
   double gridDotsPerInch() const { return dotsPerInch.value_or(300); }
@@ -134,29 +138,29 @@ struct PictureReport {
   int videoFrames = 0;              ///< frames in the video
   std::optional<double> stoppedAt;  ///< where the video ends when the observer ended it, seconds
   std::string stoppedBy;            ///< who ended it then, as Interruption has it
-  RecordCost recordCost;
-  std::string graphics;            ///< version of OpenGL and its maker; empty when none was used
-  std::vector<std::string> files;  ///< relative to the folder, in the order written
+  RecordCost recordCost;            ///< of pictures and video
+  std::string graphics;             ///< version of OpenGL and its maker; empty when none was used
+  std::vector<std::string> files;   ///< relative to the folder, in the order written
 };
 
 /// Everything that summary.json says about a run, beside its settings.
 struct RunSummary : PictureReport {
-  Outcome outcome = Outcome::OutOfTime;
-  std::string reason;            ///< one line: why it ended so
-  std::optional<bool> atTarget;  ///< at the end; absent where nothing pulls to a target
-  double endTime = 0;            ///< simulated seconds
+  Outcome outcome = Outcome::OutOfTime;  ///< how the run ended
+  std::string reason;                    ///< one line: why it ended so
+  std::optional<bool> atTarget;          ///< at the end; absent where nothing pulls to a target
+  double endTime = 0;                    ///< simulated seconds
   /// When the first brick was farther away than pictures show (see kFarthestShown), simulated
   /// seconds; its data go on.
   std::optional<double> leftOutFrom;
-  Needs needs;
-  PathSettings path;       ///< that was taken
-  std::string pathReason;  ///< one short phrase: why
-  Accuracy accuracy;
-  double assembledError = -1;          ///< metres; negative when not computed
-  std::vector<BlockingPair> blocking;  ///< bricks in each other's way at the target
-  std::vector<std::string> warnings;   ///< about the target, one line each
-  std::vector<Event> events;           ///< what the timeline did, and how the run ended
-  DeployCost deployCost;
+  Needs needs;                           ///< what was modelled, and why
+  PathSettings path;                     ///< that was taken
+  std::string pathReason;                ///< one short phrase: why
+  Accuracy accuracy;                     ///< gaps, errors and overlaps
+  double assembledError = -1;            ///< metres; negative when not computed
+  std::vector<BlockingPair> blocking;    ///< bricks in each other's way at the target
+  std::vector<std::string> warnings;     ///< about the target, one line each
+  std::vector<Event> events;             ///< what the timeline did, and how the run ended
+  DeployCost deployCost;                 ///< of the run itself
   std::optional<LoadCurve> loadCurve;    ///< of a scene with grips
   std::optional<Elasticity> elasticity;  ///< absent where no hinge has a spring
   std::string leftOut;                   ///< why nothing was exported that was to be; mostly empty

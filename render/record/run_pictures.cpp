@@ -100,8 +100,7 @@ bool seesRun(const TrajectoryReader& run, const PictureSetup& setup) {
 
 PictureContent contentOf(const Subject& subject) {
   PictureContent content = makeContent(subject.model, subject.brickRule, subject.ground);
-  content.hingeSprings = subject.hingeSprings;
-  content.ligaments = subject.ligaments;
+  content.pairForces = subject.pairForces;
   content.obstacles = subject.obstacles;
   return content;
 }

@@ -37,12 +37,14 @@ void requirePaintable(const PictureContent& content, const PictureSettings& sett
 /// turns are measured.
 class CaptionWriter {
  public:
+  /// Captions with these parts for pictures of this content.
   CaptionWriter(const CaptionParts& parts, const PictureContent& content)
       : parts_(parts), start_(content.start), hasTarget_(content.target.has_value()) {}
 
   /// In the grid to a tenth of a per cent; whole per cents where frames follow each other. One
   /// line, by the parts that were asked for.
   std::string of(const FrameState& state) const;
+  /// The caption of a video's frame in this state, one line, UTF-8.
   std::string inVideo(const FrameState& state) const;
   /// At least as wide as any of a run that ends then, seconds.
   std::string longest(double endTime) const;
@@ -151,9 +153,10 @@ class FrameSink {
 
 /// What a card says, UTF-8; line feeds begin new lines.
 struct Title {
-  std::string title;
-  std::string subtitle;
+  std::string title;     ///< over the frame, UTF-8; empty: none
+  std::string subtitle;  ///< below the title, UTF-8; empty: none
 
+  /// Whether there is neither.
   bool empty() const { return title.empty() && subtitle.empty(); }
 };
 
@@ -173,9 +176,9 @@ Frame titleCard(const Title& title, FrameSize size, Colour background, Colour in
 /// States of one run that stand in a row on a sheet, cell after cell. Rows of a figure may have
 /// different models; those of one run have one row, which fills all cells.
 struct PanelRow {
-  Look look;
-  PictureContent content;
-  std::vector<FrameState> states;
+  Look look;                          ///< of all its pictures
+  PictureContent content;             ///< the run that is shown
+  std::vector<FrameState> states;     ///< one a picture, from left to right
   std::vector<std::string> captions;  ///< one a state
 };
 

@@ -3,7 +3,8 @@
 //     outcome, reason, end_time (s), video_frames
 //     model       name, tiles, joints, has_target, size (m), tile_size (m)
 //     accuracy    gaps, errors, bounds, penetrations (m) and what the steps report
-//     elasticity  springs, energy_start, energy_end (J), moment_end (N m); null without springs
+//     elasticity  how many of each of pairForceKinds(), as springs; energy_start, energy_end (J),
+//                 moment_end (N m); null where no force acts between pairs
 //     at_target, bricks_left_out_from (s), warnings, alignment, path, blocking, needs
 //     events      [{time (s), what}]
 //     settings    by table and key, as scene.toml has them; pictures; scene: a whole scene file
@@ -31,6 +32,7 @@
 #include "render/video/video.h"
 #include "sim/deploy/forces.h"
 #include "sim/deploy/run_drive.h"
+#include "sim/scene/scene_parts.h"
 #include "sim/scene/settings.h"
 #include "sim/trajectory/array_file.h"
 #include "sim/world/bullet_world.h"
@@ -102,11 +104,14 @@ Json accuracyJson(const RunSummary& summary, bool hasTarget) {
 
 Json elasticityJson(const std::optional<Elasticity>& elasticity) {
   if (!elasticity) return nullptr;
-  return {{"springs", elasticity->springs},
-          {"ligaments", elasticity->ligaments},
-          {"energy_start", elasticity->energyStart},
-          {"energy_end", elasticity->energyEnd},
-          {"moment_end", elasticity->momentEnd}};
+  Json json;
+  for (const PairForceKind& kind : pairForceKinds()) {
+    json[kind.name.counted] = elasticity->count(kind.name.counted);
+  }
+  json["energy_start"] = elasticity->energyStart;
+  json["energy_end"] = elasticity->energyEnd;
+  json["moment_end"] = elasticity->momentEnd;
+  return json;
 }
 
 /// Times in simulated seconds; what a kind of path does not have is null.

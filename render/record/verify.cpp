@@ -31,6 +31,7 @@
 #include "sim/base/error.h"
 #include "sim/base/files.h"
 #include "sim/measure/measures.h"
+#include "sim/scene/scene_parts.h"
 #include "sim/trajectory/trajectory_file.h"
 
 namespace kirireel {
@@ -263,16 +264,17 @@ class Verifier {
   void compareElasticity(const Json& summary, const Subject& subject, const Poses& start,
                          const Poses& end) {
     const Json stated = summary.value("elasticity", Json());
-    const bool isElastic = !subject.hingeSprings.empty();
+    const bool isElastic = !subject.pairForces.empty();
     if (isElastic == stated.is_null()) {
       complain(output::kSummary, "elasticity and the springs in trajectory.h5 do not go together");
     }
     if (!isElastic || stated.is_null()) return;
-    const Elasticity found = elasticityOf(subject.hingeSprings, subject.ligaments, start, end);
-    compare(output::kSummary, "elasticity.springs", stated.at("springs"), found.springs);
-    // Files of version 2 and their summaries do not tell of ligaments.
-    compare(output::kSummary, "elasticity.ligaments", stated.value("ligaments", 0),
-            found.ligaments);
+    const Elasticity found = elasticityOf(subject.pairForces, start, end);
+    for (const PairForceKind& kind : pairForceKinds()) {
+      // Summaries of earlier releases do not tell of all kinds.
+      const std::string name = kind.name.counted;
+      compare(output::kSummary, "elasticity." + name, stated.value(name, 0), found.count(name));
+    }
     compare(output::kSummary, "elasticity.energy_start", stated.at("energy_start"),
             found.energyStart);
     compare(output::kSummary, "elasticity.energy_end", stated.at("energy_end"), found.energyEnd);

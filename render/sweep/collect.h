@@ -21,6 +21,7 @@ namespace kirireel {
 /// ends, however it ends.
 class FileLock {
  public:
+  /// What to do while another process holds the file.
   enum class IfHeld { Wait, GiveUp };
 
   /// The lock, or nothing when another process holds it. The file is made if need be. Throws
@@ -28,6 +29,7 @@ class FileLock {
   /// the same when the file was moved away meanwhile.
   static std::optional<FileLock> take(const std::filesystem::path& file, IfHeld ifHeld);
 
+  /// Takes the lock over; the other holds nothing any more.
   FileLock(FileLock&& other) noexcept;
   FileLock& operator=(FileLock&&) = delete;
   ~FileLock();
@@ -42,8 +44,8 @@ class FileLock {
 
 /// How a run ended.
 struct RunRecord {
-  bool failed = false;
-  std::string reason;  ///< one line why it failed; empty otherwise
+  bool failed = false;  ///< whether it ended with an error
+  std::string reason;   ///< one line why it failed; empty otherwise
   std::vector<std::pair<std::string, std::string>> inputs;  ///< keys and values, in order
 };
 
@@ -83,8 +85,8 @@ class RunClaim {
 
 /// One column: its name, and a text for each row; a figure that does not exist is "".
 struct TableColumn {
-  std::string name;
-  std::vector<std::string> cells;
+  std::string name;                ///< as the table's first row has it
+  std::vector<std::string> cells;  ///< one a row, from the top
 };
 
 /// All columns have equally many cells.
@@ -92,16 +94,16 @@ using SweepTable = std::vector<TableColumn>;
 
 /// The runs of a sweep, in the order of the table.
 struct SweepListing {
-  std::filesystem::path runs;     ///< the folder of all runs
-  std::uint64_t count = 0;        ///< of runs
-  std::vector<std::string> keys;  ///< parameters that vary
-  std::function<std::string(std::uint64_t)> name;
+  std::filesystem::path runs;                      ///< the folder of all runs
+  std::uint64_t count = 0;                         ///< of runs
+  std::vector<std::string> keys;                   ///< parameters that vary
+  std::function<std::string(std::uint64_t)> name;  ///< of a run, which is its folder's too
   std::function<std::vector<std::string>(std::uint64_t)> values;  ///< one for each key
 };
 
 /// One row of the table, as far as a picture of its end needs it.
 struct SweepRow {
-  std::string name;
+  std::string name;                 ///< of the run
   std::vector<std::string> values;  ///< of the parameters that vary
   bool failed = false;              ///< then it has no end state
   double thickness = 0;             ///< of its bricks, metres; 0 when it failed
@@ -147,8 +149,8 @@ inline constexpr std::size_t kMostContacts = 100;
 
 /// Which pictures are on a page, row by row, and how they stand.
 struct ContactLayout {
-  std::vector<std::size_t> chosen;
-  GridShape shape;
+  std::vector<std::size_t> chosen;  ///< runs, by their place in the listing
+  GridShape shape;                  ///< rows and columns of pictures
 };
 
 /// Where pictures come in series of `series` (those that differ in the last parameter alone; 1 for

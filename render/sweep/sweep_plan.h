@@ -17,6 +17,7 @@ struct SweepValue {
   bool isSwitch = false;  ///< true or false, not a text
   FileLocation where;     ///< in the sweep file
 
+  /// Whether the texts are the same; where they stand does not matter.
   bool operator==(const SweepValue& other) const { return text == other.text; }
 };
 
@@ -28,15 +29,15 @@ bool comesBefore(const SweepValue& a, const SweepValue& b);
 
 /// A parameter and values of it.
 struct SweepAxis {
-  std::string key;     ///< an option or a parameter of a family, as in a scene file
-  FileLocation where;  ///< of the key
-  std::vector<SweepValue> values;
+  std::string key;                 ///< an option or a parameter of a family, as in a scene file
+  FileLocation where;              ///< of the key
+  std::vector<SweepValue> values;  ///< in the file's order, at least one
 };
 
 /// Numbers between two ends.
 struct SweepRange {
-  double from = 0;
-  double to = 0;
+  double from = 0;           ///< the first end
+  double to = 0;             ///< the other end, above or below the first
   bool logarithmic = false;  ///< equal ratios instead of equal differences; ends are positive
   bool whole = false;        ///< rounded to whole numbers
 
@@ -47,9 +48,9 @@ struct SweepRange {
 
 /// A range of a parameter.
 struct SweepRangeAxis {
-  std::string key;
-  FileLocation where;
-  SweepRange range;
+  std::string key;     ///< as of a SweepAxis
+  FileLocation where;  ///< of the key
+  SweepRange range;    ///< its ends, and how numbers lie between them
 };
 
 /// The runs of a sweep, sorted by their parameters, one after the other. Each run of a grid is made
@@ -98,18 +99,18 @@ enum class SweepKeep {
 
 /// A key with one value. As written in the file, not yet known to exist.
 struct SweepSetting {
-  std::string key;
-  SweepValue value;
+  std::string key;   ///< an option or a parameter of a family
+  SweepValue value;  ///< as it was written
 };
 
 /// What a sweep file says. Keys are not known to exist yet.
 struct Sweep {
-  std::filesystem::path file;
-  std::string family;        ///< of generated models; empty: the runs name a model
-  FileLocation familyWhere;  ///< in the sweep file
-  SweepKeep keep = SweepKeep::State;
+  std::filesystem::path file;          ///< the sweep file itself
+  std::string family;                  ///< of generated models; empty: the runs name a model
+  FileLocation familyWhere;            ///< in the sweep file
+  SweepKeep keep = SweepKeep::State;   ///< what runs leave in their folders
   std::vector<SweepSetting> settings;  ///< of all runs, by key
-  SweepPlan plan;
+  SweepPlan plan;                      ///< which runs there are
   /// Every value that the parameters can have; of ranges both ends.
   std::vector<SweepAxis> axes;
 };

@@ -11,8 +11,8 @@ namespace kirireel {
 
 /// How a job ended.
 enum class Verdict : char {
-  Done,
-  Failed,
+  Done,     ///< its process ended with the exit code 0
+  Failed,   ///< it ended in any other way
   Skipped,  ///< there was nothing to do
 };
 

@@ -36,7 +36,7 @@ struct VideoFormat {
   bool evenSides;    ///< colour planes of half the size
   bool transparent;  ///< keeps alpha; else what is transparent shows white
   int usualCrf;      ///< looks lossless; negative when there is no such quality
-  int worstCrf;
+  int worstCrf;      ///< the largest, which is the least quality
 };
 
 /// All formats: .mp4 (H.264), .webm (VP9), .gif, .apng, .mkv (FFV1, lossless).

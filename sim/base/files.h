@@ -71,6 +71,7 @@ class PendingFile {
   /// Where to write: beside the final name, same extension, e.g. "deployment.part.mp4"; under a
   /// name that nothing has yet.
   const std::filesystem::path& path() const { return path_; }
+  /// Where the file goes in the end.
   const std::filesystem::path& finalPath() const { return finalPath_; }
 
   /// Renames path() to finalPath(). Throws OutputError when that fails.
@@ -98,11 +99,13 @@ void writeTextFile(const std::filesystem::path& finalPath, const std::string& te
 /// The hash of bytes that come piece by piece.
 class Sha256 {
  public:
+  /// Of no bytes yet.
   Sha256();
   ~Sha256();
   Sha256(const Sha256&) = delete;
   Sha256& operator=(const Sha256&) = delete;
 
+  /// Appends bytes to what is hashed.
   void add(std::span<const char> bytes);
 
   /// 64 hexadecimal digits of all that was added. To be called once.

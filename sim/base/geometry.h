@@ -10,14 +10,26 @@
 
 namespace kirireel {
 
+/// A point (metres) or a direction, or three numbers of any unit that is said.
 using Vector3 = Eigen::Vector3d;
+/// A rotation, an inertia or a stiffness.
 using Matrix3 = Eigen::Matrix3d;
+/// Linear and angular part, one after the other.
 using Vector6 = Eigen::Matrix<double, 6, 1>;
+/// By the same six.
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
+/// Six numbers of each of two bricks, or three of each of four points.
+using Vector12 = Eigen::Matrix<double, 12, 1>;
+/// By the same twelve.
+using Matrix12 = Eigen::Matrix<double, 12, 12>;
+/// A rotation; unit wherever it is one of a pose.
 using Quaternion = Eigen::Quaterniond;
 
 /// One degree in radians.
 inline constexpr double kDegree = std::numbers::pi / 180;
+
+/// How far the length of a direction or quaternion that a file holds may be from 1.
+inline constexpr double kUnitTolerance = 1e-6;
 
 /// The mean of one or more points.
 inline Vector3 meanPoint(const std::vector<Vector3>& points) {
@@ -31,6 +43,7 @@ struct Pose {
   Vector3 position = Vector3::Zero();            ///< of the brick's centre of mass, metres
   Quaternion rotation = Quaternion::Identity();  ///< unit, from brick axes to world axes
 
+  /// Where a point of the brick's own axes stands in the world, metres.
   Vector3 apply(const Vector3& point) const { return position + rotation * point; }
 };
 
@@ -45,8 +58,8 @@ using Poses = std::vector<Pose>;
 
 /// The state that a deployment advances: one entry a brick.
 struct Motion {
-  Poses poses;
-  std::vector<Velocity> velocities;
+  Poses poses;                       ///< one a brick
+  std::vector<Velocity> velocities;  ///< one a brick
 };
 
 /// The rotations as matrices, brick axes to world axes: cheaper than quaternions where a brick has

@@ -24,6 +24,7 @@ using InterruptionCheck = std::function<void()>;
 /// around it. Scopes end in the reverse order of their beginning.
 class InterruptionScope {
  public:
+  /// Asks this check on its thread until it ends; scopes may lie within each other.
   explicit InterruptionScope(InterruptionCheck check);
   ~InterruptionScope();
   InterruptionScope(const InterruptionScope&) = delete;
@@ -41,6 +42,7 @@ class InterruptionScope {
 /// kept. A check that throws Interrupted does so only then.
 class InterruptionCatcher {
  public:
+  /// Catches SIGINT and SIGTERM from now on, to its end.
   InterruptionCatcher();
   ~InterruptionCatcher();
   InterruptionCatcher(const InterruptionCatcher&) = delete;

@@ -32,6 +32,7 @@ class StateTape {
   /// A tape to be played back.
   explicit StateTape(std::vector<double> numbers) : numbers_(std::move(numbers)), plays_(true) {}
 
+  /// Whether values come from the tape; otherwise they are recorded.
   bool isPlaying() const { return plays_; }
   /// Whether all has been played back.
   bool isOver() const { return next_ == numbers_.size(); }

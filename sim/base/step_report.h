@@ -25,13 +25,15 @@ struct StepReport {
   double singularTime = 0;  ///< ... or the joints were singular
   /// Energy that dampers took, and that contacts took by impacts and friction, joules.
   double damped = 0;
-  double impacted = 0;
+  double impacted = 0;  ///< what contacts have taken of the energy, joules
   /// What the steps cost, in multiplications with an addition: counted from the plan of elimination
   /// and the pairs examined, so that it is the same on every machine.
   double work = 0;
 
+  /// Adds the counts of further steps, and keeps the larger of figures that are largest ones.
   StepReport& operator+=(const StepReport& other);
 
+  /// Records or plays back all figures.
   void transfer(StateTape& tape);
 };
 
@@ -41,8 +43,8 @@ struct StepFigure {
   const char* unit;      ///< "1" for a count
   const char* part;      ///< of summary.json that has the sum, "cost" or "accuracy"; null: none
   const char* partName;  ///< what it is called there
-  double (*get)(const StepReport&);
-  void (*set)(StepReport&, double);
+  double (*get)(const StepReport&);  ///< reads it
+  void (*set)(StepReport&, double);  ///< sets it
 };
 
 /// The figure that is a field of StepReport.

@@ -70,11 +70,13 @@ class SearchBudget {
   double left() const { return std::max(0.0, all_ - spent_); }
   /// What was done, in multiplications.
   double spent() const { return spent_; }
+  /// Whether nothing is left.
   bool isSpent() const { return spent_ >= all_; }
   /// The part that is spent, 0 to 1.
   double share() const { return all_ > 0 ? std::min(1.0, spent_ / all_) : 1; }
   /// Seconds of a reference core, as given and as spent so far.
   double seconds() const { return all_ / kWorkPerSecond; }
+  /// What was spent, seconds of a reference core.
   double spentSeconds() const { return spent_ / kWorkPerSecond; }
 
  private:
@@ -114,7 +116,7 @@ AssembledState assembleAtTarget(const Scene& scene);
 
 /// Two bricks that would overlap at the target: contact stops the deployment before it gets there.
 struct BlockingPair {
-  int tileA = 0;
+  int tileA = 0;            ///< from 0
   int tileB = 0;            ///< above tileA
   double overlap = 0;       ///< the shortest move that would separate them there, metres
   bool isExplained = true;  ///< false: the budget was spent before it was looked what frees them

@@ -25,6 +25,7 @@ struct RunState {
   double time = 0;              ///< simulated seconds
   std::vector<double> numbers;  ///< all that it goes on from, see StateTape; empty before the run
 
+  /// Records or plays back.
   void transfer(StateTape& tape) { tape.transfer(time, numbers); }
 };
 

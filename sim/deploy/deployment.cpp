@@ -23,13 +23,13 @@
 #include "sim/base/interruption.h"
 #include "sim/deploy/assembled_state.h"
 #include "sim/deploy/dynamics.h"
-#include "sim/deploy/forces.h"
 #include "sim/deploy/geometric_path.h"
 #include "sim/deploy/loading.h"
 #include "sim/deploy/path_choice.h"
 #include "sim/deploy/rest.h"
 #include "sim/deploy/run.h"
 #include "sim/measure/sheet.h"
+#include "sim/deploy/run_drive.h"
 #include "sim/scene/scene_parts.h"
 #include "sim/scene/settings.h"
 
@@ -94,12 +94,12 @@ void requireSense(const Scene& scene, double sampleInterval) {
   if (scene.model.tiles.empty())
     throw InputError("the model has no tiles; add one to vertices.txt");
   const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
-  const std::vector<HingeSpring> springs = hingeSprings(scene, bricks);
-  if (scene.grips.empty()) {
-    static_cast<void>(dynamicTies(scene, bricks, springs));
-    requireBending(scene, springs);
-  }
   // What these throw shall be thrown before a search that may take minutes.
+  if (scene.grips.empty()) {
+    requireBending(scene, hingeSpringsOf(dynamicTies(scene, bricks).pairForces));
+  } else {
+    static_cast<void>(hingeSprings(scene, bricks));
+  }
   static_cast<void>(makeDriveForce(scene, bricks));
 }
 

@@ -49,6 +49,7 @@ struct Accuracy {
   double penetrationOutsidePivotsMax = 0;  ///< the same without the corners that bricks share
   double penetrationGrownMax = 0;          ///< of that, what any pair has beyond its start
 
+  /// Records or plays back.
   void transfer(StateTape& tape) {
     tape.transfer(jointGapMax, jointGapMean, jointGapEnd, jointOpeningMax, assemblyMove,
                   targetErrorStart, targetErrorEnd, targetErrorMin, rigidBound, springsRestError,
@@ -64,23 +65,24 @@ struct DeployCost {
   double searchSeconds = 0;     ///< that these count as, of the search's budget: see SearchBudget
   double searchBudget = 0;      ///< what the search could have had, likewise
 
+  /// Records or plays back.
   void transfer(StateTape& tape) { tape.transfer(took); }
 };
 
 /// Everything that a finished run leaves.
 struct DeploymentResult {
-  Trajectory trajectory;
-  Outcome outcome = Outcome::OutOfTime;
-  std::string reason;  ///< one line: why it ended so
+  Trajectory trajectory;                 ///< what moved, and where to
+  Outcome outcome = Outcome::OutOfTime;  ///< how it ended
+  std::string reason;                    ///< one line: why it ended so
   /// Whether it ended at the target that it headed for; absent where nothing pulls to a target.
   std::optional<bool> atTarget;
-  Accuracy accuracy;
-  DeployCost cost;
+  Accuracy accuracy;                     ///< gaps, errors and overlaps, metres
+  DeployCost cost;                       ///< counted and in CPU seconds
   std::optional<Elasticity> elasticity;  ///< absent where no hinge has a spring
   std::optional<LoadCurve> loadCurve;    ///< of a scene with grips
-  Needs needs;
-  PathSettings path;       ///< that was taken, never Auto
-  std::string pathReason;  ///< one short phrase: why
+  Needs needs;                           ///< what was modelled, and why
+  PathSettings path;                     ///< that was taken, never Auto
+  std::string pathReason;                ///< one short phrase: why
   /// The least target error found with joints closed, metres; negative without a target.
   double assembledError = -1;
   std::vector<BlockingPair> blocking;  ///< bricks in each other's way at the target

@@ -110,16 +110,14 @@ struct PairSum {
   }
 };
 
-/// The solver of a scene's joints, springs and ligaments, for its bricks and what else is a body.
+/// The solver of a scene's joints and forces between pairs, for its bricks and what else is a body.
 std::unique_ptr<JointSolver> solverOf(const Scene& scene, const Needs& needs,
                                       const std::vector<Brick>& bricks,
                                       const std::vector<Brick>& bodies) {
-  const std::vector<HingeSpring> springs = hingeSprings(scene, bricks);
-  Ties ties = dynamicTies(scene, bricks, springs);
-  return makeJointSolver(
-      bodies, ties.pivots,
-      {needs.planar.on, tileSize(scene.model), groundSupports(scene, needs, bricks), springs,
-       std::move(ties.ligaments)});
+  Ties ties = dynamicTies(scene, bricks);
+  return makeJointSolver(bodies, ties.pivots,
+                         {needs.planar.on, tileSize(scene.model),
+                          groundSupports(scene, needs, bricks), std::move(ties.pairForces)});
 }
 
 // `countsFrom`: the first tile's number.

@@ -193,6 +193,7 @@ class SymmetricStates {
   /// With these, a group.
   SymmetricStates(const Scene& scene, std::vector<Symmetry> group);
 
+  /// The symmetries that states keep; the identity alone where there are none.
   const std::vector<Symmetry>& group() const { return group_; }
 
   /// Leaves those symmetries alone that a state has, too.

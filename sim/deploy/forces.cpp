@@ -1,6 +1,4 @@
-// The strength of springs, and the choice of a drive. Springs to a target are not made by that
-// choice: a run moves their target on, stiffens them and switches them, so that it keeps them
-// itself.
+// The forces that drive bricks, each in a section of its own with its equations.
 #include "sim/deploy/forces.h"
 
 #include <algorithm>
@@ -72,22 +70,6 @@ double usualStiffness(const TargetSpringSettings& settings, const std::vector<Br
   double mass = 0;
   for (const Brick& brick : bricks) mass += brick.mass;
   return mass / static_cast<double>(bricks.size()) * squaredFrequency(settings) / 4;
-}
-
-std::unique_ptr<DriveForce> makeDriveForce(const Scene& scene, const std::vector<Brick>& bricks) {
-  const TargetSpringSettings& strength = scene.springs;
-  switch (scene.actuation.drive) {
-    case Drive::Expansion:
-      return std::make_unique<Expansion>(bricks, strength);
-    case Drive::Boundary:
-      return std::make_unique<BoundarySprings>(scene.model, bricks, strength,
-                                               scene.actuation.boundary);
-    case Drive::Auto:
-    case Drive::Target:
-    case Drive::None:
-      break;
-  }
-  return nullptr;
 }
 
 // ------------------------------------------------------------------------------------------------

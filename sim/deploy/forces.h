@@ -57,10 +57,6 @@ class DriveForce {
   virtual bool isEndless() const = 0;
 };
 
-/// The drive that a scene asks for; null where that is the target or nothing. Scene and bricks must
-/// outlive it. Throws InputError where the model does not have what the drive needs.
-std::unique_ptr<DriveForce> makeDriveForce(const Scene& scene, const std::vector<Brick>& bricks);
-
 // ------------------------------------------------------------------------------------------------
 // Expansion: every brick is pushed away from the common centre (PyKirigami's --cm_expansion).
 
@@ -195,6 +191,7 @@ class TargetSprings {
 /// not depend on the steps: see nextMoment().
 class AdaptiveStiffness {
  public:
+  /// `enabled`: whether it ever stiffens.
   explicit AdaptiveStiffness(bool enabled) : enabled_(enabled) {}
 
   /// Tells the error at `time`, the end of a step of `step` seconds; doubles where it is time, and
@@ -214,6 +211,7 @@ class AdaptiveStiffness {
   /// Doubles at once (a deployment that came to rest need not wait).
   void stiffen();
 
+  /// Records or plays back.
   void transfer(StateTape& tape) {
     tape.transfer(enabled_, factor_, bestError_, lastError_, lastTime_, improvedAt_);
   }

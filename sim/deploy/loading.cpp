@@ -128,8 +128,7 @@ std::size_t leadingOf(const std::vector<GripOrder>& grips) {
 
 /// The sheet in three coordinates a tile.
 std::unique_ptr<LoadedSheet> planarSheet(const Scene& scene, const std::vector<Brick>& bricks,
-                                         const std::vector<HingeSpring>& springs, const Ties& ties,
-                                         const std::vector<GripOrder>& grips) {
+                                         const Ties& ties, const std::vector<GripOrder>& grips) {
   std::vector<Grip> held;
   for (const GripOrder& grip : grips) {
     if (grip.setting->z) {
@@ -139,9 +138,9 @@ std::unique_ptr<LoadedSheet> planarSheet(const Scene& scene, const std::vector<B
     }
     held.push_back({handlesOf(grip, bricks), grip.direction, grip.amount, grip.setting->isForce});
   }
-  return std::make_unique<ElasticSheet>(bricks, startPoses(scene.model.tiles, bricks), springs,
-                                        ties.pivots, pinnedTiles(scene), std::move(held),
-                                        ties.ligaments);
+  return std::make_unique<ElasticSheet>(bricks, startPoses(scene.model.tiles, bricks),
+                                        ties.pairForces, ties.pivots, pinnedTiles(scene),
+                                        std::move(held));
 }
 
 /// The states as a path to be walked.
@@ -187,14 +186,14 @@ DeploymentResult followGrips(const Scene& scene, double sampleInterval,
                              const SampleObserver& observer) {
   requireEquilibria(scene);
   const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
-  const std::vector<HingeSpring> springs = hingeSprings(scene, bricks);
+  const Ties ties = loadedTies(scene, bricks);
   const std::vector<GripOrder> grips = gripsOf(scene);
   const std::size_t leading = leadingOf(grips);
-  const Ties ties = tiesOf(scene, bricks, springs);
   const std::unique_ptr<LoadedSheet> sheet =
-      scene.hinges.panels ? makeBarHingeSheet(scene, bricks, springs, pinnedTiles(scene), grips)
-                          : planarSheet(scene, bricks, springs, ties, grips);
-  const bool isSoft = scene.hinges.panels || !ties.ligaments.empty();
+      scene.hinges.panels
+          ? makeBarHingeSheet(scene, bricks, ties.pairForces, pinnedTiles(scene), grips)
+          : planarSheet(scene, bricks, ties, grips);
+  const bool isSoft = scene.hinges.panels || ties.pairForces.replaceJoints();
   LoadPathSettings settings;
   settings.leastStates = scene.path.loadSteps;
   settings.mostStates = std::max(settings.mostStates, 20 * scene.path.loadSteps);
@@ -208,7 +207,9 @@ DeploymentResult followGrips(const Scene& scene, double sampleInterval,
   DeploymentResult result = walk(scene, path, assembleAtTarget(scene), sampleInterval, watch);
   result.loadCurve = LoadCurve{{}, leading, loaded.states};
   for (const GripOrder& grip : grips) result.loadCurve->grips.push_back(grip.name);
-  result.elasticity = elasticityOf(springs, ties.ligaments, loaded.states.front().poses, last);
+  if (!ties.pairForces.empty()) {
+    result.elasticity = elasticityOf(ties.pairForces, loaded.states.front().poses, last);
+  }
   result.atTarget.reset();
   noteTurnings(*result.loadCurve, path.path, std::min(scene.path.walkTime, scene.stop.duration),
                result);
@@ -454,15 +455,27 @@ void requireNodes(const Model& model) {
   }
 }
 
+/// Tiles that bend have springs at their folds; other forces need bricks that are rigid.
+void requireSpringsAlone(const PairForces& forces) {
+  for (const std::shared_ptr<const PairForce>& force : forces) {
+    if (dynamic_cast<const HingeSprings*>(force.get())) continue;
+    throw InputError(fmt::format(
+        "error: tiles that bend (--panels) have springs at hinges, but no {}; leave one of the two "
+        "away",
+        force->name().counted));
+  }
+}
+
 }  // namespace
 
 std::unique_ptr<LoadedSheet> makeBarHingeSheet(const Scene& scene, const std::vector<Brick>& bricks,
-                                               const std::vector<HingeSpring>& springs,
+                                               const PairForces& pairForces,
                                                const std::vector<int>& pinned,
                                                const std::vector<GripOrder>& grips) {
   requireNodes(scene.model);
+  requireSpringsAlone(pairForces);
   BarHingeMaker maker(scene, bricks);
-  maker.addFolds(springs);
+  maker.addFolds(hingeSpringsOf(pairForces));
   maker.fix(pinned);
   std::vector<NodeGrip> held;
   for (const GripOrder& grip : grips) held.push_back(maker.gripOf(grip));

@@ -25,10 +25,10 @@ DeploymentResult followGrips(const Scene& scene, double sampleInterval,
 
 /// One direction of a grip of the scene.
 struct GripOrder {
-  const GripSetting* setting = nullptr;
+  const GripSetting* setting = nullptr;  ///< that it is of
   Vector3 direction = Vector3::UnitX();  ///< unit; zero for a turn
   double amount = 0;                     ///< at the load 1, see Grip
-  GripName name;
+  GripName name;                         ///< what tables call it
 };
 
 /// The sheet of a scene with panels. Corners that joints hold together are one node, whichever face
@@ -37,7 +37,7 @@ struct GripOrder {
 /// joints on both faces, fixed tiles, springs at hinges that are no common edge of two tiles, and
 /// grips that turn.
 std::unique_ptr<LoadedSheet> makeBarHingeSheet(const Scene& scene, const std::vector<Brick>& bricks,
-                                               const std::vector<HingeSpring>& springs,
+                                               const PairForces& pairForces,
                                                const std::vector<int>& pinned,
                                                const std::vector<GripOrder>& grips);
 

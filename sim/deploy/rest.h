@@ -41,6 +41,7 @@ class RestWatch {
   /// Whether steps fail, and the bricks have stayed where they were when steps began to.
   bool isStuck(const Poses& poses) const;
 
+  /// Records or plays back.
   void transfer(StateTape& tape) { tape.transfer(rested_, needed_, jamStart_); }
 
  private:
@@ -82,9 +83,9 @@ double farthestMove(const Poses& from, const Poses& to, double tileSize);
 
 /// How much of the nudge a run has been given.
 enum class Nudged {
-  No,
+  No,          ///< none does
   InSymmetry,  ///< the part that has the symmetries of the model and the state alone
-  Wholly,
+  Wholly,      ///< all bricks stand still
 };
 
 /// How long bricks have from rest to get faster than a nudge, seconds.
@@ -126,6 +127,7 @@ class NudgeGiver {
   /// Another target makes other equilibria: all may be given again.
   void beginAnew() { given_ = Nudged::No; }
 
+  /// Records or plays back.
   void transfer(StateTape& tape) { tape.transfer(given_); }
 
  private:

@@ -200,10 +200,8 @@ DeploymentResult Run::result() {
   result.outcome = ending_->outcome;
   result.reason = ending_->reason;
   if (target_.isPulledTo()) result.atTarget = target_.hasArrived(motion_.poses());
-  const std::vector<HingeSpring>& springs = trajectory.hingeSprings;
-  if (!springs.empty()) {
-    result.elasticity =
-        elasticityOf(springs, trajectory.ligaments, motion_.start(), motion_.poses());
+  if (!trajectory.pairForces.empty()) {
+    result.elasticity = elasticityOf(trajectory.pairForces, motion_.start(), motion_.poses());
   }
   result.needs = bricks_.needs;
   result.path = bricks_.scene.path;

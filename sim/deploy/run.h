@@ -24,8 +24,10 @@ class SpentTime {
  public:
   /// Counts what this thread does from now on.
   void begin() { begin_ = threadCpuSeconds(); }
+  /// CPU seconds so far, those before a checkpoint included.
   double seconds() const { return earlier_ + threadCpuSeconds() - begin_; }
 
+  /// Records or plays back.
   void transfer(StateTape& tape) {
     double spent = seconds();
     tape.transfer(spent);

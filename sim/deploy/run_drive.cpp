@@ -70,6 +70,26 @@ void CurrentTarget::transfer(StateTape& tape) {
 }
 
 // ------------------------------------------------------------------------------------------------
+// The choice of a drive. Springs to a target are not made here: a run moves their target on,
+// stiffens them and switches them, so that it keeps them itself.
+
+std::unique_ptr<DriveForce> makeDriveForce(const Scene& scene, const std::vector<Brick>& bricks) {
+  const TargetSpringSettings& strength = scene.springs;
+  switch (scene.actuation.drive) {
+    case Drive::Expansion:
+      return std::make_unique<Expansion>(bricks, strength);
+    case Drive::Boundary:
+      return std::make_unique<BoundarySprings>(scene.model, bricks, strength,
+                                               scene.actuation.boundary);
+    case Drive::Auto:
+    case Drive::Target:
+    case Drive::None:
+      break;
+  }
+  return nullptr;
+}
+
+// ------------------------------------------------------------------------------------------------
 // Leading tiles.
 
 namespace {
@@ -131,7 +151,7 @@ RunDrive::RunDrive(const SceneBricks& bricks, const StepClock& clock)
 
 // Joints that give while the tiles are led close again; on a straight path they stay as they are.
 bool RunDrive::jointsGive() const {
-  if (!bricks_.ties.ligaments.empty()) return true;
+  if (bricks_.ties.pairForces.replaceJoints()) return true;
   const PathSettings& path = bricks_.scene.path;
   return path.jointsGive() && (isOnPath() || path.kind == PathKind::Straight);
 }

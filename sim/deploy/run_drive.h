@@ -65,6 +65,13 @@ class CurrentTarget {
 };
 
 // ------------------------------------------------------------------------------------------------
+// The scene's own drive.
+
+/// The drive that a scene asks for; null where that is the target or nothing. Scene and bricks must
+/// outlive it. Throws InputError where the model does not have what the drive needs.
+std::unique_ptr<DriveForce> makeDriveForce(const Scene& scene, const std::vector<Brick>& bricks);
+
+// ------------------------------------------------------------------------------------------------
 // The phases on the way to a target.
 
 /// What moves the bricks of a run at present. A path that is led goes through all of these from
@@ -141,6 +148,7 @@ class RunDrive {
 
   /// How much stiffer the springs to the target have become.
   AdaptiveStiffness& stiffness() { return stiffness_; }
+  /// The same, to be read.
   const AdaptiveStiffness& stiffness() const { return stiffness_; }
 
   /// `target` as it was recorded, or is played back already.

@@ -15,8 +15,8 @@ namespace kirireel {
 
 /// The poses of a run at a time, seconds.
 struct TimedPoses {
-  double time = 0;
-  const Poses& poses;
+  double time = 0;     ///< of the run, seconds
+  const Poses& poses;  ///< one a brick
 };
 
 /// Looks at the start of a run and at the end of each step. A figure that one state decides keeps
@@ -36,7 +36,9 @@ class RunFigures {
   /// Counts work beside the steps, in multiplications.
   void addWork(double work) { cost_.took.work += work; }
 
+  /// The figures so far, metres.
   const Accuracy& accuracy() const { return accuracy_; }
+  /// What the steps took so far.
   const DeployCost& cost() const { return cost_; }
   /// The target error of a state, metres; 0 without a target.
   double targetErrorOf(const Poses& poses) const;

@@ -1,5 +1,5 @@
-// What acts on the bricks of a run: drive, drags, joints that give, gravity, hinges, ligaments and
-// contacts; and what follows of it, energies and forces.
+// What acts on the bricks of a run: drive, drags, joints that give, gravity, forces between pairs
+// and contacts; and what follows of it, energies and forces.
 #include "sim/deploy/run_mechanics.h"
 
 #include <algorithm>
@@ -30,8 +30,8 @@ void ActingForces::addLoads(double seconds, const Poses& poses, std::vector<Load
   timeline_.addDrags(clock_.time() + seconds, poses, loads);
 }
 
-// What drive, drags and yielding joints store at a time in these poses, joules. Hinges and
-// ligaments are accounted for apart.
+// What drive, drags and yielding joints store at a time in these poses, joules. Forces between
+// pairs are accounted for apart.
 double ActingForces::springEnergy(double time, const Poses& poses) const {
   double sum = timeline_.forcesAreOn() ? drive_.energy(poses) : 0;
   for (const DragSpring& grip : timeline_.dragSprings(time)) {
@@ -47,8 +47,8 @@ double ActingForces::springEnergy(double time, const Poses& poses) const {
   return sum;
 }
 
-double ActingForces::hingeEnergy(const Poses& poses) const {
-  return elasticEnergy(bricks_.hingeSprings, poses) + elasticEnergy(bricks_.ties.ligaments, poses);
+double ActingForces::pairEnergy(const Poses& poses) const {
+  return bricks_.ties.pairForces.energy(poses);
 }
 
 // Forces that store no energy here, newtons: gravity, and what of a drive is no spring.
@@ -72,31 +72,21 @@ std::vector<Vector6> ActingForces::appliedForces(double time, const Motion& moti
     velocity << motion.velocities[i].linear, motion.velocities[i].angular;
     forces.push_back(loads[i].force - loads[i].damping * velocity);
   }
-  const std::vector<HingeSpring>& springs = bricks_.hingeSprings;
-  const std::vector<double> moments = hingeMoments(springs, motion.poses);
-  for (std::size_t s = 0; s < springs.size(); ++s) {
-    const Hinge& hinge = springs[s].hinge;
-    const double moment = moments[s] - springs[s].damping * hingeRate(hinge, motion);
-    const Vector3 onB = moment * (motion.poses[hinge.brickA].rotation * hinge.axis);
-    forces[hinge.brickA].tail<3>() -= onB;
-    forces[hinge.brickB].tail<3>() += onB;
-  }
-  for (const Ligament& ligament : bricks_.ties.ligaments) {
-    const Vector6 slope = ligamentEnergy(ligament, motion.poses).gradient;
-    const auto pull = [&](int brick, const Vector3& by) {
-      forces[brick].head<2>() -= by.head<2>();
-      forces[brick][5] -= by[2];
-    };
-    pull(ligament.brickA, slope.head<3>());
-    pull(ligament.brickB, slope.tail<3>());
+  for (const std::shared_ptr<const PairForce>& force : bricks_.ties.pairForces) {
+    force->addForces(motion, forces);
   }
   return forces;
 }
 
-void ActingForces::addLigamentForces(const Poses& poses, std::vector<Vector3>& jointForces) const {
-  for (const Ligament& ligament : bricks_.ties.ligaments) {
-    const Vector6 slope = ligamentEnergy(ligament, poses).gradient;
-    jointForces[static_cast<std::size_t>(ligament.joint)].head<2>() -= slope.head<2>();
+void ActingForces::addForcesOfReplacedJoints(const Poses& poses,
+                                             std::vector<Vector3>& jointForces) const {
+  for (const std::shared_ptr<const PairForce>& force : bricks_.ties.pairForces) {
+    for (std::size_t pair = 0; pair < force->size(); ++pair) {
+      const int joint = force->joint(pair);
+      if (joint == PairForce::kNoJoint) continue;
+      jointForces[static_cast<std::size_t>(joint)] -=
+          force->derivatives(pair, poses).gradient.head<3>();
+    }
   }
 }
 
@@ -173,7 +163,7 @@ void RunMechanics::begin(double time, const Motion& motion) {
   const double there = now.kinetic + now.spring + now.elastic;
   now.kinetic = kineticEnergy(bricks_.bricks, motion);
   now.spring = acting_.springEnergy(time, motion.poses);
-  now.elastic = acting_.hingeEnergy(motion.poses);
+  now.elastic = acting_.pairEnergy(motion.poses);
   now.work += now.kinetic + now.spring + now.elastic - there;
   account_.before = now;
 }
@@ -184,7 +174,7 @@ void RunMechanics::end(const StepSpan& step) {
   const double springTime = step.time + (step.springsMove ? step.seconds : 0);
   now.kinetic = kineticEnergy(bricks_.bricks, step.to);
   now.spring = acting_.springEnergy(springTime, step.to.poses);
-  now.elastic = acting_.hingeEnergy(step.to.poses);
+  now.elastic = acting_.pairEnergy(step.to.poses);
   now.work += workOfFreeForces(step.from, step.to);
   if (step.springsMove) now.work += workOfMovingSprings(step);
   now.damped += step.damped;
@@ -243,7 +233,7 @@ Mechanics RunMechanics::at(double time, const Motion& motion, double share) {
   for (std::size_t p = 0; p < pivots.size(); ++p) {
     result.jointForces[static_cast<std::size_t>(pivots[p].joint)] += reactions.pivotForces[p];
   }
-  acting_.addLigamentForces(motion.poses, result.jointForces);
+  acting_.addForcesOfReplacedJoints(motion.poses, result.jointForces);
   result.isIndeterminate = std::isfinite(stiffness) ? std::vector<bool>(joints, false)
                                                     : reactions_->indeterminateJoints(joints);
   for (std::size_t i = 0; i < pinned.size(); ++i) {

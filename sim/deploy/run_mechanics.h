@@ -21,8 +21,8 @@ namespace kirireel {
 // ------------------------------------------------------------------------------------------------
 // What acts on the bricks.
 
-/// What acts on the bricks of a run at present: its drive, drags, joints that give, hinges,
-/// ligaments, gravity, damping and contacts.
+/// What acts on the bricks of a run at present: its drive, drags, joints that give, forces between
+/// pairs, gravity, damping and contacts.
 class ActingForces {
  public:
   /// All must outlive this.
@@ -35,14 +35,14 @@ class ActingForces {
   /// The same as they are at present.
   LoadSource loadsNow() const;
 
-  /// Energy stored in all springs but those at hinges, as they pull at a time of the run (seconds),
-  /// in the bricks at these poses; joules, from 0.
+  /// Energy stored in all springs but those between pairs, as they pull at a time of the run
+  /// (seconds), in the bricks at these poses; joules, from 0.
   double springEnergy(double time, const Poses& poses) const;
-  /// The same in springs at hinges.
-  double hingeEnergy(const Poses& poses) const;
-  /// Adds what ligaments pull the first tile of their joint with, newtons; one entry a joint. The
-  /// plane's two components alone.
-  void addLigamentForces(const Poses& poses, std::vector<Vector3>& jointForces) const;
+  /// The same in forces between pairs of bricks: springs at hinges, ligaments and others.
+  double pairEnergy(const Poses& poses) const;
+  /// Adds what pairs that stand in the place of joints pull the first tile of their joint with,
+  /// newtons; one entry a joint.
+  void addForcesOfReplacedJoints(const Poses& poses, std::vector<Vector3>& jointForces) const;
   /// Forces on the bricks' centres of mass that store no energy here: gravity and expansion, N.
   std::vector<Vector3> freeForces(const Poses& poses) const;
   /// Everything that is applied to bricks that move so, contacts apart: force and torque about the
@@ -88,14 +88,17 @@ class RunMechanics {
   /// The account at present.
   struct Account {
     Energies before;  ///< where the last step began
-    Energies now;
+    Energies now;     ///< where it has ended
 
+    /// Records or plays back.
     void transfer(StateTape& tape) { tape.transfer(before, now); }
   };
+  /// Of the last step, joules.
   const Account& account() const { return account_; }
   /// Goes back to an earlier account, where steps are taken back.
   void goBackTo(const Account& account) { account_ = account; }
 
+  /// Records or plays back.
   void transfer(StateTape& tape) { tape.transfer(account_); }
 
  private:

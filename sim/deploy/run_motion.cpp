@@ -36,8 +36,7 @@ SceneBricks::SceneBricks(const Scene& given)
     : scene(given),
       bricks(makeBricks(given.model.tiles, given.brick)),
       pivots(makePivots(given.model.joints, bricks)),
-      hingeSprings(kirireel::hingeSprings(given, bricks)),
-      ties(dynamicTies(given, bricks, hingeSprings)),
+      ties(dynamicTies(given, bricks)),
       needs(sceneNeeds(given)),
       size(modelSize(given.model)),
       tileSize(kirireel::tileSize(given.model)) {}

@@ -13,7 +13,6 @@
 #include "sim/deploy/dynamics.h"
 #include "sim/deploy/run_figures.h"
 #include "sim/model/brick.h"
-#include "sim/model/hinge.h"
 #include "sim/scene/scene.h"
 #include "sim/scene/scene_parts.h"
 
@@ -24,16 +23,15 @@ namespace kirireel {
 
 /// The bricks of a scene, how they are joined, and what follows from both.
 struct SceneBricks {
-  /// The scene must outlive this, its path be chosen (not Auto). Throws InputError for springs,
-  /// ligaments and needs that the scene cannot have.
+  /// The scene must outlive this, its path be chosen (not Auto). Throws InputError for forces
+  /// between pairs and needs that the scene cannot have.
   explicit SceneBricks(const Scene& given);
 
-  const Scene& scene;
-  std::vector<Brick> bricks;              ///< one a tile
-  std::vector<Pivot> pivots;              ///< of all joints
-  std::vector<HingeSpring> hingeSprings;  ///< of the bricks' hinges
-  Ties ties;                              ///< exact pivots, ligaments in the place of the others
-  Needs needs;
+  const Scene& scene;         ///< that the run is of
+  std::vector<Brick> bricks;  ///< one a tile
+  std::vector<Pivot> pivots;  ///< of all joints
+  Ties ties;    ///< exact pivots, ligaments in the place of the others, and what else acts in pairs
+  Needs needs;  ///< what is modelled
   double size = 0;      ///< of the model, metres
   double tileSize = 0;  ///< metres
 };
@@ -68,6 +66,7 @@ class StepClock {
   /// Lets the time of the step pass.
   void endStep();
 
+  /// Records or plays back.
   void transfer(StateTape& tape) { tape.transfer(looks_, sinceLook_, length_); }
 
  private:
@@ -85,14 +84,14 @@ class StepClock {
 
 /// One step of a run, as its energies see it.
 struct StepSpan {
-  double time = 0;     ///< where it begins, seconds
-  double seconds = 0;  ///< its length
-  const Motion& from;
-  const Motion& to;
+  double time = 0;                      ///< where it begins, seconds
+  double seconds = 0;                   ///< its length
+  const Motion& from;                   ///< at its beginning
+  const Motion& to;                     ///< at its end
   std::span<const PassedState> passed;  ///< in between, where springs move on within the step
   bool springsMove = false;             ///< or stand as they are at its beginning
   double damped = 0;                    ///< joules, see StepReport
-  double impacted = 0;
+  double impacted = 0;                  ///< joules, see StepReport
 };
 
 /// The bricks of a run at the end of its last step, the solver that moves them, and the states
@@ -111,6 +110,7 @@ class RunMotion {
 
   /// The state now: one pose and one velocity a brick.
   Motion& now() { return now_; }
+  /// The same, to be read.
   const Motion& now() const { return now_; }
   /// The poses now.
   const Poses& poses() const { return now_.poses; }
@@ -118,6 +118,7 @@ class RunMotion {
   const Poses& start() const { return start_; }
   /// The solver that takes the steps.
   Dynamics& solver() { return *solver_; }
+  /// The same, to be asked.
   const Dynamics& solver() const { return *solver_; }
   /// A new solver for the same bricks, as at the start of a run.
   std::unique_ptr<Dynamics> makeSolver() const;
@@ -154,6 +155,7 @@ class RunMotion {
   /// How the bricks move in these poses at a time within the last step.
   Motion motionAt(double time, const Poses& poses) const;
 
+  /// Records or plays back.
   void transfer(StateTape& tape) { tape.transfer(now_, before_, *solver_); }
 
  private:
@@ -195,6 +197,7 @@ class JointFit {
   /// What keeps the joints from being as asked for; empty when nothing does.
   std::string trouble() const;
 
+  /// Records or plays back.
   void transfer(StateTape& tape) { tape.transfer(isMisfit_, isHeldOpen_); }
 
  private:

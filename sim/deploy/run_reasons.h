@@ -12,8 +12,8 @@ namespace kirireel {
 
 /// How a run ended, and why, in one line.
 struct RunEnding {
-  Outcome outcome = Outcome::OutOfTime;
-  std::string reason;
+  Outcome outcome = Outcome::OutOfTime;  ///< how it ends
+  std::string reason;                    ///< one line, as the summary has it
 };
 
 /// Says how a run stands, for the reason of its end.

@@ -22,7 +22,7 @@ struct RunObservers {
   /// Seconds between the samples: these do not need to be whole steps. Infinity: the start and the
   /// end alone.
   double sampleInterval = std::numeric_limits<double>::infinity();
-  SampleObserver sample;
+  SampleObserver sample;                        ///< gets each sample; may be empty
   std::function<bool(const StepRecord&)> step;  ///< the start counts as one
 };
 
@@ -59,12 +59,14 @@ class RunRecorder {
   bool isAskedToEnd() const { return isAskedToEnd_; }
   /// What has been measured so far.
   RunFigures& figures() { return figures_; }
+  /// The figures so far.
   const RunFigures& figures() const { return figures_; }
   /// What has happened so far.
   std::vector<Event>& events() { return events_; }
 
   /// The account of energies, for steps that are taken back.
   RunMechanics::Account account() const;
+  /// Goes back to an earlier account, where steps are taken back.
   void goBackTo(const RunMechanics::Account& account);
 
   /// Shows the samples that the checkpoint holds, of a run that it was made of at `time` (seconds).
@@ -72,6 +74,7 @@ class RunRecorder {
   /// of it, and no sample follows.
   std::optional<Sample> showAgain(double time);
 
+  /// Records or plays back.
   void transfer(StateTape& tape);
 
  private:

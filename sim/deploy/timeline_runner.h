@@ -16,29 +16,32 @@ namespace kirireel {
 
 /// What the timeline looks at.
 struct TimelineView {
-  double time = 0;        ///< simulated seconds
-  bool atRest = false;    ///< nothing moves any more
-  double error = 0;       ///< to the present target, metres
-  double startError = 0;  ///< the same when that target was set
-  bool atTarget = false;  ///< at rest where rigid tiles come no nearer to the present target
-  const Poses* poses = nullptr;
+  double time = 0;               ///< simulated seconds
+  bool atRest = false;           ///< nothing moves any more
+  double error = 0;              ///< to the present target, metres
+  double startError = 0;         ///< the same when that target was set
+  bool atTarget = false;         ///< at rest where rigid tiles come no nearer to the present target
+  const Poses* poses = nullptr;  ///< one a brick
 };
 
 /// What the timeline does to a run, beyond pushing its bricks.
 class TimelineStage {
  public:
   virtual ~TimelineStage() = default;
+  /// Fixes these bricks to the world from now on, and frees all others; one entry a brick.
   virtual void setPinned(const std::vector<bool>& pinned) = 0;
   /// `target`: one tile a brick; null for the model's own.
   virtual void goTo(const std::vector<Tile>* target) = 0;
+  /// Brings all bricks back to the start, at rest.
   virtual void reset() = 0;
+  /// Ends the run.
   virtual void quit() = 0;
 };
 
 /// A tile that is dragged along, and the spring that it hangs on.
 struct DragSpring {
-  int tile = 0;
-  PointSpring spring;
+  int tile = 0;        ///< its number, from 0
+  PointSpring spring;  ///< between a point of its brick and one of the world
 };
 
 /// Watches a run and does what is due. Drags are loads, asked for in each step.
@@ -56,7 +59,9 @@ class TimelineRunner {
   /// The drags under way at this time, as the springs that they pull with.
   std::vector<DragSpring> dragSprings(double time) const;
 
+  /// Whether the drive acts.
   bool forcesAreOn() const { return forcesOn_; }
+  /// Whether tiles are held still at this time, seconds.
   bool isPaused(double time) const { return time < pausedUntil_; }
   /// Whether anything is to come or still under way.
   bool isOver(double time) const;

@@ -42,6 +42,7 @@ class ToleranceSteps {
 
   /// The states between the ends of the last call, in order.
   std::vector<PassedState>& passed() { return passed_; }
+  /// The states within the last step, in rising time, its ends left out.
   const std::vector<PassedState>& passed() const { return passed_; }
 
   /// What the next call takes from those before.

@@ -14,9 +14,6 @@ namespace kirireel {
 // ------------------------------------------------------------------------------------------------
 // The angle between two triangles with a common edge, and its derivatives.
 
-using Vector12 = Eigen::Matrix<double, 12, 1>;
-using Matrix12 = Eigen::Matrix<double, 12, 12>;
-
 /// The two ends of the edge, then the third corner of the triangle to its left and of that to its
 /// right, seen from above, metres.
 using FoldPoints = std::array<Vector3, 4>;
@@ -37,8 +34,8 @@ Matrix12 foldBend(const FoldPoints& points);
 
 /// A bar between two nodes: stiffness (length - rest)^2 / 2.
 struct Bar {
-  int nodeA = 0;
-  int nodeB = 0;
+  int nodeA = 0;         ///< its number, from 0
+  int nodeB = 0;         ///< its number, from 0
   double rest = 0;       ///< its length without force, metres
   double stiffness = 0;  ///< N/m
 };
@@ -57,14 +54,15 @@ struct NodeGrip {
   std::vector<std::vector<int>> handles;
   Vector3 direction = Vector3::UnitX();  ///< unit
   double amount = 0;                     ///< at the load 1, metres or newtons
-  bool isForce = false;
+  bool isForce = false;                  ///< pushed, or else moved
 };
 
 /// What a sheet of bars and hinges is made of.
 struct BarHingeModel {
   std::vector<Vector3> nodes;  ///< at the start, metres
-  std::vector<Bar> bars;
-  std::vector<Fold> folds;
+  std::vector<Bar> bars;       ///< between nodes
+  std::vector<Fold>
+      folds;  ///< where triangles turn against each other, tiles' own diagonals among them
   std::vector<int> fixed;               ///< nodes that stay where they are
   std::vector<std::vector<int>> tiles;  ///< the nodes of each tile, whose poses are told
   Poses start;                          ///< of the tiles

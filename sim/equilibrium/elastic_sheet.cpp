@@ -2,7 +2,8 @@
 //   p = d . (x_i + R(phi_i) r),   dp/dphi = d . (z x R r),   d^2p/dphi^2 = -d . R r,
 // or of a turn, p = phi_i. A pivot is two rows p_a - p_b = 0, a pin three rows p = p(start), a grip
 // that moves a row p = p(start) + load * amount for each handle, and a dead load the potential
-// -load * amount * p. Springs at hinges are quadratic in the turns; ligaments are in hinge.cpp.
+// -load * amount * p. Springs at hinges are quadratic in the turns; ligaments are in hinge.cpp,
+// other forces between pairs where they are.
 //
 // Symbols: x_i the centre of mass of brick i and r an arm in length scales, phi_i its turn (rad)
 // since the start, d a unit direction, z the vertical. All constraints are sums of places, so that
@@ -19,14 +20,18 @@ namespace kirireel {
 // handle of a grip that moves. force() finds a grip's multipliers by that order. Pivots of the
 // upper face coincide with those of the lower one in the plane and are left out.
 ElasticSheet::ElasticSheet(const std::vector<Brick>& bricks, Poses start,
-                           std::vector<HingeSpring> springs, const std::vector<Pivot>& pivots,
-                           const std::vector<int>& pinned, std::vector<Grip> grips,
-                           std::vector<Ligament> ligaments)
+                           const PairForces& pairForces, const std::vector<Pivot>& pivots,
+                           const std::vector<int>& pinned, std::vector<Grip> grips)
     : start_(std::move(start)),
-      springs_(std::move(springs)),
+      springs_(hingeSpringsOf(pairForces)),
       grips_(std::move(grips)),
-      ligaments_(std::move(ligaments)),
+      ligaments_(ligamentsOf(pairForces)),
       scale_(bricks.empty() ? 1 : meanEdge(bricks.front())) {
+  for (const std::shared_ptr<const PairForce>& force : pairForces) {
+    const bool isKnown = dynamic_cast<const HingeSprings*>(force.get()) ||
+                         dynamic_cast<const Ligaments*>(force.get());
+    if (!isKnown) others_.add(force);
+  }
   const Vector q = startCoordinates();
   const Vector3 axes[] = {Vector3::UnitX(), Vector3::UnitY()};
   for (const Pivot& pivot : pivots) {
@@ -117,29 +122,54 @@ double ElasticSheet::stiffnessScale() const {
     largest = std::max(largest, area * std::max(across, ligament.stretchStiffness));
     if (!ligament.isPin()) largest = std::max(largest, shear);
   }
+  const std::vector<PairPart> parts = pairParts(startCoordinates());
+  for (std::size_t k = ligaments_.size(); k < parts.size(); ++k) {
+    largest = std::max(largest, parts[k].energy.hessian.cwiseAbs().maxCoeff());
+  }
   return largest;
 }
 
-/// Of a ligament, its derivatives by q.
-LigamentEnergy ElasticSheet::energyOf(const Ligament& ligament, const Vector& q) const {
-  const int a = 3 * ligament.brickA, b = 3 * ligament.brickB;
-  const Vector3 between(q[b] - q[a], q[b + 1] - q[a + 1], 0);
-  LigamentEnergy found = ligamentEnergy(
-      ligament, scale_ * between, scale_ * arm({ligament.brickA, ligament.pointA}, q),
-      scale_ * arm({ligament.brickB, ligament.pointB}, q), q[a + 2], q[b + 2]);
-  // ligamentEnergy() derives by metres; the coordinates are in length scales, so that each
-  // derivative by a place gains the factor scale.
+/// An energy whose derivatives are by metres, by length scales: each by a place gains their size.
+PlanarEnergy ElasticSheet::inLengthScales(PlanarEnergy energy) const {
   Vector6 units;
   units << scale_, scale_, 1, scale_, scale_, 1;
-  found.gradient.array() *= units.array();
-  found.hessian = units.asDiagonal() * found.hessian * units.asDiagonal();
-  return found;
+  energy.gradient.array() *= units.array();
+  energy.hessian = units.asDiagonal() * energy.hessian * units.asDiagonal();
+  return energy;
 }
 
-// Hinge springs and ligaments, joules. Dead loads are no part of it; gradient() has them.
+/// Of a ligament, its derivatives by q.
+PlanarEnergy ElasticSheet::energyOf(const Ligament& ligament, const Vector& q) const {
+  const int a = 3 * ligament.brickA, b = 3 * ligament.brickB;
+  const Vector3 between(q[b] - q[a], q[b + 1] - q[a + 1], 0);
+  const PlanarEnergy found = ligamentEnergy(
+      ligament, scale_ * between, scale_ * arm({ligament.brickA, ligament.pointA}, q),
+      scale_ * arm({ligament.brickB, ligament.pointB}, q), q[a + 2], q[b + 2]);
+  return inLengthScales(found);
+}
+
+// Ligaments by their turns, however far those are; other forces by the poses. Springs at hinges are
+// apart.
+std::vector<ElasticSheet::PairPart> ElasticSheet::pairParts(const Vector& q) const {
+  std::vector<PairPart> parts;
+  for (const Ligament& ligament : ligaments_) {
+    parts.push_back({ligament.brickA, ligament.brickB, energyOf(ligament, q)});
+  }
+  if (others_.empty()) return parts;
+  const Poses poses = posesAt(q);
+  for (const std::shared_ptr<const PairForce>& force : others_) {
+    for (std::size_t pair = 0; pair < force->size(); ++pair) {
+      const auto [brickA, brickB] = force->bricks(pair);
+      parts.push_back({brickA, brickB, inLengthScales(inPlane(force->derivatives(pair, poses)))});
+    }
+  }
+  return parts;
+}
+
+// All forces between pairs, joules. Dead loads are no part of it; gradient() has them.
 double ElasticSheet::energy(const Vector& q) const {
   double sum = elasticEnergy(springs_, posesAt(q));
-  for (const Ligament& ligament : ligaments_) sum += energyOf(ligament, q).energy;
+  for (const PairPart& part : pairParts(q)) sum += part.energy.energy;
   return sum;
 }
 
@@ -176,10 +206,9 @@ ElasticSheet::Vector ElasticSheet::gradient(const Vector& q, double load) const 
     sum[3 * hinge.brickA + 2] += moments[s] * hinge.axis.z();
     sum[3 * hinge.brickB + 2] -= moments[s] * hinge.axis.z();
   }
-  for (const Ligament& ligament : ligaments_) {
-    const Vector6 slope = energyOf(ligament, q).gradient;
-    sum.segment<3>(3 * ligament.brickA) += slope.head<3>();
-    sum.segment<3>(3 * ligament.brickB) += slope.tail<3>();
+  for (const PairPart& part : pairParts(q)) {
+    sum.segment<3>(3 * part.brickA) += part.energy.gradient.head<3>();
+    sum.segment<3>(3 * part.brickB) += part.energy.gradient.tail<3>();
   }
   return sum;
 }
@@ -232,13 +261,12 @@ ElasticSheet::Matrix ElasticSheet::hessian(const Vector& q, double load,
     add(a, b, -spring.stiffness);
     add(b, a, -spring.stiffness);
   }
-  for (const Ligament& ligament : ligaments_) {
-    const Matrix6 block = energyOf(ligament, q).hessian;
-    const auto index = [&](int k) {
-      return 3 * (k < 3 ? ligament.brickA : ligament.brickB) + k % 3;
-    };
+  for (const PairPart& part : pairParts(q)) {
+    const auto index = [&](int k) { return 3 * (k < 3 ? part.brickA : part.brickB) + k % 3; };
     for (int i = 0; i < 6; ++i) {
-      for (int j = 0; j < 6; ++j) entries.emplace_back(index(i), index(j), block(i, j));
+      for (int j = 0; j < 6; ++j) {
+        entries.emplace_back(index(i), index(j), part.energy.hessian(i, j));
+      }
     }
   }
   for (int k = 0; k < rows(); ++k) {

@@ -7,14 +7,15 @@
 #include "sim/equilibrium/load_path.h"
 #include "sim/model/brick.h"
 #include "sim/model/hinge.h"
+#include "sim/model/pair_force.h"
 
 namespace kirireel {
 
 /// What a grip holds of a brick: a point, or its turn.
 struct GripHandle {
-  int brick = 0;
+  int brick = 0;                    ///< its number, from 0
   Vector3 point = Vector3::Zero();  ///< in the brick's axes
-  bool isTurn = false;
+  bool isTurn = false;              ///< whether its turn is held, and not the point
 };
 
 /// What moves or pushes parts of the sheet, in proportion to the load: a number from 0 on.
@@ -25,7 +26,7 @@ struct Grip {
   /// radians), or with how much all of them together are pushed (newtons, N m; a dead load, which
   /// keeps its direction).
   double amount = 0;
-  bool isForce = false;
+  bool isForce = false;  ///< whether it pushes, or else moves
 };
 
 /// A sheet in the plane. Its coordinates are x and y of each brick's centre of mass in length
@@ -35,9 +36,9 @@ class ElasticSheet : public LoadedSheet {
   /// `pinned`: the tiles that stay where they are. Pivots must be of joints that are exact: links
   /// are not known, and ligaments take the place of others.
   /// The length scale is the mean edge of the first brick. Tiles, bricks and poses have one order.
-  ElasticSheet(const std::vector<Brick>& bricks, Poses start, std::vector<HingeSpring> springs,
+  ElasticSheet(const std::vector<Brick>& bricks, Poses start, const PairForces& pairForces,
                const std::vector<Pivot>& pivots, const std::vector<int>& pinned,
-               std::vector<Grip> grips, std::vector<Ligament> ligaments = {});
+               std::vector<Grip> grips);
 
   int unknowns() const override { return 3 * static_cast<int>(start_.size()); }
   int rows() const override { return static_cast<int>(rows_.size()); }
@@ -74,19 +75,29 @@ class ElasticSheet : public LoadedSheet {
     double motion = 0;
   };
 
+  /// What a pair of bricks stores, by their coordinates.
+  struct PairPart {
+    int brickA = 0;
+    int brickB = 0;
+    PlanarEnergy energy;
+  };
+
   void addRow(std::vector<Term> terms, double motion, const Vector& start);
   Vector3 arm(const GripHandle& handle, const Vector& q) const;
   double place(const Term& term, const Vector& q) const;
   Vector3 slope(const Term& term, const Vector& q) const;
   double bend(const Term& term, const Vector& q) const;
   std::vector<Term> forceTerms(const Grip& grip) const;
-  LigamentEnergy energyOf(const Ligament& ligament, const Vector& q) const;
+  PlanarEnergy inLengthScales(PlanarEnergy energy) const;
+  PlanarEnergy energyOf(const Ligament& ligament, const Vector& q) const;
+  std::vector<PairPart> pairParts(const Vector& q) const;
 
   Poses start_;
   std::vector<HingeSpring> springs_;
   std::vector<Grip> grips_;
   std::vector<Ligament> ligaments_;
-  double scale_;  // metres
+  PairForces others_;  // neither springs nor ligaments
+  double scale_;       // metres
   std::vector<Row> rows_;
   std::vector<std::size_t> firstRow_;  // of each grip, where it moves
 };

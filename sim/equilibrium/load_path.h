@@ -17,7 +17,7 @@ namespace kirireel {
 
 /// What is special about an equilibrium.
 enum class Turning {
-  None,
+  None,        ///< nothing
   LoadLimit,   ///< the load turns: under it the sheet would snap from here
   ForceLimit,  ///< the force on the leading grip turns: a sheet that is pushed would snap from here
   Bifurcation,  ///< other equilibria branch off: a sheet that is not perfect leaves the path
@@ -28,8 +28,8 @@ std::string toString(Turning turning);
 
 /// One equilibrium on the path.
 struct Equilibrium {
-  double load = 0;
-  Poses poses;
+  double load = 0;                    ///< from 0; 1 is the whole load
+  Poses poses;                        ///< one a brick
   double energy = 0;                  ///< of the springs, joules
   std::vector<double> displacements;  ///< of each grip, see ElasticSheet; metres or radians
   std::vector<double> forces;         ///< likewise, newtons or N m
@@ -37,7 +37,7 @@ struct Equilibrium {
   double stiffness = 0;
   /// In how many independent ways the sheet would leave this state under the present control.
   int unstableModes = 0;
-  Turning turning = Turning::None;
+  Turning turning = Turning::None;  ///< what is special about it
 };
 
 /// What the states of a load path tell of each grip.
@@ -48,9 +48,9 @@ struct GripName {
 
 /// The equilibria that a run went through.
 struct LoadCurve {
-  std::vector<GripName> grips;  ///< in the order of Equilibrium::forces
-  std::size_t leading = 0;      ///< the one whose stiffness is told
-  std::vector<Equilibrium> states;
+  std::vector<GripName> grips;      ///< in the order of Equilibrium::forces
+  std::size_t leading = 0;          ///< the one whose stiffness is told
+  std::vector<Equilibrium> states;  ///< in their order along the path
 };
 
 /// The table: a row a state with load, energy, stiffness, unstable modes, what turns there, and
@@ -67,7 +67,9 @@ std::string loadTable(const LoadCurve& curve);
 /// changes. Vectors have unknowns() or rows() entries.
 class LoadedSheet {
  public:
+  /// Coordinates, or one number a row.
   using Vector = Eigen::VectorXd;
+  /// Derivatives, which are mostly 0.
   using Matrix = Eigen::SparseMatrix<double>;
 
   virtual ~LoadedSheet() = default;
@@ -125,17 +127,18 @@ class LoadedSheet {
 
 /// The path, from the load 0.
 struct LoadPath {
-  std::vector<Equilibrium> states;
-  bool arrives = false;  ///< its last state has the load 1
-  std::string trouble;   ///< why not: one line
+  std::vector<Equilibrium> states;  ///< in their order along the path
+  bool arrives = false;             ///< its last state has the load 1
+  std::string trouble;              ///< why not: one line
 };
 
+/// How a path is followed.
 struct LoadPathSettings {
   /// Longest step, in the root mean square of all tiles' moves (in length scales and radians) and
   /// the load.
   double longestStep = 0.05;
-  int mostStates = 2000;
-  int leastStates = 1;  ///< while the load grows by 1
+  int mostStates = 2000;  ///< of the whole path, where it ends unless it has arrived before
+  int leastStates = 1;    ///< while the load grows by 1
 };
 
 /// Called with each state; return false to end the path.

@@ -50,8 +50,8 @@ struct FitSettings {
 
 /// What a fit arrived at.
 struct Fit {
-  Eigen::VectorXd unknowns;
-  double violation = 0;  ///< the largest exact equation's value
+  Eigen::VectorXd unknowns;  ///< where the fit has ended
+  double violation = 0;      ///< the largest exact equation's value
 };
 
 /// Minimises |wanted|^2 / 2 subject to exact = 0 from the given start: damped Gauss-Newton steps,

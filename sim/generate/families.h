@@ -25,9 +25,12 @@ struct FamilyParameter {
 /// The values of a family's parameters by name.
 class FamilyValues {
  public:
+  /// By name, those left out at their defaults.
   explicit FamilyValues(std::map<std::string, double> values) : values_(std::move(values)) {}
 
+  /// Of a parameter that there is, in its own unit.
   double number(const std::string& name) const { return values_.at(name); }
+  /// The same of a whole number.
   int whole(const std::string& name) const { return static_cast<int>(values_.at(name)); }
   /// A parameter in degrees, as radians.
   double angle(const std::string& name) const;
@@ -38,10 +41,11 @@ class FamilyValues {
 
 /// One family.
 struct Family {
-  std::string name;  ///< e.g. "square-to-disk"
-  std::string help;  ///< one phrase
-  std::vector<FamilyParameter> parameters;
-  std::function<Model(const FamilyValues&)> make;
+  std::string name;                         ///< e.g. "square-to-disk"
+  std::string help;                         ///< one phrase
+  std::vector<FamilyParameter> parameters;  ///< in the order of the help
+  std::function<Model(const FamilyValues&)>
+      make;                ///< makes a model; throws InputError for values that do not go together
   bool isConcave = false;  ///< whether its tiles need not be convex
 };
 

@@ -14,7 +14,7 @@ namespace kirireel {
 
 /// A rectangle that becomes a sector of a ring.
 struct FanShape {
-  Lattice lattice{6, 6};
+  Lattice lattice{6, 6};                ///< columns and rows of tiles
   double outerRadius = 10;              ///< positive
   double innerRadius = 1;               ///< positive, below the outer one
   double halfAngle = 0.52359877559830;  ///< of the sector
@@ -46,7 +46,7 @@ TurningField irregularField(const Lattice& lattice, double irregularity, unsigne
 
 /// One corner in a sheet.
 struct LatticeCorner {
-  Cell cell;
+  Cell cell;       ///< its tile
   int corner = 0;  ///< 0-3: bottom left, bottom right, top right, top left
 };
 
@@ -60,8 +60,9 @@ std::vector<LatticeCorner> tips(const Lattice& lattice);
 
 /// A 2 x 2 block of places: the void between four tiles, or half of one at the sheet's side.
 struct TileBlock {
-  Cell lowerLeft;
+  Cell lowerLeft;  ///< of the four places
 
+  /// Of the four, by 0 or 1 column and row.
   Cell at(int column, int row) const { return {lowerLeft.column + column, lowerLeft.row + row}; }
 };
 
@@ -77,8 +78,10 @@ std::vector<TileBlock> sideBlocksClosedAtEnd(const Lattice& lattice);
 /// Unknowns: the field's constants (real and imaginary part of each place), then further ones.
 class LatticeUnknowns {
  public:
+  /// The constants of a field on this lattice; further unknowns follow.
   explicit LatticeUnknowns(const Lattice& lattice) : places_(lattice) {}
 
+  /// Its columns and rows.
   const Lattice& lattice() const { return places_.lattice(); }
   /// The first unknown after the constants.
   int firstFurther() const { return 2 * places_.placeCount(); }

@@ -27,6 +27,7 @@ struct CylinderShape {
   double length = 2;  ///< of a tile round the tube at the start, positive
   double width = 1;   ///< of a tile along the tube at the start, positive
 };
+/// Such a model, its start and its target.
 Model makeCylinder(const CylinderShape& shape);
 
 /// A flat square that becomes a cap on a sphere.
@@ -35,6 +36,7 @@ struct CapShape {
   double radius = 3.4641016151377544;     ///< of the sphere
   double halfAngle = 0.7853981633974483;  ///< between the sphere's pole and the sides' middles
 };
+/// Such a model, its start and its target.
 Model makeSphericalCap(const CapShape& shape);
 
 /// A cube of six square sheets that becomes a sphere: six caps, joined where their tips meet in
@@ -49,6 +51,7 @@ struct BandShape {
   double radius = 3;            ///< of the band's middle line
   double angle = 1.2217304764;  ///< by which neighbours open, about
 };
+/// Such a model, its start and its target.
 Model makeMoebiusBand(const BandShape& shape);
 
 /// A cap of a sphere that becomes a saddle z = curvature (x^2 - y^2), closed in both states.
@@ -59,6 +62,7 @@ struct SaddleShape {
   double curvature = 0.4;  ///< of the saddle, 1/m
   double width = 6;        ///< of the sheet's longer side before it is lifted
 };
+/// Such a model, its start and its target.
 Model makeSphereToSaddle(const SaddleShape& shape);
 
 // ------------------------------------------------------------------------------------------------
@@ -67,7 +71,7 @@ Model makeSphereToSaddle(const SaddleShape& shape);
 /// Which corners of a sheet share a node: joints are shared nodes, so that they are closed exactly.
 struct NodeMap {
   std::vector<std::vector<int>> nodeOf;  ///< [tile][corner], from 0
-  int nodeCount = 0;
+  int nodeCount = 0;                     ///< of different nodes
 };
 
 /// The nodes of the open sheet: corners that joints hold together.
@@ -81,24 +85,28 @@ NodeMap nodesClosedAtEnd(const Lattice& lattice);
 
 /// A point whose coordinates are unknowns.
 struct UnknownPoint {
-  Vector3 value = Vector3::Zero();
-  int first = 0;      ///< the unknown that is x; y and z follow
-  int dimension = 3;  ///< 2 for a point in the plane z = 0
+  Vector3 value = Vector3::Zero();  ///< its coordinates now, metres
+  int first = 0;                    ///< the unknown that is x; y and z follow
+  int dimension = 3;                ///< 2 for a point in the plane z = 0
 };
 
 /// The nodes of one state as unknowns.
 struct StateUnknowns {
-  NodeMap nodes;
+  NodeMap nodes;      ///< which corners share one
   int dimension = 3;  ///< 2 for a state in the plane z = 0
   int first = 0;      ///< the unknown that is x of node 0
 
+  /// How many unknowns the state has.
   int count() const { return dimension * nodes.nodeCount; }
+  /// A node, by its number from 0.
   UnknownPoint point(const Eigen::VectorXd& unknowns, int node) const;
+  /// The node at a corner of a tile.
   UnknownPoint point(const Eigen::VectorXd& unknowns, int tile, int corner) const {
     return point(unknowns, nodes.nodeOf[std::size_t(tile)][std::size_t(corner)]);
   }
   /// Writes a state's tiles into the unknowns.
   void pack(const std::vector<Tile>& tiles, Eigen::VectorXd& unknowns) const;
+  /// The state's tiles, whose vertices are the nodes.
   std::vector<Tile> tiles(const Eigen::VectorXd& unknowns) const;
 };
 

@@ -11,8 +11,8 @@ namespace kirireel {
 
 /// An edge-to-edge tiling of a patch of the plane, edges of 1 m, about the origin.
 struct Tiling {
-  std::vector<std::complex<double>> vertices;
-  std::vector<std::vector<int>> tiles;      ///< vertex numbers, anticlockwise
+  std::vector<std::complex<double>> vertices;  ///< anticlockwise, in the plane of complex numbers
+  std::vector<std::vector<int>> tiles;         ///< vertex numbers, anticlockwise
   std::vector<std::complex<double>> duals;  ///< a point a tile in the grids: the duals of the tiles
                                             ///< round an inner vertex are a convex cell's corners,
                                             ///< and neighbours' duals differ at right angles to

@@ -18,7 +18,7 @@ namespace kirireel {
 struct Supernode {
   /// Its columns in the permuted matrix are firstColumn to firstColumn + columnCount - 1.
   int firstColumn = 0;
-  int columnCount = 0;
+  int columnCount = 0;        ///< how many they are, from 1
   std::vector<int> rows;      ///< of the front below its columns, ascending, permuted numbers
   std::vector<int> children;  ///< supernodes whose updates this front takes in, in stack order
   /// Where the rows of child c stand in this front (0 is firstColumn): one list a child.
@@ -27,8 +27,8 @@ struct Supernode {
 
 /// The order of elimination and the fronts, children before parents.
 struct Elimination {
-  std::vector<int> place;  ///< place[node]: its column in the permuted matrix
-  std::vector<Supernode> supernodes;
+  std::vector<int> place;             ///< place[node]: its column in the permuted matrix
+  std::vector<Supernode> supernodes;  ///< children before their parents
 };
 
 /// Plans the factorisation of a symmetric matrix of `nodeCount` blocks with the given off-diagonal
@@ -47,6 +47,7 @@ Elimination planElimination(int nodeCount, const std::vector<std::pair<int, int>
 template <int D>
 class BlockCholesky {
  public:
+  /// One of the matrix.
   using Block = Eigen::Matrix<double, D, D>;
 
   /// Plans for `nodeCount` nodes and these pairs (first != second); see planElimination. All values

@@ -37,10 +37,12 @@ struct DenseKernels {
 const DenseKernels& denseKernels();
 
 namespace baseline {
+/// The loops for any processor of the architecture.
 extern const DenseKernels kKernels;
-}
+}  // namespace baseline
 namespace avx2 {
+/// The loops for processors with AVX2 and fused multiply-add.
 extern const DenseKernels kKernels;
-}
+}  // namespace avx2
 
 }  // namespace kirireel

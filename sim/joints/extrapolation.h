@@ -15,14 +15,15 @@ using TimedLoads = std::function<void(double seconds, const Poses&, std::vector<
 
 /// A state on the way, so many seconds after the call's start.
 struct PassedState {
-  double seconds = 0;
-  Motion motion;
+  double seconds = 0;  ///< since the step began
+  Motion motion;       ///< of all bricks
 };
 
 /// Whether a step of so many seconds may lead from one motion to another: not where bricks would
 /// meet on the way.
 using StepFilter = std::function<bool(const Motion& from, const Motion& to, double seconds)>;
 
+/// How steps are chosen.
 struct ExtrapolationSettings {
   double tolerance = 1e-4;        ///< error in time that one step may make, length scales, above 0
   double longestStep = 1.0 / 60;  ///< seconds, above 0

@@ -45,7 +45,7 @@ class Stepper : public JointSolver {
           const JointSolverSettings& settings)
       : bricks_(bricks),
         settings_(settings),
-        system_(bricks, pivots, settings.lengthScale, settings.hingeSprings, settings.ligaments),
+        system_(bricks, pivots, settings.lengthScale, settings.pairForces),
         loads_(bricks.size()) {
     program_.multipliers = Vector::Zero(system_.jointRowCount());
     program_.x = Vector::Zero(D * bricks.size());
@@ -97,7 +97,7 @@ class Stepper : public JointSolver {
   Row contactRow(const Contact& contact, const Poses& start, double step) const;
   void holdPinned(Row& row) const;
   bool solveVelocities(const Poses& start);
-  bool solveWithLigaments(const Poses& start, double step);
+  bool solveWithPairForces(const Poses& start, double step);
   void forbidWork();
   bool moveAndClose(const Poses& start, double step);
   void payForClosing(const Poses& start, double step);
@@ -155,9 +155,10 @@ constexpr int kContactRounds = 25;
 // Bounds of friction that change by less than this part are settled.
 constexpr double kBoundTolerance = 1e-7;
 constexpr int kFrictionRounds = 20;
-// Of ligaments: Newton steps in a step, the speed that they leave, and the least part of one.
-constexpr int kLigamentRounds = 20;
-constexpr double kLigamentTolerance = 1e-8;
+// Of forces between pairs: Newton steps in a step, the speed that they leave, and the least part of
+// one.
+constexpr int kPairRounds = 20;
+constexpr double kPairTolerance = 1e-8;
 constexpr double kLeastShare = 1e-6;
 
 }  // namespace
@@ -248,8 +249,8 @@ StepOutcome Stepper<D>::tryStep(const Motion& start, double step, const LoadSour
 template <int D>
 StepOutcome Stepper<D>::solveContactRounds(const Poses& start, double step) {
   for (int round = 0; round < kContactRounds; ++round) {
-    if (!solveWithLigaments(start, step)) return StepOutcome::JointsOpen;
-    if (boundNewFriction() && !solveWithLigaments(start, step)) return StepOutcome::JointsOpen;
+    if (!solveWithPairForces(start, step)) return StepOutcome::JointsOpen;
+    if (boundNewFriction() && !solveWithPairForces(start, step)) return StepOutcome::JointsOpen;
     forbidWork();
     if (!moveAndClose(start, step)) return StepOutcome::JointsOpen;
     payForClosing(start, step);
@@ -381,17 +382,17 @@ bool Stepper<D>::solveVelocities(const Poses& start) {
   return true;  // the rest is judged by the gap after closing
 }
 
-/// Finds the velocities of the step with the ligaments as they are at its end: Newton's method from
+/// Finds the velocities of the step with the forces between pairs of its end: Newton's method from
 /// rest, each step cut until what is minimised falls, so that a step gains no energy however stiff
 /// ligaments are. Joints and contacts allow all velocities between two that they allow; joints that
 /// give are not in what is minimised, and steps are whole beside them.
 template <int D>
-bool Stepper<D>::solveWithLigaments(const Poses& start, double step) {
-  if (!system_.hasLigaments()) return solveVelocities(start);
+bool Stepper<D>::solveWithPairForces(const Poses& start, double step) {
+  if (!system_.hasPairBlocks()) return solveVelocities(start);
   Vector known = Vector::Zero(program_.x.size());
   double least = system_.potential(step, known);
-  for (int round = 0; round < kLigamentRounds; ++round) {
-    system_.setLigamentsAbout(known, LigamentBlocks::Curvature::Convex);
+  for (int round = 0; round < kPairRounds; ++round) {
+    system_.setPairBlocksAbout(known, PairBlocks<D>::Curvature::Convex);
     program_.force = system_.force();
     if (!solveVelocities(start)) return false;
     const Vector change = program_.x - known;
@@ -404,7 +405,7 @@ bool Stepper<D>::solveWithLigaments(const Poses& start, double step) {
     if (potential > least && program_.exactJoints) share = 0;
     known += share * change;
     least = std::min(least, potential);
-    if (share == 0 || system_.largestSpeed(share * change) <= kLigamentTolerance * speed) break;
+    if (share == 0 || system_.largestSpeed(share * change) <= kPairTolerance * speed) break;
   }
   program_.x = known;
   return true;
@@ -645,9 +646,9 @@ StepReport Stepper<D>::eulerStep(Motion& motion, double step, const LoadSource& 
   program_.multipliers *= step / multiplierStep_;
   multiplierStep_ = step;
   beginStep(motion, step);
-  if (system_.hasLigaments()) {
+  if (system_.hasPairBlocks()) {
     const Vector rest = Vector::Zero(program_.x.size());
-    system_.setLigamentsAbout(rest, LigamentBlocks::Curvature::Whole);
+    system_.setPairBlocksAbout(rest, PairBlocks<D>::Curvature::Whole);
     program_.force = system_.force();
   }
   startSpeed_ = program_.x;
@@ -671,9 +672,11 @@ double Stepper<D>::energy(const Motion& motion) const {
   for (std::size_t i = 0; i < bricks_.size(); ++i) {
     x.segment<D>(D * i) = Space::pack(pinned_[i] ? Velocity{} : motion.velocities[i]);
   }
-  return system_.kineticEnergy(motion.poses, x) +
-         elasticEnergy(settings_.hingeSprings, motion.poses) +
-         elasticEnergy(settings_.ligaments, motion.poses);
+  double sum = system_.kineticEnergy(motion.poses, x);
+  for (const std::shared_ptr<const PairForce>& force : settings_.pairForces) {
+    sum += force->energy(motion.poses);
+  }
+  return sum;
 }
 
 template <int D>
@@ -687,7 +690,7 @@ void Stepper<D>::transfer(StateTape& tape) {
 std::unique_ptr<JointSolver> makeJointSolver(const std::vector<Brick>& bricks,
                                              std::span<const Pivot> pivots,
                                              const JointSolverSettings& settings) {
-  assert(settings.planar || settings.ligaments.empty());
+  assert(settings.planar || ligamentsOf(settings.pairForces).empty());
   if (settings.planar) return std::make_unique<Stepper<3>>(bricks, pivots, settings);
   return std::make_unique<Stepper<6>>(bricks, pivots, settings);
 }

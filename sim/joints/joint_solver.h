@@ -12,25 +12,25 @@
 #include "sim/base/step_report.h"
 #include "sim/model/brick.h"
 #include "sim/model/contact.h"
-#include "sim/model/hinge.h"
+#include "sim/model/pair_force.h"
 
 namespace kirireel {
 
 /// Where a brick of a planar scene rests on the ground: it rubs there with a known normal load.
 struct Support {
-  int brick = 0;
+  int brick = 0;            ///< its number, from 0
   Vector3 point;            ///< in the brick's axes
   double largestForce = 0;  ///< of friction, newtons
 };
 
 /// How the joints are solved.
 struct JointSolverSettings {
-  bool planar = false;     ///< three degrees of freedom a brick (x, y, turn about z)
-  double lengthScale = 1;  ///< a typical tile edge, metres: tolerances refer to it
-  std::vector<Support> supports;
-  std::vector<HingeSpring> hingeSprings;  ///< implicit in the step
-  /// In the plane alone: implicit in the step, which finds its end by Newton's method.
-  std::vector<Ligament> ligaments;
+  bool planar = false;            ///< three degrees of freedom a brick (x, y, turn about z)
+  double lengthScale = 1;         ///< a typical tile edge, metres: tolerances refer to it
+  std::vector<Support> supports;  ///< of planar scenes on the ground
+  /// Implicit in the step, which finds its end by Newton's method unless they are springs at hinges
+  /// alone. Ligaments ask for the plane.
+  PairForces pairForces;
 };
 
 /// Writes the load on every brick at the given poses; `loads` has one entry a brick, to be
@@ -39,26 +39,26 @@ using LoadSource = std::function<void(const Poses&, std::vector<Load>& loads)>;
 
 /// Linear and angular momentum of all bricks together, the latter about the origin, N s and N m s.
 struct Momentum {
-  Vector3 linear = Vector3::Zero();
-  Vector3 angular = Vector3::Zero();
+  Vector3 linear = Vector3::Zero();   ///< N s
+  Vector3 angular = Vector3::Zero();  ///< about the origin, N m s
 };
 
 /// What the loads of a step give to all bricks together.
 struct LoadGain {
-  Momentum momentum;
-  double work = 0;  ///< less what springs' dashpots and contacts take, joules
+  Momentum momentum;  ///< of all bricks together
+  double work = 0;    ///< less what springs' dashpots and contacts take, joules
 };
 
 /// What two touching bricks push each other with.
 struct ContactLoad {
-  int brickA = 0;
+  int brickA = 0;       ///< its number, from 0
   int brickB = kFixed;  ///< above brickA, or kFixed
   double force = 0;     ///< newtons, the sum over the pair's points
 };
 
 /// The force at one point where two bricks, or a brick and the ground, touch.
 struct TouchForce {
-  int brickA = 0;
+  int brickA = 0;       ///< its number, from 0
   int brickB = kFixed;  ///< or kFixed
   Vector3 point;        ///< world axes
   Vector3 force;        ///< on brick A, friction included, newtons; brick B gets the opposite
@@ -102,7 +102,7 @@ class JointSolver {
   virtual StepReport eulerStep(Motion& motion, double step, const LoadSource& loads,
                                LoadGain& given) = 0;
 
-  /// What the motion holds, and springs at hinges and ligaments at its poses, joules.
+  /// What the motion holds, and the forces between pairs at its poses, joules.
   virtual double energy(const Motion& motion) const = 0;
 
   /// The largest speed along their planes that points of contacts, and supports, have at the start
@@ -171,7 +171,9 @@ class Standstill {
   bool beginStep(const Poses& poses, const std::vector<Load>& loads, double seconds);
   /// Notes that bricks stood still in a part of the step, or that they moved.
   void noteStanding() { stood_ = true; }
+  /// Notes that bricks moved in a part of the step.
   void noteMoving() { moved_ = true; }
+  /// Ends the step that was begun, in these poses, with these loads.
   void endStep(const Poses& poses, const std::vector<Load>& loads);
 
   /// Whether a part of the step that fails may be tried in halves: not once bricks stand still in
@@ -181,6 +183,7 @@ class Standstill {
   /// To be called when something else changes than poses and loads.
   void forget() { *this = {}; }
 
+  /// Records or plays back.
   void transfer(StateTape& tape);
 
  private:

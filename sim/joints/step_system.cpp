@@ -6,7 +6,6 @@
 #include "sim/joints/step_system.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include <Eigen/Eigenvalues>
@@ -138,105 +137,6 @@ template void placeRow<3>(ContactRow<3>&, const Poses&);
 template void placeRow<6>(ContactRow<6>&, const Poses&);
 
 // ------------------------------------------------------------------------------------------------
-// Ligaments in a step. Over a step h from poses q with velocities x, the energy E(q + h x) is
-// replaced by its second-order expansion about known velocities x0,
-//   f gains -h g + h^2 K x0,     A gains h^2 K
-// with the gradient g and the second derivative K at q + h x0, so that the minimum of the step's
-// quadratic function is one Newton step for the true one. K is made positive semidefinite by
-// dropping its negative eigenvalues, in coordinates in which a turn of one radian counts as the
-// length scale: else the cut would depend on the unit of length. A brick that is pinned does not
-// move; its rows are left out.
-
-namespace {
-
-using Plane = Coordinates<3>;
-
-/// A symmetric matrix without its negative part, as seen in units in which turns are lengths.
-Matrix6 withoutNegative(const Matrix6& matrix, double lengthScale) {
-  Vector6 units;
-  units << 1, 1, 1 / lengthScale, 1, 1, 1 / lengthScale;
-  const Matrix6 scaled = units.asDiagonal() * matrix * units.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Matrix6> own(scaled);
-  const Vector6 kept = own.eigenvalues().cwiseMax(0);
-  const Matrix6 cut = own.eigenvectors() * kept.asDiagonal() * own.eigenvectors().transpose();
-  const Vector6 back = units.cwiseInverse();
-  return back.asDiagonal() * cut * back.asDiagonal();
-}
-
-// The six entries of a vector of all bricks (x, y, turn each) that a ligament's two bricks have.
-Vector6 pairOf(const Ligament& ligament, const Eigen::VectorXd& x) {
-  Vector6 pair;
-  pair << x.segment<3>(3 * ligament.brickA), x.segment<3>(3 * ligament.brickB);
-  return pair;
-}
-
-// Adds six entries of a ligament back to the vector of all bricks.
-void addPair(const Ligament& ligament, const Vector6& pair, Eigen::VectorXd& to) {
-  to.segment<3>(3 * ligament.brickA) += pair.head<3>();
-  to.segment<3>(3 * ligament.brickB) += pair.tail<3>();
-}
-
-}  // namespace
-
-// Starts a step with the expansion about bricks at rest, x0 = 0. `step` in seconds; bricks that are
-// held do not move in it.
-void LigamentBlocks::begin(const Poses& poses, double step, const std::vector<bool>& held) {
-  if (empty()) return;
-  start_ = poses;
-  step_ = step;
-  held_ = held;
-}
-
-// The poses at the start displaced by (metres, metres, radians) a brick.
-Poses LigamentBlocks::posesAfter(const Vector& displacement) const {
-  Poses poses = start_;
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    Plane::displace(poses[i], displacement.segment<3>(3 * static_cast<Eigen::Index>(i)));
-  }
-  return poses;
-}
-
-// Expands about the velocities x0 and stores h^2 K and its share of f. The force is h^2 K x0 - h g:
-// a Newton step solves for all velocities, not for a change of them.
-void LigamentBlocks::setAbout(const Vector& x0, Curvature curvature) {
-  const Poses poses = posesAfter(step_ * x0);
-  for (std::size_t k = 0; k < ligaments_.size(); ++k) {
-    const Ligament& ligament = ligaments_[k];
-    const LigamentEnergy energy = ligamentEnergy(ligament, poses);
-    LigamentBlock& block = blocks_[k];
-    const bool isWhole = curvature == Curvature::Whole;
-    block.weight =
-        step_ * step_ * (isWhole ? energy.hessian : withoutNegative(energy.hessian, lengthScale_));
-    block.force = block.weight * pairOf(ligament, x0) - step_ * energy.gradient;
-    const auto leaveOut = [&](int brick, int first) {
-      if (!held_[static_cast<std::size_t>(brick)]) return;
-      block.force.segment<3>(first).setZero();
-      block.weight.middleRows<3>(first).setZero();
-      block.weight.middleCols<3>(first).setZero();
-    };
-    leaveOut(ligament.brickA, 0);
-    leaveOut(ligament.brickB, 3);
-  }
-}
-
-// The exact energy after a displacement, joules. The step compares it with what the expansion
-// foretold.
-double LigamentBlocks::energyAfter(const Vector& displacement) const {
-  return empty() ? 0 : elasticEnergy(ligaments_, posesAfter(displacement));
-}
-
-void LigamentBlocks::addForce(Vector& f) const {
-  for (std::size_t k = 0; k < ligaments_.size(); ++k) addPair(ligaments_[k], blocks_[k].force, f);
-}
-
-// Adds h^2 K x without building a matrix.
-void LigamentBlocks::addProduct(const Vector& x, Vector& to) const {
-  for (std::size_t k = 0; k < ligaments_.size(); ++k) {
-    addPair(ligaments_[k], blocks_[k].weight * pairOf(ligaments_[k], x), to);
-  }
-}
-
-// ------------------------------------------------------------------------------------------------
 // The matrices of one implicit Euler step.
 //
 // Of a brick with the mass m, the inertia I in world axes, the load F (N, N m), its damping D and
@@ -365,16 +265,164 @@ double SpringRows<D>::damped(double step, const Vector& x) const {
   return energy;
 }
 
+// ------------------------------------------------------------------------------------------------
+// Forces between pairs of bricks in a step. Over a step h from poses q with velocities x, the
+// energy E(q + h x) is replaced by its second-order expansion about known velocities x0,
+//   f gains -h g + h^2 K x0,     A gains h^2 K
+// with the gradient g and the second derivative K at q + h x0, so that the minimum of the step's
+// quadratic function is one Newton step for the true one. (In space g and K are by turns from the
+// pose at hand and not from q, which is the same up to the angle of a step.) K is made positive
+// semidefinite by dropping its negative eigenvalues, in coordinates in which a turn of one radian
+// counts as the length scale: else the cut would depend on the unit of length. A brick that is
+// pinned does not move; its rows are left out.
+
+namespace {
+
+/// An energy in D coordinates a brick.
+template <int D>
+auto restricted(const PairEnergy& energy) {
+  if constexpr (D == 3) {
+    return inPlane(energy);
+  } else {
+    return energy;
+  }
+}
+
+/// The entries of a vector of all bricks that a pair has.
+template <int D>
+typename PairBlocks<D>::PairVector pairOf(const PairOnGraph& pair, const Eigen::VectorXd& x) {
+  typename PairBlocks<D>::PairVector both;
+  both << x.segment<D>(D * pair.brickA), x.segment<D>(D * pair.brickB);
+  return both;
+}
+
+/// Adds a pair's entries back to the vector of all bricks.
+template <int D>
+void addPair(const PairOnGraph& pair, const typename PairBlocks<D>::PairVector& both,
+             Eigen::VectorXd& to) {
+  to.segment<D>(D * pair.brickA) += both.template head<D>();
+  to.segment<D>(D * pair.brickB) += both.template tail<D>();
+}
+
+}  // namespace
+
+template <int D>
+PairBlocks<D>::PairBlocks(const PairForces& forces, double lengthScale, BrickGraph& graph)
+    : lengthScale_(lengthScale) {
+  for (const std::shared_ptr<const PairForce>& force : forces) {
+    // Springs at hinges are rows, see SpringRows.
+    if (dynamic_cast<const HingeSprings*>(force.get())) continue;
+    forces_.add(force);
+    for (std::size_t pair = 0; pair < force->size(); ++pair) {
+      const auto [brickA, brickB] = force->bricks(pair);
+      blocks_.push_back({{brickA, brickB, graph.edgeOf(brickA, brickB)}});
+    }
+  }
+}
+
+// Starts a step with the expansion about bricks at rest, x0 = 0. `step` in seconds; bricks that are
+// held do not move in it.
+template <int D>
+void PairBlocks<D>::begin(const Poses& poses, double step, const std::vector<bool>& held) {
+  if (empty()) return;
+  start_ = poses;
+  step_ = step;
+  held_ = held;
+}
+
+// The poses at the start displaced by D coordinates a brick.
+template <int D>
+Poses PairBlocks<D>::posesAfter(const Vector& displacement) const {
+  Poses poses = start_;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    Coordinates<D>::displace(poses[i], displacement.segment<D>(D * static_cast<Eigen::Index>(i)));
+  }
+  return poses;
+}
+
+/// A symmetric matrix without its negative part, as seen in units in which turns are lengths.
+template <int D>
+typename PairBlocks<D>::PairMatrix PairBlocks<D>::withoutNegative(const PairMatrix& matrix) const {
+  PairVector units;
+  for (int k = 0; k < 2 * D; ++k) {
+    units[k] = Coordinates<D>::isTurn(k % D) ? 1 / lengthScale_ : 1;
+  }
+  const PairMatrix scaled = units.asDiagonal() * matrix * units.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<PairMatrix> own(scaled);
+  const PairVector kept = own.eigenvalues().cwiseMax(0);
+  const PairMatrix cut = own.eigenvectors() * kept.asDiagonal() * own.eigenvectors().transpose();
+  const PairVector back = units.cwiseInverse();
+  return back.asDiagonal() * cut * back.asDiagonal();
+}
+
+template <int D>
+void PairBlocks<D>::leaveOutHeld(PairBlock& block) const {
+  for (const auto& [brick, first] :
+       {std::pair{block.pair.brickA, 0}, std::pair{block.pair.brickB, D}}) {
+    if (!held_[static_cast<std::size_t>(brick)]) continue;
+    block.force.template segment<D>(first).setZero();
+    block.weight.template middleRows<D>(first).setZero();
+    block.weight.template middleCols<D>(first).setZero();
+  }
+}
+
+// Expands about the velocities x0 and stores h^2 K and its share of f. The force is h^2 K x0 - h g:
+// a Newton step solves for all velocities, not for a change of them.
+template <int D>
+void PairBlocks<D>::setAbout(const Vector& x0, Curvature curvature) {
+  const Poses poses = posesAfter(step_ * x0);
+  auto block = blocks_.begin();
+  for (const std::shared_ptr<const PairForce>& force : forces_) {
+    for (std::size_t pair = 0; pair < force->size(); ++pair, ++block) {
+      const auto energy = restricted<D>(force->derivatives(pair, poses));
+      const bool isWhole = curvature == Curvature::Whole;
+      block->weight = step_ * step_ * (isWhole ? energy.hessian : withoutNegative(energy.hessian));
+      block->force = block->weight * pairOf<D>(block->pair, x0) - step_ * energy.gradient;
+      leaveOutHeld(*block);
+    }
+  }
+}
+
+template <int D>
+void PairBlocks<D>::clear() {
+  for (PairBlock& block : blocks_) {
+    block.force.setZero();
+    block.weight.setZero();
+  }
+}
+
+// The exact energy after a displacement, joules. The step compares it with what the expansion
+// foretold.
+template <int D>
+double PairBlocks<D>::energyAfter(const Vector& displacement) const {
+  return empty() ? 0 : forces_.energy(posesAfter(displacement));
+}
+
+template <int D>
+void PairBlocks<D>::addForce(Vector& f) const {
+  for (const PairBlock& block : blocks_) addPair<D>(block.pair, block.force, f);
+}
+
+// Adds h^2 K x without building a matrix.
+template <int D>
+void PairBlocks<D>::addProduct(const Vector& x, Vector& to) const {
+  for (const PairBlock& block : blocks_) {
+    addPair<D>(block.pair, block.weight * pairOf<D>(block.pair, x), to);
+  }
+}
+
+// ------------------------------------------------------------------------------------------------
+// The system.
+
 template <int D>
 StepSystem<D>::StepSystem(const std::vector<Brick>& bricks, std::span<const Pivot> pivots,
-                          double lengthScale, std::vector<HingeSpring> springs,
-                          std::vector<Ligament> ligaments)
+                          double lengthScale, const PairForces& pairForces)
     : bricks_(bricks),
       lengthScale_(lengthScale),
       pinned_(bricks.size(), false),
       graph_(bricks.size()),
       springs_({}, graph_),
-      ligaments_(std::move(ligaments), lengthScale),
+      pairBlocks_({}, lengthScale, graph_),
       A_(bricks.size()),
       f_(D * bricks.size()) {
   for (const Pivot& pivot : pivots) {
@@ -386,10 +434,8 @@ StepSystem<D>::StepSystem(const std::vector<Brick>& bricks, std::span<const Pivo
     jointRows_[p].edge = graph_.edgeOf(pivots_[p].brickA, pivots_[p].brickB);
   }
   // After the joints: the order of edges decides the rounding.
-  springs_ = SpringRows<D>(std::move(springs), graph_);
-  for (std::size_t k = 0; k < ligaments_.size(); ++k) {
-    graph_.edgeOf(ligaments_.ligament(k).brickA, ligaments_.ligament(k).brickB);
-  }
+  springs_ = SpringRows<D>(hingeSpringsOf(pairForces), graph_);
+  pairBlocks_ = PairBlocks<D>(pairForces, lengthScale, graph_);
 }
 
 template <int D>
@@ -401,7 +447,7 @@ void StepSystem<D>::setMasses(const Poses& poses) {
   }
   f_.setZero();
   springs_.clear();
-  ligaments_.clear();
+  pairBlocks_.clear();
   kappa_ = kJointWeight * sum / static_cast<double>(bricks_.size());
   rho_ = kContactWeight * sum / static_cast<double>(bricks_.size());
 }
@@ -426,7 +472,7 @@ void StepSystem<D>::setStep(const Motion& motion, const std::vector<Load>& loads
   }
   springs_.begin(motion.poses, step, pinned_);
   springs_.addForce(step, f_);
-  ligaments_.begin(motion.poses, step, pinned_);
+  pairBlocks_.begin(motion.poses, step, pinned_);
   ownForce_ = f_;
   kappa_ = std::isfinite(jointStiffness) ? step * step * jointStiffness
                                          : kJointWeight * sum / static_cast<double>(bricks_.size());
@@ -434,15 +480,16 @@ void StepSystem<D>::setStep(const Motion& motion, const std::vector<Load>& loads
 }
 
 template <int D>
-void StepSystem<D>::setLigamentsAbout(const Vector& x, LigamentBlocks::Curvature curvature) {
-  ligaments_.setAbout(x, curvature);
+void StepSystem<D>::setPairBlocksAbout(const Vector& x,
+                                       typename PairBlocks<D>::Curvature curvature) {
+  pairBlocks_.setAbout(x, curvature);
   f_ = ownForce_;
-  ligaments_.addForce(f_);
+  pairBlocks_.addForce(f_);
 }
 
 template <int D>
 double StepSystem<D>::potential(double step, const Vector& x) const {
-  return x.dot(0.5 * ownTimesA(x) - ownForce_) + ligaments_.energyAfter(step * x);
+  return x.dot(0.5 * ownTimesA(x) - ownForce_) + pairBlocks_.energyAfter(step * x);
 }
 
 template <int D>
@@ -511,18 +558,13 @@ void StepSystem<D>::addSpringsToMatrix() {
 }
 
 template <int D>
-void StepSystem<D>::addLigamentsToMatrix() {
-  if constexpr (D == 3) {
-    for (std::size_t k = 0; k < ligaments_.size(); ++k) {
-      const Ligament& ligament = ligaments_.ligament(k);
-      const Matrix6& weight = ligaments_.block(k).weight;
-      matrix_.addToDiagonal(ligament.brickA, weight.template topLeftCorner<3, 3>());
-      matrix_.addToDiagonal(ligament.brickB, weight.template bottomRightCorner<3, 3>());
-      const Block across = weight.template topRightCorner<3, 3>();
-      const bool isInOrder = ligament.brickA < ligament.brickB;
-      const int edge = graph_.edgeOf(ligament.brickA, ligament.brickB);
-      matrix_.addToOffDiagonal(edge, isInOrder ? across : Block(across.transpose()));
-    }
+void StepSystem<D>::addPairBlocksToMatrix() {
+  for (const auto& [pair, force, weight] : pairBlocks_.blocks()) {
+    matrix_.addToDiagonal(pair.brickA, weight.template topLeftCorner<D, D>());
+    matrix_.addToDiagonal(pair.brickB, weight.template bottomRightCorner<D, D>());
+    const Block across = weight.template topRightCorner<D, D>();
+    const bool isInOrder = pair.brickA < pair.brickB;
+    matrix_.addToOffDiagonal(pair.edge, isInOrder ? across : Block(across.transpose()));
   }
 }
 
@@ -553,7 +595,7 @@ bool StepSystem<D>::factor(const std::vector<ContactRow<D>>& contacts) {
   for (int i = 0; i < brickCount(); ++i) matrix_.addToDiagonal(i, A_[i]);
   addJointsToMatrix();
   addSpringsToMatrix();
-  addLigamentsToMatrix();
+  addPairBlocksToMatrix();
   for (const ContactRow<D>& row : contacts) {
     if (row.acts()) addContactToMatrix(row);
   }
@@ -585,7 +627,7 @@ double StepSystem<D>::workAgainst(const std::vector<Load>& loads, const Vector& 
         move.dot(Space::restrict(loads[i].force) - Space::restrict(loads[i].stiffness) * middle);
   }
   springs_.addWorkAgainst(first, further, work);
-  return work + ligaments_.energyAfter(first + further) - ligaments_.energyAfter(first);
+  return work + pairBlocks_.energyAfter(first + further) - pairBlocks_.energyAfter(first);
 }
 
 template <int D>
@@ -593,7 +635,7 @@ double StepSystem<D>::dampedBySprings(double step, const Vector& x) const {
   return springs_.damped(step, x);
 }
 
-/// A x, but for ligaments.
+/// A x, but for pair blocks.
 template <int D>
 Eigen::VectorXd StepSystem<D>::ownTimesA(const Vector& x) const {
   Vector result(x.size());
@@ -607,7 +649,7 @@ Eigen::VectorXd StepSystem<D>::ownTimesA(const Vector& x) const {
 template <int D>
 Eigen::VectorXd StepSystem<D>::timesA(const Vector& x) const {
   Vector result = ownTimesA(x);
-  ligaments_.addProduct(x, result);
+  pairBlocks_.addProduct(x, result);
   return result;
 }
 

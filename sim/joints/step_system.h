@@ -12,6 +12,7 @@
 #include "sim/model/brick.h"
 #include "sim/model/contact.h"
 #include "sim/model/hinge.h"
+#include "sim/model/pair_force.h"
 
 namespace kirireel {
 
@@ -26,10 +27,15 @@ struct Coordinates {
   static_assert(D == 3 || D == 6);
   static constexpr int kJointRows = D == 6 ? 3 : 2;  ///< a pivot is closed by this many rows
 
+  /// One number a coordinate.
   using Vector = Eigen::Matrix<double, D, 1>;
+  /// A matrix by the coordinates of one brick, or of two.
   using Block = Eigen::Matrix<double, D, D>;
+  /// The rows of a pivot.
   using Rows = Eigen::Matrix<double, kJointRows, D>;
+  /// One row.
   using RowVector = Eigen::Matrix<double, 1, D>;
+  /// By how much a pivot is open, metres.
   using Gap = Eigen::Matrix<double, kJointRows, 1>;
 
   /// Whether coordinate k of a brick is a turn.
@@ -116,6 +122,7 @@ struct Coordinates {
     }
   }
 
+  /// A brick's velocity, what is out of the plane being 0.
   static Velocity unpack(const Vector& packed) {
     if constexpr (D == 6) {
       return {packed.template head<3>(), packed.template tail<3>()};
@@ -154,12 +161,16 @@ struct Coordinates {
 template <int D>
 struct ContactRow {
   static constexpr int kTangents = 2;  ///< of a planar contact the second is vertical, hence zero
+  /// The row's part for one brick.
   using RowVector = typename Coordinates<D>::RowVector;
+  /// Two rows for one brick.
   using TangentRows = Eigen::Matrix<double, kTangents, D>;
+  /// One number a tangent.
   using Tangent = Eigen::Matrix<double, kTangents, 1>;
+  /// By two tangents.
   using TangentMatrix = Eigen::Matrix<double, kTangents, kTangents>;
 
-  Contact contact;
+  Contact contact;        ///< as it was found
   bool hasNormal = true;  ///< false for supports, which only rub
   /// The normal row's part for each brick: velocity along the normal by the brick's D velocities.
   /// That of B is zero where the other side is fixed.
@@ -173,7 +184,7 @@ struct ContactRow {
   double slipBound = 0;                      ///< largest tangential impulse
 
   // The state that the present factor was made for.
-  bool active = false;
+  bool active = false;                                  ///< whether the normal pushes
   TangentMatrix slipStiffness = TangentMatrix::Zero();  ///< times rho
 
   /// Velocity of A's point relative to B along the normal.
@@ -221,68 +232,9 @@ Iterator endOfPlane(Iterator first, Iterator end) {
 }
 
 // ------------------------------------------------------------------------------------------------
-// Ligaments as a part of a step's matrices.
-
-/// The energy E of ligaments in the plane along a step of h seconds from poses q with velocities x,
-/// as a quadratic function of x,
-///   E(q + h x) ~ E + h g^T (x - x0) + h^2 (x - x0)^T K (x - x0) / 2,
-/// about velocities x0. All of pairs of bricks, in their six coordinates.
-class LigamentBlocks {
- public:
-  using Vector = Eigen::VectorXd;
-
-  /// K: the second derivative, or that without what is negative of it. With the latter each minimum
-  /// is one, and Newton's steps lead downhill; but it has kinks where a ligament buckles, on which
-  /// the orders of extrapolated steps are lost.
-  enum class Curvature { Whole, Convex };
-
-  /// What one ligament adds to a step.
-  struct LigamentBlock {
-    Vector6 force = Vector6::Zero();   ///< to f: -h g + h^2 K x0, N s and N m s
-    Matrix6 weight = Matrix6::Zero();  ///< to A: h^2 K
-  };
-
-  LigamentBlocks() = default;
-  /// `lengthScale` in metres makes turning and moving comparable.
-  LigamentBlocks(std::vector<Ligament> ligaments, double lengthScale)
-      : ligaments_(std::move(ligaments)), lengthScale_(lengthScale), blocks_(ligaments_.size()) {}
-
-  bool empty() const { return ligaments_.empty(); }
-  std::size_t size() const { return ligaments_.size(); }
-  const Ligament& ligament(std::size_t k) const { return ligaments_[k]; }
-  const LigamentBlock& block(std::size_t k) const { return blocks_[k]; }
-
-  /// Begins a step at these poses, whose blocks are to be set. One entry a brick: those that are
-  /// held take no part.
-  /// `step` in seconds.
-  void begin(const Poses& poses, double step, const std::vector<bool>& held);
-  /// Sets the blocks about velocities x0.
-  void setAbout(const Vector& x0, Curvature curvature);
-  /// Takes all blocks away.
-  void clear() { blocks_.assign(ligaments_.size(), {}); }
-
-  /// E after a displacement since begin(), joules.
-  double energyAfter(const Vector& displacement) const;
-  /// Adds the blocks' force to f.
-  void addForce(Vector& f) const;
-  /// Adds the product of the blocks' weights with x.
-  void addProduct(const Vector& x, Vector& to) const;
-
- private:
-  Poses posesAfter(const Vector& displacement) const;
-
-  std::vector<Ligament> ligaments_;
-  double lengthScale_ = 1;
-  std::vector<LigamentBlock> blocks_;
-  Poses start_;
-  double step_ = 0;
-  std::vector<bool> held_;
-};
-
-// ------------------------------------------------------------------------------------------------
 // The graph that the system of a step stands on.
 
-/// An edge for each two bricks that share a joint, a spring or a ligament, or have touched.
+/// An edge for each two bricks that share a joint or a force, or have touched.
 class BrickGraph {
  public:
   /// Without edges, of so many bricks.
@@ -306,9 +258,9 @@ class BrickGraph {
 
 /// Two bricks, the second perhaps kFixed, and their edge of the graph.
 struct PairOnGraph {
-  int brickA = 0;
-  int brickB = 0;
-  int edge = 0;
+  int brickA = 0;  ///< its number, from 0
+  int brickB = 0;  ///< its number, from 0, or kFixed
+  int edge = 0;    ///< its number on the graph; 0 where B is kFixed
 };
 
 // ------------------------------------------------------------------------------------------------
@@ -317,10 +269,10 @@ struct PairOnGraph {
 /// The row of a spring in a step, the rate of its hinge's angle.
 template <int D>
 struct SpringRow {
-  int edge = 0;
-  typename Coordinates<D>::RowVector a, b;
-  double moment = 0;  ///< at the start of the step, N m
-  double weight = 0;  ///< of the row in A
+  int edge = 0;                             ///< of its two bricks on the graph
+  typename Coordinates<D>::RowVector a, b;  ///< for brick A, for brick B
+  double moment = 0;                        ///< at the start of the step, N m
+  double weight = 0;                        ///< of the row in A
 };
 
 /// What springs at hinges add to a step: S, W and m of StepSystem. About the axis of a closed hinge
@@ -328,12 +280,17 @@ struct SpringRow {
 template <int D>
 class SpringRows {
  public:
+  /// One number a coordinate of all bricks.
   using Vector = Eigen::VectorXd;
 
+  /// Of these springs, in their order; each pair becomes an edge of the graph.
   SpringRows(std::vector<HingeSpring> springs, BrickGraph& graph);
 
+  /// How many springs there are.
   std::size_t size() const { return springs_.size(); }
+  /// By its number, from 0.
   const HingeSpring& spring(std::size_t s) const { return springs_[s]; }
+  /// The row of a spring, by the same number.
   const SpringRow<D>& row(std::size_t s) const { return rows_[s]; }
 
   /// Sets the rows for a step of so many seconds from these poses. One entry a brick: those that
@@ -359,58 +316,134 @@ class SpringRows {
 };
 
 // ------------------------------------------------------------------------------------------------
+// Forces between pairs of bricks in a step, but for springs at hinges: ligaments and others.
+
+/// The energy E of such forces along a step of h seconds from poses q with velocities x, as a
+/// quadratic function of x,
+///   E(q + h x) ~ E + h g^T (x - x0) + h^2 (x - x0)^T K (x - x0) / 2,
+/// about velocities x0. All of pairs of bricks, in the coordinates of both.
+template <int D>
+class PairBlocks {
+ public:
+  /// One number a coordinate of all bricks.
+  using Vector = Eigen::VectorXd;
+  /// By the coordinates of a pair, brick A first.
+  using PairVector = Eigen::Matrix<double, 2 * D, 1>;
+  /// By the same, twice.
+  using PairMatrix = Eigen::Matrix<double, 2 * D, 2 * D>;
+
+  /// K: the second derivative, or that without what is negative of it. With the latter each minimum
+  /// is one, and Newton's steps lead downhill; but it has kinks where a ligament buckles, on which
+  /// the orders of extrapolated steps are lost.
+  enum class Curvature { Whole, Convex };
+
+  /// What one pair adds to a step.
+  struct PairBlock {
+    PairOnGraph pair;                        ///< its bricks, and their edge
+    PairVector force = PairVector::Zero();   ///< to f: -h g + h^2 K x0, N s and N m s
+    PairMatrix weight = PairMatrix::Zero();  ///< to A: h^2 K
+  };
+
+  /// `lengthScale` in metres makes turning and moving comparable. Springs at hinges are left out.
+  /// Each pair becomes an edge of the graph.
+  PairBlocks(const PairForces& forces, double lengthScale, BrickGraph& graph);
+
+  /// Whether there are no such forces.
+  bool empty() const { return blocks_.empty(); }
+  /// Force by force, pair by pair.
+  const std::vector<PairBlock>& blocks() const { return blocks_; }
+
+  /// Begins a step at these poses, whose blocks are to be set. One entry a brick: those that are
+  /// held take no part.
+  /// `step` in seconds.
+  void begin(const Poses& poses, double step, const std::vector<bool>& held);
+  /// Sets the blocks about velocities x0.
+  void setAbout(const Vector& x0, Curvature curvature);
+  /// Takes all blocks away.
+  void clear();
+
+  /// E after a displacement since begin(), joules.
+  double energyAfter(const Vector& displacement) const;
+  /// Adds the blocks' force to f.
+  void addForce(Vector& f) const;
+  /// Adds the product of the blocks' weights with x.
+  void addProduct(const Vector& x, Vector& to) const;
+
+ private:
+  Poses posesAfter(const Vector& displacement) const;
+  PairMatrix withoutNegative(const PairMatrix& matrix) const;
+  void leaveOutHeld(PairBlock& block) const;
+
+  PairForces forces_;
+  double lengthScale_;
+  std::vector<PairBlock> blocks_;  // force by force, pair by pair
+  Poses start_;
+  double step_ = 0;
+  std::vector<bool> held_;
+};
+
+// ------------------------------------------------------------------------------------------------
 // One implicit step of the joined bricks as a linear system, and its factor.
 
 /// The rows of a pivot, and its bricks' edge of the graph.
 template <int D>
 struct JointRows {
-  int edge = 0;
-  typename Coordinates<D>::Rows a, b;
+  int edge = 0;                        ///< of its two bricks on the graph
+  typename Coordinates<D>::Rows a, b;  ///< for brick A, for brick B
 };
 
 /// What factoring has cost so far.
 struct FactorCost {
-  int factorizations = 0;
-  double work = 0;  ///< in multiplications with an addition: counted, not measured
+  int factorizations = 0;  ///< from 0
+  double work = 0;         ///< in multiplications with an addition: counted, not measured
 };
 
 /// The matrices of one step in D degrees of freedom a brick:
 ///   A = M + h D + h^2 K + S^T W S,   f = M u0 + h F + h S^T m,   joint rows J, contact rows C,
 ///   H = A + kappa J^T J + rho C^T C (over the contacts that act),
-/// with the blocks of ligaments added to A and f (LigamentBlocks), on the graph of bricks that
-/// share a joint, a ligament, or have touched. S has a row for each hinge with a spring, the rate
-/// of its angle; m are the springs' moments at the start of the step, and W = h^2 k + h c their
-/// stiffness and damping. About the axis of a closed hinge the rate is exact.
+/// with the blocks of ligaments and other forces between pairs added to A and f (PairBlocks), on
+/// the graph of bricks that share a joint or such a force, or have touched. S has a row for each
+/// hinge with a spring, the rate of its angle; m are the springs' moments at the start of the step,
+/// and W = h^2 k + h c their stiffness and damping. About the axis of a closed hinge the rate is
+/// exact.
 template <int D>
 class StepSystem {
  public:
+  /// The coordinates of a brick.
   using Space = Coordinates<D>;
+  /// A matrix by those of one brick, or of two.
   using Block = typename Space::Block;
+  /// One row for one brick.
   using RowVector = typename Space::RowVector;
+  /// One number a coordinate of all bricks.
   using Vector = Eigen::VectorXd;
 
-  /// `lengthScale` in metres makes turning and moving comparable. `springs` are at hinges of the
-  /// pivots.
+  /// `lengthScale` in metres makes turning and moving comparable. Springs among `pairForces` are at
+  /// hinges of the pivots; ligaments need D = 3.
   StepSystem(const std::vector<Brick>& bricks, std::span<const Pivot> pivots, double lengthScale,
-             std::vector<HingeSpring> springs = {}, std::vector<Ligament> ligaments = {});
+             const PairForces& pairForces = {});
 
+  /// How many there are.
   int brickCount() const { return static_cast<int>(bricks_.size()); }
+  /// The rows of all pivots together.
   int jointRowCount() const { return Space::kJointRows * static_cast<int>(pivots_.size()); }
+  /// Whether there is any pivot.
   bool hasJoints() const { return !pivots_.empty(); }
 
   /// Holds these bricks where they are from now on: to a joint they are the world. One entry a
   /// brick.
   void setPinned(std::vector<bool> pinned) { pinned_ = std::move(pinned); }
 
-  /// Sets A and f from the motion at the start of a step, but for ligaments. `jointStiffness` in
+  /// Sets A and f from the motion at the start of a step, but for pair blocks. `jointStiffness` in
   /// N/m makes the joints springs: kappa = h^2 k; infinity makes them exact.
   void setStep(const Motion& motion, const std::vector<Load>& loads, double step,
                double jointStiffness);
-  bool hasLigaments() const { return !ligaments_.empty(); }
-  /// Sets the ligaments' part of A and f, about velocities x of the step.
-  void setLigamentsAbout(const Vector& x, LigamentBlocks::Curvature curvature);
-  /// What the step minimises, the ligaments' own energy in the place of their blocks, for
-  /// velocities x, joules.
+  /// Whether forces act between pairs that are no springs at hinges.
+  bool hasPairBlocks() const { return !pairBlocks_.empty(); }
+  /// Sets the pair blocks' part of A and f, about velocities x of the step.
+  void setPairBlocksAbout(const Vector& x, typename PairBlocks<D>::Curvature curvature);
+  /// What the step minimises, the pairs' own energy in the place of their blocks, for velocities x,
+  /// joules.
   double potential(double step, const Vector& x) const;
   /// Sets A = M alone, f = 0: for closing an open state.
   void setMasses(const Poses& poses);
@@ -421,12 +454,13 @@ class StepSystem {
   /// Contacts between bricks that never touched before make a new plan. Costs O(n^1.2) for planar
   /// sheets of n tiles and about O(n^1.4) in space, as measured from 100 to 10,000 tiles.
   bool factor(const std::vector<ContactRow<D>>& contacts);
+  /// Replaces the right side by the solution of H x = right. factor() comes before.
   void solveInPlace(Vector& right) const { matrix_.solveInPlace(right); }
 
   /// Of bricks at these poses that move with velocities x, joules.
   double kineticEnergy(const Poses& poses, const Vector& x) const;
   /// What a further displacement costs against the loads, the hinges' springs as they were set
-  /// last, and the ligaments, after a first one, joules.
+  /// last, and the other forces between pairs, after a first one, joules.
   double workAgainst(const std::vector<Load>& loads, const Vector& first,
                      const Vector& further) const;
   /// What the hinges' dashpots take in a step with velocities x, joules.
@@ -445,8 +479,11 @@ class StepSystem {
   /// Of links the difference of length, in their first row.
   Vector jointGaps(const Poses& poses) const;
 
+  /// The weight of joint rows in H, kg.
   double kappa() const { return kappa_; }
+  /// The weight of contact rows in H, kg.
   double rho() const { return rho_; }
+  /// How often H was factored so far.
   int factorizations() const { return cost_.factorizations; }
   /// What they cost so far, in multiplications with an addition: counted, not measured.
   double work() const { return cost_.work; }
@@ -462,7 +499,7 @@ class StepSystem {
                        const Eigen::Matrix<double, kRows, D>& b, double weight);
   void addJointsToMatrix();
   void addSpringsToMatrix();
-  void addLigamentsToMatrix();
+  void addPairBlocksToMatrix();
   void addContactToMatrix(const ContactRow<D>& row);
 
   const std::vector<Brick>& bricks_;
@@ -472,8 +509,8 @@ class StepSystem {
   BrickGraph graph_;  // joints first, then contacts as they come
   std::vector<JointRows<D>> jointRows_;
   SpringRows<D> springs_;     // without weight while only masses count
-  LigamentBlocks ligaments_;  // likewise
-  Vector ownForce_;           // f without ligaments
+  PairBlocks<D> pairBlocks_;  // likewise
+  Vector ownForce_;           // f without pair blocks
   std::vector<Block, Eigen::aligned_allocator<Block>> A_;
   Vector f_;
   double kappa_ = 0;
@@ -492,11 +529,11 @@ extern template class StepSystem<6>;
 /// inequalities and friction.
 template <int D>
 struct StepProgram {
-  Eigen::VectorXd x;            ///< the start of the search, then its end
-  Eigen::VectorXd force;        ///< f
-  Eigen::VectorXd multipliers;  ///< of the joint rows
-  bool exactJoints = true;      ///< or springs, whose multipliers do not move
-  std::vector<ContactRow<D>> contacts;
+  Eigen::VectorXd x;                    ///< the start of the search, then its end
+  Eigen::VectorXd force;                ///< f
+  Eigen::VectorXd multipliers;          ///< of the joint rows
+  bool exactJoints = true;              ///< or springs, whose multipliers do not move
+  std::vector<ContactRow<D>> contacts;  ///< those that may push or rub
 };
 
 /// How far a round of the method of multipliers was from the end.

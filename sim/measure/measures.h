@@ -14,8 +14,8 @@ namespace kirireel {
 
 /// Distances between the two sides of pivots, metres.
 struct JointGap {
-  double max = 0;
-  double mean = 0;
+  double max = 0;   ///< metres
+  double mean = 0;  ///< over all pivots, metres
 };
 
 /// Gaps of all pivots at the given poses; zeros when there are none.
@@ -34,8 +34,8 @@ double rigidBound(const std::vector<Tile>& tiles, const std::vector<Tile>& targe
 /// Two bricks that overlap.
 struct Penetration {
   double depth = 0;  ///< the shortest move that separates them, metres; 0 when nothing overlaps
-  int brickA = -1;
-  int brickB = -1;
+  int brickA = -1;   ///< its number; -1: no bricks overlap
+  int brickB = -1;   ///< the other's number
 };
 
 /// Of the pairs of so many bricks that are near each other, at most so many are looked at in one

@@ -179,13 +179,13 @@ std::vector<double> holdValues(const Mechanics& mechanics) {
 
 /// The curves from energies to forces, in order; NaN where a run has none.
 std::vector<double> mechanicsValues(const std::optional<Mechanics>& mechanics, double kinetic,
-                                    bool haveHingeSprings) {
+                                    bool havePairForces) {
   // 3 energies, the work, 3 losses, 3 of joint forces, 3 of holds.
   std::vector<double> values(13, kNone);
   values[0] = kinetic;
   if (!mechanics) return values;
   const Energies& energies = mechanics->energies;
-  const double elastic = haveHingeSprings ? energies.elastic : kNone;
+  const double elastic = havePairForces ? energies.elastic : kNone;
   values = {energies.kinetic,  energies.spring,      elastic, energies.work, energies.damped,
             energies.impacted, energies.integrated()};
   for (const auto& more : {jointForceValues(*mechanics), holdValues(*mechanics)}) {
@@ -258,7 +258,7 @@ RunCurves curvesOf(const TrajectoryReader& run) {
     const auto joints = shape.begin() + std::size(kShapeCurves);
     std::vector<double> values(shape.begin(), joints);
     const double kinetic = kineticEnergyBetween(subject.bricks, before, at, after);
-    for (const double value : mechanicsValues(at.mechanics, kinetic, !subject.hingeSprings.empty()))
+    for (const double value : mechanicsValues(at.mechanics, kinetic, !subject.pairForces.empty()))
       values.push_back(value);
     values.insert(values.end(),
                   {subject.model.target ? at.targetError : kNone,
@@ -402,10 +402,11 @@ std::vector<double> brickJointGaps(std::span<const Pivot> pivots, const Poses& p
   return gaps;
 }
 
-std::vector<double> brickMoments(std::span<const HingeSpring> springs,
-                                 std::span<const Ligament> ligaments, const Poses& poses) {
+std::vector<double> brickMoments(const PairForces& forces, const Poses& poses) {
   std::vector<double> largest(poses.size(), 0);
-  const std::vector<std::array<double, 2>> moments = endMoments(springs, ligaments, poses);
+  const std::vector<HingeSpring>& springs = hingeSpringsOf(forces);
+  const std::vector<std::array<double, 2>> moments =
+      endMoments(springs, ligamentsOf(forces), poses);
   for (std::size_t s = 0; s < springs.size(); ++s) {
     const auto [onA, onB] = moments[s];
     double& a = largest[springs[s].hinge.brickA];
@@ -416,18 +417,15 @@ std::vector<double> brickMoments(std::span<const HingeSpring> springs,
   return largest;
 }
 
-std::vector<double> brickElasticEnergies(std::span<const HingeSpring> springs,
-                                         std::span<const Ligament> ligaments, const Poses& poses) {
+std::vector<double> brickElasticEnergies(const PairForces& forces, const Poses& poses) {
   std::vector<double> energies(poses.size(), 0);
-  const auto share = [&](int brickA, int brickB, double energy) {
-    energies[brickA] += 0.5 * energy;
-    energies[brickB] += 0.5 * energy;
-  };
-  for (const HingeSpring& spring : springs) {
-    share(spring.hinge.brickA, spring.hinge.brickB, elasticEnergy({&spring, 1}, poses));
-  }
-  for (const Ligament& ligament : ligaments) {
-    share(ligament.brickA, ligament.brickB, ligamentEnergy(ligament, poses).energy);
+  for (const std::shared_ptr<const PairForce>& force : forces) {
+    for (std::size_t pair = 0; pair < force->size(); ++pair) {
+      const auto [brickA, brickB] = force->bricks(pair);
+      const double half = 0.5 * force->energy(pair, poses);
+      energies[static_cast<std::size_t>(brickA)] += half;
+      energies[static_cast<std::size_t>(brickB)] += half;
+    }
   }
   return energies;
 }

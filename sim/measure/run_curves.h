@@ -21,6 +21,7 @@ struct Curve {
   std::string column;          ///< in tables, with its unit, such as "width_m"
   std::vector<double> values;  ///< one a sample; NaN where it does not exist
 
+  /// Whether any is a number.
   bool hasValues() const;
 };
 
@@ -129,12 +130,10 @@ std::vector<double> brickJointGaps(std::span<const Pivot> pivots, const Poses& p
 
 /// For each brick the largest moment on it of what joins it at its hinges, in size, N m; 0 without
 /// any. See endMoments().
-std::vector<double> brickMoments(std::span<const HingeSpring> springs,
-                                 std::span<const Ligament> ligaments, const Poses& poses);
+std::vector<double> brickMoments(const PairForces& forces, const Poses& poses);
 
-/// For each brick what springs and ligaments at its hinges hold, joules: each of their two bricks
-/// counts one half, so that all bricks together hold what all of them do.
-std::vector<double> brickElasticEnergies(std::span<const HingeSpring> springs,
-                                         std::span<const Ligament> ligaments, const Poses& poses);
+/// For each brick what forces between it and others store, joules: each of their two bricks counts
+/// one half, so that all bricks together hold what all of them do.
+std::vector<double> brickElasticEnergies(const PairForces& forces, const Poses& poses);
 
 }  // namespace kirireel

@@ -9,8 +9,8 @@ namespace kirireel {
 
 /// Two tiles that lie in each other.
 struct TileOverlap {
-  int tileA = 0;
-  int tileB = 0;
+  int tileA = 0;     ///< its number, from 0
+  int tileB = 0;     ///< its number, from 0
   double depth = 0;  ///< metres: the shortest move in the plane that separates flat neighbours, or
                      ///< how far tiles that cross in space reach through each other
 };
@@ -53,7 +53,7 @@ struct Mobility {
 /// Where tiles may move.
 enum class Freedom {
   Plane,  ///< in the plane z = 0, about the z axis
-  Space,
+  Space,  ///< three dimensions
 };
 
 /// The singular value up to which rounding of the model's coordinates explains one that should be

@@ -28,9 +28,9 @@ struct BrickRule {
 /// A rigid prism, in brick axes: origin at its centre of mass, axes parallel to the world's at the
 /// start. bottom[k] and top[k] are the tile's vertex k and that vertex moved along the normal.
 struct Brick {
-  std::vector<Vector3> bottom;  ///< n points, anticlockwise seen from the normal
-  std::vector<Vector3> top;     ///< n points
-  Vector3 normal = Vector3::UnitZ();
+  std::vector<Vector3> bottom;        ///< n points, anticlockwise seen from the normal
+  std::vector<Vector3> top;           ///< n points
+  Vector3 normal = Vector3::UnitZ();  ///< of the bottom, unit, towards the top
   double thickness = 0;               ///< metres
   double volume = 0;                  ///< cubic metres
   double mass = 0;                    ///< kg
@@ -46,7 +46,7 @@ std::vector<PolygonPart> partsOfBottom(const std::vector<Vector3>& bottom, const
 /// A convex piece of a brick as a brick of its own shape: axes, normal and thickness are the whole
 /// brick's, mass and inertia too, which no piece has alone.
 struct BrickPiece {
-  Brick shape;
+  Brick shape;          ///< the piece alone, in the brick's own axes
   int brick = 0;        ///< that it belongs to
   int part = 0;         ///< which of that brick's parts
   PolygonPart corners;  ///< its corners' numbers in the whole brick
@@ -82,8 +82,8 @@ inline constexpr int kNoCorner = -1;
 /// A point that two bricks share. A joint on both faces has two pivots, hence a hinge; a fixed
 /// joint has three.
 struct Pivot {
-  int brickA = 0;
-  int brickB = 0;
+  int brickA = 0;        ///< its number, from 0
+  int brickB = 0;        ///< its number, from 0, or kFixed
   Vector3 pointA;        ///< in the axes of brick A
   Vector3 pointB;        ///< in the axes of brick B
   int joint = 0;         ///< index into the model's joints

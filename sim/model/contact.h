@@ -25,6 +25,7 @@ struct Load {
   Matrix6 stiffness = Matrix6::Zero();  ///< minus the derivative by position, indefinite part cut
   Matrix6 damping = Matrix6::Zero();    ///< minus the derivative by velocity
 
+  /// Records or plays back.
   void transfer(StateTape& tape) { tape.transfer(force, stiffness, damping); }
 };
 
@@ -41,7 +42,7 @@ inline constexpr int kFixed = -1;
 /// + slack, and that of two edges the same with n = e_A x e_B / |e_A x e_B|. It may not become
 /// negative.
 struct Contact {
-  int brickA = 0;
+  int brickA = 0;       ///< its number, from 0
   int brickB = kFixed;  ///< or kFixed
   Vector3 pointA;       ///< on brick A, in its axes
   Vector3 pointB;       ///< on the plane or edge, in the axes of brick B, or of the world
@@ -57,6 +58,7 @@ struct Contact {
 
   bool operator==(const Contact&) const = default;
 
+  /// Records or plays back.
   void transfer(StateTape& tape) {
     tape.transfer(brickA, brickB, pointA, pointB, normal, isEdge, edgeA, friction, slack, partA,
                   partB);
@@ -122,8 +124,8 @@ Brick withoutCorners(const BrickPiece& piece, const std::vector<int>& corners, d
 
 /// The corners at which two bricks are joined, as vertices of their tiles, each once.
 struct SharedCorners {
-  std::vector<int> ofA;
-  std::vector<int> ofB;
+  std::vector<int> ofA;  ///< rising
+  std::vector<int> ofB;  ///< rising
   /// Whether both are parts of one tile: they never touch, as their common edge is where it bends.
   bool areOneTile = false;
 };

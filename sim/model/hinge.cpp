@@ -11,6 +11,8 @@
 #include <map>
 #include <numbers>
 
+#include <fmt/format.h>
+
 namespace kirireel {
 namespace {
 
@@ -183,6 +185,70 @@ double elasticEnergy(std::span<const HingeSpring> springs, const Poses& poses) {
   return sum;
 }
 
+namespace {
+
+constexpr std::array kSpringFields = {
+    PairField<HingeSpring>{"axis", "1", 3, [](HingeSpring& s) { return s.hinge.axis.data(); }},
+    PairField<HingeSpring>{"start", "rad", 1, [](HingeSpring& s) { return &s.hinge.start; }},
+    PairField<HingeSpring>{"least", "rad", 1, [](HingeSpring& s) { return &s.hinge.least; }},
+    PairField<HingeSpring>{"most", "rad", 1, [](HingeSpring& s) { return &s.hinge.most; }},
+    PairField<HingeSpring>{"stiffness", "N m/rad", 1, [](HingeSpring& s) { return &s.stiffness; }},
+    PairField<HingeSpring>{"rest", "rad", 1, [](HingeSpring& s) { return &s.rest; }},
+    PairField<HingeSpring>{"damping", "N m s/rad", 1, [](HingeSpring& s) { return &s.damping; }}};
+
+}  // namespace
+
+std::shared_ptr<const PairForce> HingeSprings::read(const PairReader& file) {
+  std::vector<HingeSpring> springs;
+  for (const auto& [brickA, brickB] : file.bricks()) {
+    springs.emplace_back().hinge.brickA = brickA;
+    springs.back().hinge.brickB = brickB;
+  }
+  readFields(file, kSpringFields, springs);
+  return std::make_shared<HingeSprings>(std::move(springs));
+}
+
+std::pair<int, int> HingeSprings::bricks(std::size_t pair) const {
+  return {springs_[pair].hinge.brickA, springs_[pair].hinge.brickB};
+}
+
+double HingeSprings::energy(std::size_t pair, const Poses& poses) const {
+  return elasticEnergy({&springs_[pair], 1}, poses);
+}
+
+// The angle's derivative by the turns is the axis for brick B and its opposite for brick A.
+PairEnergy HingeSprings::derivatives(std::size_t pair, const Poses& poses) const {
+  const HingeSpring& spring = springs_[pair];
+  const Hinge& hinge = spring.hinge;
+  Vector12 slope = Vector12::Zero();
+  slope.tail<3>() = poses[static_cast<std::size_t>(hinge.brickA)].rotation * hinge.axis;
+  slope.segment<3>(3) = -slope.tail<3>();
+  return {energy(pair, poses), -hingeMoments({&spring, 1}, poses).front() * slope,
+          spring.stiffness * slope * slope.transpose()};
+}
+
+void HingeSprings::addForces(const Motion& motion, std::vector<Vector6>& forces) const {
+  const std::vector<double> moments = hingeMoments(springs_, motion.poses);
+  for (std::size_t s = 0; s < springs_.size(); ++s) {
+    const Hinge& hinge = springs_[s].hinge;
+    const double moment = moments[s] - springs_[s].damping * hingeRate(hinge, motion);
+    const auto a = static_cast<std::size_t>(hinge.brickA);
+    const Vector3 onB = moment * (motion.poses[a].rotation * hinge.axis);
+    forces[a].tail<3>() -= onB;
+    forces[static_cast<std::size_t>(hinge.brickB)].tail<3>() += onB;
+  }
+}
+
+std::vector<PairColumn> HingeSprings::columns() const {
+  return columnsOf(springs_, kSpringFields);
+}
+
+const std::vector<HingeSpring>& hingeSpringsOf(const PairForces& forces) {
+  static const std::vector<HingeSpring> none;
+  const auto* found = forces.find<HingeSprings>();
+  return found ? found->all() : none;
+}
+
 // ------------------------------------------------------------------------------------------------
 // With l the vector from point A to point B, l0 that of the start and phi the turns of the bricks,
 //   E = k_l (|l| - |l0|)^2 / 2 + k_s gamma^2 / 2,   gamma = angle(l0, l) - (phi_A + phi_B) / 2,
@@ -245,18 +311,18 @@ PinComponent componentAlong(const Eigen::Vector2d& d, const Eigen::Vector2d& dir
   return found;
 }
 
-void addPinSpring(double stiffness, const PinComponent& of, LigamentEnergy& sum) {
+void addPinSpring(double stiffness, const PinComponent& of, PlanarEnergy& sum) {
   sum.energy += 0.5 * stiffness * of.value * of.value;
   sum.gradient += stiffness * of.value * of.slope;
   sum.hessian += stiffness * (of.slope * of.slope.transpose() + of.value * of.bend);
 }
 
-LigamentEnergy pinEnergy(const Ligament& pin, const Vector3& between, const Vector3& armA,
-                         const Vector3& armB, double turnA, double turnB) {
+PlanarEnergy pinEnergy(const Ligament& pin, const Vector3& between, const Vector3& armA,
+                       const Vector3& armB, double turnA, double turnB) {
   const Eigen::Vector2d d = (between + armB - armA).head<2>();
   const Vector3 across = rotationFromVector(Vector3(0, 0, 0.5 * (turnA + turnB))) * pin.across;
   const Eigen::Vector2d n = across.head<2>(), t(-n.y(), n.x());
-  LigamentEnergy sum;
+  PlanarEnergy sum;
   addPinSpring(pin.stretchStiffness, componentAlong(d, n, t, armA.head<2>(), armB.head<2>()), sum);
   addPinSpring(pin.shearStiffness, componentAlong(d, t, -n, armA.head<2>(), armB.head<2>()), sum);
   const double a = turnB - turnA;
@@ -284,8 +350,8 @@ void setNeckStiffness(double youngs, double poisson, double thickness, double wi
   ligament.shearStiffness = 1 / (length / (12 * bending) + 1 / (shearing * length));
 }
 
-LigamentEnergy ligamentEnergy(const Ligament& ligament, const Vector3& between, const Vector3& armA,
-                              const Vector3& armB, double turnA, double turnB) {
+PlanarEnergy ligamentEnergy(const Ligament& ligament, const Vector3& between, const Vector3& armA,
+                            const Vector3& armB, double turnA, double turnB) {
   if (ligament.isPin()) return pinEnergy(ligament, between, armA, armB, turnA, turnB);
   const Eigen::Vector2d l = (between + armB - armA).head<2>();
   const Eigen::Vector2d l0 = ligament.start.head<2>();
@@ -332,7 +398,7 @@ std::array<double, 2> turnsOf(const Ligament& ligament, const Poses& poses) {
 
 }  // namespace
 
-LigamentEnergy ligamentEnergy(const Ligament& ligament, const Poses& poses) {
+PlanarEnergy ligamentEnergy(const Ligament& ligament, const Poses& poses) {
   const Pose& a = poses[static_cast<std::size_t>(ligament.brickA)];
   const Pose& b = poses[static_cast<std::size_t>(ligament.brickB)];
   const auto [turnA, turnB] = turnsOf(ligament, poses);
@@ -344,6 +410,74 @@ double elasticEnergy(std::span<const Ligament> ligaments, const Poses& poses) {
   double sum = 0;
   for (const Ligament& ligament : ligaments) sum += ligamentEnergy(ligament, poses).energy;
   return sum;
+}
+
+namespace {
+
+constexpr const char* kAcross = "across";
+
+constexpr std::array kLigamentFields = {
+    PairField<Ligament>{"point_a", "m", 3, [](Ligament& l) { return l.pointA.data(); }},
+    PairField<Ligament>{"point_b", "m", 3, [](Ligament& l) { return l.pointB.data(); }},
+    PairField<Ligament>{"start", "m", 3, [](Ligament& l) { return l.start.data(); }},
+    PairField<Ligament>{kAcross, "1", 3, [](Ligament& l) { return l.across.data(); }},
+    PairField<Ligament>{"stretch", "N/m", 1, [](Ligament& l) { return &l.stretchStiffness; }},
+    PairField<Ligament>{"shear", "N m/rad, of pins N/m", 1,
+                        [](Ligament& l) { return &l.shearStiffness; }},
+    PairField<Ligament>{"opening_2", "N m/rad^2", 1, [](Ligament& l) { return &l.opening[0]; }},
+    PairField<Ligament>{"opening_3", "N m/rad^3", 1, [](Ligament& l) { return &l.opening[1]; }}};
+
+/// The joint in whose place each ligament stands.
+void readJoints(const PairReader& file, std::vector<Ligament>& ligaments) {
+  const std::vector<int> numbers = file.wholeNumbers("joint");
+  const bool areThere = std::ranges::all_of(numbers, [&](int number) {
+    return number >= 0 && static_cast<std::size_t>(number) < file.joints();
+  });
+  if (numbers.size() != ligaments.size() || !areThere) {
+    file.refuse("ligaments/joint does not name a joint of the model for each ligament");
+  }
+  for (std::size_t k = 0; k < ligaments.size(); ++k) ligaments[k].joint = numbers[k];
+}
+
+}  // namespace
+
+std::shared_ptr<const PairForce> Ligaments::read(const PairReader& file) {
+  std::vector<Ligament> ligaments;
+  for (const auto& [brickA, brickB] : file.bricks()) ligaments.push_back({brickA, brickB});
+  readJoints(file, ligaments);
+  readFields(file, kLigamentFields, ligaments);
+  for (std::size_t k = 0; k < ligaments.size(); ++k) {
+    if (std::abs(ligaments[k].across.norm() - 1) <= kUnitTolerance) continue;
+    file.refuse(fmt::format("the direction of ligament {} in ligaments/{} is not a unit vector", k,
+                            kAcross));
+  }
+  return std::make_shared<Ligaments>(std::move(ligaments));
+}
+
+std::pair<int, int> Ligaments::bricks(std::size_t pair) const {
+  return {ligaments_[pair].brickA, ligaments_[pair].brickB};
+}
+
+double Ligaments::energy(std::size_t pair, const Poses& poses) const {
+  return ligamentEnergy(ligaments_[pair], poses).energy;
+}
+
+PairEnergy Ligaments::derivatives(std::size_t pair, const Poses& poses) const {
+  return inSpace(ligamentEnergy(ligaments_[pair], poses));
+}
+
+std::vector<PairColumn> Ligaments::columns() const {
+  std::vector<PairColumn> columns = columnsOf(ligaments_, kLigamentFields);
+  PairColumn joints{"joint", "", 1, {}, true};
+  for (const Ligament& ligament : ligaments_) joints.numbers.push_back(ligament.joint);
+  columns.insert(columns.begin(), std::move(joints));
+  return columns;
+}
+
+const std::vector<Ligament>& ligamentsOf(const PairForces& forces) {
+  static const std::vector<Ligament> none;
+  const auto* found = forces.find<Ligaments>();
+  return found ? found->all() : none;
 }
 
 // ------------------------------------------------------------------------------------------------
@@ -383,14 +517,17 @@ std::vector<std::array<double, 2>> endMoments(std::span<const HingeSpring> sprin
   return moments;
 }
 
-Elasticity elasticityOf(std::span<const HingeSpring> springs, std::span<const Ligament> ligaments,
-                        const Poses& start, const Poses& end) {
-  const auto energyAt = [&](const Poses& poses) {
-    return elasticEnergy(springs, poses) + elasticEnergy(ligaments, poses);
-  };
-  Elasticity found{static_cast<int>(springs.size()), static_cast<int>(ligaments.size()),
-                   energyAt(start), energyAt(end)};
-  for (const auto& [onA, onB] : endMoments(springs, ligaments, end)) {
+int Elasticity::count(const std::string& name) const {
+  const auto found = std::ranges::find(counts, name, &std::pair<std::string, int>::first);
+  return found == counts.end() ? 0 : found->second;
+}
+
+Elasticity elasticityOf(const PairForces& forces, const Poses& start, const Poses& end) {
+  Elasticity found{{}, forces.energy(start), forces.energy(end)};
+  for (const std::shared_ptr<const PairForce>& force : forces) {
+    found.counts.emplace_back(force->name().counted, static_cast<int>(force->size()));
+  }
+  for (const auto& [onA, onB] : endMoments(hingeSpringsOf(forces), ligamentsOf(forces), end)) {
     found.momentEnd = std::max({found.momentEnd, std::abs(onA), std::abs(onB)});
   }
   return found;

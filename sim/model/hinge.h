@@ -2,7 +2,9 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -10,6 +12,7 @@
 
 #include "sim/base/geometry.h"
 #include "sim/model/brick.h"
+#include "sim/model/pair_force.h"
 
 namespace kirireel {
 
@@ -28,8 +31,8 @@ namespace kirireel {
 /// The angle is told apart from its turns by 2 pi by what bricks can reach without passing through
 /// each other, so that it is a function of the poses alone.
 struct Hinge {
-  int brickA = 0;
-  int brickB = 0;
+  int brickA = 0;                   ///< its number, from 0
+  int brickB = 0;                   ///< its number, from 0
   Vector3 axis = Vector3::UnitZ();  ///< unit, in the axes of brick A: B turns by it as angles grow
   double start = 0;                 ///< the angle at the start, radians
   double least = 0;                 ///< below this, bricks without thickness lie in each other
@@ -41,7 +44,7 @@ struct Hinge {
 /// A linear torsional spring with a dashpot beside it, which pull with
 ///   moment = stiffness (rest - angle) - damping d(angle)/dt.
 struct HingeSpring {
-  Hinge hinge;
+  Hinge hinge;           ///< where it pulls
   double stiffness = 0;  ///< N m/rad, from 0
   double rest = 0;       ///< radians
   double damping = 0;    ///< N m s/rad, from 0
@@ -72,6 +75,39 @@ std::vector<double> hingeMoments(std::span<const HingeSpring> springs, const Pos
 /// What the springs hold at these poses, joules: the sum of stiffness (angle - rest)^2 / 2.
 double elasticEnergy(std::span<const HingeSpring> springs, const Poses& poses);
 
+/// The springs of all hinges as one force. A step takes them as rows, since their moments are
+/// linear in the angles.
+class HingeSprings : public PairForce {
+ public:
+  /// What files and summaries call it.
+  static constexpr PairForceName kName{"hinges", "springs", "springs at {} hinges"};
+
+  /// Of these springs, in their order.
+  explicit HingeSprings(std::vector<HingeSpring> springs) : springs_(std::move(springs)) {}
+  /// Those of a file. Throws InputError.
+  static std::shared_ptr<const PairForce> read(const PairReader& file);
+
+  /// The springs, in their order.
+  const std::vector<HingeSpring>& all() const { return springs_; }
+
+  const PairForceName& name() const override { return kName; }
+  std::size_t size() const override { return springs_.size(); }
+  std::pair<int, int> bricks(std::size_t pair) const override;
+  double energy(std::size_t pair, const Poses& poses) const override;
+  /// The hessian without what the turning of axes adds, which a hinge that is closed does not feel.
+  PairEnergy derivatives(std::size_t pair, const Poses& poses) const override;
+  void addForces(const Motion& motion, std::vector<Vector6>& forces) const override;
+  std::vector<PairColumn> columns() const override;
+  /// Of all pairs too.
+  using PairForce::energy;
+
+ private:
+  std::vector<HingeSpring> springs_;
+};
+
+/// The springs at hinges among these forces; empty where there are none.
+const std::vector<HingeSpring>& hingeSpringsOf(const PairForces& forces);
+
 // ------------------------------------------------------------------------------------------------
 // Elastic ligaments in place of exact joints: what stretching and shearing a neck costs. Its
 // bending is that of the spring at its hinge. In the plane.
@@ -79,8 +115,8 @@ double elasticEnergy(std::span<const HingeSpring> springs, const Poses& poses);
 /// A straight neck between a point of one brick and a point of another; without a length a pin that
 /// gives: two points that are one at the start, and part across a slit or slide along it.
 struct Ligament {
-  int brickA = 0;
-  int brickB = 0;
+  int brickA = 0;                    ///< its number, from 0
+  int brickB = 0;                    ///< its number, from 0
   int joint = 0;                     ///< of the model, see Pivot
   Vector3 pointA = Vector3::Zero();  ///< in the axes of brick A
   Vector3 pointB = Vector3::Zero();  ///< in the axes of brick B
@@ -93,6 +129,7 @@ struct Ligament {
   /// the turn of brick B against A since the start, about z; N m/rad^2, N m/rad^3.
   std::array<double, 2> opening = {};
 
+  /// Whether it has no length.
   bool isPin() const { return start.isZero(); }
 };
 
@@ -103,27 +140,52 @@ struct Ligament {
 void setNeckStiffness(double youngs, double poisson, double thickness, double width, double length,
                       Ligament& ligament);
 
-/// The energy of a ligament in the plane with its derivatives by x, y and turn of brick A, then of
-/// brick B; metres, radians, joules.
-struct LigamentEnergy {
-  double energy = 0;
-  Vector6 gradient = Vector6::Zero();
-  Matrix6 hessian = Matrix6::Zero();
-};
-
+/// The energy of a ligament and its derivatives.
 /// At the places of both bricks' centres of mass and their turns since the start. `armA`, `armB`:
 /// the points from there, turned with the bricks; world axes.
 /// `between`: from the centre of brick A to that of B, metres. The Hessian is symmetric and may be
 /// indefinite.
-LigamentEnergy ligamentEnergy(const Ligament& ligament, const Vector3& between, const Vector3& armA,
-                              const Vector3& armB, double turnA, double turnB);
+PlanarEnergy ligamentEnergy(const Ligament& ligament, const Vector3& between, const Vector3& armA,
+                            const Vector3& armB, double turnA, double turnB);
 
 /// At poses whose rotations are turns about z since the start. Bricks turn by less than half a turn
 /// against each other.
-LigamentEnergy ligamentEnergy(const Ligament& ligament, const Poses& poses);
+PlanarEnergy ligamentEnergy(const Ligament& ligament, const Poses& poses);
 
 /// What ligaments hold at these poses, joules.
 double elasticEnergy(std::span<const Ligament> ligaments, const Poses& poses);
+
+/// All ligaments as one force.
+class Ligaments : public PairForce {
+ public:
+  /// What files and summaries call it.
+  static constexpr PairForceName kName{"ligaments", "ligaments", "{} ligaments"};
+
+  /// Of these ligaments, in their order.
+  explicit Ligaments(std::vector<Ligament> ligaments) : ligaments_(std::move(ligaments)) {}
+  /// Those of a file. Throws InputError.
+  static std::shared_ptr<const PairForce> read(const PairReader& file);
+
+  /// The ligaments, in their order.
+  const std::vector<Ligament>& all() const { return ligaments_; }
+
+  const PairForceName& name() const override { return kName; }
+  std::size_t size() const override { return ligaments_.size(); }
+  std::pair<int, int> bricks(std::size_t pair) const override;
+  double energy(std::size_t pair, const Poses& poses) const override;
+  /// By the three coordinates of each brick in the plane; the others are 0.
+  PairEnergy derivatives(std::size_t pair, const Poses& poses) const override;
+  int joint(std::size_t pair) const override { return ligaments_[pair].joint; }
+  std::vector<PairColumn> columns() const override;
+  /// Of all pairs too.
+  using PairForce::energy;
+
+ private:
+  std::vector<Ligament> ligaments_;
+};
+
+/// The ligaments among these forces; empty where there are none.
+const std::vector<Ligament>& ligamentsOf(const PairForces& forces);
 
 // ------------------------------------------------------------------------------------------------
 // Springs and ligaments together: a neck is a ligament, and the spring at its hinge.
@@ -136,16 +198,19 @@ std::vector<std::array<double, 2>> endMoments(std::span<const HingeSpring> sprin
                                               std::span<const Ligament> ligaments,
                                               const Poses& poses);
 
-/// What springs and ligaments hold at the two ends of a run.
+/// What forces between pairs of bricks hold at the two ends of a run.
 struct Elasticity {
-  int springs = 0;         ///< how many
-  int ligaments = 0;       ///< how many
-  double energyStart = 0;  ///< of both, joules
+  /// How many pairs each force has, by PairForceName::counted.
+  std::vector<std::pair<std::string, int>> counts;
+  double energyStart = 0;  ///< of all, joules
   double energyEnd = 0;    ///< joules
   double momentEnd = 0;    ///< the largest of endMoments() in size at the end, N m
+
+  /// How many pairs a force has, by the same name.
+  int count(const std::string& name) const;
 };
 
-Elasticity elasticityOf(std::span<const HingeSpring> springs, std::span<const Ligament> ligaments,
-                        const Poses& start, const Poses& end);
+/// The elasticity of a run that begins and ends in these poses.
+Elasticity elasticityOf(const PairForces& forces, const Poses& start, const Poses& end);
 
 }  // namespace kirireel

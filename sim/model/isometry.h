@@ -15,9 +15,10 @@ namespace kirireel {
 
 /// A proper rigid motion x -> rotation * x + translation.
 struct RigidMotion {
-  Matrix3 rotation = Matrix3::Identity();
-  Vector3 translation = Vector3::Zero();
+  Matrix3 rotation = Matrix3::Identity();  ///< proper
+  Vector3 translation = Vector3::Zero();   ///< after the rotation, metres
 
+  /// Where a point goes, metres.
   Vector3 apply(const Vector3& point) const { return rotation * point + translation; }
 };
 

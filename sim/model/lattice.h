@@ -32,10 +32,13 @@ struct Lattice {
   int columns = 0;  ///< at least 1
   int rows = 0;     ///< at least 1
 
+  /// How many tiles there are.
   int tileCount() const { return columns * rows; }
   /// Tiles are numbered up the columns, one column after the other.
   int tileAt(const Cell& cell) const { return cell.column * rows + cell.row; }
+  /// Tiles are counted column by column.
   Cell cellOf(int tile) const { return {tile / rows, tile % rows}; }
+  /// Whether a tile stands there.
   bool contains(const Cell& cell) const {
     return cell.column >= 0 && cell.column < columns && cell.row >= 0 && cell.row < rows;
   }
@@ -48,6 +51,7 @@ std::vector<Joint> latticeJoints(const Lattice& lattice, JointFace face);
 // ------------------------------------------------------------------------------------------------
 // The exact motion of every planar lattice of quads whose voids are parallelograms.
 
+/// A place or a turn in the plane.
 using Complex = std::complex<double>;
 
 /// One complex constant F for each tile of a lattice and each place just outside its sides. The
@@ -60,16 +64,21 @@ using Complex = std::complex<double>;
 ///   F11 - F00 = s lambda (F10 - F01),   s = 1 if place 00 is even, else -1,   lambda > 0 real.
 class TurningField {
  public:
+  /// A field whose constants are all 0.
   explicit TurningField(const Lattice& lattice)
       : lattice_(lattice), constants_(std::size_t(placeCount())) {}
 
+  /// Its columns and rows.
   const Lattice& lattice() const { return lattice_; }
   /// Tiles and places just outside, corners included.
   int placeCount() const { return (lattice_.columns + 2) * (lattice_.rows + 2); }
+  /// The number of a cell's place, from 0.
   int placeAt(const Cell& cell) const {
     return (cell.column + 1) * (lattice_.rows + 2) + cell.row + 1;
   }
+  /// The constant at a cell, to be set.
   Complex& at(const Cell& cell) { return constants_[std::size_t(placeAt(cell))]; }
+  /// The constant at a cell.
   const Complex& at(const Cell& cell) const { return constants_[std::size_t(placeAt(cell))]; }
 
   /// Where a tile's corner 0-3 stands at the angle theta, radians.
@@ -100,7 +109,7 @@ struct TessellationShape {
   double skew = 0;                          ///< of that side from the y axis, clockwise, below pi/2
   double startAngle = 0;                    ///< between neighbouring tiles, 0 (closed) to pi
   double targetAngle = 1.5707963267948966;  ///< of the target, 0 to pi
-  JointFace face = JointFace::Both;
+  JointFace face = JointFace::Both;         ///< where neighbours are joined
 };
 
 /// The tessellation with its target and its joints. Tile column * rows + row stands in the given

@@ -37,10 +37,10 @@ enum class JointKind {
 
 /// Two corners that stay together: one row of constraints.txt; or two tiles tied in another way.
 struct Joint {
-  Corner a;
-  Corner b;
+  Corner a;                            ///< of the one tile
+  Corner b;                            ///< of the other
   JointFace face = JointFace::Bottom;  ///< of a pivot
-  JointKind kind = JointKind::Pivot;
+  JointKind kind = JointKind::Pivot;   ///< what it keeps
   Vector3 apart = Vector3::Zero();  ///< from corner b to corner a at the start, of links and fixed
                                     ///< joints, metres; a link's has a length
   /// Whether the two are parts of one tile that bends between them: they never touch.
@@ -91,6 +91,7 @@ struct Model {
 
 /// The model, or tiles of it in any state, with the vertices of each tile in its file's order.
 Model inFileOrder(Model model);
+/// The same for tiles in any state.
 std::vector<Tile> inFileOrder(std::vector<Tile> tiles, const FileOrder& order);
 
 /// A rigid connection of two different tiles as they stand.

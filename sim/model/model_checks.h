@@ -23,12 +23,14 @@ struct TileSource {
 
 /// The tiles of one file and where they stand.
 struct TileTable {
-  std::filesystem::path file;
-  std::vector<Tile> tiles;
+  std::filesystem::path file;       ///< as it was given
+  std::vector<Tile> tiles;          ///< in the file's order
   std::vector<TileSource> sources;  ///< one a tile
   int countsFrom = 0;               ///< the file's first tile and vertex, for messages
 
+  /// Where a tile stands.
   FileLocation at(int tile) const { return {file, sources[tile].line}; }
+  /// Where a vertex of a tile stands.
   FileLocation at(int tile, int vertex) const {
     return {file, sources[tile].line, sources[tile].columns[vertex]};
   }
@@ -40,9 +42,11 @@ struct TileTable {
 /// A tile whose sides cross or touch: what it looks like says more than a message.
 class CrossedTile : public InputError {
  public:
+  /// With the message, the tile, and where two of its sides meet.
   CrossedTile(const InputError& error, Tile tile, const Vector3& place)
       : InputError(error), tile_(std::move(tile)), place_(place) {}
 
+  /// As it was read.
   const Tile& tile() const { return tile_; }
   /// Where two of its sides meet, metres.
   const Vector3& place() const { return place_; }
@@ -102,14 +106,14 @@ struct JointRow {
   int line = 0;                  ///< from 1; 0 where the file has no lines
   std::array<int, 5> values{};   ///< tile A, vertex A, tile B, vertex B, from 0; face
   std::array<int, 5> columns{};  ///< where each stands, from 1; 0 for a face that is not written
-  JointKind kind = JointKind::Pivot;
+  JointKind kind = JointKind::Pivot;  ///< what it keeps
 };
 
 /// The rows of one file.
 struct JointTable {
-  std::filesystem::path file;
-  std::vector<JointRow> rows;
-  int countsFrom = 0;  ///< the file's first tile and vertex
+  std::filesystem::path file;  ///< as it was given
+  std::vector<JointRow> rows;  ///< in the file's order
+  int countsFrom = 0;          ///< the file's first tile and vertex
 };
 
 /// Whether all tiles and vertices of the rows are there, after adding `shift` to their numbers.
@@ -161,6 +165,7 @@ void noteNoJoints(const std::filesystem::path& file, Model& model,
 /// Joints whose corners stand apart by what rounding explains, collected to be told as one mend.
 class RoundedCorners {
  public:
+  /// Of this model, whose corners may be off by the last digits.
   explicit RoundedCorners(const Model& model);
 
   /// `gap` in metres, at most samePlaceTolerance(); `place` says where the joint is written.

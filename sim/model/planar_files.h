@@ -22,9 +22,10 @@ namespace kirireel {
 
 /// The files that were chosen.
 struct PlanarPlace {
-  std::filesystem::path vertices;
-  std::filesystem::path joints;
-  std::optional<std::filesystem::path> hull;
+  std::filesystem::path vertices;  ///< the tiles
+  std::filesystem::path joints;    ///< which corners are one
+  std::optional<std::filesystem::path>
+      hull;  ///< which corners are the hull's; absent: none is named
   std::vector<std::filesystem::path> otherJoints;  ///< lists that were not chosen, by name
   std::vector<std::filesystem::path> otherHulls;   ///< likewise
 };

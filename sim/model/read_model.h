@@ -52,6 +52,7 @@ void writeModel(const Model& model, const std::filesystem::path& path);
 /// with file:line:column, the value found, what is allowed and how to mend it.
 Model readModelFolder(const std::filesystem::path& folder, const ReadSettings& settings,
                       std::vector<std::string>& warnings);
+/// The same of a folder, with how its files are read at its defaults.
 Model readModelFolder(const std::filesystem::path& folder, std::vector<std::string>& warnings);
 
 /// Reads another target for a model, in the format of target.txt and in the order of the model's

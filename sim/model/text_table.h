@@ -49,6 +49,7 @@ class TextTable {
   /// Whether a comment was passed over: the file was left without data on purpose.
   bool hasComment() const { return hasComment_; }
 
+  /// As it was given.
   const std::filesystem::path& file() const { return file_; }
 
   /// Where a field of the line stands.

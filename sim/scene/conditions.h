@@ -66,12 +66,13 @@ void numberAsModel(std::vector<GripSetting>& grips, const Model& model);
 
 /// One thing that stays where it is. Joints, forces and drags do not move it.
 struct Obstacle {
+  /// What it is.
   enum class Shape {
-    Box,
-    Sphere,
-    Mesh,  ///< a surface without thickness, met from both sides
+    Box,     ///< with six flat sides
+    Sphere,  ///< round
+    Mesh,    ///< a surface without thickness, met from both sides
   };
-  Shape shape = Shape::Box;
+  Shape shape = Shape::Box;        ///< what it is
   Vector3 size = Vector3::Ones();  ///< of a box, along its own axes, metres, above 0
   double radius = 1;               ///< of a sphere, metres, above 0
   std::vector<Tile> mesh;          ///< flat convex faces of a mesh, in its own axes
@@ -98,7 +99,7 @@ struct InitialVelocity {
   std::vector<int> tiles;             ///< empty: all
   Vector3 linear = Vector3::Zero();   ///< of their common centre of mass, m/s
   Vector3 angular = Vector3::Zero();  ///< about that, world axes, rad/s
-  FileLocation where;
+  FileLocation where;                 ///< of the table in the scene file
 };
 
 /// Turns numbers of tiles as the model's file counts them into those of the model. Throws
@@ -116,6 +117,7 @@ std::vector<Velocity> initialVelocities(const std::vector<InitialVelocity>& give
 /// When an entry of a timeline comes due. Entries happen in their order: each waits until all
 /// before it have happened.
 struct Occasion {
+  /// What it waits for.
   enum class Kind {
     AtTime,         ///< at `value` simulated seconds
     After,          ///< `value` simulated seconds after the entry before (the start for the first)
@@ -125,8 +127,8 @@ struct Occasion {
     ProgressAbove,  ///< once the error to the present target has shrunk by this share of what it
                     ///< was when that target was set, 0 to 1
   };
-  Kind kind = Kind::After;
-  double value = 0;
+  Kind kind = Kind::After;  ///< what it waits for
+  double value = 0;         ///< seconds, metres or a share, by the kind
 };
 
 /// What a timeline does, one struct an action.
@@ -134,7 +136,7 @@ namespace timeline {
 
 /// Fixes tiles to the world where they are.
 struct Pin {
-  std::vector<int> tiles;
+  std::vector<int> tiles;  ///< their numbers
 };
 
 /// Frees pinned tiles.
@@ -144,7 +146,7 @@ struct Unpin {
 
 /// Pulls a tile along a path by a damped spring, then lets go.
 struct Drag {
-  int tile = 0;
+  int tile = 0;               ///< its number
   std::optional<int> vertex;  ///< of the tile's bottom, where the spring is tied; absent: the
                               ///< brick's centre of mass
   std::vector<Vector3> path;  ///< at least one point, world axes; from where the tile is, at even
@@ -156,7 +158,7 @@ struct Drag {
 
 /// Switches the actuation.
 struct Forces {
-  bool on = true;
+  bool on = true;  ///< or off
 };
 
 /// Holds all tiles still; their speeds come back afterwards. Pins may change meanwhile.
@@ -182,15 +184,16 @@ struct Reset {};
 /// Ends the run.
 struct Quit {};
 
+/// What an entry does.
 using Action = std::variant<Pin, Unpin, Drag, Forces, Pause, GoTo, Snapshot, Export, Reset, Quit>;
 
 }  // namespace timeline
 
 /// One thing that happens.
 struct TimelineEntry {
-  Occasion when;
-  timeline::Action action;
-  FileLocation where;  ///< in the scene file, for messages
+  Occasion when;            ///< when it comes due
+  timeline::Action action;  ///< what happens then
+  FileLocation where;       ///< in the scene file, for messages
 };
 
 /// All that happens, in order.

@@ -32,10 +32,10 @@ enum class ContactFilter {
 
 /// What surrounds the bricks.
 struct Environment {
-  Vector3 gravity = Vector3::Zero();  ///< m/s^2
-  std::optional<Ground> ground;
-  std::vector<Obstacle> obstacles;  ///< that all bricks run into
-  ContactFilter contacts = ContactFilter::None;
+  Vector3 gravity = Vector3::Zero();             ///< m/s^2
+  std::optional<Ground> ground;                  ///< absent: there is none
+  std::vector<Obstacle> obstacles;               ///< that all bricks run into
+  ContactFilter contacts = ContactFilter::None;  ///< which pairs may touch
   /// Joined bricks meet without the corners that they share: so much of the mean edge is left out
   /// of each edge there. From 0 (bricks meet up to the pivot) to 0.4.
   double pivotZone = 0.05;
@@ -67,12 +67,12 @@ TargetSpringSettings paperSprings();
 
 /// The spring of one hinge, as a file of hinges has it: what it leaves out is as for all.
 struct OwnHingeSpring {
-  int tileA = 0;  ///< the hinge's tiles, in either order
-  int tileB = 0;
+  int tileA = 0;                    ///< the hinge's tiles, in either order
+  int tileB = 0;                    ///< the other
   std::optional<double> stiffness;  ///< see HingeSpring, this and the following
-  std::optional<double> rest;
-  std::optional<double> damping;
-  FileLocation where;  ///< of the line
+  std::optional<double> rest;       ///< radians, see HingeSpring
+  std::optional<double> damping;    ///< N m s/rad, see HingeSpring
+  FileLocation where;               ///< of the line
 };
 
 /// A neck of the sheet's material at each corner where tiles turn against each other, as thick as
@@ -129,8 +129,8 @@ struct BoundaryCurve {
 
 /// What drives the bricks, and how. The strength is that of TargetSpringSettings.
 struct Actuation {
-  Drive drive = Drive::Target;
-  BoundaryCurve boundary;
+  Drive drive = Drive::Target;  ///< what it is
+  BoundaryCurve boundary;       ///< of boundary springs
 };
 
 /// How the springs bring the tiles to their target.
@@ -146,7 +146,7 @@ enum class PathKind {
 
 /// The path to the target. Straight pulling has local minima in which hard models lock.
 struct PathSettings {
-  PathKind kind = PathKind::Dynamic;
+  PathKind kind = PathKind::Dynamic;  ///< how tiles get there
   /// Seconds of expansion from the common centre before the tiles are led: room for bricks that
   /// would wedge in each other. From 0.
   double openTime = 0;
@@ -181,7 +181,7 @@ inline constexpr double kUsualTolerance = 1e-3;
 
 /// How a step is computed.
 struct SolverSettings {
-  SolverKind kind = SolverKind::Direct;
+  SolverKind kind = SolverKind::Direct;  ///< which one
   /// Of fixed steps, and of steps to a tolerance where bricks touch or joints are singular,
   /// seconds.
   double timestep = 1.0 / 240;
@@ -214,25 +214,25 @@ struct StartAlignment {
 
 /// Everything that a run depends on.
 struct Scene {
-  Model model;  ///< its start aligned, see completeScene()
-  StartAlignment alignment;
-  BrickRule brick;
-  Environment environment;
-  Actuation actuation;
-  TargetSpringSettings springs;
-  HingeSettings hinges;
-  PathSettings path;
-  SolverSettings solver;
-  StopRules stop;
-  Timeline timeline;
-  std::vector<InitialVelocity> velocities;
+  Model model;                   ///< its start aligned, see completeScene()
+  StartAlignment alignment;      ///< how it was aligned
+  BrickRule brick;               ///< how tiles become bricks
+  Environment environment;       ///< what is around them
+  Actuation actuation;           ///< what drives them
+  TargetSpringSettings springs;  ///< to the target; their strength serves other drives too
+  HingeSettings hinges;          ///< what joins tiles
+  PathSettings path;             ///< how they get to the target
+  SolverSettings solver;         ///< how steps are computed
+  StopRules stop;                ///< when the run ends
+  Timeline timeline;             ///< what happens on the way
+  std::vector<InitialVelocity> velocities;  ///< at the start; tiles that none names are at rest
   /// Where there are any, the scene is not deployed: its equilibria are followed as they load it.
   std::vector<GripSetting> grips;
 };
 
 /// Whether something is modelled, and why.
 struct Need {
-  bool on = false;
+  bool on = false;     ///< whether it is modelled
   std::string reason;  ///< one short phrase for the summary
 };
 

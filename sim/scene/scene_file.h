@@ -23,14 +23,14 @@ struct SceneSetting {
 
 /// What a scene file holds.
 struct SceneFile {
-  std::filesystem::path path;
+  std::filesystem::path path;          ///< of the scene file
   std::vector<SceneSetting> settings;  ///< by table and key
   Timeline timeline;                   ///< targets are named, not read yet; files are relative to
                                        ///< the folder of the scene file
   std::vector<Obstacle> obstacles;
-  std::vector<InitialVelocity> velocities;
-  std::vector<GripSetting> grips;  ///< in the numbers of the model's file
-  TomlTable entries;               ///< the lists of tables as they stand in the file
+  std::vector<InitialVelocity> velocities;  ///< of tiles at the start
+  std::vector<GripSetting> grips;           ///< in the numbers of the model's file
+  TomlTable entries;                        ///< the lists of tables as they stand in the file
 };
 
 /// The entries of these lists as a scene file has them, in one spelling; without the names of the

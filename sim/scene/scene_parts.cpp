@@ -667,7 +667,8 @@ Ligament pinAt(const Pivot& pivot, const std::vector<Brick>& bricks, const Vecto
 
 /// Adds what a neck at a hinge is: under grips one that is no more than the end of a slit always
 /// gives as its tiles do, and others where ligaments are asked for.
-void addNeck(Pivot pivot, const std::vector<Brick>& bricks, const Scene& scene, Ties& ties) {
+void addNeck(Pivot pivot, const std::vector<Brick>& bricks, const Scene& scene,
+             std::vector<Pivot>& pivots, std::vector<Ligament>& ligaments) {
   const HingeNeck& neck = *scene.hinges.neck;
   const std::optional<Vector3> slit = slitAt(pivot, bricks);
   if (slit) {
@@ -677,7 +678,7 @@ void addNeck(Pivot pivot, const std::vector<Brick>& bricks, const Scene& scene, 
     pivot.pointB += axis * *slit;
   }
   if (slit && neck.length == 0) {
-    ties.ligaments.push_back(pinAt(pivot, bricks, *slit, scene));
+    ligaments.push_back(pinAt(pivot, bricks, *slit, scene));
   } else if (scene.hinges.areLigaments) {
     if (neck.length == 0) {
       throw InputError(
@@ -685,53 +686,83 @@ void addNeck(Pivot pivot, const std::vector<Brick>& bricks, const Scene& scene, 
           "one neither stretches nor shears there; give one in --hinge-neck, or leave --ligaments "
           "away");
     }
-    ties.ligaments.push_back(ligamentAt(pivot, bricks, scene));
+    ligaments.push_back(ligamentAt(pivot, bricks, scene));
   } else {
-    ties.pivots.push_back(pivot);
+    pivots.push_back(pivot);
   }
 }
 
 }  // namespace
 
-// A joint is a neck where its two bricks share a hinge that has a spring. Upper pivots coincide
-// with lower ones in the plane and are left out.
-Ties tiesOf(const Scene& scene, const std::vector<Brick>& bricks,
-            const std::vector<HingeSpring>& springs) {
-  if (scene.hinges.panels) return {};
+const std::vector<PairForceKind>& pairForceKinds() {
+  static const std::vector<PairForceKind> kinds = {
+      {HingeSprings::kName,
+       [](const Scene& scene, const std::vector<Brick>& bricks) {
+         return std::shared_ptr<const PairForce>(
+             std::make_shared<HingeSprings>(hingeSprings(scene, bricks)));
+       },
+       HingeSprings::read},
+      {Ligaments::kName, nullptr, Ligaments::read}};
+  return kinds;
+}
+
+namespace {
+
+/// Forces alone, but for ligaments.
+Ties withoutPivots(const Scene& scene, const std::vector<Brick>& bricks) {
+  Ties ties;
+  for (const PairForceKind& kind : pairForceKinds()) {
+    if (kind.make) ties.pairForces.add(kind.make(scene, bricks));
+  }
+  return ties;
+}
+
+/// Adds pivots and ligaments: a joint is a neck where its two bricks share a hinge that has a
+/// spring. Upper pivots coincide with lower ones in the plane and are left out.
+void addJoints(const Scene& scene, const std::vector<Brick>& bricks, Ties& ties) {
   std::set<std::pair<int, int>> hinges;
-  for (const HingeSpring& spring : springs) {
+  for (const HingeSpring& spring : hingeSpringsOf(ties.pairForces)) {
     hinges.insert(std::minmax(spring.hinge.brickA, spring.hinge.brickB));
   }
-  Ties ties;
+  std::vector<Ligament> ligaments;
   for (const Pivot& pivot : makePivots(scene.model.joints, bricks)) {
     if (pivot.isUpper) continue;
     const bool isNeck =
         scene.hinges.neck && hinges.contains(std::minmax(pivot.brickA, pivot.brickB));
     if (isNeck) {
-      addNeck(pivot, bricks, scene, ties);
+      addNeck(pivot, bricks, scene, ties.pivots, ligaments);
     } else {
       ties.pivots.push_back(pivot);
     }
   }
+  ties.pairForces.add(std::make_shared<Ligaments>(std::move(ligaments)));
+}
+
+}  // namespace
+
+Ties loadedTies(const Scene& scene, const std::vector<Brick>& bricks) {
+  Ties ties = withoutPivots(scene, bricks);
+  if (!scene.hinges.panels) addJoints(scene, bricks, ties);
   return ties;
 }
 
 // Without ligaments all pivots are exact, upper ones too, since the scene may be in space.
-Ties dynamicTies(const Scene& scene, const std::vector<Brick>& bricks,
-                 const std::vector<HingeSpring>& springs) {
-  if (!scene.hinges.areLigaments) return {makePivots(scene.model.joints, bricks), {}};
+Ties dynamicTies(const Scene& scene, const std::vector<Brick>& bricks) {
+  Ties ties = withoutPivots(scene, bricks);
+  if (!scene.hinges.areLigaments) {
+    ties.pivots = makePivots(scene.model.joints, bricks);
+    return ties;
+  }
   if (const Need planar = sceneNeeds(scene).planar; !planar.on) {
     throw InputError(fmt::format(
         "error: --ligaments gives necks in the plane alone, but {}; leave it away", planar.reason));
   }
-  return tiesOf(scene, bricks, springs);
+  addJoints(scene, bricks, ties);
+  return ties;
 }
 
-std::vector<Ligament> ligamentsOf(const Scene& scene, const std::vector<Brick>& bricks,
-                                  const std::vector<HingeSpring>& springs) {
-  if (springs.empty()) return {};  // ligaments stand at hinges with springs alone
-  const bool isLoaded = !scene.grips.empty();
-  return (isLoaded ? tiesOf : dynamicTies)(scene, bricks, springs).ligaments;
+Ties tiesOf(const Scene& scene, const std::vector<Brick>& bricks) {
+  return scene.grips.empty() ? dynamicTies(scene, bricks) : loadedTies(scene, bricks);
 }
 
 }  // namespace kirireel

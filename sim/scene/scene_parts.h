@@ -3,6 +3,7 @@
 
 #include <array>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -60,25 +61,36 @@ std::vector<HingeSpring> hingeSprings(const Scene& scene, const std::vector<Bric
 // ------------------------------------------------------------------------------------------------
 // What holds the tiles of a sheet together where its joints are necks of material.
 
-/// Joints that are exact, and ligaments in the place of the others. In the plane.
+/// Joints that are exact, and the forces between pairs of bricks: ligaments in the place of other
+/// joints, and what else acts between two bricks.
 struct Ties {
-  std::vector<Pivot> pivots;
-  std::vector<Ligament> ligaments;
+  std::vector<Pivot> pivots;  ///< that are exact
+  PairForces pairForces;      ///< between pairs of bricks
 };
 
-/// The ties of a planar scene under grips with these springs, which are at its hinges: a joint at a
-/// hinge is a neck where the scene has necks. None where tiles bend, whose corners are nodes.
-/// Throws InputError for ligaments that could neither stretch nor shear.
-Ties tiesOf(const Scene& scene, const std::vector<Brick>& bricks,
-            const std::vector<HingeSpring>& springs);
+/// The ties of a scene's run, whether grips load it or masses move. Throws InputError.
+Ties tiesOf(const Scene& scene, const std::vector<Brick>& bricks);
 
-/// The ties of a scene that moves masses: as tiesOf() where it asks for ligaments, which needs a
-/// planar one; else its joints are exact, and turn about the tiles' corners. Throws InputError.
-Ties dynamicTies(const Scene& scene, const std::vector<Brick>& bricks,
-                 const std::vector<HingeSpring>& springs);
+/// The ties of a planar scene under grips: a joint at a hinge with a spring is a neck where the
+/// scene has necks. No pivots where tiles bend, whose corners are nodes. Throws InputError for
+/// ligaments that could neither stretch nor shear, and as hingeSprings() does.
+Ties loadedTies(const Scene& scene, const std::vector<Brick>& bricks);
 
-/// The ligaments of a scene's run, whether grips load it or masses move. Throws InputError.
-std::vector<Ligament> ligamentsOf(const Scene& scene, const std::vector<Brick>& bricks,
-                                  const std::vector<HingeSpring>& springs);
+/// The ties of a scene that moves masses: as loadedTies() where it asks for ligaments, which needs
+/// a planar one; else its joints are exact, and turn about the tiles' corners. Throws InputError.
+Ties dynamicTies(const Scene& scene, const std::vector<Brick>& bricks);
+
+/// A kind of force between pairs of bricks: a new one is its class, and its row here.
+struct PairForceKind {
+  const PairForceName& name;  ///< its own constant
+  /// The scene's force of this kind between its bricks, null or without pairs where it has none.
+  /// Throws InputError. Null for ligaments, which come with the ties, in the place of joints.
+  std::shared_ptr<const PairForce> (*make)(const Scene& scene, const std::vector<Brick>& bricks);
+  /// The force as a file has it. Throws InputError.
+  std::shared_ptr<const PairForce> (*read)(const PairReader& file);
+};
+
+/// All kinds, in the order in which summaries tell of them.
+const std::vector<PairForceKind>& pairForceKinds();
 
 }  // namespace kirireel

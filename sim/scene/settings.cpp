@@ -280,7 +280,9 @@ SettingGroup hingeSettings() {
            [](const Scene& scene) {
              return scene.hinges.panels ? panelsText(*scene.hinges.panels) : "";
            })
-           .with(isDirect, kDirect),
+           .with(isDirect, kDirect)
+           .needsSpace([](const Scene& scene) { return scene.hinges.panels.has_value(); },
+                       "tiles bend"),
        hingeRest().with(hasHingeSprings, "--hinge-stiffness, --hinge-neck or --hinge-file"),
        number<&Scene::hinges, &HingeSettings::damping>("hinge_damping", kFromZero, "N*M*S/RAD",
                                                        "damping of the hinges' angles")
@@ -470,6 +472,12 @@ Setting Setting::without(bool (*holds)(const Scene&), const char* others) && {
   return std::move(*this);
 }
 
+Setting Setting::needsSpace(bool (*holds)(const Scene&), const char* why) && {
+  isSpatial = holds;
+  space = why;
+  return std::move(*this);
+}
+
 Setting Setting::needsDynamics(const char* why) && {
   dynamics = why;
   return std::move(*this);
@@ -506,6 +514,15 @@ void requireRanges(const Scene& scene) {
       if (!text.empty()) setting.read(read, {setting.key, text});
     }
   }
+}
+
+std::string whySpace(const Scene& scene) {
+  for (const SettingGroup& group : sceneSettings()) {
+    for (const Setting& setting : group.settings) {
+      if (setting.isSpatial && setting.isSpatial(scene)) return setting.space;
+    }
+  }
+  return "";
 }
 
 std::string whyDynamics(const Scene& scene) {

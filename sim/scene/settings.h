@@ -22,15 +22,16 @@ namespace kirireel {
 /// A value as typed, and what it was given for.
 struct TypedValue {
   std::string name;  ///< of an option with its hyphens, or a key of a scene file
-  std::string text;
+  std::string text;  ///< that was typed
 };
 
 /// The numbers that a setting accepts.
 struct Range {
-  double least = -std::numeric_limits<double>::max();
-  double most = std::numeric_limits<double>::max();
+  double least = -std::numeric_limits<double>::max();  ///< accepted itself
+  double most = std::numeric_limits<double>::max();    ///< accepted itself, unless it is left out
   bool isMostLeftOut = false;  ///< all below the most; otherwise both ends are accepted
 
+  /// Whether a number is among them.
   bool holds(double number) const {
     return number >= least && (isMostLeftOut ? number < most : number <= most);
   }
@@ -84,8 +85,11 @@ std::string quotedList(const std::vector<std::string>& values);
 /// a unit was converted.
 double numberReadAs(double wanted, double guess, const std::function<double(double)>& read);
 
+/// "[0, 0, -9.81]".
 std::string vectorText(const Vector3& vector);
+/// A neck as parseNeck() reads it.
 std::string neckText(const HingeNeck& neck);
+/// A material as parsePanels() reads it.
 std::string panelsText(const PanelMaterial& panels);
 
 /// "all, unjoined or none".
@@ -125,8 +129,8 @@ T parseChoice(const TypedValue& value, const Choices<T>& choices) {
 
 /// What must hold for a setting to mean anything.
 struct Condition {
-  bool (*holds)(const Scene&);
-  const char* needed;      ///< the options that make it hold, as in "--solver direct"
+  bool (*holds)(const Scene&);  ///< whether the scene is so
+  const char* needed;           ///< the options that make it hold, as in "--solver direct"
   bool isWithout = false;  ///< `needed` says the same as the setting, and must not be given
 };
 
@@ -134,7 +138,7 @@ struct Condition {
 struct Setting {
   std::string key;   ///< "brick_friction": of its table in scene.toml; --brick-friction
   std::string unit;  ///< for the help, as in "SECONDS"; of a switch empty
-  std::string help;
+  std::string help;  ///< one phrase, for people
   /// Sets it to what was typed; a switch, which is not typed, to what it switches on. Throws
   /// InputError for a value that is not allowed.
   std::function<void(Scene&, const TypedValue&)> read;
@@ -143,17 +147,22 @@ struct Setting {
   std::function<std::string(const Scene&)> write;
   std::string usual;               ///< the default in words; may be empty
   std::vector<std::string> words;  ///< the only values that it accepts; empty: see read()
-  bool isSwitch = false;
-  bool isNumber = false;  ///< what it writes can be read as it stands
+  bool isSwitch = false;           ///< whether it is given without a value
+  bool isNumber = false;           ///< what it writes can be read as it stands
   /// Why a scene in which it is not as usual needs dynamics, as in "there is friction"; empty where
   /// it needs none for that.
   std::string dynamics;
   std::vector<Condition> conditions;  ///< the first that does not hold is told
+  /// Whether a scene has to be in space for it; null: never.
+  bool (*isSpatial)(const Scene&) = nullptr;
+  std::string space;  ///< why, as in "tiles bend"
 
   /// The setting with a condition more.
   Setting with(bool (*holds)(const Scene&), const char* needed) &&;
   /// The setting as one that says the same as others; `holds` where these are not given.
   Setting without(bool (*holds)(const Scene&), const char* others) &&;
+  /// The setting as one that may need space: where `holds`, for this reason.
+  Setting needsSpace(bool (*holds)(const Scene&), const char* why) &&;
   /// The setting as one of dynamics.
   Setting needsDynamics(const char* why) &&;
 
@@ -163,9 +172,9 @@ struct Setting {
 
 /// Settings that stand together in the help, and in a table of scene.toml.
 struct SettingGroup {
-  std::string heading;  ///< "Springs to the target"
-  std::string table;    ///< "actuation"
-  std::vector<Setting> settings;
+  std::string heading;            ///< "Springs to the target"
+  std::string table;              ///< "actuation"
+  std::vector<Setting> settings;  ///< in the order of the help
 };
 
 /// All settings of a scene, in the order of the help.
@@ -178,6 +187,9 @@ const Setting& sceneSetting(const std::string& key);
 /// Throws InputError for the first number of a scene that is out of its range.
 /// Words and switches cannot be out of range; texts such as file names are not looked at.
 void requireRanges(const Scene& scene);
+
+/// Why the settings of a scene need three dimensions; empty where a planar one serves them.
+std::string whySpace(const Scene& scene);
 
 /// Why the settings of a scene need dynamics; empty where a path that is geometry serves them.
 std::string whyDynamics(const Scene& scene);

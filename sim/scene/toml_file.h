@@ -23,26 +23,32 @@ struct TomlValue {
   /// A date or a time, which nothing here asks for.
   struct Other {};
 
+  /// The value itself; Other is what no setting takes, as a date.
   std::variant<Other, bool, std::int64_t, double, std::string, std::vector<TomlValue>, TomlTable>
       content;
-  FileLocation where;
+  FileLocation where;  ///< where it stands
 
+  /// The truth; null where it is none.
   const bool* truth() const { return std::get_if<bool>(&content); }
+  /// The whole number; null where it is none.
   const std::int64_t* whole() const { return std::get_if<std::int64_t>(&content); }
   /// A number of either kind.
   std::optional<double> number() const;
+  /// The text; null where it is none.
   const std::string* text() const { return std::get_if<std::string>(&content); }
+  /// The values in brackets; null where there are none.
   const std::vector<TomlValue>* array() const {
     return std::get_if<std::vector<TomlValue>>(&content);
   }
+  /// The table; null where it is none.
   const TomlTable* table() const { return std::get_if<TomlTable>(&content); }
 };
 
 /// One key of a table and its value.
 struct TomlEntry {
-  std::string key;
+  std::string key;     ///< as it is written
   FileLocation where;  ///< of the key
-  TomlValue value;
+  TomlValue value;     ///< what it is set to
 };
 
 /// Reads a file. `hint` says what could be named when there is none. Throws InputError with

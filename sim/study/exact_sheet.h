@@ -22,8 +22,8 @@ double openingAngle(const Poses& poses);
 
 /// How far vertices are from where they should be, metres.
 struct VertexError {
-  double max = 0;
-  double mean = 0;
+  double max = 0;   ///< metres
+  double mean = 0;  ///< metres
 };
 
 /// How far corresponding vertices are apart.

@@ -11,9 +11,9 @@ namespace kirireel {
 
 /// One hard case, as a scene that is stepped and judged.
 struct HardTrial {
-  std::string name;
-  std::string tried;  ///< one phrase: what is hard
-  Scene scene;
+  std::string name;           ///< of the case, as tables have it
+  std::string tried;          ///< one phrase: what is hard
+  Scene scene;                ///< to be run
   std::vector<Brick> bricks;  ///< empty: as the scene's rule makes them
   int rate = 240;             ///< steps a simulated second
   double seconds = 1;         ///< simulated
@@ -26,7 +26,7 @@ std::vector<HardTrial> hardTrials(bool quick);
 
 /// An input that is to be refused.
 struct Refusal {
-  std::string name;
+  std::string name;           ///< of the case
   std::string tried;          ///< one phrase
   std::function<void()> run;  ///< throws InputError
 };

@@ -57,20 +57,6 @@ MovingRun runMoving(const MovingJob& job) {
   return result;
 }
 
-// The same with a better figure for its cost. States and gap are those of the first run, since all
-// runs are equal.
-MovingRun runMovingTimed(const MovingJob& job) {
-  MovingRun result = runMoving(job);
-  double spent = result.cpuSeconds;
-  // The least of several times is the one that other programs on the machine disturbed least.
-  for (int times = 1; times < kMostTimes && spent < kTimedSeconds; ++times) {
-    const double again = runMoving(job).cpuSeconds;
-    result.cpuSeconds = std::min(result.cpuSeconds, again);
-    spent += again;
-  }
-  return result;
-}
-
 // The exact way, to the third order of 1/1920 s.
 SheetWay limitOfFixedSteps(int side) {
   const auto statesAt = [&](int rate) {
@@ -94,7 +80,7 @@ double errorInTime(const MovingRun& run, int side) {
 
 // One row of the table.
 std::vector<Row> measureMoving(const MovingJob& job) {
-  const MovingRun run = runMovingTimed(job);
+  const MovingRun run = leastTimed([&] { return runMoving(job); }, kMostTimes, kTimedSeconds);
   const Method& method = job.method;
   return {{toString(method.engine), job.planar ? "plane" : "space", cell(job.side * job.side),
            cell(method.rate), cell(method.substeps), cell(method.iterations),

@@ -1,6 +1,7 @@
 /// Scenes as studies step them, with every engine that is compared.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -38,9 +39,9 @@ bool isAvailable(Engine engine);
 
 /// An engine with its settings.
 struct Method {
-  Engine engine = Engine::Direct;
-  int rate = 240;                ///< steps a simulated second
-  int substeps = 1;              ///< of the engine in each step
+  Engine engine = Engine::Direct;  ///< whose steps they are
+  int rate = 240;                  ///< steps a simulated second
+  int substeps = 1;                ///< of the engine in each step
   int iterations = 0;            ///< in each substep, of the engines that iterate; Box2D has 3/8 of
                                  ///< them for positions, one at least
   double jointCorrection = 0.2;  ///< Bullet's; see BulletSettings
@@ -81,8 +82,11 @@ class SteppedScene {
   /// One step of the scene's timestep; its cost alone is counted in seconds().
   void advance();
 
+  /// One a tile.
   const std::vector<Brick>& bricks() const { return bricks_; }
+  /// Of all joints.
   const std::vector<Pivot>& pivots() const { return pivots_; }
+  /// As it is now.
   const Motion& motion() const { return motion_; }
   /// What the direct solver's steps did so far.
   const StepReport& report() const { return report_; }
@@ -136,5 +140,24 @@ Stability watchStability(SteppedScene& run, int steps,
 /// The model of a family with its usual values, its start turned into the target's axes; no
 /// contacts.
 Scene familyScene(const std::string& family);
+
+// ------------------------------------------------------------------------------------------------
+// CPU times that scatter.
+
+/// What a run leaves, with the least CPU time of several: the one that other programs on the
+/// machine disturbed least. Runs are equal but for that, and are made again up to `most` times in
+/// all, until they took `enough` seconds together. `run` returns a struct with the field
+/// cpuSeconds.
+template <class Run>
+auto leastTimed(const Run& run, int most, double enough) {
+  auto result = run();
+  double spent = result.cpuSeconds;
+  for (int runs = 1; runs < most && spent < enough; ++runs) {
+    const double again = run().cpuSeconds;
+    result.cpuSeconds = std::min(result.cpuSeconds, again);
+    spent += again;
+  }
+  return result;
+}
 
 }  // namespace kirireel

@@ -33,12 +33,13 @@ struct Caption {
 
 /// Rows under columns. The first column of every table is "case": what the row is a result of.
 struct Table {
-  Caption caption;
-  std::vector<Column> columns;
-  std::vector<Row> rows;
+  Caption caption;              ///< what the numbers are of
+  std::vector<Column> columns;  ///< after the first, which is "case", in their order
+  std::vector<Row> rows;        ///< one a result
 
   /// The place of the column of that name. Throws InputError when there is none.
   std::size_t columnIndex(const std::string& name) const;
+  /// The text in a cell. Throws InputError where there is no such column.
   const std::string& text(const Row& row, const std::string& column) const;
   /// The number in a cell; not a number where the cell is empty or holds words.
   double number(const Row& row, const std::string& column) const;
@@ -46,6 +47,7 @@ struct Table {
 
 /// A number with the digits that a table shows; empty for what is not finite.
 std::string cell(double number);
+/// A whole number with all its digits.
 std::string cell(int number);
 /// "yes" or "no".
 std::string cell(bool flag);
@@ -65,7 +67,7 @@ Table readCsv(const std::filesystem::path& file);
 /// How much of a study is run.
 enum class Extent {
   Quick,  ///< fewer and smaller cases, all studies in minutes
-  Full,
+  Full,   ///< all of it
 };
 
 /// One case. Its rows follow from nothing but its name.
@@ -86,7 +88,8 @@ struct Study {
   std::string name;             ///< as typed: "work-precision"
   std::string help;             ///< one phrase
   std::vector<Column> columns;  ///< after the first, which is "case"
-  std::function<std::vector<StudyCase>(Extent)> cases;
+  std::function<std::vector<StudyCase>(Extent)>
+      cases;  ///< the cases of an extent, in the order in which they are run
   /// From the rows alone, so that a table that was read gives the same.
   std::function<std::vector<Finding>(const Table&)> findings;
 };
@@ -98,12 +101,19 @@ const std::vector<Study>& studies();
 const Study& studyNamed(const std::string& name);
 
 // The studies, one file each.
+/// Error against CPU time, beside other engines.
 Study workPrecisionStudy();
+/// Precision in time of a sheet in motion.
 Study movingStudy();
+/// How CPU time grows with the number of tiles.
 Study scalingStudy();
+/// Rotating squares against their exact motion.
 Study tessellationStudy();
+/// A square that becomes a disk, against its exact path.
 Study squareToDiskStudy();
+/// What stiffness, damping and thickness do to the way the error falls.
 Study sensitivityStudy();
+/// Models that are hard to deploy.
 Study hardCasesStudy();
 
 // ------------------------------------------------------------------------------------------------
@@ -112,7 +122,7 @@ Study hardCasesStudy();
 /// How a study is run.
 struct StudySettings {
   std::filesystem::path folder;  ///< gets NAME.csv and NAME.json; made when absent
-  Extent extent = Extent::Full;
+  Extent extent = Extent::Full;  ///< how much of it
   bool resume = false;  ///< keep the rows that an earlier run of the same extent has finished
   std::string command;  ///< that was typed, for the caption
   /// Of the program and what it is made with; engines add their own.

@@ -72,18 +72,6 @@ Measured runOnce(const Job& job) {
   return measured;
 }
 
-// The same with the least of several times.
-Measured runTimed(const Job& job) {
-  Measured measured = runOnce(job);
-  double spent = measured.cpuSeconds;
-  for (int runs = 1; runs < kMostRuns && spent < kTimedFor; ++runs) {
-    const double again = runOnce(job).cpuSeconds;
-    measured.cpuSeconds = std::min(measured.cpuSeconds, again);
-    spent += again;
-  }
-  return measured;
-}
-
 /// Where the sheet is by time, as ever shorter fixed steps have it.
 SheetWay referenceWay(double seconds) {
   const auto wayAt = [&](int rate) {
@@ -102,7 +90,7 @@ const SheetWay& referenceFor(double seconds) {
 
 // One row of the table.
 std::vector<Row> measure(const Job& job) {
-  const Measured measured = runTimed(job);
+  const Measured measured = leastTimed([&] { return runOnce(job); }, kMostRuns, kTimedFor);
   const double error =
       std::isnan(measured.gap) ? measured.gap : wayError(measured.way, referenceFor(job.seconds));
   const Method& method = job.method;

@@ -39,6 +39,7 @@ class ArrayWriter {
 
   /// `entries` holds entryCount(shape) numbers, the last dimension fastest.
   void write(const std::string& name, std::span<const double> entries, const Shape& shape);
+  /// The same for whole numbers of 32 bits.
   void write(const std::string& name, std::span<const int> entries, const Shape& shape);
   /// A list of doubles, at least one, uncompressed and with a checksum beside it: its attribute
   /// crc32, of the bytes as zlib counts it.
@@ -54,6 +55,7 @@ class ArrayWriter {
 
   /// Notes a property of a group or an array ("/" is the file itself).
   void setAttribute(const std::string& object, const std::string& name, const std::string& text);
+  /// The same for a number.
   void setAttribute(const std::string& object, const std::string& name, double number);
 
   /// Writes what is pending and closes the file.
@@ -79,6 +81,7 @@ class ArrayReader {
 
   /// Whether the file itself holds an array or a group of this name; links do not count.
   bool has(const std::string& name) const;
+  /// Whether an object (a group or an array) has it.
   bool hasAttribute(const std::string& object, const std::string& name) const;
   /// The lengths of an array, at most what a file of this size can hold.
   Shape shape(const std::string& name) const;
@@ -87,7 +90,9 @@ class ArrayReader {
   std::vector<double> doubles(const std::string& name) const;
   /// A list that writeChecked() wrote.
   std::vector<double> checkedDoubles(const std::string& name) const;
+  /// The whole numbers of an array, whatever its shape. Throws InputError.
   std::vector<int> integers(const std::string& name) const;
+  /// The texts of an array. Throws InputError.
   std::vector<std::string> texts(const std::string& name) const;
 
   /// One row of an array of doubles, from 0.
@@ -95,6 +100,7 @@ class ArrayReader {
 
   /// A single text, or a single number, that setAttribute() wrote.
   std::string textAttribute(const std::string& object, const std::string& name) const;
+  /// A number that is an attribute. Throws InputError where there is none.
   double numberAttribute(const std::string& object, const std::string& name) const;
 
  private:
@@ -117,6 +123,7 @@ bool hasWholeTextHeaps(const std::filesystem::path& file);
 /// Where the texts of an HDF5 file stand, of which every heap must be whole.
 class TextPlaces {
  public:
+  /// Of this file, which must be there.
   explicit TextPlaces(const std::filesystem::path& file) : file_(openInputFile(file)) {}
 
   /// Whether a heap begins at this byte of the file and has one entry of this number, of just so

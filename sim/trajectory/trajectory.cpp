@@ -17,15 +17,13 @@ void Sample::transfer(StateTape& tape) {
 // Bricks are made from the scene's tiles as the run makes them.
 Subject subjectOf(const Scene& scene) {
   std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
-  std::vector<HingeSpring> springs = hingeSprings(scene, bricks);
-  std::vector<Ligament> ligaments = ligamentsOf(scene, bricks, springs);
+  PairForces pairForces = tiesOf(scene, bricks).pairForces;
   return {.model = scene.model,
           .brickRule = scene.brick,
           .bricks = std::move(bricks),
           .ground = scene.environment.ground,
           .obstacles = obstacleFaces(scene.environment.obstacles),
-          .hingeSprings = std::move(springs),
-          .ligaments = std::move(ligaments),
+          .pairForces = std::move(pairForces),
           .settings = {}};
 }
 

@@ -9,8 +9,8 @@
 #include "sim/base/state_tape.h"
 #include "sim/base/step_report.h"
 #include "sim/model/brick.h"
-#include "sim/model/hinge.h"
 #include "sim/model/model.h"
+#include "sim/model/pair_force.h"
 #include "sim/scene/scene.h"
 
 namespace kirireel {
@@ -21,8 +21,9 @@ struct StepRecord {
   double jointGap = 0;      ///< largest
   double jointGapMean = 0;  ///< over all pivots
   double targetError = 0;   ///< largest; 0 without a target
-  StepReport took;
+  StepReport took;          ///< what the solver reports
 
+  /// Records or plays back.
   void transfer(StateTape& tape) { tape.transfer(time, jointGap, jointGapMean, targetError, took); }
 };
 
@@ -33,7 +34,7 @@ struct Energies {
   double kinetic = 0;  ///< of the bricks, from 0
   /// Stored in the springs of the drive and of drags, and in joints that give; from 0.
   double spring = 0;
-  double elastic = 0;  ///< stored in springs at hinges and in ligaments; from 0
+  double elastic = 0;  ///< stored in forces between pairs of bricks, as springs at hinges; from 0
   /// What drives have put in since before the start: they tighten and move springs, stiffen them
   /// and the joints, expand the bricks; and gravity.
   double work = 0;
@@ -43,6 +44,7 @@ struct Energies {
   /// What the integrator, and pins that caught moving tiles, have taken: the rest.
   double integrated() const { return work - kinetic - spring - elastic - damped - impacted; }
 
+  /// Records or plays back.
   void transfer(StateTape& tape) {
     tape.transfer(kinetic, spring, elastic, work, damped, impacted);
   }
@@ -60,22 +62,24 @@ enum class HoldKind {
 struct Hold {
   /// What a tile touches when that is no tile; obstacle k is kFirstObstacle - k.
   static constexpr int kGround = -1;
+  /// Obstacle 0.
   static constexpr int kFirstObstacle = -2;
 
-  HoldKind kind = HoldKind::Contact;
-  int tile = 0;
+  HoldKind kind = HoldKind::Contact;  ///< what holds
+  int tile = 0;                       ///< its number, from 0
   int other = kGround;  ///< the tile (above the first), ground or obstacle of a contact
   Vector3 force;        ///< on the tile, newtons
   Vector3 moment;       ///< on the tile about the point, N m
   Vector3 point;        ///< a pinned tile's centre of mass, where it is gripped, or the middle of
                         ///< the push, metres
 
+  /// Records or plays back.
   void transfer(StateTape& tape) { tape.transfer(kind, tile, other, force, moment, point); }
 };
 
 /// What a run with dynamics knows of a state beyond its poses.
 struct Mechanics {
-  Energies energies;
+  Energies energies;  ///< of the whole run
   /// One a joint of the model: the resultant of its pivots on the joint's tile a, newtons, world
   /// axes; of all forces that keep the balance of the state those of least norm.
   std::vector<Vector3> jointForces;
@@ -83,6 +87,7 @@ struct Mechanics {
   std::vector<bool> isIndeterminate;
   std::vector<Hold> holds;  ///< pins and grips by tile, then contacts by tiles
 
+  /// Records or plays back.
   void transfer(StateTape& tape) { tape.transfer(energies, jointForces, isIndeterminate, holds); }
 };
 
@@ -99,6 +104,7 @@ struct Sample {
   /// Of runs with dynamics by the direct solver; a path is geometry, and engines do not tell.
   std::optional<Mechanics> mechanics;
 
+  /// Records or plays back.
   void transfer(StateTape& tape);
 };
 
@@ -108,6 +114,7 @@ struct FigureState {
   double time = 0;     ///< simulated seconds from the start
   Poses poses;         ///< one a brick
 
+  /// Records or plays back.
   void transfer(StateTape& tape) { tape.transfer(figure, time, poses); }
 };
 
@@ -118,20 +125,20 @@ struct Event {
 
   bool operator==(const Event&) const = default;
 
+  /// Records or plays back.
   void transfer(StateTape& tape) { tape.transfer(time, text); }
 };
 
 /// What a trajectory shows: all that stays the same from the first sample to the last, and enough
 /// to make pictures and meshes again without the scene.
 struct Subject {
-  Model model;                            ///< as it was simulated, aligned to its target
-  BrickRule brickRule;                    ///< how tiles became bricks
-  std::vector<Brick> bricks;              ///< one a tile
-  std::optional<Ground> ground;           ///< absent when the scene had none
-  std::vector<Tile> obstacles;            ///< the faces of what stays where it is, world axes
-  std::vector<HingeSpring> hingeSprings;  ///< of the bricks' hinges
-  std::vector<Ligament> ligaments;        ///< in place of exact joints, each at a spring's hinge
-  std::string settings;                   ///< of the run, as JSON; may be empty
+  Model model;                   ///< as it was simulated, aligned to its target
+  BrickRule brickRule;           ///< how tiles became bricks
+  std::vector<Brick> bricks;     ///< one a tile
+  std::optional<Ground> ground;  ///< absent when the scene had none
+  std::vector<Tile> obstacles;   ///< the faces of what stays where it is, world axes
+  PairForces pairForces;         ///< springs at hinges, ligaments in place of joints, ...
+  std::string settings;          ///< of the run, as JSON; may be empty
 };
 
 /// What is known once a run is over.

@@ -15,6 +15,7 @@
 #include "sim/base/files.h"
 #include "sim/base/interruption.h"
 #include "sim/model/text_table.h"
+#include "sim/scene/scene_parts.h"
 #include "sim/trajectory/array_file.h"
 
 namespace kirireel {
@@ -221,47 +222,26 @@ void writeObstacles(ArrayWriter& file, const std::vector<Tile>& faces) {
   writePoints(file, "obstacles/vertices", flatten(faces));
 }
 
-// By value, since the columns reach fields through references that are not const.
-void writeHingeSprings(ArrayWriter& file, std::vector<HingeSpring> springs) {
-  if (springs.empty()) return;
-  const std::size_t count = springs.size();
+/// Each kind is a group: the bricks of each pair, and the columns that the kind has.
+void writePairForce(ArrayWriter& file, const PairForce& force) {
+  const std::string group = force.name().group;
+  const std::size_t count = force.size();
   std::vector<int> bricks;
-  std::vector<double> axes;
-  for (const HingeSpring& spring : springs) {
-    bricks.insert(bricks.end(), {spring.hinge.brickA, spring.hinge.brickB});
-    append(axes, spring.hinge.axis);
+  for (std::size_t pair = 0; pair < count; ++pair) {
+    const auto [brickA, brickB] = force.bricks(pair);
+    bricks.insert(bricks.end(), {brickA, brickB});
   }
-  file.addGroup("hinges");
-  file.write("hinges/bricks", std::span<const int>(bricks), {count, 2});
-  writeArray(file, "hinges/axis", axes, {count, 3}, "1");
-  for (const layout::SpringColumn& column : layout::kSpringColumns) {
-    std::vector<double> numbers;
-    for (HingeSpring& spring : springs) numbers.push_back(column.field(spring));
-    writeArray(file, column.name, numbers, {count}, column.unit);
-  }
-}
-
-// By value, as springs are.
-void writeLigaments(ArrayWriter& file, std::vector<Ligament> ligaments) {
-  if (ligaments.empty()) return;
-  const std::size_t count = ligaments.size();
-  std::vector<int> bricks, joints;
-  for (const Ligament& ligament : ligaments) {
-    bricks.insert(bricks.end(), {ligament.brickA, ligament.brickB});
-    joints.push_back(ligament.joint);
-  }
-  file.addGroup("ligaments");
-  file.write("ligaments/bricks", std::span<const int>(bricks), {count, 2});
-  file.write("ligaments/joint", std::span<const int>(joints), {count});
-  for (const layout::LigamentVector& vector : layout::kLigamentVectors) {
-    std::vector<double> numbers;
-    for (const Ligament& ligament : ligaments) append(numbers, ligament.*vector.field);
-    writeArray(file, vector.name, numbers, {count, 3}, vector.unit);
-  }
-  for (const layout::LigamentColumn& column : layout::kLigamentColumns) {
-    std::vector<double> numbers;
-    for (Ligament& ligament : ligaments) numbers.push_back(column.field(ligament));
-    writeArray(file, column.name, numbers, {count}, column.unit);
+  file.addGroup(group);
+  file.write(group + "/bricks", std::span<const int>(bricks), {count, 2});
+  for (const PairColumn& column : force.columns()) {
+    const std::string name = group + "/" + column.name;
+    const Shape shape = column.width == 1 ? Shape{count} : Shape{count, column.width};
+    if (column.isWhole) {
+      const std::vector<int> numbers(column.numbers.begin(), column.numbers.end());
+      file.write(name, std::span<const int>(numbers), shape);
+    } else {
+      writeArray(file, name, column.numbers, shape, column.unit.c_str());
+    }
   }
 }
 
@@ -432,8 +412,9 @@ TrajectoryWriter::TrajectoryWriter(const std::filesystem::path& path, const Subj
     file.setAttribute("ground", "friction", subject.ground->friction);
   }
   writeObstacles(file, subject.obstacles);
-  writeHingeSprings(file, subject.hingeSprings);
-  writeLigaments(file, subject.ligaments);
+  for (const std::shared_ptr<const PairForce>& force : subject.pairForces) {
+    writePairForce(file, *force);
+  }
   addSeries(file, "time", {}, "s");
   addSeries(file, "position", {subject.bricks.size(), 3}, "m");
   addSeries(file, "rotation", {subject.bricks.size(), 4}, "1");
@@ -509,7 +490,6 @@ using layout::kEnergies;
 using layout::kMeasures;
 using layout::kStepColumns;
 
-constexpr double kUnitTolerance = 1e-6;  // of the length of normals and quaternions
 /// Farther away no brick is drawn or meshed, metres. Runs end at a thousand model sizes, and models
 /// reach as far as kMaxCoordinate.
 constexpr double kFarthest = 1e4 * kMaxCoordinate;
@@ -535,8 +515,10 @@ class SubjectReader {
     if (file_.has("obstacles")) {
       subject.obstacles = tiles("obstacles/vertices", readSizes("obstacles/face_sizes"));
     }
-    if (file_.has("hinges")) subject.hingeSprings = readHingeSprings();
-    if (file_.has("ligaments")) subject.ligaments = readLigaments(subject.model.joints.size());
+    for (const PairForceKind& kind : pairForceKinds()) {
+      if (!file_.has(kind.name.group)) continue;
+      subject.pairForces.add(kind.read(PairGroup(*this, kind.name.group, subject.model)));
+    }
     return subject;
   }
 
@@ -660,75 +642,47 @@ class SubjectReader {
     return tiles;
   }
 
-  /// The two bricks of each hinge or ligament, one after the other.
-  std::vector<int> readPairs(const std::string& name, const char* owner) const {
-    std::vector<int> bricks = file_.integers(name);
-    if (bricks.size() % 2 != 0) {
-      file_.refuse(fmt::format("{} does not hold two bricks a {}", name, owner));
-    }
-    for (const int brick : bricks) static_cast<void>(corner(brick, 0));
-    return bricks;
-  }
+  /// A group of pairs.
+  class PairGroup : public PairReader {
+   public:
+    PairGroup(const SubjectReader& reader, std::string group, const Model& model)
+        : reader_(reader), group_(std::move(group)), joints_(model.joints.size()) {}
 
-  std::vector<HingeSpring> readHingeSprings() const {
-    const std::vector<int> bricks = readPairs("hinges/bricks", "hinge");
-    std::vector<HingeSpring> springs(bricks.size() / 2);
-    const std::vector<double> axes = numbers("hinges/axis", {springs.size(), 3});
-    for (std::size_t s = 0; s < springs.size(); ++s) {
-      Hinge& hinge = springs[s].hinge;
-      hinge.brickA = bricks[2 * s];
-      hinge.brickB = bricks[2 * s + 1];
-      hinge.axis = Vector3(&axes[3 * s]);
-    }
-    for (const layout::SpringColumn& column : layout::kSpringColumns) {
-      const std::vector<double> entries = numbers(column.name, {springs.size()});
-      for (std::size_t s = 0; s < springs.size(); ++s) column.field(springs[s]) = entries[s];
-    }
-    return springs;
-  }
-
-  /// The numbers of joints in whose place ligaments stand.
-  std::vector<int> readLigamentJoints(std::size_t ligaments, std::size_t joints) const {
-    std::vector<int> numbers = file_.integers("ligaments/joint");
-    const bool areThere = std::ranges::all_of(numbers, [&](int number) {
-      return number >= 0 && static_cast<std::size_t>(number) < joints;
-    });
-    if (numbers.size() != ligaments || !areThere) {
-      file_.refuse("ligaments/joint does not name a joint of the model for each ligament");
-    }
-    return numbers;
-  }
-
-  std::vector<Ligament> readLigaments(std::size_t joints) const {
-    const std::vector<int> bricks = readPairs("ligaments/bricks", "ligament");
-    std::vector<Ligament> ligaments(bricks.size() / 2);
-    const std::vector<int> numbersOfJoints = readLigamentJoints(ligaments.size(), joints);
-    for (std::size_t k = 0; k < ligaments.size(); ++k) {
-      ligaments[k].brickA = bricks[2 * k];
-      ligaments[k].brickB = bricks[2 * k + 1];
-      ligaments[k].joint = numbersOfJoints[k];
-    }
-    for (const layout::LigamentVector& vector : layout::kLigamentVectors) {
-      const std::vector<double> entries = numbers(vector.name, {ligaments.size(), 3});
-      for (std::size_t k = 0; k < ligaments.size(); ++k) {
-        ligaments[k].*vector.field = Vector3(&entries[3 * k]);
+    std::vector<std::pair<int, int>> bricks() const override {
+      const std::vector<int> numbers = wholeNumbers("bricks");
+      if (numbers.size() % 2 != 0) {
+        refuse(fmt::format("{}/bricks does not hold two bricks for each of them", group_));
       }
+      std::vector<std::pair<int, int>> pairs;
+      for (std::size_t k = 0; k < numbers.size(); k += 2) {
+        for (const int brick : {numbers[k], numbers[k + 1]}) {
+          static_cast<void>(reader_.corner(brick, 0));
+        }
+        pairs.emplace_back(numbers[k], numbers[k + 1]);
+      }
+      return pairs;
     }
-    for (const layout::LigamentColumn& column : layout::kLigamentColumns) {
-      const std::vector<double> entries = numbers(column.name, {ligaments.size()});
-      for (std::size_t k = 0; k < ligaments.size(); ++k) column.field(ligaments[k]) = entries[k];
-    }
-    requireUnitAcross(ligaments);
-    return ligaments;
-  }
 
-  void requireUnitAcross(const std::vector<Ligament>& ligaments) const {
-    for (std::size_t k = 0; k < ligaments.size(); ++k) {
-      if (std::abs(ligaments[k].across.norm() - 1) <= kUnitTolerance) continue;
-      file_.refuse(fmt::format("the direction of ligament {} in {} is not a unit vector", k,
-                               layout::kLigamentAcross));
+    std::vector<double> numbers(const std::string& column, std::size_t pairs,
+                                std::size_t width) const override {
+      return reader_.numbers(nameOf(column), width == 1 ? Shape{pairs} : Shape{pairs, width});
     }
-  }
+
+    std::vector<int> wholeNumbers(const std::string& column) const override {
+      return reader_.file_.integers(nameOf(column));
+    }
+
+    std::size_t joints() const override { return joints_; }
+
+    [[noreturn]] void refuse(const std::string& what) const override { reader_.file_.refuse(what); }
+
+   private:
+    std::string nameOf(const std::string& column) const { return group_ + "/" + column; }
+
+    const SubjectReader& reader_;
+    std::string group_;
+    std::size_t joints_;
+  };
 
   FileOrder readFileOrder() const {
     FileOrder order;

@@ -20,12 +20,14 @@
 ///       inertia               bricks x 3 x 3   kg m^2, about the centre of mass
 ///     obstacles/face_sizes    faces            vertices of each face; only if there are some
 ///     obstacles/vertices      vertices x 3     m, world axes
-///     hinges/                 only if hinges have springs
+///     GROUP/                  of each force between pairs of bricks that the run has, see
+///                             pairForceKinds(); the arrays besides `bricks` are the kind's own:
+///     hinges/                 springs at hinges
 ///       bricks                springs x 2      the two bricks of each hinge
 ///       axis                  springs x 3
 ///       start, least, most, rest   springs     rad
 ///       stiffness, damping    springs          N m/rad, N m s/rad
-///     ligaments/              only if ligaments stand in place of joints; see Ligament
+///     ligaments/              ligaments in place of joints; see Ligament
 ///       bricks                ligaments x 2    the two bricks that each joins
 ///       joint                 ligaments        in whose place it stands
 ///       point_a, point_b      ligaments x 3    m, in the axes of its bricks
@@ -136,6 +138,7 @@ class TrajectoryReader {
   TrajectoryReader(const TrajectoryReader&) = delete;
   TrajectoryReader& operator=(const TrajectoryReader&) = delete;
 
+  /// What the run shows.
   const Subject& subject() const;
   const std::vector<double>& times() const;      ///< of all samples, rising, seconds; at least one
   const std::vector<StepRecord>& steps() const;  ///< of the whole run; none in version 1
@@ -179,67 +182,23 @@ inline constexpr double kFirstVersion = 1;   ///< had neither steps nor figures
 /// Columns of model/joints: tile, vertex, tile, vertex, face, kind.
 inline constexpr std::size_t kJointColumns = 6;
 
-/// A number that each spring at a hinge has; files without springs, and of earlier releases, have
-/// no group "hinges".
-struct SpringColumn {
-  const char* name;  ///< of its array
-  double& (*field)(HingeSpring&);
-  const char* unit;
-};
-inline constexpr std::array kSpringColumns = {
-    SpringColumn{"hinges/start", [](HingeSpring& s) -> double& { return s.hinge.start; }, "rad"},
-    SpringColumn{"hinges/least", [](HingeSpring& s) -> double& { return s.hinge.least; }, "rad"},
-    SpringColumn{"hinges/most", [](HingeSpring& s) -> double& { return s.hinge.most; }, "rad"},
-    SpringColumn{"hinges/stiffness", [](HingeSpring& s) -> double& { return s.stiffness; },
-                 "N m/rad"},
-    SpringColumn{"hinges/rest", [](HingeSpring& s) -> double& { return s.rest; }, "rad"},
-    SpringColumn{"hinges/damping", [](HingeSpring& s) -> double& { return s.damping; },
-                 "N m s/rad"}};
-
-/// A number that each ligament has; runs with exact joints have no group "ligaments".
-struct LigamentColumn {
-  const char* name;  ///< of its array
-  double& (*field)(Ligament&);
-  const char* unit;
-};
-inline constexpr std::array kLigamentColumns = {
-    LigamentColumn{"ligaments/stretch", [](Ligament& l) -> double& { return l.stretchStiffness; },
-                   "N/m"},
-    LigamentColumn{"ligaments/shear", [](Ligament& l) -> double& { return l.shearStiffness; },
-                   "N m/rad, of pins N/m"},
-    LigamentColumn{"ligaments/opening_2", [](Ligament& l) -> double& { return l.opening[0]; },
-                   "N m/rad^2"},
-    LigamentColumn{"ligaments/opening_3", [](Ligament& l) -> double& { return l.opening[1]; },
-                   "N m/rad^3"}};
-
-/// A vector that each ligament has.
-struct LigamentVector {
-  const char* name;  ///< of its array
-  Vector3 Ligament::*field;
-  const char* unit;
-};
-inline constexpr const char* kLigamentAcross = "ligaments/across";
-inline constexpr std::array kLigamentVectors = {
-    LigamentVector{"ligaments/point_a", &Ligament::pointA, "m"},
-    LigamentVector{"ligaments/point_b", &Ligament::pointB, "m"},
-    LigamentVector{"ligaments/start", &Ligament::start, "m"},
-    LigamentVector{kLigamentAcross, &Ligament::across, "1"}};
-
 /// A figure that each sample has.
 struct Measure {
-  const char* name;  ///< of its array
-  double Sample::*field;
+  const char* name;       ///< of its array
+  double Sample::*field;  ///< of a sample
 };
+/// All of them, in metres.
 inline constexpr std::array kMeasures = {Measure{"measures/joint_gap", &Sample::jointGap},
                                          Measure{"measures/target_error", &Sample::targetError},
                                          Measure{"measures/penetration", &Sample::penetration}};
 
 /// What each step has, beside the figures of its report.
 struct StepColumn {
-  const char* name;  ///< of its array
-  double StepRecord::*field;
-  const char* unit;
+  const char* name;           ///< of its array
+  double StepRecord::*field;  ///< of a step
+  const char* unit;           ///< of the array
 };
+/// All of them.
 inline constexpr std::array kStepColumns = {
     StepColumn{"steps/time", &StepRecord::time, "s"},
     StepColumn{"steps/joint_gap", &StepRecord::jointGap, "m"},
@@ -253,10 +212,11 @@ inline std::string arrayOf(const StepFigure& figure) {
 
 /// Energies that each sample of a run with dynamics has.
 struct EnergyChannel {
-  const char* name;  ///< of its array
-  double Energies::*field;
-  const char* description;
+  const char* name;         ///< of its array
+  double Energies::*field;  ///< of a sample
+  const char* description;  ///< in words, for the file
 };
+/// All of them, in joules.
 inline constexpr std::array kEnergies = {
     EnergyChannel{"energy/kinetic", &Energies::kinetic, "of the bricks"},
     EnergyChannel{"energy/spring", &Energies::spring,
@@ -268,17 +228,23 @@ inline constexpr std::array kEnergies = {
     EnergyChannel{"energy/impacted", &Energies::impacted,
                   "taken so far by impacts and friction of contacts"}};
 
+/// Forces of all joints, newtons, see Mechanics.
 inline constexpr const char* kJointForces = "forces/joint";
+/// Whether each is indeterminate.
 inline constexpr const char* kIndeterminate = "forces/joint_indeterminate";
+/// The times of samples at which something holds.
 inline constexpr const char* kHoldTimes = "holds/time";
+/// What holds, as a number of HoldKind.
 inline constexpr const char* kHoldKinds = "holds/kind";
+/// The tile, and what it touches.
 inline constexpr const char* kHoldTiles = "holds/tiles";
 /// Vectors of a hold.
 struct HoldChannel {
-  const char* name;  ///< of its array
-  Vector3 Hold::*field;
-  const char* unit;
+  const char* name;      ///< of its array
+  Vector3 Hold::*field;  ///< of a hold
+  const char* unit;      ///< of the array
 };
+/// All of them.
 inline constexpr std::array kHolds = {HoldChannel{"holds/force", &Hold::force, "N"},
                                       HoldChannel{"holds/moment", &Hold::moment, "N m"},
                                       HoldChannel{"holds/point", &Hold::point, "m"}};
@@ -298,6 +264,7 @@ class SampleTable {
   void append(const Sample& sample);
 
   std::size_t size() const { return times_.size(); }  ///< samples
+  /// How many bricks there are.
   std::size_t brickCount() const { return brickCount_; }
 
   /// The sample of an index from 0 to size() - 1.

@@ -72,7 +72,9 @@ std::unique_ptr<BrickWorld> makeMujocoWorld(const std::vector<Brick>& bricks, co
 
 /// The versions in use, e.g. "7.0.3"; empty where this program was built without the engine.
 std::string chipmunkVersion();
+/// The version of Box2D in use, as "2.4.1".
 std::string box2dVersion();
+/// The version of MuJoCo in use, as "3.1.6".
 std::string mujocoVersion();
 
 }  // namespace kirireel

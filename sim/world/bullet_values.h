@@ -13,18 +13,22 @@ namespace kirireel {
 // Debian ships Bullet in both precisions; mixed, it compiles and corrupts memory.
 static_assert(sizeof(btScalar) == sizeof(double), "Bullet must be built in double precision");
 
+/// A vector in Bullet's type; metres stay metres.
 inline btVector3 toBullet(const Vector3& v) {
   return {v.x(), v.y(), v.z()};
 }
 
+/// A vector of Bullet's in ours.
 inline Vector3 fromBullet(const btVector3& v) {
   return {v.x(), v.y(), v.z()};
 }
 
+/// A rotation in Bullet's type.
 inline btQuaternion toBullet(const Quaternion& q) {
   return {q.x(), q.y(), q.z(), q.w()};
 }
 
+/// A rotation of Bullet's in ours.
 inline Quaternion fromBullet(const btQuaternion& q) {
   return Quaternion(q.w(), q.x(), q.y(), q.z()).normalized();
 }

@@ -28,7 +28,7 @@ enum class BulletMethod {
 
 /// How Bullet solves a step.
 struct BulletSettings {
-  BulletMethod method = BulletMethod::SequentialImpulse;
+  BulletMethod method = BulletMethod::SequentialImpulse;  ///< which of Bullet's solvers
   int iterations = 50;           ///< sweeps in each step; of Dantzig where its pivoting fails
   double jointCorrection = 0.2;  ///< part of a joint's gap taken back in a step, 0 to 1 (its ERP)
 };

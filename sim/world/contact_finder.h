@@ -72,7 +72,7 @@ std::vector<ObstaclePart> obstacleParts(const std::vector<Obstacle>& obstacles);
 
 /// A brick that reaches into an obstacle.
 struct ObstacleOverlap {
-  int brick = 0;
+  int brick = 0;     ///< its number, from 0
   int obstacle = 0;  ///< from 0
   double depth = 0;  ///< metres
 };
@@ -120,7 +120,7 @@ class ContactFinder : public ContactSource {
 /// A brick as the points, outward face normals and edges of a convex body, in brick axes. In a
 /// planar scene only the outline counts: the bottom's vertices and the side faces.
 struct Outline {
-  std::vector<Vector3> points;
+  std::vector<Vector3> points;      ///< corners, metres
   std::vector<Vector3> normals;     ///< one a face, unit
   std::vector<int> facePoints;      ///< a point on each face, as an index into points
   std::vector<Vector3> directions;  ///< of edges, unit, parallel ones once
@@ -131,11 +131,11 @@ Outline makeOutline(const Brick& brick, bool planar);
 
 /// An outline at a pose, in world axes.
 struct PlacedOutline {
-  const Outline* outline = nullptr;
-  Pose pose;
-  std::vector<Vector3> points;
-  std::vector<Vector3> normals;
-  std::vector<Vector3> directions;
+  const Outline* outline = nullptr;  ///< in brick axes; it must outlive this
+  Pose pose;                         ///< where the brick stands
+  std::vector<Vector3> points;       ///< corners, metres
+  std::vector<Vector3> normals;      ///< one a face, unit
+  std::vector<Vector3> directions;   ///< of edges, unit
 };
 
 /// Replaces `placed` by the outline at a pose.
@@ -144,14 +144,16 @@ void placeOutline(const Outline& outline, const Pose& pose, PlacedOutline& place
 /// A direction that may separate two bricks A and B, tied to their features so that it can be
 /// followed from pose to pose.
 struct SeparatingPlane {
+  /// Whose features it is of.
   enum class Kind { FaceOfA, FaceOfB, Edges };
-  Kind kind = Kind::FaceOfB;
-  int a = 0;        ///< face or edge direction of A
-  int b = 0;        ///< face or edge direction of B
-  double sign = 1;  ///< of the product of edge directions
+  Kind kind = Kind::FaceOfB;  ///< of what features
+  int a = 0;                  ///< face or edge direction of A
+  int b = 0;                  ///< face or edge direction of B
+  double sign = 1;            ///< of the product of edge directions
 
   bool operator==(const SeparatingPlane&) const = default;
 
+  /// Records or plays back.
   void transfer(StateTape& tape) { tape.transfer(kind, a, b, sign); }
 };
 
@@ -182,8 +184,8 @@ void appendPlaneContacts(const SeparatingPlane& plane, int brickA, int brickB,
 
 /// The poses of B in A's axes where a step starts and ends.
 struct PairMove {
-  Pose start;
-  Pose end;
+  Pose start;  ///< where the step starts
+  Pose end;    ///< where it ends
 };
 
 /// The pose of a brick in the axes of another.
@@ -191,9 +193,9 @@ Pose seenFrom(const Pose& seer, const Pose& seen);
 
 /// A convex piece of a brick, as its pairs look at it.
 struct OutlinedPiece {
-  int brick = 0;  ///< that it is of
-  int part = 0;   ///< its number within the brick
-  Outline outline;
+  int brick = 0;    ///< that it is of
+  int part = 0;     ///< its number within the brick
+  Outline outline;  ///< of the piece, in the brick's own axes
 };
 
 /// Everything about a pair is looked at in the axes of brick A.
@@ -206,7 +208,9 @@ class BrickPair {
   BrickPair(const BrickPair&) = delete;
   BrickPair& operator=(const BrickPair&) = delete;
 
+  /// The number of brick A.
   int a() const { return a_.brick; }
+  /// The number of brick B.
   int b() const { return b_.brick; }
   /// Overlap that the pair may keep, metres.
   double slack() const { return slack_; }
@@ -280,7 +284,9 @@ class SpherePair {
   /// `tolerance`: overlap in metres that counts as none.
   SpherePair(int brick, int sphere, const Brick& shape, double radius, double tolerance);
 
+  /// The number of the brick.
   int brick() const { return brick_; }
+  /// The number of the sphere's body.
   int sphere() const { return sphere_; }
 
   /// How deep the sphere reaches into the brick at this pose, metres, from 0.

@@ -1,4 +1,5 @@
 // What tells one order from another: every option, however it is spelled and wherever it stands.
+#include <algorithm>
 #include <regex>
 #include <set>
 
@@ -6,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "render/cli/command_line.h"
+#include "sim/scene/settings.h"
 #include "tests/support/files.h"
 
 namespace kirireel {
@@ -20,10 +22,39 @@ struct Sample {
   Words needed = {};  ///< without which the option means nothing
 };
 
-const Words kLed = {"--path", "led"};
-const Words kBoundary = {"--actuation", "boundary"};
+/// What makes a setting mean something, as its conditions say: "--solver direct".
+Words neededFor(const Setting& setting) {
+  Words words;
+  for (const Condition& condition : setting.conditions) {
+    if (condition.isWithout || condition.holds(openScene())) continue;
+    for (const std::string_view word : split(condition.needed, ' ')) words.emplace_back(word);
+  }
+  return words;
+}
 
-const std::vector<Sample>& samples() {
+/// The sample of a number, of words or of a switch: the first two values that it accepts and that
+/// are not its default.
+Sample sampleOf(const Setting& setting) {
+  Sample sample{setting.option(), {}, neededFor(setting)};
+  if (setting.isSwitch) return sample;
+  const Words values =
+      setting.words.empty() ? Words{"0.5", "3", "0.25", "7", "0.001", "1000"} : setting.words;
+  for (const std::string& value : values) {
+    Scene scene = openScene();
+    try {
+      setting.read(scene, {setting.key, value});
+    } catch (const InputError&) {
+      continue;
+    }
+    if (setting.write(scene) == setting.write(openScene())) continue;
+    sample.values.push_back(value);
+    if (sample.values.size() == 2) break;
+  }
+  return sample;
+}
+
+/// Samples whose values say more than a setting's own description: texts, and ends of ranges.
+const std::vector<Sample>& chosenSamples() {
   static const std::vector<Sample> all = {
       {"--fps", {"30", "50"}},
       {"--unit", {"mm", "km"}},
@@ -39,15 +70,10 @@ const std::vector<Sample>& samples() {
       {"--mass", {"prism"}},
       {"--density", {"2700", "1e12"}, {"--mass", "prism"}},
       {"--actuation", {"expansion", "none"}},
-      {"--boundary-size", {"3", "0.5"}, kBoundary},
-      {"--boundary-aspect", {"3", "0.5"}, kBoundary},
-      {"--spring-frequency", {"1", "12.5"}},
-      {"--damping-ratio", {"0.1", "0"}},
       {"--spring-stiffness", {"25", "0"}},
       {"--torque-stiffness", {"25", "0"}},
       {"--force-damping", {"25", "0.1"}},
       {"--torque-damping", {"25", "0.1"}},
-      {"--no-adaptive", {}},
       {"--hinge-stiffness", {"0.25", "1e6"}},
       {"--hinge-neck", {"0.1,0.3,2e9", "0.01,1,1e6,0.4"}},
       {"--ligaments", {}, {"--hinge-neck", "0.1,0.3,2e9"}},
@@ -56,27 +82,13 @@ const std::vector<Sample>& samples() {
       {"--hinge-damping", {"0.25", "1e6"}},
       {"--hinge-file", {"hinges.txt"}},
       {"--path", {"straight", "led"}},
-      {"--open-time", {"1", "0.1"}, kLed},
-      {"--led-time", {"1", "0.1"}, kLed},
-      {"--led-stiffness", {"1", "0.1"}, kLed},
-      {"--joint-stiffness", {"1e4", "1e7"}, kLed},
       {"--gravity", {"-9.81", "0,0.1,-9.81"}},
       {"--ground", {}},
       {"--ground-friction", {"0.3", "0"}},
-      {"--contacts", {"all", "unjoined"}},
-      {"--brick-friction", {"0.3", "0.1"}},
-      {"--linear-damping", {"0.3", "0.1"}},
-      {"--angular-damping", {"0.3", "0.1"}},
-      {"--duration", {"3", "0.1"}},
-      {"--search", {"5", "200"}},
-      {"--walk-time", {"5", "0.1"}},
-      {"--load-steps", {"5", "100"}},
       {"--no-align", {}},
       {"--solver", {"bullet"}},
       {"--timestep", {"0.01", "0.001"}},
       {"--tolerance", {"0.01", "1e-6"}},
-      {"--substeps", {"1", "3"}},
-      {"--iterations", {"1", "3"}, {"--solver", "bullet"}},
       {"--planar", {"on", "off"}},
       {"--seed", {"2", "4294967295"}},
       {"--export", {"obj", "inp,msh"}},
@@ -167,6 +179,21 @@ const std::vector<Sample>& samples() {
       {"--encoder", {"libx264", "mpeg4"}},
       {"--no-meshes", {}},
   };
+  return all;
+}
+
+/// Those, and one of every other setting of a scene.
+const std::vector<Sample>& samples() {
+  static const std::vector<Sample> all = [] {
+    std::vector<Sample> made = chosenSamples();
+    for (const SettingGroup& group : sceneSettings()) {
+      for (const Setting& setting : group.settings) {
+        const auto isKnown = [&](const Sample& one) { return one.option == setting.option(); };
+        if (std::ranges::none_of(chosenSamples(), isKnown)) made.push_back(sampleOf(setting));
+      }
+    }
+    return made;
+  }();
   return all;
 }
 

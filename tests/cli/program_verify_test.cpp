@@ -7,6 +7,7 @@
 #include "render/record/verify.h"
 #include "sim/trajectory/trajectory_file.h"
 #include "tests/cli/run_program.h"
+#include "tests/support/pair_forces.h"
 
 namespace kirireel {
 namespace {
@@ -161,10 +162,13 @@ TEST(VerifyLigaments, NoticesThoseThatAreAnother) {
   ASSERT_TRUE(verifyRun(run).complaints.empty());
   const Trajectory whole = readTrajectory(run + "/trajectory.h5");
   Trajectory other = whole;
-  other.ligaments[2].shearStiffness *= 1.001;
+  std::vector<Ligament> ligaments = ligamentsOf(whole.pairForces);
+  ligaments[2].shearStiffness *= 1.001;
+  other.pairForces = test::pairForces(hingeSpringsOf(whole.pairForces), ligaments);
   exchangeTrajectory(run, other);
   EXPECT_THAT(verifyRun(run).complaints, Contains(HasSubstr("elasticity.energy_end is ")));
-  other.ligaments.pop_back();
+  ligaments.pop_back();
+  other.pairForces = test::pairForces(hingeSpringsOf(whole.pairForces), ligaments);
   exchangeTrajectory(run, other);
   EXPECT_THAT(verifyRun(run).complaints,
               Contains(HasSubstr("elasticity.ligaments is 4, yet the poses give 3")));

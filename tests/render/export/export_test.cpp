@@ -109,7 +109,7 @@ TEST_F(Export, NamesFilesByTheStatesAskedFor) {
 
 TEST_F(Export, WritesJobsThatFollowTheDeployment) {
   ExportSettings settings;
-  settings.formats = {ExportFormat::Inp};
+  settings.formats = {"inp"};
   settings.elements.perEdge = 2;
   settings.decks.drive = {DriveChoice::Some, {0}};
   settings.decks.buckling = true;
@@ -127,7 +127,7 @@ TEST_F(Export, WritesJobsThatFollowTheDeployment) {
 
 TEST_F(Export, MapsTheFirstStateToTheOthers) {
   ExportSettings settings;
-  settings.formats = {ExportFormat::Inp};
+  settings.formats = {"inp"};
   settings.elements.perEdge = 2;
   settings.decks.stateMap = true;
   settings.decks.periodic = true;
@@ -155,7 +155,7 @@ TEST_F(Export, MapsTheFirstStateToTheOthers) {
 
 TEST_F(Export, DrivesCoarseElementsUnlessTheyWereChosen) {
   ExportSettings settings;
-  settings.formats = {ExportFormat::Inp};
+  settings.formats = {"inp"};
   settings.decks.drive = {DriveChoice::All, {}};
   settings.states = {"initial"};
   for (const std::string& name : exportStates(*reader_, settings, out())) {
@@ -171,15 +171,16 @@ TEST_F(Export, DrivesCoarseElementsUnlessTheyWereChosen) {
 
 TEST_F(Export, WritesEveryFormat) {
   ExportSettings settings;
-  for (const auto& [name, format] : exportFormatNames()) settings.formats.push_back(format);
+  settings.formats = exportFormatNames();
   settings.states = {"50%"};
   const std::vector<std::string> names = exportStates(*reader_, settings, out());
+  // Other formats may come; these have had their names for long.
   EXPECT_THAT(
       filesOut(),
-      ElementsAre("contents.json", "cut_pattern.dxf", "cut_pattern.svg", "deployment.fold",
-                  "deployment.glb", "deployment.pvd", "state_50pct.msh", "state_50pct.obj",
-                  "state_50pct.ply", "state_50pct.stl", "state_50pct.vtu", "state_50pct_job.inp",
-                  "state_50pct_mesh.inp", "state_50pct_planar.obj", "state_50pct_vertices.txt"));
+      IsSupersetOf({"contents.json", "cut_pattern.dxf", "cut_pattern.svg", "deployment.fold",
+                    "deployment.glb", "deployment.pvd", "state_50pct.msh", "state_50pct.obj",
+                    "state_50pct.ply", "state_50pct.stl", "state_50pct.vtu", "state_50pct_job.inp",
+                    "state_50pct_mesh.inp", "state_50pct_planar.obj", "state_50pct_vertices.txt"}));
   EXPECT_EQ(names.size() + 1, filesOut().size());
   for (const std::string& name : names) {
     EXPECT_GT(std::filesystem::file_size(out() / name), 0U);
@@ -193,7 +194,7 @@ TEST_F(Export, WritesEveryFormat) {
 
 TEST_F(Export, KnowsTheNamesOfFilesBeforehand) {
   ExportSettings settings;
-  settings.formats = {ExportFormat::Inp, ExportFormat::Stl};
+  settings.formats = {"inp", "stl"};
   settings.states = {"final", "30deg", "all"};
   for (const char* name : {"state_final.stl", "state_30deg_job.inp", "state_0123_mesh.inp"}) {
     EXPECT_TRUE(isExported(name, settings)) << name;
@@ -210,7 +211,7 @@ TEST_F(Export, KnowsTheNamesOfFilesBeforehand) {
 
 TEST_F(Export, LeavesNothingOfASetThatFails) {
   ExportSettings settings;
-  settings.formats = {ExportFormat::Obj, ExportFormat::Svg};
+  settings.formats = {"obj", "svg"};
   settings.hingeWidth = 2;  // wider than a tile, found after the meshes are written
   EXPECT_THROW(exportStates(*reader_, settings, out()), InputError);
   EXPECT_THAT(filesOut(), ElementsAre());
@@ -228,7 +229,7 @@ TEST(ExportWarnings, TellOfElementsFewerThanUsual) {
   };
   ExportSettings settings;
   settings.states = {"initial"};
-  settings.formats = {ExportFormat::Msh};
+  settings.formats = {"msh"};
   EXPECT_THAT(warnings(21, settings), ElementsAre());
   EXPECT_THAT(warnings(22, settings),
               ElementsAre("warning: a sheet of 484 tiles gets 7 elements per edge, and 8 would "
@@ -249,21 +250,21 @@ TEST(ExportWarnings, TellOfLigamentsThatDecksDoNotHave) {
   writeTrajectory(run, folder / "trajectory.h5");
   ExportSettings settings;
   settings.states = {"initial"};
-  settings.formats = {ExportFormat::Inp};
+  settings.formats = {"inp"};
   settings.elements.joints = JointStyle::Patch;
   const std::string warning =
       "warning: these decks join tiles exactly, where the run's ligaments stretch and shear; "
       "--joints neck has the start with its necks";
   EXPECT_THAT(exportWarnings(TrajectoryReader(folder / "trajectory.h5"), settings),
               ElementsAre(warning));
-  run.ligaments.clear();
+  run.pairForces = {};
   writeTrajectory(run, folder / "trajectory.h5");
   EXPECT_THAT(exportWarnings(TrajectoryReader(folder / "trajectory.h5"), settings), ElementsAre());
 }
 
 TEST_F(Export, RefusesAFormatGivenTwice) {
   ExportSettings settings;
-  settings.formats = {ExportFormat::Obj, ExportFormat::Ply, ExportFormat::Obj};
+  settings.formats = {"obj", "ply", "obj"};
   try {
     exportStates(*reader_, settings, out());
     ADD_FAILURE() << "nothing was thrown";

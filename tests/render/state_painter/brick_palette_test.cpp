@@ -5,6 +5,7 @@
 #include "render/picture/state_painter.h"
 #include "sim/base/error.h"
 #include "sim/model/lattice.h"
+#include "tests/support/pair_forces.h"
 
 namespace kirireel {
 namespace {
@@ -67,7 +68,7 @@ TEST(ShapeKinds, CountsCornersWhenShapesAreMany) {
 TEST(BrickPalette, ShowsWhatSpringsAtHingesPullWithAndHold) {
   PictureContent content = tessellationContent();
   // Between the first two tiles, 2 N m/rad and at rest a quarter turn ahead.
-  content.hingeSprings = {{{0, 1, Vector3::UnitZ(), 0, -10, 10}, 2, 0.5, 0}};
+  content.pairForces = test::pairForces({{{0, 1, Vector3::UnitZ(), 0, -10, 10}, 2, 0.5, 0}});
   content.states = {content.start};
   const BrickPalette moment(coloured(Colouring::Moment), content);
   EXPECT_NEAR(moment.scale()->most, 1, 1e-12);  // 2 * 0.5
@@ -81,13 +82,13 @@ TEST(BrickPalette, ShowsWhatSpringsAtHingesPullWithAndHold) {
 // The springs' bricks are coloured by what a neck's ligament holds, too.
 TEST(BrickPalette, ShowsWhatLigamentsPullWithAndHold) {
   PictureContent content = tessellationContent();
-  content.hingeSprings = {{{0, 1, Vector3::UnitZ(), 0, -10, 10}, 2, 0, 0}};
   Ligament ligament{0, 1};
   // From centre to centre: at rest at the start.
   ligament.start = content.start[1].position - content.start[0].position;
   ligament.stretchStiffness = 6;
   ligament.shearStiffness = 3;
-  content.ligaments = {ligament};
+  content.pairForces =
+      test::pairForces({{{0, 1, Vector3::UnitZ(), 0, -10, 10}, 2, 0, 0}}, {ligament});
   Poses turned = content.start, parted = content.start;
   turned[1].rotation = rotationFromVector({0, 0, 0.4});
   parted[1].position += 0.5 * ligament.start.normalized();

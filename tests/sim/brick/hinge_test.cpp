@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/model/lattice.h"
+#include "tests/support/pair_forces.h"
 
 namespace kirireel {
 namespace {
@@ -155,9 +156,10 @@ TEST(Hinges, AreNotWhereNothingTurnsAboutAnAxis) {
 TEST(HingeSprings, TellWhatTheyHoldAtBothEnds) {
   const Sheet sheet(squares(2, 0));
   const std::vector<HingeSpring> springs = springsAt(sheet.hinges(true), 3, 0.5);
-  const Elasticity found = elasticityOf(springs, {}, sheet.poses, openedBy(sheet, 2, 0, 0.75));
-  EXPECT_EQ(found.springs, 4);
-  EXPECT_EQ(found.ligaments, 0);
+  const Elasticity found =
+      elasticityOf(test::pairForces(springs), sheet.poses, openedBy(sheet, 2, 0, 0.75));
+  EXPECT_EQ(found.count("springs"), 4);
+  EXPECT_EQ(found.count("ligaments"), 0);
   EXPECT_NEAR(found.energyStart, 1.5, 1e-12);
   EXPECT_NEAR(found.energyEnd, 0.375, 1e-12);
   EXPECT_NEAR(found.momentEnd, 0.75, 1e-12);

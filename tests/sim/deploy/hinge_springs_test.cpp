@@ -31,7 +31,8 @@ Scene sprungSheet(double stiffness) {
 }
 
 double openingAtEnd(const DeploymentResult& run) {
-  return hingeAngle(run.trajectory.hingeSprings.at(0).hinge, run.trajectory.samples.back().poses);
+  return hingeAngle(hingeSpringsOf(run.trajectory.pairForces).at(0).hinge,
+                    run.trajectory.samples.back().poses);
 }
 
 TEST(SprungSheets, ComeToRestWhereTheirSpringsDo) {
@@ -39,7 +40,7 @@ TEST(SprungSheets, ComeToRestWhereTheirSpringsDo) {
   EXPECT_EQ(run.outcome, Outcome::Settled) << run.reason;
   EXPECT_NEAR(openingAtEnd(run), 70 * kDegree, 1e-5);  // measured 2e-7
   ASSERT_TRUE(run.elasticity.has_value());
-  EXPECT_EQ(run.elasticity->springs, 24);
+  EXPECT_EQ(run.elasticity->count("springs"), 24);
   const double turn = 40 * kDegree;
   EXPECT_NEAR(run.elasticity->energyStart, 24 * 2.5 * turn * turn, 1e-9);
   EXPECT_LT(run.elasticity->energyEnd, 1e-8);
@@ -90,12 +91,12 @@ TEST(SprungSheets, FoldThemselvesAsTheirFileSays) {
   scene.environment.linearDamping = scene.environment.angularDamping = 0.9;
   const DeploymentResult run = deploy(scene, 0.1, nullptr);
   EXPECT_EQ(run.outcome, Outcome::Settled) << run.reason;
-  ASSERT_EQ(run.elasticity->springs, 4);
+  ASSERT_EQ(run.elasticity->count("springs"), 4);
   EXPECT_GT(run.elasticity->energyStart, 4);
   EXPECT_LT(run.elasticity->energyEnd, 1e-8);
   // The sheet is free, so that its folds tell where it is.
   const Poses& last = run.trajectory.samples.back().poses;
-  for (const HingeSpring& spring : run.trajectory.hingeSprings) {
+  for (const HingeSpring& spring : hingeSpringsOf(run.trajectory.pairForces)) {
     EXPECT_NEAR(hingeAngle(spring.hinge, last), spring.rest, 1e-5);
   }
 }
@@ -108,10 +109,10 @@ TEST(SprungSheets, LeaveTheirSpringsInTheTrajectory) {
   trajectory.samples.push_back({.poses = startPoses(scene.model.tiles, trajectory.bricks)});
   writeTrajectory(trajectory, folder / "run.h5");
   const TrajectoryReader reader(folder / "run.h5");
-  const std::vector<HingeSpring>& read = reader.subject().hingeSprings;
+  const std::vector<HingeSpring>& read = hingeSpringsOf(reader.subject().pairForces);
   ASSERT_EQ(read.size(), 24u);
   for (std::size_t s = 0; s < read.size(); ++s) {
-    const HingeSpring& written = trajectory.hingeSprings[s];
+    const HingeSpring& written = hingeSpringsOf(trajectory.pairForces)[s];
     EXPECT_EQ(read[s].hinge.brickA, written.hinge.brickA);
     EXPECT_EQ(read[s].hinge.brickB, written.hinge.brickB);
     EXPECT_EQ(read[s].hinge.axis, written.hinge.axis);
@@ -121,7 +122,8 @@ TEST(SprungSheets, LeaveTheirSpringsInTheTrajectory) {
     EXPECT_EQ(read[s].rest, written.rest);
   }
   const Poses& poses = trajectory.samples[0].poses;
-  EXPECT_EQ(elasticEnergy(read, poses), elasticEnergy(trajectory.hingeSprings, poses));
+  EXPECT_EQ(elasticEnergy(read, poses),
+            elasticEnergy(hingeSpringsOf(trajectory.pairForces), poses));
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "sim/equilibrium/load_path.h"
 #include "sim/model/hinge.h"
 #include "sim/model/lattice.h"
+#include "tests/support/pair_forces.h"
 
 namespace kirireel {
 namespace {
@@ -22,7 +23,7 @@ struct Two {
     ligament.stretchStiffness = 3;
     ligament.shearStiffness = 0.7;
   }
-  LigamentEnergy at(const Vector6& u) const {
+  PlanarEnergy at(const Vector6& u) const {
     const Vector3 armA = rotationFromVector({0, 0, u[2]}) * ligament.pointA;
     const Vector3 armB = rotationFromVector({0, 0, u[5]}) * ligament.pointB;
     return ligamentEnergy(ligament, Vector3(u[3] - u[0], u[4] - u[1], 0), armA, armB, u[2], u[5]);
@@ -41,12 +42,12 @@ TEST(Ligaments, HaveTheDerivativesOfTheirEnergy) {
   for (const double size : {0.1, 0.5, 1.2}) {
     Vector6 u = two.rest();
     u += size * (Vector6() << 0.2, -0.3, 0.6, 0.25, 0.35, -0.5).finished();
-    const LigamentEnergy found = two.at(u);
+    const PlanarEnergy found = two.at(u);
     for (int k = 0; k < 6; ++k) {
       Vector6 more = u, less = u;
       more[k] += h;
       less[k] -= h;
-      const LigamentEnergy above = two.at(more), below = two.at(less);
+      const PlanarEnergy above = two.at(more), below = two.at(less);
       EXPECT_NEAR(found.gradient[k], (above.energy - below.energy) / (2 * h), 1e-8);
       EXPECT_LT((found.hessian.col(k) - (above.gradient - below.gradient) / (2 * h)).norm(), 1e-7);
     }
@@ -68,12 +69,12 @@ TEST(Ligaments, WithoutLengthHaveTheDerivativesOfTheirEnergy) {
   for (const double size : {0.0, 0.1, 0.5, 1.2}) {
     Vector6 u = two.rest();
     u += size * (Vector6() << 0.2, -0.3, 0.6, 0.25, 0.35, -0.5).finished();
-    const LigamentEnergy found = two.at(u);
+    const PlanarEnergy found = two.at(u);
     for (int k = 0; k < 6; ++k) {
       Vector6 more = u, less = u;
       more[k] += h;
       less[k] -= h;
-      const LigamentEnergy above = two.at(more), below = two.at(less);
+      const PlanarEnergy above = two.at(more), below = two.at(less);
       EXPECT_NEAR(found.gradient[k], (above.energy - below.energy) / (2 * h), 1e-8);
       EXPECT_LT((found.hessian.col(k) - (above.gradient - below.gradient) / (2 * h)).norm(), 1e-7);
     }
@@ -186,9 +187,10 @@ TEST(Ligaments, WithoutLengthAddWhatTheirOpeningCosts) {
 TEST(Ligaments, CountInWhatARunHoldsAtItsEnds) {
   const ClampedBeam beam;
   const Poses start = beam.posesAt({0, 0, 0}, 0), end = beam.posesAt({0, 1e-4, 0}, 0);
-  const Elasticity found = elasticityOf({&beam.spring, 1}, {&beam.ligament, 1}, start, end);
+  const Elasticity found =
+      elasticityOf(test::pairForces({beam.spring}, {beam.ligament}), start, end);
   EXPECT_EQ(found.springs, 1);
-  EXPECT_EQ(found.ligaments, 1);
+  EXPECT_EQ(found.count("ligaments"), 1);
   EXPECT_NEAR(found.energyStart, 0, 1e-25);
   EXPECT_EQ(found.energyEnd, ligamentEnergy(beam.ligament, end).energy);
   EXPECT_NEAR(found.momentEnd, 6e-4 * beam.bending / 0.25, 1e-9 * beam.bending);
@@ -274,8 +276,9 @@ double energyAnew(const LigamentSheet& sheet, const std::vector<Complex>& places
 TEST(Ligaments, BalanceInASheetUnderCompression) {
   const int side = 8;
   const LigamentSheet sheet(side, 0.5, 50, 2, 0.1);
-  const ElasticSheet elastic(sheet.bricks, sheet.start(), sheet.springs, {}, {},
-                             squeeze(sheet, side, -0.6), sheet.ligaments);
+  const ElasticSheet elastic(sheet.bricks, sheet.start(),
+                             test::pairForces(sheet.springs, sheet.ligaments), {}, {},
+                             squeeze(sheet, side, -0.6));
   const LoadPath path = followLoad(elastic, 2, {}, {});
   ASSERT_TRUE(path.arrives) << path.trouble;
   const Equilibrium& state = path.states.back();
@@ -314,9 +317,10 @@ TEST(Ligaments, ThatAreStiffAreExactJoints) {
     const double length = 10 / stiffness;
     const LigamentSheet sheet(side, 0.3, stiffness, stiffness * length * length, length);
     const std::vector<Grip> grips = squeeze(sheet, side, 0.4);
-    const ElasticSheet soft(sheet.bricks, sheet.start(), sheet.springs, {}, {}, grips,
-                            sheet.ligaments);
-    const ElasticSheet exact(sheet.bricks, sheet.start(), sheet.springs, sheet.pivots, {}, grips);
+    const ElasticSheet soft(sheet.bricks, sheet.start(),
+                            test::pairForces(sheet.springs, sheet.ligaments), {}, {}, grips);
+    const ElasticSheet exact(sheet.bricks, sheet.start(), test::pairForces(sheet.springs),
+                             sheet.pivots, {}, grips);
     const LoadPath path = followLoad(soft, 2, {}, {}), wanted = followLoad(exact, 2, {}, {});
     ASSERT_TRUE(path.arrives && wanted.arrives) << path.trouble << wanted.trouble;
     const double off = std::abs(path.states.back().forces[2] / wanted.states.back().forces[2] - 1);

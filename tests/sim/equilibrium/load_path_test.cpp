@@ -11,6 +11,7 @@
 #include "sim/base/error.h"
 #include "sim/equilibrium/elastic_sheet.h"
 #include "sim/model/lattice.h"
+#include "tests/support/pair_forces.h"
 
 namespace kirireel {
 namespace {
@@ -34,7 +35,8 @@ struct Held {
     grips.push_back({{handle}, direction, 0, false});
   }
   ElasticSheet sheet() const {
-    return ElasticSheet(bricks, startPoses(model.tiles, bricks), springs, pivots, pinned, grips);
+    return ElasticSheet(bricks, startPoses(model.tiles, bricks), test::pairForces(springs), pivots,
+                        pinned, grips);
   }
   LoadPath follow(std::size_t leading, double longestStep = 0.05) const {
     return followLoad(sheet(), leading, {.longestStep = longestStep}, {});
@@ -268,11 +270,11 @@ struct TurningTriangle {
       ligaments.push_back(ligament);
     }
     const GripHandle middle{.brick = 1};
-    return ElasticSheet(bricks, startPoses({frame, inner}, bricks), {}, {}, {0},
+    return ElasticSheet(bricks, startPoses({frame, inner}, bricks), test::pairForces({}, ligaments),
+                        {}, {0},
                         {{{{.brick = 1, .isTurn = true}}, Vector3::UnitX(), amount, isForce},
                          {{middle}, Vector3::UnitX(), 0, false},
-                         {{middle}, Vector3::UnitY(), 0, false}},
-                        ligaments);
+                         {{middle}, Vector3::UnitY(), 0, false}});
   }
 };
 

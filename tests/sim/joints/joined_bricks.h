@@ -7,6 +7,7 @@
 #include "sim/joints/joint_solver.h"
 #include "sim/model/brick.h"
 #include "sim/model/lattice.h"
+#include "tests/support/pair_forces.h"
 
 namespace kirireel::test {
 
@@ -19,7 +20,8 @@ struct JoinedBricks {
         motion{startPoses(start.tiles, bricks), std::vector<Velocity>(bricks.size())} {}
 
   std::unique_ptr<JointSolver> solver(bool planar) const {
-    return makeJointSolver(bricks, pivots, {planar, tileSize(model), {}, springs, ligaments});
+    return makeJointSolver(bricks, pivots,
+                           {planar, tileSize(model), {}, pairForces(springs, ligaments)});
   }
 
   Model model;

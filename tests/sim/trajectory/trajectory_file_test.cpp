@@ -13,6 +13,7 @@
 #include "sim/model/lattice.h"
 #include "sim/trajectory/array_file.h"
 #include "tests/support/files.h"
+#include "tests/support/pair_forces.h"
 #include "tests/support/program.h"
 
 namespace kirireel {
@@ -115,15 +116,17 @@ void expectSameSubject(const Subject& a, const Subject& b) {
   EXPECT_EQ(a.brickRule.density, b.brickRule.density);
   EXPECT_EQ(a.ground.has_value(), b.ground.has_value());
   EXPECT_EQ(a.settings, b.settings);
-  ASSERT_EQ(a.ligaments.size(), b.ligaments.size());
-  for (std::size_t k = 0; k < a.ligaments.size(); ++k) {
-    const Ligament &one = a.ligaments[k], &other = b.ligaments[k];
+  const std::vector<Ligament>&ofA = ligamentsOf(a.pairForces), &ofB = ligamentsOf(b.pairForces);
+  ASSERT_EQ(ofA.size(), ofB.size());
+  for (std::size_t k = 0; k < ofA.size(); ++k) {
+    const Ligament &one = ofA[k], &other = ofB[k];
     EXPECT_EQ(one.brickA, other.brickA);
     EXPECT_EQ(one.brickB, other.brickB);
     EXPECT_EQ(one.joint, other.joint);
-    for (const layout::LigamentVector& vector : layout::kLigamentVectors) {
-      EXPECT_EQ(one.*vector.field, other.*vector.field) << vector.name;
-    }
+    EXPECT_EQ(one.pointA, other.pointA);
+    EXPECT_EQ(one.pointB, other.pointB);
+    EXPECT_EQ(one.start, other.start);
+    EXPECT_EQ(one.across, other.across);
     EXPECT_EQ(one.stretchStiffness, other.stretchStiffness);
     EXPECT_EQ(one.shearStiffness, other.shearStiffness);
     EXPECT_EQ(one.opening, other.opening);
@@ -215,7 +218,7 @@ TEST(TrajectoryFile, KeepsEveryBit) {
   Trajectory written = randomTrajectory(7);
   written.model.pulledTiles = {0, 3};
   std::mt19937_64 generator(2);
-  written.ligaments = randomLigaments(generator);
+  written.pairForces = test::pairForces({}, randomLigaments(generator));
   written.model.joints.push_back(makeFixedJoint(written.model.tiles, 0, 5));
   for (Sample& sample : written.samples) {
     sample.mechanics->jointForces.emplace_back(1, 2, 3);
@@ -251,10 +254,10 @@ TEST(TrajectoryFile, OpensVersionTwo) {
       readTrajectory(KIRIREEL_SOURCE_DIR "/tests/fuzz/corpus/trajectory/version_two");
   EXPECT_FALSE(run.figureStates.empty());
   EXPECT_FALSE(run.samples.at(1).steps.empty());
-  ASSERT_EQ(run.hingeSprings.size(), 1U);
-  EXPECT_TRUE(run.ligaments.empty());
-  const Elasticity found = elasticityOf(run.hingeSprings, run.ligaments, run.samples.front().poses,
-                                        run.samples.back().poses);
+  ASSERT_EQ(hingeSpringsOf(run.pairForces).size(), 1U);
+  EXPECT_TRUE(ligamentsOf(run.pairForces).empty());
+  const Elasticity found =
+      elasticityOf(run.pairForces, run.samples.front().poses, run.samples.back().poses);
   EXPECT_NEAR(found.energyEnd, 0.006440944817614345, 1e-15);
   EXPECT_NEAR(found.momentEnd, 0.03702402408834648, 1e-15);
 }
@@ -436,8 +439,9 @@ TEST(TrajectoryFile, RefusesLigamentsOfNoJoint) {
   const auto refusalWith = [](const auto& change) {
     return refusalAfter([&](Trajectory& t) {
       std::mt19937_64 generator(2);
-      t.ligaments = randomLigaments(generator);
-      change(t.ligaments[1]);
+      std::vector<Ligament> ligaments = randomLigaments(generator);
+      change(ligaments[1]);
+      t.pairForces = test::pairForces({}, ligaments);
     });
   };
   EXPECT_EQ(refusalWith([](Ligament& l) { l.brickB = 16; }),
