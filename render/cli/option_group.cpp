@@ -541,14 +541,14 @@ void requireConsistent(const CLI::App& command, const Scene& scene) {
     }
   }
   // A guided path moves tiles towards the target in steps of its own, by the direct solver alone.
-  const bool isLed = scene.path.kind == PathKind::Led;
+  const bool isGuided = scene.path.kind == PathKind::Guided;
   const Drive drive = scene.actuation.drive;
   const bool pullsToTarget = drive == Drive::Target || drive == Drive::Auto;
-  if (isLed && !isDirect(scene)) refuse("--path led", "--solver direct");
-  if (isLed && !pullsToTarget) refuse("--path led", "--actuation target");
-  if (isLed && scene.solver.isToleranceGiven()) {
+  if (isGuided && !isDirect(scene)) refuse("--path guided", "--solver direct");
+  if (isGuided && !pullsToTarget) refuse("--path guided", "--actuation target");
+  if (isGuided && scene.solver.isToleranceGiven()) {
     throw InputError(
-        "error: --path led moves tiles in fixed steps, which keep no --tolerance; leave one of "
+        "error: --path guided moves tiles in fixed steps, which keep no --tolerance; leave one of "
         "them away");
   }
   if (isGiven(command, "--faces") && isGiven(command, "--auto-detect-connections")) {

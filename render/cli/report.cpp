@@ -87,7 +87,7 @@ std::string describeTarget(const Scene& scene, const RunSummary& summary) {
   return text + "\n" + whyNoNearer(scene, summary);
 }
 
-/// The largest gap of any step, and the gap at the end; joints that give are told apart, since they
+/// The largest gap of any step, and the gap at the end; compliant joints are told apart, since they
 /// are meant to open.
 std::string describeJoints(const Scene& scene, const RunSummary& summary) {
   const Accuracy& accuracy = summary.accuracy;
@@ -95,7 +95,7 @@ std::string describeJoints(const Scene& scene, const RunSummary& summary) {
   std::string text = fmt::format("joint gap {} at most, {:.3g} m at the end",
                                  inTiles(accuracy.jointGapMax, tile), accuracy.jointGapEnd);
   if (accuracy.jointOpeningMax > 0) {
-    text += fmt::format("; joints that give opened by {} at most",
+    text += fmt::format("; compliant joints opened by {} at most",
                         inTiles(accuracy.jointOpeningMax, tile));
   }
   return text + "\n";
@@ -109,8 +109,8 @@ std::string describeTime(const Scene& scene, const RunSummary& summary) {
   const double uncertified = cost.took.touchingTime + cost.took.singularTime;
   if (cost.took.timeError == 0 && uncertified == 0) {
     // A tolerance was asked for, and a guided path cannot keep it.
-    const bool isLost = scene.solver.isToleranceGiven() && summary.path.kind == PathKind::Led;
-    return isLost ? "time: tiles are led in fixed steps, which keep no tolerance\n" : "";
+    const bool isLost = scene.solver.isToleranceGiven() && summary.path.kind == PathKind::Guided;
+    return isLost ? "time: tiles are guided in fixed steps, which keep no tolerance\n" : "";
   }
   std::string text = fmt::format(
       "time: steps to {:.2g} tiles, together within {:.2g} tiles for {:.2g} s of CPU time; {} "

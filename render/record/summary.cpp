@@ -117,21 +117,21 @@ Json elasticityJson(const std::optional<Elasticity>& elasticity) {
 /// Times in simulated seconds; what a kind of path does not have is null.
 Json pathJson(const Scene& scene, const RunSummary& summary) {
   const PathSettings& path = summary.path;
-  const bool isLed = path.kind == PathKind::Led;
+  const bool isGuided = path.kind == PathKind::Guided;
   const bool isWalked = path.kind == PathKind::Continuation;
-  return {{"kind", isLed      ? "led"
+  return {{"kind", isGuided   ? "guided"
                    : isWalked ? "continuation"
                               : "straight"},
           {"reason", summary.pathReason},
           {"search_seconds", summary.deployCost.searchSeconds},
           {"search_budget", summary.deployCost.searchBudget},
-          {"open_time", onlyIf(isLed && path.openTime > 0, path.openTime)},
-          {"led_time", onlyIf(isLed, path.ledTime)},
-          {"led_stiffness",
-           isLed ? Json(path.ledStiffness.value_or(usualStiffness(
-                       leadingSprings(scene), makeBricks(scene.model.tiles, scene.brick))))
-                 : Json(nullptr)},
-          {"joint_stiffness", onlyIf(path.jointsGive(), path.jointStiffness)}};
+          {"open_time", onlyIf(isGuided && path.openTime > 0, path.openTime)},
+          {"guide_time", onlyIf(isGuided, path.guideTime)},
+          {"guide_stiffness",
+           isGuided ? Json(path.guideStiffness.value_or(usualStiffness(
+                          leadingSprings(scene), makeBricks(scene.model.tiles, scene.brick))))
+                    : Json(nullptr)},
+          {"joint_stiffness", onlyIf(path.jointsAreCompliant(), path.jointStiffness)}};
 }
 
 /// Pairs of bricks that would overlap at the target, and what would free them.

@@ -1191,7 +1191,7 @@ StateInterpolator::StateInterpolator(const Subject& subject)
       pivots_(makePivots(subject.model.joints, subject.bricks)),
       tileSize_(tileSize(subject.model)) {}
 
-// Samples whose joints gave on purpose are open; they are not closed between.
+// Samples whose joints were compliant are open; they are not closed between.
 bool StateInterpolator::areClosed(const Sample& sample) const {
   return jointGap(pivots_, sample.poses).max <= kClosedJoints * tileSize_;
 }

@@ -28,8 +28,8 @@
 #include "sim/deploy/path_choice.h"
 #include "sim/deploy/rest.h"
 #include "sim/deploy/run.h"
-#include "sim/measure/sheet.h"
 #include "sim/deploy/run_drive.h"
+#include "sim/measure/sheet.h"
 #include "sim/scene/scene_parts.h"
 #include "sim/scene/settings.h"
 
@@ -261,9 +261,10 @@ void chooseWay(Scene& scene, Search& found, SearchBudget& budget, const TrialObs
   if (isGeometry) scene.solver.tolerance = 0;  // in time, which a path does not have
   // Where bricks pass through each other anyway, joints that dynamics may keep stiffer count more.
   const bool isThroughExact = geometric.through && !geometric.through->hasCompliantJoints;
-  const TargetRoom room = {found.nearest, !found.blocking.empty(), isThroughExact, isGeometry};
-  found.choice = choosePath(scene, room, budget, watch, trials);
-  const bool isExact = found.choice.isFound && !found.choice.path.jointsGive();
+  const TargetFindings atTarget = {found.nearest, !found.blocking.empty(), isThroughExact,
+                                   isGeometry};
+  found.choice = choosePath(scene, atTarget, budget, watch, trials);
+  const bool isExact = found.choice.isFound && !found.choice.path.jointsAreCompliant();
   if (geometric.compliant && !isExact) {
     found.walked = &*geometric.compliant;
     return;
@@ -282,7 +283,7 @@ void chooseWay(Scene& scene, Search& found, SearchBudget& budget, const TrialObs
   if (isGeometry && (found.choice.isFound || found.choice.through) && !isRounded) {
     Scene chosen = scene;
     chosen.path = found.choice.path;
-    found.traced = tracedPath(chosen, found.choice, wanted, room, budget, watch);
+    found.traced = tracedPath(chosen, found.choice, wanted, atTarget, budget, watch);
     found.walked = &*found.traced;
     if (found.traced->passesThrough) sayPassingThrough();
     return;

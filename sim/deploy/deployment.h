@@ -34,7 +34,7 @@ struct Accuracy {
   double jointGapMax = 0;      ///< largest of any pivot at the start and the end of any step
   double jointGapMean = 0;     ///< mean over pivots, of the start and all steps
   double jointGapEnd = 0;      ///< largest at the end
-  double jointOpeningMax = 0;  ///< largest while joints gave on purpose; 0 when always exact
+  double jointOpeningMax = 0;  ///< largest while joints were compliant; 0 when always exact
   double assemblyMove = 0;     ///< largest move of a vertex when an open start was closed
   /// The error at the start; see targetError(). 0 without a target, as are the next three.
   double targetErrorStart = 0;

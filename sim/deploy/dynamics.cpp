@@ -26,7 +26,8 @@ double misfitStiffness(const Scene& scene, const std::vector<Brick>& bricks) {
 
 bool keepsTolerance(const Scene& scene) {
   return scene.solver.tolerance > 0 && scene.solver.kind == SolverKind::Direct &&
-         !scene.solver.substeps && scene.path.kind != PathKind::Led && !scene.path.jointsGive();
+         !scene.solver.substeps && scene.path.kind != PathKind::Guided &&
+         !scene.path.jointsAreCompliant();
 }
 
 std::unique_ptr<Dynamics> makeDynamics(const Scene& scene, const Needs& needs,

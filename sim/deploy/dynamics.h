@@ -37,7 +37,7 @@ struct TimeTolerance {
   double longestStep = 1.0 / 60;      ///< seconds
 };
 
-/// Whether a scene's run, its path chosen, keeps a tolerance in time. Tiles that are led go by a
+/// Whether a scene's run, its path chosen, keeps a tolerance in time. Guided tiles go by a
 /// guide that moves with the steps, on joints that often are compliant: steps are fixed there.
 bool keepsTolerance(const Scene& scene);
 

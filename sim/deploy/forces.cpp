@@ -438,7 +438,7 @@ TargetGuide::TargetGuide(const std::vector<Tile>& start, const std::vector<Tile>
     Way way{meanPoint(from), meanPoint(to), rotationVector(R), {}, {}};
     for (std::size_t k = 0; k < from.size(); ++k) {
       way.vertices.push_back(from[k] - way.startMean);
-      way.unfit.push_back(R.transpose() * (to[k] - way.targetMean) - way.vertices.back());
+      way.misfit.push_back(R.transpose() * (to[k] - way.targetMean) - way.vertices.back());
     }
     ways_.push_back(std::move(way));
   }
@@ -451,7 +451,7 @@ std::vector<Tile> TargetGuide::at(double progress) const {
     const Quaternion turn = rotationFromVector(progress * way.turn);
     const Vector3 middle = way.startMean + progress * (way.targetMean - way.startMean);
     for (std::size_t k = 0; k < way.vertices.size(); ++k) {
-      tiles[i].vertices.push_back(middle + turn * (way.vertices[k] + progress * way.unfit[k]));
+      tiles[i].vertices.push_back(middle + turn * (way.vertices[k] + progress * way.misfit[k]));
     }
   }
   return tiles;

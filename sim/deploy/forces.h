@@ -236,7 +236,7 @@ class TargetGuide {
   /// The same tiles, vertex by vertex, in both states.
   TargetGuide(const std::vector<Tile>& start, const std::vector<Tile>& target);
 
-  /// Where the tiles are led at a progress from 0 (the start) to 1 (the target).
+  /// Where the tiles are guided at a progress from 0 (the start) to 1 (the target).
   /// Costs O(vertices).
   std::vector<Tile> at(double progress) const;
 
@@ -247,7 +247,7 @@ class TargetGuide {
     Vector3 targetMean;
     Vector3 turn;                   ///< rotation vector of the best fit
     std::vector<Vector3> vertices;  ///< of the start, relative to its mean
-    std::vector<Vector3> unfit;     ///< what the best fit leaves over, in the start's axes
+    std::vector<Vector3> misfit;    ///< what the best fit leaves over, in the start's axes
   };
 
   std::vector<Way> ways_;

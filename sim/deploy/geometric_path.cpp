@@ -154,10 +154,10 @@ const char* const kCompliantTried = "a path of the mechanism with compliant join
 /// Tries the paths of one scene.
 class GeometricSearch {
  public:
-  GeometricSearch(const Scene& scene, const TargetRoom& room, SearchBudget& budget,
+  GeometricSearch(const Scene& scene, const TargetFindings& atTarget, SearchBudget& budget,
                   const TrialObserver& observer)
       : scene_(scene),
-        room_(room),
+        atTarget_(atTarget),
         budget_(budget),
         observer_(observer),
         tile_(tileSize(scene.model)),
@@ -200,7 +200,7 @@ class GeometricSearch {
   }
 
   // The guide that every first trial gets: the start and the nearest assembled state alone.
-  std::vector<Poses> tilesOwnMotion() const { return {start_, room_.nearest.poses}; }
+  std::vector<Poses> tilesOwnMotion() const { return {start_, atTarget_.nearest.poses}; }
 
   // One trial, charged to the budget, with a share of it that grows as the path does.
   MechanismPath follow(std::vector<Poses> guide, const ContinuationSettings& settings,
@@ -223,13 +223,13 @@ class GeometricSearch {
     if (path.isCutShort) isCutShort_ = true;
     if (path.isCutShort || path.isStuck) return false;
     const double enough =
-        std::max(1.05 * room_.nearest.error + roundedReach(scene_.model), 1e-6 * tile_);
+        std::max(1.05 * atTarget_.nearest.error + roundedReach(scene_.model), 1e-6 * tile_);
     if (path.error <= enough) return true;
-    return isAmongBricks && path.error <= nearEnough(room_.isBlocked ? kFarShare : kNearShare);
+    return isAmongBricks && path.error <= nearEnough(atTarget_.isBlocked ? kFarShare : kNearShare);
   }
 
   /// The error of a state that is this part of a tile off the nearest one, metres.
-  double nearEnough(double share) const { return room_.nearest.error + share * tile_; }
+  double nearEnough(double share) const { return atTarget_.nearest.error + share * tile_; }
 
   // Without contacts: how deep bricks overlap says whether they are needed.
   void tryAlone(const ContinuationSettings& settings) {
@@ -310,7 +310,7 @@ class GeometricSearch {
   }
 
   const Scene& scene_;
-  const TargetRoom& room_;
+  const TargetFindings& atTarget_;
   SearchBudget& budget_;
   const TrialObserver& observer_;
   double tile_;  // metres
@@ -534,13 +534,13 @@ void addPushedWarning(const Scene& scene, const Poses& closed, DeploymentResult&
 
 }  // namespace
 
-GeometricPaths findGeometricPaths(const Scene& scene, const TargetRoom& room, SearchBudget& budget,
-                                  const TrialObserver& observer) {
-  return GeometricSearch(scene, room, budget, observer).find();
+GeometricPaths findGeometricPaths(const Scene& scene, const TargetFindings& atTarget,
+                                  SearchBudget& budget, const TrialObserver& observer) {
+  return GeometricSearch(scene, atTarget, budget, observer).find();
 }
 
 GeometricPath tracedPath(const Scene& scene, const PathChoice& choice, ContactFilter wanted,
-                         const TargetRoom& room, SearchBudget& budget,
+                         const TargetFindings& atTarget, SearchBudget& budget,
                          const TrialObserver& observer) {
   Scene traced = scene;
   traced.stop = StopRules{};  // as in its trial
@@ -556,15 +556,15 @@ GeometricPath tracedPath(const Scene& scene, const PathChoice& choice, ContactFi
     states.push_back(sample.poses);
     return tell(1);
   };
-  Run run(traced, room.nearest, watch);
+  Run run(traced, atTarget.nearest, watch);
   run.beTrial();
   run.keepSymmetries();
   budget.spend(run.finish().cost.took.work);
   GeometricPath found;
-  found.hasCompliantJoints = choice.path.jointsGive();
+  found.hasCompliantJoints = choice.path.jointsAreCompliant();
   found.contacts = traced.environment.contacts;
   found.reason = "states of a run are walked: " + choice.reason;
-  found.path = continueTo(traced, std::move(states), room.nearest.poses, budget, tell);
+  found.path = continueTo(traced, std::move(states), atTarget.nearest.poses, budget, tell);
   judge(scene, found, wanted);
   shorten(traced, found, wanted, budget, tell);
   // Joints that were closed at the end may have pushed bricks into each other that had contacts.

@@ -38,14 +38,14 @@ struct GeometricPaths {
 /// Looks for a path from the start to the state nearest to the target: first without contacts;
 /// then, where bricks overlap on the way and the scene lets them touch, with contacts; then with
 /// compliant joints, for designs that have no freedom and bricks that wedge.
-GeometricPaths findGeometricPaths(const Scene& scene, const TargetRoom& room, SearchBudget& budget,
-                                  const TrialObserver& observer);
+GeometricPaths findGeometricPaths(const Scene& scene, const TargetFindings& atTarget,
+                                  SearchBudget& budget, const TrialObserver& observer);
 
 /// The states that a run passes which was chosen because it arrives, as a path that goes on from
 /// where the springs rest to the state nearest to the target. `scene` has its path and contacts;
 /// `wanted`: those that were given, which may have been left out since.
 GeometricPath tracedPath(const Scene& scene, const PathChoice& choice, ContactFilter wanted,
-                         const TargetRoom& room, SearchBudget& budget,
+                         const TargetFindings& atTarget, SearchBudget& budget,
                          const TrialObserver& observer);
 
 /// The path to full extension of a scene without a target.

@@ -1,8 +1,8 @@
 // Which way of dynamics brings a model to its target: trials, each a run of its own.
 //
-// The ways, in the order in which they are tried: a straight pull; tiles that are led, with exact
-// joints; tiles that are led on compliant joints, from stiff to soft. Among touching bricks tiles
-// are led after the bricks were pushed apart first. Times are periods of the scene's springs and
+// The ways, in the order in which they are tried: a straight pull; guided tiles, with exact
+// joints; guided tiles on compliant joints, from stiff to soft. Among touching bricks tiles
+// are guided after the bricks were pushed apart first. Times are periods of the scene's springs and
 // stiffnesses multiples of the usual one (usualStiffness() in forces.h), so that a model of another
 // size or mass is tried in the same ways. A trial ends when it arrives, when it stops to come
 // nearer, when exact joints jam, when bricks overlap that may not, or when a third of the budget's
@@ -13,10 +13,11 @@
 // that PyKirigami's authors published and on 40 drawn from all families, of up to 64 tiles. Of 54
 // rows without contacts, and of 49 among touching bricks, whose target has room for them,
 //   a straight pull       brings 41 and 36 to their targets
-//   led                   10 and 8 more: irregular quads, square to disk, hexagons, triangles and
+//   guided                   10 and 8 more: irregular quads, square to disk, hexagons, triangles
+//   and
 //                         islamic tiles that turn far, a cylinder, saddles; a Moebius band, which
 //                         arrives among touching bricks only where it is not pushed apart first
-//   pushed apart and led  2 more among touching bricks: caps, whose start lies flush
+//   pushed apart and guided  2 more among touching bricks: caps, whose start lies flush
 //   compliant joints      3 and 2 more, which have no freedom: without contacts all at 1e6, among
 //                         touching bricks two at 1e5; one arrives at 1e4, but opens too far
 // At twice, half or a quarter of the pace, or led by a quarter or a twentieth of the stiffness, no
@@ -75,9 +76,9 @@ constexpr double kJamTime = 0.5;
 // They do once most steps, and so many, have failed at their shortest: those of two whole ones.
 constexpr long kJammedSteps = 512;
 
-// Periods of the springs' frequency in which tiles are led, and for which bricks that lie flush are
-// pushed apart before.
-constexpr double kLedPeriods = 12;
+// Periods of the springs' frequency in which tiles are guided, and for which bricks that lie flush
+// are pushed apart before.
+constexpr double kGuidedPeriods = 12;
 constexpr double kOpenPeriods = 4;
 // Stiffnesses of compliant joints, over the usual one: from stiff to soft, so that they open as
 // little as arrives.
@@ -86,17 +87,17 @@ constexpr std::array kCompliantShares = {1e6, 1e5, 1e4};
 /// The ways to the scene's target, in the order in which they are tried.
 std::vector<PathSettings> waysOf(const Scene& scene, bool areAmongBricks) {
   const double period = 1 / scene.springs.frequency;
-  PathSettings led{PathKind::Led};
-  led.ledTime = kLedPeriods * period;
+  PathSettings guided{PathKind::Guided};
+  guided.guideTime = kGuidedPeriods * period;
   std::vector<PathSettings> ways = {{PathKind::Straight}};
   if (areAmongBricks) {
-    ways.push_back(led);
+    ways.push_back(guided);
     ways.back().openTime = kOpenPeriods * period;
   }
-  ways.push_back(led);
+  ways.push_back(guided);
   const double usual = usualStiffness(scene.springs, makeBricks(scene.model.tiles, scene.brick));
   for (const double share : kCompliantShares) {
-    ways.push_back(led);
+    ways.push_back(guided);
     ways.back().jointStiffness = share * usual;
   }
   return ways;
@@ -105,10 +106,11 @@ std::vector<PathSettings> waysOf(const Scene& scene, bool areAmongBricks) {
 // The words for a path in reasons and in what is told of the search.
 std::string describe(const PathSettings& path) {
   if (path.kind == PathKind::Straight) return "straight pull";
-  std::string way = fmt::format("led for {:.3g} s", path.ledTime);
+  std::string way = fmt::format("guided for {:.3g} s", path.guideTime);
   if (path.openTime > 0) way = fmt::format("opened for {:.3g} s, {}", path.openTime, way);
-  return path.jointsGive() ? fmt::format("{}, joints of {:.2g} N/m", way, path.jointStiffness)
-                           : way + ", exact joints";
+  return path.jointsAreCompliant()
+             ? fmt::format("{}, joints of {:.2g} N/m", way, path.jointStiffness)
+             : way + ", exact joints";
 }
 
 /// Watches a trial that may cost so much.
@@ -131,12 +133,12 @@ class WorkLimit {
 class StallWatch {
  public:
   explicit StallWatch(const Scene& scene)
-      : patience_(kPatienceSeconds + (scene.path.kind == PathKind::Led
-                                          ? scene.path.openTime + scene.path.ledTime
+      : patience_(kPatienceSeconds + (scene.path.kind == PathKind::Guided
+                                          ? scene.path.openTime + scene.path.guideTime
                                           : 0)) {}
 
-  // Whether the trial goes on. Time that tiles are opened and led counts as patience: the error may
-  // grow in it.
+  // Whether the trial goes on. Time that tiles are opened and guided counts as patience: the error
+  // may grow in it.
   bool operator()(const StepRecord& step) {
     if (best_ < 0 || step.targetError < kImprovement * best_) {
       best_ = step.targetError;
@@ -236,9 +238,9 @@ class TrialClearance {
 
 /// Runs a scene as the deployment itself would, so that what arrives here arrives there, for as
 /// long as `goesOn` says so and the budget allows. `wanted`: which pairs may touch in the end.
-TrialEnd tryPath(const Scene& scene, ContactFilter wanted, const TargetRoom& room,
+TrialEnd tryPath(const Scene& scene, ContactFilter wanted, const TargetFindings& atTarget,
                  const SearchBudget& budget, const std::function<bool(double work)>& goesOn) {
-  const AssembledState& nearest = room.nearest;
+  const AssembledState& nearest = atTarget.nearest;
   StallWatch stalls(scene);
   const Run* running = nullptr;
   WorkLimit limit(budget);
@@ -255,7 +257,7 @@ TrialEnd tryPath(const Scene& scene, ContactFilter wanted, const TargetRoom& roo
   Run run(scene, nearest, watch);
   running = &run;
   run.beTrial();
-  if (room.isGeometry) run.keepSymmetries();
+  if (atTarget.isGeometry) run.keepSymmetries();
   const DeploymentResult result = run.finish();
   const Accuracy& accuracy = result.accuracy;
   TrialEnd end;
@@ -267,26 +269,26 @@ TrialEnd tryPath(const Scene& scene, ContactFilter wanted, const TargetRoom& roo
       std::max(kArrivedFactor * nearest.restError + roundedReach(scene.model), kNearEnough * tile);
   end.arrives = result.outcome != Outcome::Diverged && !end.jams && end.error <= nearEnough;
   end.cutShort = limit.isReached() && !end.arrives && !end.jams;
-  // Joints that give may yet open where a trial was cut short.
+  // Compliant joints may yet open where a trial was cut short.
   const bool isOpenEnded =
-      scene.path.jointsGive() && result.outcome == Outcome::Interrupted && !end.arrives;
+      scene.path.jointsAreCompliant() && result.outcome == Outcome::Interrupted && !end.arrives;
   end.keepsClear = clearance.holds(accuracy) && !run.isHeldOpen() && !isOpenEnded;
   return end;
 }
 
-/// Where bricks are in the way all the same, joints are not to give in vain: a straight pull then
-/// takes the path's place.
+/// Where bricks are in the way all the same, joints are not to be compliant in vain: a straight
+/// pull then takes the path's place.
 PathSettings withExactJoints(const PathSettings& path) {
-  return path.jointsGive() ? PathSettings{PathKind::Straight} : path;
+  return path.jointsAreCompliant() ? PathSettings{PathKind::Straight} : path;
 }
 
 /// Looks for a path of one scene.
 class PathSearch {
  public:
-  PathSearch(const Scene& scene, TargetRoom room, SearchBudget& budget,
+  PathSearch(const Scene& scene, TargetFindings atTarget, SearchBudget& budget,
              const TrialObserver& observer, std::vector<TrialEnd>& trials)
       : scene_(scene),
-        room_(std::move(room)),
+        atTarget_(std::move(atTarget)),
         budget_(budget),
         observer_(observer),
         trials_(trials) {}
@@ -294,10 +296,10 @@ class PathSearch {
   // Without contacts first: those trials are cheap, and where bricks keep clear on a path that
   // arrives it serves as it is.
   PathChoice find() {
-    const bool roomAtTarget = !room_.isBlocked;
-    if (room_.isReachedThrough) {
+    const bool fitsAtTarget = !atTarget_.isBlocked;
+    if (atTarget_.isReachedThrough) {
       return findAmongBricks({{PathKind::Straight}, "a path of the mechanism arrives"},
-                             roomAtTarget);
+                             fitsAtTarget);
     }
     PathChoice choice = findWithoutContacts();
     const bool contacts = scene_.environment.contacts != ContactFilter::None;
@@ -311,7 +313,7 @@ class PathSearch {
       choice.throughReason = choice.reason;
       return choice;
     }
-    PathChoice among = findAmongBricks(choice, roomAtTarget);
+    PathChoice among = findAmongBricks(choice, fitsAtTarget);
     among.through = choice.path;
     among.throughReason = choice.reason;
     return among;
@@ -333,7 +335,7 @@ class PathSearch {
     trial.solver.timestep = stepFactor * scene_.solver.timestep;
     // Trials that a checkpoint brought along are not made again: their ends are the same.
     if (count_ == trials_.size()) {
-      const TrialEnd end = tryPath(trial, scene_.environment.contacts, room_, budget_,
+      const TrialEnd end = tryPath(trial, scene_.environment.contacts, atTarget_, budget_,
                                    [&](double work) { return tell(what, work); });
       if (isOver_) return false;
       trials_.push_back(end);
@@ -373,7 +375,7 @@ class PathSearch {
 
   /// What a path does that comes to where the scene's springs rest.
   std::string arriving() const {
-    return room_.nearest.restError <= kFarShare * tileSize(scene_.model)
+    return atTarget_.nearest.restError <= kFarShare * tileSize(scene_.model)
                ? " arrives"
                : " comes as near as joints that stay closed were found to";
   }
@@ -393,7 +395,7 @@ class PathSearch {
       jams = last_.jams;
     }
     for (const PathSettings& path : waysOf(scene_, false)) {
-      if (jams && !path.jointsGive()) continue;
+      if (jams && !path.jointsAreCompliant()) continue;
       const std::string what = describe(path);
       if (!mayTry(what)) break;
       if (arrives(path, empty, what)) return {path, what + arriving()};
@@ -407,12 +409,12 @@ class PathSearch {
   }
 
   /// Where bricks meet on the way, other ways are tried with contacts.
-  PathChoice findAmongBricks(const PathChoice& first, bool roomAtTarget) {
+  PathChoice findAmongBricks(const PathChoice& first, bool fitsAtTarget) {
     if (const auto path = pathAmongBricks(waysOf(scene_, true), "touching bricks")) {
       return {*path, describe(*path) + " among touching bricks" + arriving(), true};
     }
     std::string reason = first.reason + " where bricks pass through each other";
-    if (roomAtTarget) {
+    if (fitsAtTarget) {
       const std::string found = widerJoints() + thinnerBricks();
       reason += "; no path that was tried arrives among bricks that touch" + untried() + found;
     }
@@ -459,9 +461,9 @@ class PathSearch {
       Scene thin = scene_;
       thin.brick.thickness *= share;
       const std::string which = fmt::format("bricks {:.2g} m thick", thin.brick.thickness);
-      TargetRoom room = room_;
-      room.nearest = assembleAtTarget(thin, budget_);
-      PathSearch search(thin, std::move(room), budget_, observer_, trials_);
+      TargetFindings atTarget = atTarget_;
+      atTarget.nearest = assembleAtTarget(thin, budget_);
+      PathSearch search(thin, std::move(atTarget), budget_, observer_, trials_);
       search.count_ = count_;
       const auto path = search.pathAmongBricks(paths, which);
       count_ = search.count_;
@@ -474,7 +476,7 @@ class PathSearch {
   }
 
   const Scene& scene_;
-  TargetRoom room_;
+  TargetFindings atTarget_;
   SearchBudget& budget_;
   const TrialObserver& observer_;
   std::vector<TrialEnd>& trials_;
@@ -491,7 +493,7 @@ class PathSearch {
 
 // The first rule that applies decides. Everything up to the last lines names a case in which a
 // search would make no sense, or in which another force than the pull leads.
-PathChoice choosePath(const Scene& scene, const TargetRoom& room, SearchBudget& budget,
+PathChoice choosePath(const Scene& scene, const TargetFindings& atTarget, SearchBudget& budget,
                       const TrialObserver& observer, std::vector<TrialEnd>& trials) {
   const TrialObserver watch = observer ? observer : [](const SearchNews&) { return true; };
   if (scene.path.kind != PathKind::Dynamic) return {scene.path, "asked for", true};
@@ -519,7 +521,7 @@ PathChoice choosePath(const Scene& scene, const TargetRoom& room, SearchBudget& 
   if (scene.hinges.areOn()) return {straight, "hinges have springs, whose forces count"};
   if (drive != Drive::Target || !scene.springs.pull())
     return {straight, "nothing pulls to the target"};
-  return PathSearch(scene, room, budget, watch, trials).find();
+  return PathSearch(scene, atTarget, budget, watch, trials).find();
 }
 
 // ------------------------------------------------------------------------------------------------

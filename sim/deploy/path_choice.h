@@ -14,7 +14,7 @@ namespace kirireel {
 
 /// A path, and why it was taken.
 struct PathChoice {
-  PathSettings path;     ///< Straight or Led
+  PathSettings path;     ///< Straight or Guided
   std::string reason;    ///< one short phrase for the summary
   bool isFound = false;  ///< it arrives, among bricks that touch where they may
   bool isClear = false;  ///< no bricks met on it
@@ -28,10 +28,10 @@ struct TrialEnd {
   bool arrives = false;   ///< where the scene's springs come to rest near the target
   bool jams = false;      ///< exact joints could not be held on the way
   bool cutShort = false;  ///< the budget ended it: where it leads is not known
-  /// No bricks overlap on the way more than at the start, or keep joints that gave from closing.
+  /// No bricks overlap on the way more than at the start, or keep compliant joints from closing.
   bool keepsClear = false;
   double error = 0;    ///< target error at its end, metres
-  double opening = 0;  ///< how far joints that give opened, metres
+  double opening = 0;  ///< how far compliant joints opened, metres
   double work = 0;     ///< that it cost, see SearchBudget
 
   void transfer(StateTape& tape) {
@@ -50,7 +50,7 @@ struct SearchNews {
 using TrialObserver = std::function<bool(const SearchNews&)>;
 
 /// What is known of the target before the search.
-struct TargetRoom {
+struct TargetFindings {
   AssembledState nearest;  ///< see assembleAtTarget()
   bool isBlocked = false;  ///< bricks would overlap there; see blockingPairs()
   /// A path is known on which the tiles arrive, but bricks pass through each other.
@@ -71,18 +71,18 @@ inline constexpr double kClearShare = 1e-4;
 
 /// Chooses the scene's path where that is left to the program. Tries paths without contacts, ground
 /// and gravity first (a path that joints forbid is no path with them either), from the simplest on,
-/// exact joints before joints that give, stiff ones before soft ones, and takes the first that
+/// exact joints before compliant ones, stiff ones before soft ones, and takes the first that
 /// arrives where the scene's springs come to rest near the target. Where bricks run into each other
 /// on it, paths are tried with contacts, joints opening by at most a hundredth of a tile; fewer
 /// where bricks have no room at the target. Where none arrives, the one that comes nearest without
 /// overlaps is taken, and the reason says whether wider joints or thinner bricks would arrive. A
 /// path that the scene names is kept. Springs without stiffness pull to nothing. Where nothing
-/// pulls to a target and the tiles' misfit makes exact joints jam, joints give throughout. Trials
-/// are as the run itself. A trial may cost a third of what is left of the budget: one that is cut
-/// short is no trial that failed, and the reason tells of it. `observer` may be empty. `trials`
-/// holds how the first trials ended, which are not made again, and gets the others, but not one
-/// that the observer stopped.
-PathChoice choosePath(const Scene& scene, const TargetRoom& room, SearchBudget& budget,
+/// pulls to a target and the tiles' misfit makes exact joints lock, joints are compliant
+/// throughout. Trials are as the run itself. A trial may cost a third of what is left of the
+/// budget: one that is cut short is no trial that failed, and the reason tells of it. `observer`
+/// may be empty. `trials` holds how the first trials ended, which are not made again, and gets the
+/// others, but not one that the observer stopped.
+PathChoice choosePath(const Scene& scene, const TargetFindings& atTarget, SearchBudget& budget,
                       const TrialObserver& observer, std::vector<TrialEnd>& trials);
 
 // ------------------------------------------------------------------------------------------------

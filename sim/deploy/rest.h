@@ -27,7 +27,7 @@ class RestWatch {
   explicit RestWatch(const SceneBricks& bricks)
       : bricks_(bricks), needed_(bricks.scene.stop.settleTime) {}
 
-  /// Looks at the last step, `length` seconds long. While tiles are led or opened (`isOnPath`)
+  /// Looks at the last step, `length` seconds long. While tiles are guided or opened (`isOnPath`)
   /// nothing counts as rest.
   void observe(const RunMotion& motion, double length, const StepReport& report, bool isOnPath);
   /// Something begins to act: rest counts from now on.

@@ -86,10 +86,10 @@ void Run::start() {
     nudges_.giveAtStart(motion_, forces_.loadsNow(), joints_);
   } else {
     now.velocities = initialVelocities(scene.velocities, bricks_.bricks, now.poses);
-    if (!scene.path.jointsGive()) motion_.solver().fitVelocities(now);
+    if (!scene.path.jointsAreCompliant()) motion_.solver().fitVelocities(now);
   }
   motion_.beginHere();
-  recorder_.begin(drive_.jointsGive());
+  recorder_.begin(drive_.jointsAreCompliant());
 }
 
 // Where a step is ended from within, the solver is in no state to go on from: the checkpoint before
@@ -162,7 +162,7 @@ void Run::takeStep() {
                               "more damping",
                               lostAt)});
     }
-    recorder_.observe(report, drive_.jointsGive());
+    recorder_.observe(report, drive_.jointsAreCompliant());
     rest_.observe(motion_, clock_.length(), report, drive_.isOnPath());
   } catch (const Interrupted&) {
     takeBack();

@@ -68,7 +68,7 @@ class Run : private TimelineStage {
   const Accuracy& accuracy() const { return recorder_.figures().accuracy(); }
   /// Whether the figures of overlaps are of all pairs that are near at the start; see mostPairs().
   bool seesAllPairs() const { return recorder_.figures().seesAllPairs(); }
-  /// Whether bricks keep joints that gave from closing.
+  /// Whether bricks keep compliant joints from closing.
   bool isHeldOpen() const { return joints_.isHeldOpen(); }
 
  private:

@@ -4,13 +4,13 @@
 //
 // Open: expansion from the centre for path.openTime. Guide: springs k_f at the means and 40 k_f for
 // the turns pull every tile to where its own rigid motion has it at the time (TargetGuide,
-// forces.h), for path.ledTime and half a second more, in which they catch up. Unless k_f is given
+// forces.h), for path.guideTime and half a second more, in which they catch up. Unless k_f is given
 // it is twice that of the scene's frequency. Close: compliant joints stiffen geometrically, k(t) =
 // k_0 (1e8 k_u / k_0)^p with k_u the usual stiffness (forces.h) and p from 0 to 1 in half a second,
 // so that what is left of their openings is closed in one small step. Settle: the scene's own
 // drive, with springs to the target that are stiffened up to 16 times when the error stalls.
 //
-// A path that is led has Guide, Open where it has an openTime, Close where its joints are
+// A guided path has Guide, Open where it has an openTime, Close where its joints are
 // compliant; everything else settles at once. A new target begins the phases anew. All follow from
 // the time, and a step ends where opening does.
 #include "sim/deploy/run_drive.h"
@@ -48,7 +48,7 @@ bool CurrentTarget::isReachedAt(double error) const {
 
 bool CurrentTarget::isPulledTo() const {
   const Scene& scene = bricks_.scene;
-  return hasSprings() && (scene.springs.pull() || scene.path.kind == PathKind::Led);
+  return hasSprings() && (scene.springs.pull() || scene.path.kind == PathKind::Guided);
 }
 
 bool CurrentTarget::hasArrived(const Poses& poses) const {
@@ -94,11 +94,11 @@ std::unique_ptr<DriveForce> makeDriveForce(const Scene& scene, const std::vector
 
 namespace {
 
-// Turning counts this much more than place while the tiles are led.
+// Turning counts this much more than place while the tiles are guided.
 constexpr double kTurnShare = 40;
 // The frequency of springs that lead over the scene's: they are twice as stiff.
 constexpr double kLedFrequency = std::numbers::sqrt2;
-// Seconds to catch up with a target that has stopped, and to stiffen joints that gave.
+// Seconds to catch up with a target that has stopped, and to stiffen compliant joints.
 constexpr double kCatchUp = 0.5;
 constexpr double kStiffeningTime = 0.5;
 // The joints' stiffness at the end, of the usual one: what is left of their openings closes in one
@@ -112,8 +112,8 @@ TargetSpringSettings leadingSprings(const Scene& scene) {
   TargetSpringSettings springs;
   springs.frequency = kLedFrequency * scene.springs.frequency;
   springs.dampingRatio = 1;
-  springs.springStiffness = scene.path.ledStiffness;
-  if (scene.path.ledStiffness) springs.torqueStiffness = kTurnShare * *scene.path.ledStiffness;
+  springs.springStiffness = scene.path.guideStiffness;
+  if (scene.path.guideStiffness) springs.torqueStiffness = kTurnShare * *scene.path.guideStiffness;
   springs.turnShare = kTurnShare;
   springs.adaptive = false;
   return springs;
@@ -130,9 +130,9 @@ PathFollower::PathFollower(const Scene& scene, const std::vector<Brick>& bricks,
 
 Phase PathFollower::prepareStep(double time, Dynamics& dynamics) {
   const double elapsed = time - beginTime_;
-  springs_.setTarget(guide_.at(std::min(1.0, elapsed / path_.ledTime)));
-  const double late = elapsed - path_.ledTime - kCatchUp;
-  if (!path_.jointsGive()) return late <= 0 ? Phase::Guide : Phase::Settle;
+  springs_.setTarget(guide_.at(std::min(1.0, elapsed / path_.guideTime)));
+  const double late = elapsed - path_.guideTime - kCatchUp;
+  if (!path_.jointsAreCompliant()) return late <= 0 ? Phase::Guide : Phase::Settle;
   const double part = std::clamp(late / kStiffeningTime, 0.0, 1.0);
   const double range = std::max(1.0, closingStiffness_ / path_.jointStiffness);
   dynamics.setJointStiffness(path_.jointStiffness * std::pow(range, part));
@@ -149,11 +149,12 @@ RunDrive::RunDrive(const SceneBricks& bricks, const StepClock& clock)
       drive_(makeDriveForce(bricks.scene, bricks.bricks)),
       opening_(bricks.bricks, bricks.scene.springs) {}
 
-// Joints that give while the tiles are led close again; on a straight path they stay as they are.
-bool RunDrive::jointsGive() const {
+// Compliant joints while the tiles are guided close again; on a straight path they stay as they
+// are.
+bool RunDrive::jointsAreCompliant() const {
   if (bricks_.ties.pairForces.replaceJoints()) return true;
   const PathSettings& path = bricks_.scene.path;
-  return path.jointsGive() && (isOnPath() || path.kind == PathKind::Straight);
+  return path.jointsAreCompliant() && (isOnPath() || path.kind == PathKind::Straight);
 }
 
 // Without a target nothing pulls any more.
@@ -168,7 +169,7 @@ void RunDrive::headFor(const CurrentTarget& target, const Poses& from) {
   pullTo(*target.tiles());
   stiffness_ = AdaptiveStiffness(scene.springs.adaptive);
   stiffness_.observe(target.startError(), departedAt_, 0);
-  if (scene.path.kind != PathKind::Led) return;
+  if (scene.path.kind != PathKind::Guided) return;
   phase_ = scene.path.openTime > 0 ? Phase::Open : Phase::Guide;
   openedAt_ = departedAt_ + scene.path.openTime;
   if (phase_ == Phase::Guide) leadTo(*target.tiles());
@@ -208,8 +209,8 @@ const DriveForce* RunDrive::presentDrive() const {
   return phase_ == Phase::Open ? &opening_ : drive_.get();
 }
 
-// The springs of the moving guide where tiles are led, else those to the target. Null where nothing
-// pulls.
+// The springs of the moving guide where tiles are guided, else those to the target. Null where
+// nothing pulls.
 const TargetSprings* RunDrive::presentSprings() const {
   if (follower_) return &follower_->springs();
   return springs_ ? &*springs_ : nullptr;

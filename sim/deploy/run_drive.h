@@ -74,7 +74,7 @@ std::unique_ptr<DriveForce> makeDriveForce(const Scene& scene, const std::vector
 // ------------------------------------------------------------------------------------------------
 // The phases on the way to a target.
 
-/// What moves the bricks of a run at present. A path that is led goes through all of these from
+/// What moves the bricks of a run at present. A guided path goes through all of these from
 /// each target to the next, any other run is in the last from its start.
 enum class Phase {
   Open,    ///< bricks are pushed apart, which makes room
@@ -83,18 +83,18 @@ enum class Phase {
   Settle,  ///< the scene's own drive acts, until nothing moves
 };
 
-/// The springs that lead the scene's tiles: as its path says, else by its springs' frequency.
+/// the springs of the guide the scene's tiles: as its path says, else by its springs' frequency.
 TargetSpringSettings leadingSprings(const Scene& scene);
 
 /// Leads the tiles of a run to their target: springs pull every tile after a target that moves
 /// along the tile's own rigid motion, by the turn more than by the place (a mechanism that turns
-/// has to swing out on its way, which straight lines do not know). Joints may give meanwhile; at
-/// the end they stiffen until hardly anything of their openings is left.
+/// has to swing out on its way, which straight lines do not know). Joints may be compliant
+/// meanwhile; at the end they stiffen until hardly anything of their openings is left.
 class PathFollower {
  public:
-  /// `bricks` must outlive this. `start`: where the path begins, joints closed unless they give;
-  /// `beginTime`: when, seconds. `target`: where it leads, one tile a brick. The scene has
-  /// PathKind::Led.
+  /// `bricks` must outlive this. `start`: where the path begins, joints closed unless they are
+  /// compliant; `beginTime`: when, seconds. `target`: where it leads, one tile a brick. The scene
+  /// has PathKind::Guided.
   PathFollower(const Scene& scene, const std::vector<Brick>& bricks, const Poses& start,
                const std::vector<Tile>& target, double beginTime);
 
@@ -103,7 +103,7 @@ class PathFollower {
   /// stiff as they get, ready to be closed and held exactly.
   Phase prepareStep(double time, Dynamics& dynamics);
 
-  /// The springs that lead.
+  /// the springs of the guide.
   const TargetSprings& springs() const { return springs_; }
 
  private:
@@ -127,7 +127,7 @@ class RunDrive {
   /// Whether something else drives the tiles than the scene's own drive.
   bool isOnPath() const { return phase_ != Phase::Settle; }
   /// Whether joints are compliant on purpose.
-  bool jointsGive() const;
+  bool jointsAreCompliant() const;
 
   /// Begins the phases that lead from these poses to a target.
   void headFor(const CurrentTarget& target, const Poses& from);
@@ -168,7 +168,7 @@ class RunDrive {
   double openedAt_ = 0;    // when opening ends, seconds
   Poses departure_;        // where the bricks were when the target was set, or opening ended
   double departedAt_ = 0;  // when that was, seconds
-  std::optional<PathFollower> follower_;  // while tiles are led
+  std::optional<PathFollower> follower_;  // while tiles are guided
   std::optional<TargetSprings> springs_;  // to the target
   AdaptiveStiffness stiffness_{false};
 };

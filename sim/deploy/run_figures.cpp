@@ -37,16 +37,16 @@ RunFigures::RunFigures(const Model& model, const std::vector<Brick>& bricks,
 }
 
 // The start is observed as a step of no length: it counts in means and maxima.
-void RunFigures::begin(const Poses& start, bool jointsGive) {
+void RunFigures::begin(const Poses& start, bool jointsAreCompliant) {
   accuracy_.assemblyMove = targetError(bottomTiles(bricks_, asRead_), bricks_, start);
   accuracy_.targetErrorStart = accuracy_.targetErrorMin = targetErrorOf(start);
   if (model_.target) accuracy_.rigidBound = rigidBound(model_.tiles, *model_.target);
-  observe(0, start, {}, jointsGive);
+  observe(0, start, {}, jointsAreCompliant);
 }
 
 // Measures the state after a step. `report` is that step's cost.
 void RunFigures::observe(double time, const Poses& poses, const StepReport& report,
-                         bool jointsGive) {
+                         bool jointsAreCompliant) {
   // What may be ended from within comes first, while nothing has changed.
   const PenetrationDepths overlaps =
       overlaps_->atLeast({accuracy_.penetrationMax, accuracy_.penetrationOutsidePivotsMax,
@@ -59,7 +59,7 @@ void RunFigures::observe(double time, const Poses& poses, const StepReport& repo
   gapNow_ = accuracy_.jointGapEnd = gap.max;
   gapSum_ += gap.mean;
   raise(accuracy_.jointGapMax, "joint_gap_max", gap.max, state);
-  if (jointsGive) raise(accuracy_.jointOpeningMax, "joint_opening_max", gap.max, state);
+  if (jointsAreCompliant) raise(accuracy_.jointOpeningMax, "joint_opening_max", gap.max, state);
   raise(accuracy_.penetrationMax, "penetration_max", overlaps.whole, state);
   raise(accuracy_.penetrationOutsidePivotsMax, "penetration_outside_pivots_max",
         overlaps.outsidePivots, state);

@@ -28,11 +28,11 @@ class RunFigures {
   RunFigures(const Model& model, const std::vector<Brick>& bricks, std::span<const Pivot> pivots,
              double pivotZone, const Poses& asRead, const AssembledState& nearest);
 
-  /// Measures the start, its joints closed unless they are compliant (`jointsGive`).
-  void begin(const Poses& start, bool jointsGive);
+  /// Measures the start, its joints closed unless they are compliant (`jointsAreCompliant`).
+  void begin(const Poses& start, bool jointsAreCompliant);
   /// Measures the state that a step led to at a time, seconds. Where it is ended from within (see
   /// sim/base/interruption.h) nothing has changed.
-  void observe(double time, const Poses& poses, const StepReport& report, bool jointsGive);
+  void observe(double time, const Poses& poses, const StepReport& report, bool jointsAreCompliant);
   /// Counts work beside the steps, in multiplications.
   void addWork(double work) { cost_.took.work += work; }
 

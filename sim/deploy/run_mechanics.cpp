@@ -1,4 +1,4 @@
-// What acts on the bricks of a run: drive, drags, joints that give, gravity, forces between pairs
+// What acts on the bricks of a run: drive, drags, compliant joints, gravity, forces between pairs
 // and contacts; and what follows of it, energies and forces.
 #include "sim/deploy/run_mechanics.h"
 

@@ -21,7 +21,7 @@ namespace kirireel {
 // ------------------------------------------------------------------------------------------------
 // What acts on the bricks.
 
-/// What acts on the bricks of a run at present: its drive, drags, joints that give, forces between
+/// What acts on the bricks of a run at present: its drive, drags, compliant joints, forces between
 /// pairs, gravity, damping and contacts.
 class ActingForces {
  public:

@@ -176,14 +176,15 @@ Motion RunMotion::motionAt(double time, const Poses& poses) const {
 // Whether joints are exact.
 
 void JointFit::closeAtStart(RunMotion& motion, RunFigures& figures) {
-  isMisfit_ = !bricks_.scene.path.jointsGive() && !motion.solver().assemble(motion.now().poses);
+  isMisfit_ =
+      !bricks_.scene.path.jointsAreCompliant() && !motion.solver().assemble(motion.now().poses);
   if (bricks_.needs.contacts.on) pushedAtStart_ = figures.overlapsOf(motion.poses()).grown;
   hold(motion.solver());
 }
 
 void JointFit::closeAtEndOfPath(RunMotion& motion, RunFigures& figures) {
   const bool isClosed = close(motion, figures);
-  if (bricks_.scene.path.jointsGive()) {
+  if (bricks_.scene.path.jointsAreCompliant()) {
     motion.solver().setJointStiffness(isClosed ? kExactJoints
                                                : misfitStiffness(bricks_.scene, bricks_.bricks));
   }
@@ -212,7 +213,7 @@ bool JointFit::close(RunMotion& motion, RunFigures& figures) {
 // They give a little where tiles do not fit.
 void JointFit::hold(Dynamics& solver) const {
   const PathSettings& path = bricks_.scene.path;
-  if (path.jointsGive()) {
+  if (path.jointsAreCompliant()) {
     solver.setJointStiffness(path.jointStiffness);
   } else if (isMisfit_) {
     solver.setJointStiffness(misfitStiffness(bricks_.scene, bricks_.bricks));
@@ -222,7 +223,7 @@ void JointFit::hold(Dynamics& solver) const {
 std::string JointFit::trouble() const {
   const double misfit = misfitStiffness(bricks_.scene, bricks_.bricks);
   if (isMisfit_) {
-    return fmt::format("{}, so joints give a little, with {:.2g} N/m",
+    return fmt::format("{}, so joints are slightly compliant, with {:.2g} N/m",
                        isHeldOpen_ ? "bricks are in the way of closing joints"
                                    : "the tiles do not quite fit each other",
                        misfit);
@@ -230,7 +231,7 @@ std::string JointFit::trouble() const {
   if (pushedAtStart_ <= kPushedShare * bricks_.tileSize) return "";
   return fmt::format(
       "closing the joints at the start pushes bricks {:.2g} m into each other, joints "
-      "that give would not (--path led --joint-stiffness {:.2g})",
+      "that are compliant would not (--path guided --joint-stiffness {:.2g})",
       pushedAtStart_, misfit);
 }
 

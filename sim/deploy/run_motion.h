@@ -164,7 +164,7 @@ class RunMotion {
   bool wantsTolerance_;
   Motion now_;
   Motion before_;          // where the last step began
-  Poses start_;            // joints closed unless they give
+  Poses start_;            // joints closed unless they are compliant
   bool isSmooth_ = false;  // the last step kept its tolerance throughout
   std::unique_ptr<Dynamics> solver_;
   std::unique_ptr<Dynamics> projection_;  // closes joints of states within a step; made when needed
@@ -190,7 +190,7 @@ class JointFit {
   /// Holds the joints as the start of the run does.
   void hold(Dynamics& solver) const;
 
-  /// Whether joints could not be closed, and give a little.
+  /// Whether joints could not be closed, and are slightly compliant.
   bool isMisfit() const { return isMisfit_; }
   /// Whether bricks keep joints that were compliant from closing.
   bool isHeldOpen() const { return isHeldOpen_; }

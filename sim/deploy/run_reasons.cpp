@@ -76,8 +76,8 @@ std::string RunReasons::holdup() const {
   if (rest_.isStuck(motion_.poses())) return "exact joints leave the tiles no way on";
   if (isImmobile()) {
     return fmt::format(
-        "the joints leave the tiles no way to move (0 degrees of freedom); joints that give would "
-        "(--path led --joint-stiffness {:.1g})",
+        "the joints leave the tiles no way to move (0 degrees of freedom); compliant joints would "
+        "(--path guided --joint-stiffness {:.1g})",
         kGivingShare * usualStiffness(bricks_.scene.springs, bricks_.bricks));
   }
   if (target_.isReachedAt(target_.error(motion_.poses()))) {

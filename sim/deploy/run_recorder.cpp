@@ -23,8 +23,8 @@ RunRecorder::RunRecorder(const SceneBricks& bricks, StepClock& clock, RunMotion&
   }
 }
 
-void RunRecorder::begin(bool jointsGive) {
-  figures_.begin(motion_.poses(), jointsGive);
+void RunRecorder::begin(bool jointsAreCompliant) {
+  figures_.begin(motion_.poses(), jointsAreCompliant);
   beginStep();
   showStep();
 }
@@ -37,8 +37,8 @@ void RunRecorder::endStep(const StepReport& report, bool isToTolerance) {
   if (mechanics_) mechanics_->end(motion_.span(clock_.time(), report, isToTolerance));
 }
 
-void RunRecorder::observe(const StepReport& report, bool jointsGive) {
-  figures_.observe(clock_.time(), motion_.poses(), report, jointsGive);
+void RunRecorder::observe(const StepReport& report, bool jointsAreCompliant) {
+  figures_.observe(clock_.time(), motion_.poses(), report, jointsAreCompliant);
 }
 
 void RunRecorder::showStep() {

@@ -36,15 +36,15 @@ class RunRecorder {
               const ActingForces& forces, const RunObservers& observers,
               const AssembledState& nearest, Checkpoints* checkpoints);
 
-  /// Measures and shows the start; `jointsGive`: they are compliant on purpose.
-  void begin(bool jointsGive);
+  /// Measures and shows the start; `jointsAreCompliant`: they are compliant on purpose.
+  void begin(bool jointsAreCompliant);
   /// To be called before a step, once springs are set for it.
   void beginStep();
   /// Accounts for a step from its length on, before its time has passed.
   void endStep(const StepReport& report, bool isToTolerance);
   /// Measures the state that the step led to. Where it is ended from within (see
   /// sim/base/interruption.h) nothing has changed.
-  void observe(const StepReport& report, bool jointsGive);
+  void observe(const StepReport& report, bool jointsAreCompliant);
   /// Shows the last step.
   void showStep();
 

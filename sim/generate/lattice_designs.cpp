@@ -232,7 +232,7 @@ TurningField fanField(const FanShape& shape) {
       const Complex position = regular.corner(cell, k, pi);
       const double x = position.real() / half.real();
       const double y = position.imag() / half.imag();
-      // Only corners on the outline of the open sheet are led; the inside follows from the exact
+      // Only corners on the outline of the open sheet are guided; the inside follows from the exact
       // equations.
       if (std::max(std::abs(x), std::abs(y)) < 1 - 1e-9) continue;
       // y runs from the inner to the outer radius, x over the sector's angle from left to right.

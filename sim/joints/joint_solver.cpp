@@ -92,19 +92,19 @@ class Stepper : public JointSolver {
   bool appendRows(const std::vector<Contact>& found, const Poses& start, double step);
   bool boundNewFriction();
   void startRows(const Poses& start, double step, bool warm);
-  void takeOver(const Row& old, const Poses& start, double step);
+  void carryOver(const Row& old, const Poses& start, double step);
   void addSupports(const Poses& poses, double step);
   Row contactRow(const Contact& contact, const Poses& start, double step) const;
   void holdPinned(Row& row) const;
   bool solveVelocities(const Poses& start);
   bool solveWithPairForces(const Poses& start, double step);
-  void forbidWork();
+  void limitWork();
   bool moveAndClose(const Poses& start, double step);
-  void payForClosing(const Poses& start, double step);
+  void limitEnergyAfterClosing(const Poses& start, double step);
   void standStill(const Poses& start);
   bool closeJoints(const std::vector<Row>& contacts, double step);
   Vector closingMove(const Vector& gaps, const std::vector<Row>& contacts, bool withOverlaps) const;
-  Vector foreseen(const Vector& move, const Vector& lastMove) const;
+  Vector extrapolated(const Vector& move, const Vector& lastMove) const;
   double overlap(const Row& row) const;
   bool anyOverlap(const std::vector<Row>& contacts) const;
   void displace(const Vector& move);
@@ -209,10 +209,10 @@ void Stepper<D>::advanceHalving(Motion& motion, double step, const LoadSource& l
   ++report_.steps;
   if (outcome != StepOutcome::Good || end_.jumped) ++report_.unconverged;
   if (outcome != StepOutcome::Good && contactSource_) {
-    standstill_.noteStanding();
+    standstill_.recordStandstill();
     standStill(motion.poses);
   } else {
-    standstill_.noteMoving();
+    standstill_.recordMotion();
     keepMultipliers(step);
     countLosses(step);
   }
@@ -251,9 +251,9 @@ StepOutcome Stepper<D>::solveContactRounds(const Poses& start, double step) {
   for (int round = 0; round < kContactRounds; ++round) {
     if (!solveWithPairForces(start, step)) return StepOutcome::JointsOpen;
     if (boundNewFriction() && !solveWithPairForces(start, step)) return StepOutcome::JointsOpen;
-    forbidWork();
+    limitWork();
     if (!moveAndClose(start, step)) return StepOutcome::JointsOpen;
-    payForClosing(start, step);
+    limitEnergyAfterClosing(start, step);
     if (!contactSource_) return StepOutcome::Good;
     std::vector<Contact> found;
     const double overlap = contactSource_->appendViolated(end_.poses, found);
@@ -308,7 +308,7 @@ void Stepper<D>::startRows(const Poses& start, double step, bool warm) {
       return row.multiplier > 0 && contactSource_->isCurrent(row.contact);
     });
     if (isCurrent) {
-      std::for_each(first, last, [&](const Row& row) { takeOver(row, start, step); });
+      std::for_each(first, last, [&](const Row& row) { carryOver(row, start, step); });
     }
     first = last;
   }
@@ -316,7 +316,7 @@ void Stepper<D>::startRows(const Poses& start, double step, bool warm) {
 
 /// Adds the row of a contact of the last step.
 template <int D>
-void Stepper<D>::takeOver(const Row& old, const Poses& start, double step) {
+void Stepper<D>::carryOver(const Row& old, const Poses& start, double step) {
   Row row = contactRow(old.contact, start, step);
   // Multipliers are impulses: they go with the length of the step.
   row.multiplier = step / kept_.step * old.multiplier;
@@ -415,7 +415,7 @@ bool Stepper<D>::solveWithPairForces(const Poses& start, double step) {
 /// there is. Where bricks wedge, impulses are still on their way when the rounds end, and may do
 /// some: then all bricks move slower, which joints and contacts allow, as they allow rest.
 template <int D>
-void Stepper<D>::forbidWork() {
+void Stepper<D>::limitWork() {
   if (program_.contacts.empty() || !program_.exactJoints) return;
   const double cost = program_.x.dot(system_.timesA(program_.x));
   const double means = program_.x.dot(system_.force());
@@ -808,7 +808,7 @@ bool Stepper<D>::moveAndClose(const Poses& start, double step) {
 /// closing costs beyond what the step has lost comes out of the bricks' speed, and where that is
 /// too little they stay where they are. On a smooth path energy comes and goes, and none is taken.
 template <int D>
-void Stepper<D>::payForClosing(const Poses& start, double step) {
+void Stepper<D>::limitEnergyAfterClosing(const Poses& start, double step) {
   if (program_.contacts.empty() || !program_.exactJoints) return;
   const Vector move = step * program_.x;
   if (norm(end_.closing) <= kBend * norm(move)) return;
@@ -832,9 +832,9 @@ void Stepper<D>::standStill(const Poses& start) {
 
 /// Gauss-Newton on the joints' gaps, on the factor at hand: the smallest move by A in which the
 /// contacts that push hold their gaps. The first rounds also take overlaps back. As the factor is
-/// of the step's start, moves shrink by a steady ratio; what follows the last one is foreseen from
-/// it (Broyden's good update with a memory of one: Kelley 2003, "Solving Nonlinear Equations with
-/// Newton's Method", 4.2).
+/// of the step's start, moves shrink by a steady ratio; what follows the last one is extrapolated
+/// from it (Broyden's good update with a memory of one: Kelley 2003, "Solving Nonlinear Equations
+/// with Newton's Method", 4.2).
 template <int D>
 bool Stepper<D>::closeJoints(const std::vector<Row>& contacts, double step) {
   const double scale = settings_.lengthScale;
@@ -848,7 +848,7 @@ bool Stepper<D>::closeJoints(const std::vector<Row>& contacts, double step) {
   for (int round = 0; round < kClosingRounds && (moved <= allowed || isShortest_); ++round) {
     const bool overlapping = round < kOverlapRounds && anyOverlap(contacts);
     if (gap <= kGapTolerance * scale && !overlapping) break;
-    const Vector move = foreseen(closingMove(gaps, contacts, overlapping), lastMove);
+    const Vector move = extrapolated(closingMove(gaps, contacts, overlapping), lastMove);
     lastMove = move;
     end_.closing += move;
     displace(move);
@@ -884,7 +884,7 @@ Eigen::VectorXd Stepper<D>::closingMove(const Vector& gaps, const std::vector<Ro
 
 /// The move together with those that would follow it, if each is to the next as the last is to it.
 template <int D>
-Eigen::VectorXd Stepper<D>::foreseen(const Vector& move, const Vector& lastMove) const {
+Eigen::VectorXd Stepper<D>::extrapolated(const Vector& move, const Vector& lastMove) const {
   const double square = product(lastMove, lastMove);
   const double ratio = square > 0 ? product(move, lastMove) / square : 0;
   return std::abs(ratio) < kForeseeable ? Vector(move / (1 - ratio)) : move;

@@ -124,7 +124,7 @@ class JointSolver {
   /// Holds these bricks where they are, exactly, until told otherwise; one entry a brick. Their
   /// velocities are zero at the end of each step. Two pinned bricks must not have an open joint.
   virtual void setPinned(const std::vector<bool>& pinned) = 0;
-  /// Lets joints give from now on: each pivot is a spring of this stiffness (N/m, above 0),
+  /// Makes joints compliant from now on: each pivot is a spring of this stiffness (N/m, above 0),
   /// implicit in the step; infinity holds them exactly again, which is how a solver starts out.
   /// Gaps that springs have left are to be closed by assemble() first.
   virtual void setJointStiffness(double stiffness) = 0;
@@ -170,9 +170,9 @@ class Standstill {
   /// and halves either failed then too or are not due.
   bool beginStep(const Poses& poses, const std::vector<Load>& loads, double seconds);
   /// Notes that bricks stood still in a part of the step, or that they moved.
-  void noteStanding() { stood_ = true; }
+  void recordStandstill() { stood_ = true; }
   /// Notes that bricks moved in a part of the step.
-  void noteMoving() { moved_ = true; }
+  void recordMotion() { moved_ = true; }
   /// Ends the step that was begun, in these poses, with these loads.
   void endStep(const Poses& poses, const std::vector<Load>& loads);
 

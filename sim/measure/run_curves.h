@@ -48,7 +48,7 @@ struct RunCurves {
   ///     Porosity          1 - covered / hull
   ///     Poisson's ratio   since the start, see poissonsRatio()
   ///     Opening           of the joints, see openingAngles(): least, mean, largest; degrees
-  ///     Energy            kinetic, stored in springs and joints that give, and at hinges, J; of a
+  ///     Energy            kinetic, stored in springs and compliant joints, and at hinges, J; of a
   ///                       walked path kinetic alone, by central differences: it tells the pace
   ///                       of the walk
   ///     Work of the drives    put in so far, J; see Energies, as the next

@@ -138,23 +138,23 @@ enum class PathKind {
   /// Continuation where the scene needs no dynamics and that arrives, else Dynamic.
   Auto,
   Continuation,  ///< the mechanism is followed as geometry, at an even pace; see continueAlong()
-  /// By springs: straight where that arrives, else led, with joints that give as little as arrives.
+  /// By springs: straight where that arrives, else guided, on joints as stiff as arrives.
   Dynamic,
   Straight,  ///< the springs pull towards the target from the start on (the paper's way)
-  Led,       ///< each tile is led along its own rigid motion, by its turn more than by its place
+  Guided,    ///< each tile is guided along its own rigid motion, by its turn more than by its place
 };
 
 /// The path to the target. Straight pulling has local minima in which hard models lock.
 struct PathSettings {
   PathKind kind = PathKind::Dynamic;  ///< how tiles get there
-  /// Seconds of expansion from the common centre before the tiles are led: room for bricks that
+  /// Seconds of expansion from the common centre before the tiles are guided: room for bricks that
   /// would wedge in each other. From 0.
   double openTime = 0;
-  double ledTime = 4;  ///< seconds in which the tiles are led to the target, above 0
-  /// k_f while led, N/m; absent: twice that of the springs' frequency. k_tau is 40 times k_f.
-  std::optional<double> ledStiffness;
-  /// Of each pivot, N/m: while led joints give and are closed at the end, on a straight path they
-  /// give throughout. Infinity: exact.
+  double guideTime = 4;  ///< seconds in which the tiles are guided to the target, above 0
+  /// k_f while guided, N/m; absent: twice that of the springs' frequency. k_tau is 40 times k_f.
+  std::optional<double> guideStiffness;
+  /// Of each pivot, N/m: while guided, joints are compliant and are closed at the end, on a
+  /// straight path they are compliant throughout. Infinity: exact.
   double jointStiffness = std::numeric_limits<double>::infinity();
   /// What finding a path may cost, seconds of a reference core (see
   /// SearchBudget), from 0. Short runs get less: see deploy().
@@ -166,7 +166,7 @@ struct PathSettings {
   int loadSteps = 1;
 
   /// Whether joints are springs from the start on.
-  bool jointsGive() const { return std::isfinite(jointStiffness); }
+  bool jointsAreCompliant() const { return std::isfinite(jointStiffness); }
 };
 
 /// Which solver holds the joints.

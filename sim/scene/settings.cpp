@@ -24,8 +24,8 @@ namespace {
 // A bound against slips of the pen; springs of 1e12 N/m are beyond any material at these sizes.
 constexpr Range kFromZero{0, 1e12};
 
-bool isLed(const Scene& scene) {
-  return scene.path.kind == PathKind::Led;
+bool isGuided(const Scene& scene) {
+  return scene.path.kind == PathKind::Guided;
 }
 bool isDirect(const Scene& scene) {
   return scene.solver.kind == SolverKind::Direct;
@@ -59,13 +59,13 @@ bool weighsByVolume(const Scene& scene) {
 }
 
 constexpr const char* kDirect = "--solver direct";
-constexpr const char* kLed = "--path led";
+constexpr const char* kGuided = "--path guided";
 constexpr const char* kOtherSprings = "springs or damping were given";
 constexpr const char* kOtherSolver = "the solver was given";
 
 /// The field of a scene that a path of members leads to.
 // `Path` are pointers to members, applied one after the other: number<&Scene::path,
-// &PathSettings::ledTime>(...) is the field scene.path.ledTime.
+// &PathSettings::guideTime>(...) is the field scene.path.guideTime.
 template <auto... Path>
 auto& fieldOf(auto&& scene) {
   return (scene.*....*Path);
@@ -298,50 +298,51 @@ SettingGroup hingeSettings() {
 }
 
 SettingGroup pathSettings() {
-  return {
-      "Path to the target",
-      "actuation",
-      {choice<&Scene::path, &PathSettings::kind>(
-           "path",
-           Choices<PathKind>{{"auto", PathKind::Auto},
-                             {"continuation", PathKind::Continuation},
-                             {"dynamic", PathKind::Dynamic},
-                             {"straight", PathKind::Straight},
-                             {"led", PathKind::Led}},
-           "the mechanism is followed as geometry (continuation), or springs move masses "
-           "(dynamic, which tries a straight pull and then leads each tile along its own "
-           "motion); auto takes continuation where nothing given needs dynamics and that "
-           "arrives"),
-       number<&Scene::path, &PathSettings::walkTime>(
-           "walk_time", {1e-6, 1e6}, "SECONDS",
-           "in which a path of continuation is walked, at an even pace"),
-       whole<&Scene::path, &PathSettings::loadSteps>(
-           "load_steps", {1, 1e6}, "COUNT",
-           "equilibria at the least on the way to the full load, with [[grip]]"),
-       number<&Scene::path, &PathSettings::openTime>(
-           "open_time", kFromZero, "SECONDS", "of expansion from the centre first, with --path led")
-           .with(isLed, kLed),
-       number<&Scene::path, &PathSettings::ledTime>("led_time", {1e-6, 1e6}, "SECONDS",
-                                                    "of leading, with --path led")
-           .with(isLed, kLed),
-       givenStrength<&Scene::path, &PathSettings::ledStiffness>(
-           "led_stiffness", "N/M", "twice that of the spring frequency",
-           "pull on each vertex while led")
-           .with(isLed, kLed),
-       specialNumber(
-           "joint_stiffness", "N/M", "exact", "of joints while led; closed at the end",
-           [](Scene& scene, const TypedValue& typed) {
-             scene.path.jointStiffness = parseNumber(typed, {1e-6, 1e15});
-           },
-           [](const Scene& scene) {
-             return scene.path.jointsGive() ? numberText(scene.path.jointStiffness) : "";
-           })
-           .with(isDirect, kDirect)
-           .with(isLed, kLed),
-       number<&Scene::path, &PathSettings::searchTime>(
-           "search", {0, 1e9}, "SECONDS",
-           "that looking for a path may cost, of a reference core: work is counted, not timed, "
-           "so that every machine finds the same; at most 30 for each second of --duration")}};
+  return {"Path to the target",
+          "actuation",
+          {choice<&Scene::path, &PathSettings::kind>(
+               "path",
+               Choices<PathKind>{{"auto", PathKind::Auto},
+                                 {"continuation", PathKind::Continuation},
+                                 {"dynamic", PathKind::Dynamic},
+                                 {"straight", PathKind::Straight},
+                                 {"guided", PathKind::Guided}},
+               "the mechanism is followed as geometry (continuation), or springs move masses "
+               "(dynamic, which tries a straight pull and then guides each tile along its own "
+               "motion); auto takes continuation where nothing given needs dynamics and that "
+               "arrives"),
+           number<&Scene::path, &PathSettings::walkTime>(
+               "walk_time", {1e-6, 1e6}, "SECONDS",
+               "in which a path of continuation is walked, at an even pace"),
+           whole<&Scene::path, &PathSettings::loadSteps>(
+               "load_steps", {1, 1e6}, "COUNT",
+               "equilibria at the least on the way to the full load, with [[grip]]"),
+           number<&Scene::path, &PathSettings::openTime>(
+               "open_time", kFromZero, "SECONDS",
+               "of expansion from the centre first, with --path guided")
+               .with(isGuided, kGuided),
+           number<&Scene::path, &PathSettings::guideTime>("guide_time", {1e-6, 1e6}, "SECONDS",
+                                                          "of guiding, with --path guided")
+               .with(isGuided, kGuided),
+           givenStrength<&Scene::path, &PathSettings::guideStiffness>(
+               "guide_stiffness", "N/M", "twice that of the spring frequency",
+               "pull on each vertex while guided")
+               .with(isGuided, kGuided),
+           specialNumber(
+               "joint_stiffness", "N/M", "exact", "of joints while guided; closed at the end",
+               [](Scene& scene, const TypedValue& typed) {
+                 scene.path.jointStiffness = parseNumber(typed, {1e-6, 1e15});
+               },
+               [](const Scene& scene) {
+                 return scene.path.jointsAreCompliant() ? numberText(scene.path.jointStiffness)
+                                                        : "";
+               })
+               .with(isDirect, kDirect)
+               .with(isGuided, kGuided),
+           number<&Scene::path, &PathSettings::searchTime>(
+               "search", {0, 1e9}, "SECONDS",
+               "that looking for a path may cost, of a reference core: work is counted, not timed, "
+               "so that every machine finds the same; at most 30 for each second of --duration")}};
 }
 
 /// The ground, put there if there is none yet.

@@ -81,7 +81,7 @@ HardTrial inconsistentData() {
   return trial;
 }
 
-/// Shapes that fit each other no longer in any state: the joints must give no more than the noise.
+/// Shapes that fit each other no longer in any state: the joints must open no more than the noise.
 HardTrial noisyShapes(double size) {
   HardTrial trial{fmt::format("noise {:g}", size),
                   fmt::format("every vertex {:g} off; shapes that fit no more", size),

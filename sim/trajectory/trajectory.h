@@ -32,7 +32,7 @@ struct StepRecord {
 ///   work = kinetic + spring + elastic + damped + impacted + integrated.
 struct Energies {
   double kinetic = 0;  ///< of the bricks, from 0
-  /// Stored in the springs of the drive and of drags, and in joints that give; from 0.
+  /// Stored in the springs of the drive and of drags, and in compliant joints; from 0.
   double spring = 0;
   double elastic = 0;  ///< stored in forces between pairs of bricks, as springs at hinges; from 0
   /// What drives have put in since before the start: they tighten and move springs, stiffen them

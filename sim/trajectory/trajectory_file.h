@@ -220,7 +220,7 @@ struct EnergyChannel {
 inline constexpr std::array kEnergies = {
     EnergyChannel{"energy/kinetic", &Energies::kinetic, "of the bricks"},
     EnergyChannel{"energy/spring", &Energies::spring,
-                  "stored in springs that pull tiles, and in joints that give"},
+                  "stored in springs that pull tiles, and in compliant joints"},
     EnergyChannel{"energy/elastic", &Energies::elastic,
                   "stored in springs at hinges and ligaments"},
     EnergyChannel{"energy/work", &Energies::work, "put in so far by drives and gravity"},

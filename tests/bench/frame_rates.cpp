@@ -26,9 +26,9 @@ constexpr double kRates[] = {1, 7, 24, 25, 30, 50, 240};
 std::vector<double> figuresOf(const Scene& scene, double rate, DeploymentResult& result) {
   result = deploy(scene, 1 / rate, nullptr);
   StateTape tape;
-  double ledStiffness = result.path.ledStiffness.value_or(0);
+  double guideStiffness = result.path.guideStiffness.value_or(0);
   tape.transfer(result.outcome, result.reason, result.accuracy, result.assembledError, result.cost,
-                result.path.kind, result.path.openTime, result.path.ledTime, ledStiffness,
+                result.path.kind, result.path.openTime, result.path.guideTime, guideStiffness,
                 result.path.jointStiffness, result.trajectory.events,
                 result.trajectory.figureStates, result.trajectory.samples.back().poses);
   return tape.numbers();

@@ -22,21 +22,22 @@ TEST(Contradictions, NameWhatAnOptionNeeds) {
   EXPECT_EQ(refusal({"--solver", "bullet", "--joint-stiffness", "1e6"}),
             "error: --joint-stiffness works with --solver direct alone; give that too, or leave "
             "--joint-stiffness away");
-  EXPECT_EQ(refusal({"--path", "straight", "--led-time", "2"}),
-            "error: --led-time works with --path led alone; give that too, or leave --led-time "
-            "away");
+  EXPECT_EQ(
+      refusal({"--path", "straight", "--guide-time", "2"}),
+      "error: --guide-time works with --path guided alone; give that too, or leave --guide-time "
+      "away");
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
-      {{"--led-stiffness", "10"}, "--led-stiffness works with --path led "},
+      {{"--guide-stiffness", "10"}, "--guide-stiffness works with --path guided "},
       {{"--path", "straight", "--joint-stiffness", "1e6"},
-       "--joint-stiffness works with --path led "},
-      {{"--path", "led", "--solver", "bullet"}, "--path led works with --solver direct "},
-      {{"--path", "led", "--cm_expansion"}, "--path led works with --actuation target "},
+       "--joint-stiffness works with --path guided "},
+      {{"--path", "guided", "--solver", "bullet"}, "--path guided works with --solver direct "},
+      {{"--path", "guided", "--cm_expansion"}, "--path guided works with --actuation target "},
       {{"--solver", "bullet", "--pin", "0"}, "--pin works with --solver direct "},
       {{"--solver", "bullet", "--link", "0,0,2,1"}, "--link works with --solver direct "},
       {{"--iterations", "90"}, "--iterations works with --solver bullet "},
       {{"--solver", "bullet", "--tolerance", "1e-4"}, "--tolerance works with --solver direct "},
       {{"--tolerance", "1e-4", "--substeps", "2"}, "--substeps works with --tolerance 0 "},
-      {{"--tolerance", "1e-4", "--path", "led"}, "--path led moves tiles in fixed steps"},
+      {{"--tolerance", "1e-4", "--path", "guided"}, "--path guided moves tiles in fixed steps"},
       {{"--boundary-size", "3"}, "--boundary-size works with --actuation boundary "},
       {{"--cm_expansion", "--boundary-aspect", "3"},
        "--boundary-aspect works with --actuation boundary "},
@@ -67,7 +68,8 @@ TEST(Contradictions, NameWhatSaysTheSame) {
 }
 
 TEST(Contradictions, LeaveConsistentOptionsAlone) {
-  EXPECT_EQ(refusal({"--path", "led", "--led-time", "2", "--joint-stiffness", "1e6"}), "accepted");
+  EXPECT_EQ(refusal({"--path", "guided", "--guide-time", "2", "--joint-stiffness", "1e6"}),
+            "accepted");
   EXPECT_EQ(refusal({"--solver", "bullet", "--iterations", "90"}), "accepted");
   EXPECT_EQ(refusal({"--actuation", "boundary", "--boundary-size", "3"}), "accepted");
   EXPECT_EQ(refusal({"--mass", "prism", "--density", "900"}), "accepted");
@@ -75,11 +77,12 @@ TEST(Contradictions, LeaveConsistentOptionsAlone) {
 
 TEST(Contradictions, AreFoundInSceneFilesToo) {
   const test::TemporaryFolder folder;
-  std::ofstream(folder / "run.toml") << "[actuation]\nled_time = 2\n";
-  EXPECT_EQ(refusal({"--scene", (folder / "run.toml").string()}),
-            "error: --led-time works with --path led alone; give that too, or leave --led-time "
-            "away");
-  std::ofstream(folder / "run.toml") << "[actuation]\nled_time = 2\npath = \"led\"\n";
+  std::ofstream(folder / "run.toml") << "[actuation]\nguide_time = 2\n";
+  EXPECT_EQ(
+      refusal({"--scene", (folder / "run.toml").string()}),
+      "error: --guide-time works with --path guided alone; give that too, or leave --guide-time "
+      "away");
+  std::ofstream(folder / "run.toml") << "[actuation]\nguide_time = 2\npath = \"guided\"\n";
   EXPECT_EQ(refusal({"--scene", (folder / "run.toml").string()}), "accepted");
 }
 

@@ -81,7 +81,7 @@ const std::vector<Sample>& chosenSamples() {
       {"--hinge-rest", {"33.3", "-7"}, {"--hinge-stiffness", "1"}},
       {"--hinge-damping", {"0.25", "1e6"}},
       {"--hinge-file", {"hinges.txt"}},
-      {"--path", {"straight", "led"}},
+      {"--path", {"straight", "guided"}},
       {"--gravity", {"-9.81", "0,0.1,-9.81"}},
       {"--ground", {}},
       {"--ground-friction", {"0.3", "0"}},

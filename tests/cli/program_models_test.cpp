@@ -36,7 +36,7 @@ TEST_P(PublishedModels, EndNearerToTheTargetThanThePeer) {
   EXPECT_LT(accuracy["target_error_end"], model.peerError);
   EXPECT_LT(accuracy["joint_gap_end"], 1e-9);  // 5.6e-11 on the cylinder, 1e-12 on the others
   EXPECT_LE(accuracy["joint_gap_max"], std::max(1e-9, accuracy["joint_opening_max"].get<double>()));
-  // 7e-4 of a tile on the saddle, whose joints give on the way; 0 on the others.
+  // 7e-4 of a tile on the saddle, whose joints are compliant on the way; 0 on the others.
   EXPECT_LT(accuracy["joint_opening_max"], 1e-2 * model.tileSize);
 }
 

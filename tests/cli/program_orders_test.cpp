@@ -38,7 +38,7 @@ const std::vector<Choice> kChoices = {
     {"--seed", "1", "2", "solver"},
     {"--substeps", "2", "3", "solver"},
     {"--planar", "auto", "off", "solver"},
-    {"--path", "straight", "led", "actuation"},
+    {"--path", "straight", "guided", "actuation"},
     {"--duration", "0.02", "0.01", "stop"},
     {"--hinge-width", "0.02", "0.01", "recording"},
 };

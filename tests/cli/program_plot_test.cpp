@@ -34,7 +34,7 @@ class PlotSweep : public testing::Test {
 };
 
 TEST_F(PlotSweep, FullGridsAreCellsAndOthersDots) {
-  ProgramEnd end = plot(kTwoByTwo + std::string("e,2,0.02,led,4.5\n"), {"--log", "x,measure"});
+  ProgramEnd end = plot(kTwoByTwo + std::string("e,2,0.02,guided,4.5\n"), {"--log", "x,measure"});
   EXPECT_EQ(end.exitCode, 0) << end.err;
   EXPECT_THAT(readText(picture()), HasSubstr("id=\"QuadMesh_1\""));
   end = plot(kTwoByTwo);
@@ -44,7 +44,7 @@ TEST_F(PlotSweep, FullGridsAreCellsAndOthersDots) {
 }
 
 TEST_F(PlotSweep, RunsInOnePlaceAreToBeChosenFrom) {
-  const std::string table = kTwoByTwo + std::string("e,1,0.010,led,4.5\n");
+  const std::string table = kTwoByTwo + std::string("e,1,0.010,guided,4.5\n");
   EXPECT_EQ(plot(table).err,
             "plot-sweep: several runs have thickness 0.01 and rows 1; choose among them with "
             "--where PARAMETER=VALUE\n");

@@ -245,27 +245,27 @@ TEST(Checkpoints, GoOnAlongATimeline) {
 
 TEST(Checkpoints, GoOnWhereTilesAreLedByJointsThatGive) {
   Scene scene = sheetScene(3, 0.1, 1.5);
-  scene.path = {PathKind::Led, 0, 0.5, 200, 1e5};
+  scene.path = {PathKind::Guided, 0, 0.5, 200, 1e5};
   const DeploymentResult undisturbed = deployWhole(scene);
   EXPECT_GT(undisturbed.accuracy.jointOpeningMax, 0);
   EXPECT_EQ(undisturbed.outcome, Outcome::Settled);
-  // While the tiles are led, while joints stiffen, and as the springs grow stiffer at last.
+  // While the tiles are guided, while joints stiffen, and as the springs grow stiffer at last.
   expectResumedAt({4, 9, 22, 33}, scene, undisturbed);
 }
 
 TEST(Checkpoints, GoOnWhereTheWayIsOpenedFirst) {
   Scene scene = sheetScene(3, 0.1, 1.5);
-  scene.path = {.kind = PathKind::Led, .openTime = 0.5, .ledTime = 0.5};
+  scene.path = {.kind = PathKind::Guided, .openTime = 0.5, .guideTime = 0.5};
   const DeploymentResult undisturbed = deployWhole(scene);
   EXPECT_EQ(undisturbed.outcome, Outcome::Settled);
-  // While it is opened, and while the tiles are led.
+  // While it is opened, and while the tiles are guided.
   expectResumedAt({4, 14}, scene, undisturbed);
 }
 
 TEST(Checkpoints, GoOnWhereTilesAreLedFromAWaypoint) {
   Scene scene = sheetScene(3, 0.1, 1.5);
   const Scene half = sheetScene(3, 0.8, 1.5);
-  scene.path = {PathKind::Led, 0, 0.5, 200, 1e5};
+  scene.path = {PathKind::Guided, 0, 0.5, 200, 1e5};
   scene.timeline = {{{}, GoTo{"half", half.model.tiles}}, {{Occasion::Kind::AtTime, 2}, GoTo{}}};
   scene.stop.duration = 4;
   expectResumedAt({45, 47}, scene, deployWhole(scene));
@@ -282,12 +282,14 @@ TEST(Checkpoints, DoNotSearchAgainForAPath) {
   {
     Checkpoints checkpoints(folder, "this order");
     // The first look is over, the straight path has been tried; amid the next it is asked to end.
-    int samplesLed = 0;
+    int samplesGuided = 0;
     deployUnkept(
         scene, kInterval, [](const Sample&) { return true; },
-        [&](const SearchNews& news) { return !news.what.starts_with("led") || ++samplesLed < 9; },
+        [&](const SearchNews& news) {
+          return !news.what.starts_with("guided") || ++samplesGuided < 9;
+        },
         &checkpoints);
-    EXPECT_EQ(samplesLed, 9);
+    EXPECT_EQ(samplesGuided, 9);
     EXPECT_THAT(checkpoints.trials(), SizeIs(2));
   }
   Checkpoints checkpoints(folder, "this order");

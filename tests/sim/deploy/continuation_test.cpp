@@ -251,9 +251,9 @@ TEST(Continuation, StatesOfARunAreSaidToPassThroughEachOther) {
   scene.solver.tolerance = 0;
   scene.environment.contacts = ContactFilter::None;  // left out by the search, not by the user
   SearchBudget budget(20);
-  const TargetRoom room = {.nearest = assembleAtTarget(scene)};
+  const TargetFindings atTarget = {.nearest = assembleAtTarget(scene)};
   const GeometricPath path = tracedPath(scene, {scene.path, "straight pull arrives"},
-                                        ContactFilter::Auto, room, budget, {});
+                                        ContactFilter::Auto, atTarget, budget, {});
   EXPECT_GT(path.grown, 1e-4 * tileSize(scene.model));
   EXPECT_TRUE(path.passesThrough);
   EXPECT_EQ(path.contactReason,
@@ -369,7 +369,8 @@ void expectPromisesKept(const Scene& scene, const DeploymentResult& run, const s
   EXPECT_LE(run.accuracy.targetErrorEnd, std::max(1.05 * run.assembledError, 1e-6 * tile)) << name;
 }
 
-/// One member of each family but those whose bricks must be led round each other, which cost more.
+/// One member of each family but those whose bricks must be guided round each other, which cost
+/// more.
 TEST(Continuation, DrawnMembersOfTheFamiliesArriveByDefault) {
   DrawnModels drawn(7, 40);
   for (std::size_t i = 0; i < families().size(); ++i) {

@@ -103,18 +103,18 @@ TEST(Path, AStraightPullIsKeptWhereItArrives) {
 }
 
 /// A target whose nearest state is so many metres away.
-TargetRoom roomAt(double error, bool isBlocked) {
-  TargetRoom room;
-  room.nearest.error = room.nearest.restError = error;
-  room.isBlocked = isBlocked;
-  return room;
+TargetFindings roomAt(double error, bool isBlocked) {
+  TargetFindings atTarget;
+  atTarget.nearest.error = atTarget.nearest.restError = error;
+  atTarget.isBlocked = isBlocked;
+  return atTarget;
 }
 
 /// A path, with more budget than any search here needs.
-PathChoice choose(const Scene& scene, const TargetRoom& room, const TrialObserver& observer,
+PathChoice choose(const Scene& scene, const TargetFindings& atTarget, const TrialObserver& observer,
                   std::vector<TrialEnd>& trials) {
   SearchBudget budget(1000);
-  return choosePath(scene, room, budget, observer, trials);
+  return choosePath(scene, atTarget, budget, observer, trials);
 }
 
 /// Notes what is tried, each path once.
@@ -134,14 +134,14 @@ TEST(Path, ALockedModelIsLedWithExactJoints) {
   EXPECT_THAT(locked.reason, HasSubstr("short of the target: a local minimum of the pull"));
 
   std::vector<std::string> tried;
-  const DeploymentResult led = deploy(closedToClosed(), 1.0 / 60, nullptr, noteOnce(tried));
-  EXPECT_EQ(led.outcome, Outcome::Settled) << led.reason;
-  EXPECT_EQ(led.path.kind, PathKind::Led);
+  const DeploymentResult guided = deploy(closedToClosed(), 1.0 / 60, nullptr, noteOnce(tried));
+  EXPECT_EQ(guided.outcome, Outcome::Settled) << guided.reason;
+  EXPECT_EQ(guided.path.kind, PathKind::Guided);
   EXPECT_THAT(tried, SizeIs(2));
-  EXPECT_THAT(led.pathReason, HasSubstr("exact joints arrives"));
-  EXPECT_LT(led.accuracy.targetErrorEnd, 1e-6);  // measured 1e-9
-  EXPECT_LT(led.accuracy.jointGapMax, 1e-10);    // measured 1e-12
-  EXPECT_EQ(led.accuracy.jointOpeningMax, 0);
+  EXPECT_THAT(guided.pathReason, HasSubstr("exact joints arrives"));
+  EXPECT_LT(guided.accuracy.targetErrorEnd, 1e-6);  // measured 1e-9
+  EXPECT_LT(guided.accuracy.jointGapMax, 1e-10);    // measured 1e-12
+  EXPECT_EQ(guided.accuracy.jointOpeningMax, 0);
 }
 
 TEST(Path, WhatArrivesInATrialArrivesInTheRun) {
@@ -156,8 +156,8 @@ TEST(Path, WhatArrivesInATrialArrivesInTheRun) {
 
 TEST(Path, JointsThatGiveCloseAgain) {
   Scene scene = closedToClosed();
-  scene.path.kind = PathKind::Led;
-  scene.path.ledStiffness = 10;
+  scene.path.kind = PathKind::Guided;
+  scene.path.guideStiffness = 10;
   double before = 1;
   for (const double stiffness : {1e4, 1e6, 1e8}) {
     scene.path.jointStiffness = stiffness;
@@ -193,7 +193,7 @@ TEST(Path, PathsAreTriedAmongBricksThatMeet) {
 
 TEST(Path, OpeningFirstMakesRoomForBricksThatLieFlush) {
   Scene scene = flatToCap();
-  scene.path = {.kind = PathKind::Led, .openTime = 1, .ledTime = 2, .ledStiffness = 50};
+  scene.path = {.kind = PathKind::Guided, .openTime = 1, .guideTime = 2, .guideStiffness = 50};
   const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
   EXPECT_EQ(result.outcome, Outcome::Settled) << result.reason;
   EXPECT_LT(result.accuracy.targetErrorEnd, 1e-6);  // measured 7.4e-10
@@ -235,7 +235,7 @@ TrialEnd endAmongBricks(double error, bool keepsClear) {
 
 TEST(Path, WhatComesNearestIsTakenAmongBricksThatBlock) {
   const Scene scene = flatToCap();
-  // As if the first way to arrive had been the third, with joints that give, and then six had not,
+  // As if the first way to arrive had been the third, with compliant joints, and then six had not,
   // the fourth for overlaps.
   std::vector<TrialEnd> trials(3);
   trials.back().arrives = true;
@@ -251,9 +251,10 @@ TEST(Path, WhatComesNearestIsTakenAmongBricksThatBlock) {
   EXPECT_THAT(trials, SizeIs(9));
   EXPECT_EQ(choice.path.openTime, 0);
   EXPECT_EQ(choice.path.jointStiffness, std::numeric_limits<double>::infinity());
-  EXPECT_EQ(choice.reason,
-            "led for 3.75 s, joints of 1e+08 N/m arrives where bricks pass through each other; led "
-            "for 3.75 s, exact joints comes nearest among bricks that touch");
+  EXPECT_EQ(
+      choice.reason,
+      "guided for 3.75 s, joints of 1e+08 N/m arrives where bricks pass through each other; guided "
+      "for 3.75 s, exact joints comes nearest among bricks that touch");
 }
 
 TEST(Path, JointsThatOpenFarAreNamedButNotTaken) {
@@ -270,14 +271,15 @@ TEST(Path, JointsThatOpenFarAreNamedButNotTaken) {
   const PathChoice near = choose(scene, roomAt(0, false), {}, trials);
   const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
   EXPECT_EQ(near.path.jointStiffness, 1e5 * usualStiffness(scene.springs, bricks));
-  EXPECT_EQ(near.reason,
-            "straight pull arrives where bricks pass through each other; no path that was tried "
-            "arrives among bricks that touch; led for 3.75 s, joints of 1e+08 N/m does, but joints "
-            "open by 0.012 m; led for 3.75 s, joints of 1e+07 N/m comes nearest among bricks that "
-            "touch");
+  EXPECT_EQ(
+      near.reason,
+      "straight pull arrives where bricks pass through each other; no path that was tried "
+      "arrives among bricks that touch; guided for 3.75 s, joints of 1e+08 N/m does, but joints "
+      "open by 0.012 m; guided for 3.75 s, joints of 1e+07 N/m comes nearest among bricks that "
+      "touch");
   trials[5].arrives = true;
   const PathChoice found = choose(scene, roomAt(0, false), {}, trials);
-  EXPECT_EQ(found.reason, "led for 3.75 s, joints of 1e+07 N/m among touching bricks arrives");
+  EXPECT_EQ(found.reason, "guided for 3.75 s, joints of 1e+07 N/m among touching bricks arrives");
   EXPECT_THAT(trials, SizeIs(13));
 }
 
@@ -289,7 +291,7 @@ TEST(Path, JointsDoNotGiveInVainAmongBricksThatBlock) {
   EXPECT_THAT(trials, SizeIs(9));
   EXPECT_EQ(choice.path.kind, PathKind::Straight);
   EXPECT_EQ(choice.reason,
-            "led for 3.75 s, joints of 1e+08 N/m arrives where bricks pass through each other");
+            "guided for 3.75 s, joints of 1e+08 N/m arrives where bricks pass through each other");
 }
 
 /// A cube of bricks that lie flush, from which exact joints hardly let them out.
@@ -306,7 +308,7 @@ TEST(Path, JointsGiveWhereBricksWedge) {
   std::vector<TrialEnd> trials(4);
   trials.front().arrives = true;
   const PathChoice choice = choose(scene, roomAt(0, false), {}, trials);
-  EXPECT_EQ(choice.reason, "led for 3.75 s, joints of 1e+08 N/m among touching bricks arrives");
+  EXPECT_EQ(choice.reason, "guided for 3.75 s, joints of 1e+08 N/m among touching bricks arrives");
   Scene chosen = scene;
   chosen.path = choice.path;
   const DeploymentResult result = deploy(chosen, 1.0 / 60, nullptr);
@@ -334,7 +336,8 @@ TEST(Path, BricksInTheWayKeepJointsThatGaveOpen) {
   // Straight on they slip past each other in the end.
   for (Vector3& vertex : scene.model.tiles[1].vertices) vertex.y() += 0.05;
   scene.environment.contacts = ContactFilter::All;
-  scene.path = {.kind = PathKind::Led, .ledTime = 1, .ledStiffness = 50, .jointStiffness = 1e4};
+  scene.path = {
+      .kind = PathKind::Guided, .guideTime = 1, .guideStiffness = 50, .jointStiffness = 1e4};
   const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
   EXPECT_THAT(result.pathReason, HasSubstr("bricks are in the way of closing joints"));
   // Of a tile of 1 m. Measured 8.0e-5 and 1.9.
@@ -365,7 +368,7 @@ TEST(Path, ClosingTheStartAsGeometrySaysWhatItPushesIntoEachOther) {
 
 TEST(Path, JointsThatGiveAreNotClosedFirst) {
   Scene scene = joinedThroughEachOther();
-  scene.path = {.kind = PathKind::Led, .jointStiffness = 1e4};
+  scene.path = {.kind = PathKind::Guided, .jointStiffness = 1e4};
   const DeploymentResult result = deploy(scene, 1.0 / 60, nullptr);
   EXPECT_EQ(result.accuracy.assemblyMove, 0);
   EXPECT_GT(result.accuracy.jointOpeningMax, 0.5);  // measured 0.76
@@ -432,7 +435,7 @@ TEST(Path, AsksNobodyWhereThereIsNoChoice) {
   aimless.model.target.reset();
   EXPECT_EQ(choose(aimless, {}, unasked, trials).reason, "there is no target");
   Scene asked = closedToClosed();
-  asked.path.kind = PathKind::Led;
+  asked.path.kind = PathKind::Guided;
   EXPECT_EQ(choose(asked, roomAt(0, false), unasked, trials).reason, "asked for");
 }
 

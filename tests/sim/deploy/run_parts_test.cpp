@@ -14,15 +14,15 @@ namespace {
 
 using namespace timeline;
 
-/// A sheet of 2 x 2 squares, a path of which is led for 1 s.
+/// A sheet of 2 x 2 squares, a path of which is guided for 1 s.
 Scene ledSheet() {
   Scene scene;
   TessellationShape shape;
   shape.columns = shape.rows = 2;
   shape.startAngle = 20 * kDegree;
   scene.model = makeTessellation(shape);
-  scene.path.kind = PathKind::Led;
-  scene.path.ledTime = 1;
+  scene.path.kind = PathKind::Guided;
+  scene.path.guideTime = 1;
   return scene;
 }
 

@@ -15,7 +15,7 @@ namespace {
 
 using test::JoinedBricks;
 
-/// An opened sheet whose joints are ligaments of a length (0: pins that give), as stiff as said in
+/// An opened sheet whose joints are ligaments of a length (0: compliant pins), as stiff as said in
 /// stretch and in shear on the scale of a tile, with springs at its hinges. Joints of the first
 /// `exact` tiles stay exact.
 JoinedBricks ligamentSheet(int side, double length, double stiffness, double bending,

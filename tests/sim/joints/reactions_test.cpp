@@ -306,7 +306,7 @@ TEST(Reactions, AreDeterminateInATree) {
 }
 
 TEST_P(RedundantSheet, CarriesWhatEquallyStiffJointsDo) {
-  // A sheet that is pinned at one end and pulled at the other, at rest on joints that give: in the
+  // A sheet that is pinned at one end and pulled at the other, at rest on compliant joints: in the
   // limit of stiff joints their forces are those of least norm.
   const bool planar = GetParam();
   JoinedBricks sheet(test::openSheet(4, 0.4));

@@ -13,8 +13,8 @@ class StandstillTest : public testing::Test {
   /// tried.
   bool stand(bool movedBefore = false) {
     if (!standstill_.beginStep(poses_, loads_, kStep)) return false;
-    if (movedBefore) standstill_.noteMoving();
-    standstill_.noteStanding();
+    if (movedBefore) standstill_.recordMotion();
+    standstill_.recordStandstill();
     standstill_.endStep(poses_, loads_);
     return true;
   }
@@ -51,7 +51,7 @@ TEST_F(StandstillTest, WhatFailedWholeIsTriedInHalvesAtTheTenthStep) {
 TEST_F(StandstillTest, OnePartThatStandsStillEndsHalving) {
   standstill_.beginStep(poses_, loads_, kStep);
   EXPECT_TRUE(standstill_.mayHalve());
-  standstill_.noteStanding();
+  standstill_.recordStandstill();
   EXPECT_FALSE(standstill_.mayHalve());
 }
 

@@ -98,8 +98,8 @@ TEST(Settings, OfCodeAreCheckedLikeThoseOfPeople) {
 }
 
 TEST(Settings, HaveConditionsThatSomeSceneKeeps) {
-  Scene led;
-  led.path.kind = PathKind::Led;
+  Scene guided;
+  guided.path.kind = PathKind::Guided;
   Scene bullet;
   bullet.solver.kind = SolverKind::Bullet;
   Scene necks;
@@ -109,7 +109,7 @@ TEST(Settings, HaveConditionsThatSomeSceneKeeps) {
   curve.brick.mass = MassRule::Prism;
   for (const Setting& setting : allSettings()) {
     for (const Condition& condition : setting.conditions) {
-      EXPECT_TRUE(condition.holds(led) || condition.holds(bullet) || condition.holds(necks) ||
+      EXPECT_TRUE(condition.holds(guided) || condition.holds(bullet) || condition.holds(necks) ||
                   condition.holds(curve))
           << setting.key << " " << condition.needed;
     }
