@@ -1,7 +1,5 @@
 // Options that `record` and `render` share. Sizes are pixels; --width and --font-size are of the
 // printed page (mm, points of 1/72 inch), from which grid/ computes pixels at --dpi.
-#include "render/cli/picture_options.h"
-
 #include <algorithm>
 #include <cmath>
 #include <sstream>
@@ -10,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "render/cli/option_group.h"
+#include "render/cli/scene_options.h"
 #include "sim/base/error.h"
 #include "sim/base/geometry.h"
 

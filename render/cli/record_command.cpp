@@ -24,14 +24,12 @@
 #include <fmt/format.h>
 
 #include "render/cli/option_group.h"
-#include "render/cli/picture_options.h"
 #include "render/cli/report.h"
 #include "render/cli/run_commands.h"
 #include "render/cli/scene_options.h"
 #include "render/folder/output_folder.h"
 #include "render/page/page.h"
 #include "render/record/summary.h"
-#include "render/record/verify.h"
 #include "sim/base/error.h"
 #include "sim/base/files.h"
 #include "sim/model/read_model.h"

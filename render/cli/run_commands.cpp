@@ -12,11 +12,11 @@
 #include <fmt/ranges.h>
 
 #include "render/cli/option_group.h"
-#include "render/cli/picture_options.h"
 #include "render/cli/report.h"
+#include "render/cli/scene_options.h"
 #include "render/export/export.h"
 #include "render/folder/output_folder.h"
-#include "render/record/verify.h"
+#include "render/record/summary.h"
 #include "sim/base/error.h"
 
 namespace kirireel {

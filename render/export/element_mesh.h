@@ -17,7 +17,7 @@ enum class JointStyle {
   Shared,    ///< one node for all corners that meet
   Equation,  ///< a node each, tied by linear equations: gaps stay as they are
   Patch,     ///< a rigid patch round each corner, patches that meet turn about one reference node
-  Neck,      ///< necks of material: the flat sheet as it is cut, in one piece (neck_sheet.h)
+  Neck,      ///< necks of material: the flat sheet as it is cut, in one piece (makeNeckMesh)
 };
 
 /// What kind of elements a sheet consists of.
@@ -296,5 +296,22 @@ void mergeClusters(ElementMesh& mesh);
 /// Gives each node of each cluster its patch. Throws InputError when a patch holds fewer than three
 /// nodes (`leastPerEdge` elements along each edge would do, it says) or two of them overlap.
 void spreadPatches(ElementMesh& mesh, int leastPerEdge);
+
+// ------------------------------------------------------------------------------------------------
+// A flat sheet with necks of material at its joints, in one piece, as finite elements.
+
+/// The outline as a Gmsh geometry: one surface a tile and a neck, quadrilaterals of the rule's
+/// size, small at the necks: the finer the rule, the finer both. The text is in Gmsh's own language
+/// (.geo), lengths in metres. `tileSize` is the mean length of tiles' edges, metres.
+std::string neckGeometry(const NeckOutline& outline, const ElementRule& rule, double tileSize);
+
+/// The start of a planar model as one sheet with the rule's necks, of this thickness in metres:
+/// solids, shells in the middle of the thickness, or plane elements in the plane z = 0. Tiles and
+/// necks share nodes where they meet; the two sides of a slit share none. Meshed by Gmsh, which
+/// must be installed.
+///
+/// Throws what neckOutline, requireValidRule and meshedByGmsh throw. The mesh has no joints and no
+/// clusters.
+ElementMesh makeNeckMesh(const Model& model, double thickness, const ElementRule& rule);
 
 }  // namespace kirireel

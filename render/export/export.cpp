@@ -35,7 +35,6 @@
 #include "render/export/gmsh.h"
 #include "render/export/job.h"
 #include "render/export/mesh.h"
-#include "render/export/neck_sheet.h"
 #include "render/export/outside_program.h"
 #include "render/export/vtk.h"
 #include "render/folder/output_folder.h"

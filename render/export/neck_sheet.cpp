@@ -12,8 +12,6 @@
 // clamped: CalculiX expands a shell to solids, whose thickness cannot change with bending where all
 // of an edge is held, and it recovers over one element. A strip as wide as that element is too
 // stiff, by which a clamped square plate of 8 elements per edge sinks 5% too little.
-#include "render/export/neck_sheet.h"
-
 #include <algorithm>
 #include <cmath>
 #include <map>

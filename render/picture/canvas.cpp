@@ -22,7 +22,7 @@
 #include <cairo-pdf.h>
 #include <fmt/format.h>
 
-#include "render/picture/hidden_surfaces.h"
+#include "render/picture/picture_geometry.h"
 #include "render/picture/png.h"
 #include "sim/base/error.h"
 #include "sim/base/interruption.h"

@@ -13,13 +13,12 @@
 // tests when planes divide well.
 //
 // A sort by distance would be simpler and wrong for faces that cross or hide each other in turn.
-#include "render/picture/hidden_surfaces.h"
-
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <utility>
 
+#include "render/picture/picture_geometry.h"
 #include "sim/base/interruption.h"
 
 namespace kirireel {

@@ -5,7 +5,7 @@
 //   shadow, solid, translucent, overlay.
 // - 2. Tessellator turns them into triangles in clip coordinates. A face with an outline is the
 //   polygon within it and a band of two triangles along each side. Translucent polygons are cut and
-//   sorted before, the farthest first (hidden_surfaces.h), since blending needs that order
+//   sorted before, the farthest first (makePieces), since blending needs that order
 //   everywhere.
 // - 3. The picture is cut into parts of at most 2048 x 1024 pixels that some triangle touches. For
 //   each part the triangles that may touch it are drawn into a framebuffer of 2 x 3 samples a
@@ -29,8 +29,8 @@
 #include <utility>
 
 #include "render/picture/gl_context.h"
-#include "render/picture/hidden_surfaces.h"
 #include "render/picture/opengl.h"
+#include "render/picture/picture_geometry.h"
 #include "sim/base/interruption.h"
 
 namespace kirireel {

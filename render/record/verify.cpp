@@ -15,8 +15,6 @@
 //
 // So a summary that was edited, or a figure that the program computed wrongly in passing, shows; a
 // wrong simulation does not.
-#include "render/record/verify.h"
-
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -27,6 +25,7 @@
 #include <nlohmann/json.hpp>
 
 #include "render/folder/output_folder.h"
+#include "render/record/summary.h"
 #include "render/video/video.h"
 #include "sim/base/error.h"
 #include "sim/base/files.h"

@@ -12,6 +12,7 @@
 #include "sim/deploy/path_choice.h"
 #include "sim/equilibrium/load_path.h"
 #include "sim/measure/measures.h"
+#include "sim/model/hinge.h"
 #include "sim/scene/scene.h"
 #include "sim/trajectory/trajectory.h"
 

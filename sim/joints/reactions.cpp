@@ -22,13 +22,12 @@
 // Pellegrino and Calladine 1986, "Matrix analysis of statically and kinematically indeterminate
 // frameworks", Int. J. Solids Structures 22, 409-428; Hanke and Groetsch 1998, "Nonstationary
 // iterated Tikhonov regularization", J. Optim. Theory Appl. 98, 37-53.
-#include "sim/joints/reactions.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
 
+#include "sim/joints/joint_solver.h"
 #include "sim/joints/step_system.h"
 
 namespace kirireel {

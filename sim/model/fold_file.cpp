@@ -5,7 +5,7 @@
 // 2. States: vertices_coords of the file and of each frame that has some. The first is the start,
 //    the last the target.
 // 3. Joints: the key kirireel:joints, where there is one ([tile, vertex, tile, vertex, face, kind]
-//    for each; kind 0 pivot, 1 link, 2 fixed, absent for 0), else the edges (fold_file.h).
+//    for each; kind 0 pivot, 1 link, 2 fixed, absent for 0), else the edges (model_formats.h).
 // 4. With one state, the target of a flat sheet is that state folded by its edges_foldAngle. With
 //    any number of them, springs at folds rest at these angles.
 //
@@ -16,8 +16,6 @@
 //
 // The library throws where types do not fit; every access below is checked first, so that messages
 // speak of faces and edges.
-#include "sim/model/fold_file.h"
-
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -35,6 +33,7 @@
 #include "sim/base/error.h"
 #include "sim/base/files.h"
 #include "sim/model/model_checks.h"
+#include "sim/model/model_formats.h"
 #include "sim/model/text_table.h"
 
 namespace kirireel {

@@ -7,8 +7,6 @@
 // pull TILE", numbered from 0. A file with such comments is read by them alone, so that writing and
 // reading give the same model. G. P. T. Choi, L. H. Dudte, L. Mahadevan, Programming shape using
 // kirigami tessellations, Nature Materials 18, 2019, is where such pairs come from.
-#include "sim/model/mesh_files.h"
-
 #include <algorithm>
 #include <bit>
 #include <charconv>
@@ -24,6 +22,7 @@
 #include "sim/base/error.h"
 #include "sim/base/files.h"
 #include "sim/model/model_checks.h"
+#include "sim/model/model_formats.h"
 #include "sim/model/text_table.h"
 
 namespace kirireel {

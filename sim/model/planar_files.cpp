@@ -6,8 +6,6 @@
 // named, directly or by the hull that goes with it; else the one that is called as the vertices
 // are; else the only one. Nothing is guessed beyond that: several lists without a usual name are
 // refused with their names.
-#include "sim/model/planar_files.h"
-
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -26,6 +24,7 @@
 #include "sim/base/error.h"
 #include "sim/base/files.h"
 #include "sim/model/model_checks.h"
+#include "sim/model/model_formats.h"
 #include "sim/model/text_table.h"
 
 namespace kirireel {

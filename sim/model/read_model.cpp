@@ -14,10 +14,8 @@
 
 #include "sim/base/error.h"
 #include "sim/base/files.h"
-#include "sim/model/fold_file.h"
-#include "sim/model/mesh_files.h"
 #include "sim/model/model_checks.h"
-#include "sim/model/planar_files.h"
+#include "sim/model/model_formats.h"
 #include "sim/model/text_table.h"
 
 namespace kirireel {

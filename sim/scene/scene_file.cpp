@@ -16,7 +16,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/geometry.h"
-#include "sim/model/mesh_files.h"
+#include "sim/model/model_formats.h"
 #include "sim/scene/conditions.h"
 #include "sim/scene/toml_file.h"
 

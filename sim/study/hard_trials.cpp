@@ -1,7 +1,6 @@
 // The hard cases themselves: singular starts, redundant and inconsistent joints, extreme masses,
 // thicknesses, stiffnesses and steps, friction with a known answer, contacts in narrow places, a
 // large sheet; and inputs that are to be refused.
-#include "sim/study/hard_trials.h"
 
 #include <algorithm>
 #include <cmath>

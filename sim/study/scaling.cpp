@@ -1,6 +1,5 @@
 // The slope of a straight line through (ln x, ln y) by least squares: b = sum (X - mean X)(Y - mean
 // Y) / sum (X - mean X)^2.
-#include "sim/study/scaling.h"
 
 #include <algorithm>
 #include <cmath>

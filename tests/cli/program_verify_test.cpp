@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "render/folder/output_folder.h"
-#include "render/record/verify.h"
+#include "render/record/summary.h"
 #include "sim/trajectory/trajectory_file.h"
 #include "tests/cli/run_program.h"
 #include "tests/support/pair_forces.h"

@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "render/export/deck.h"
+#include "render/export/element_mesh.h"
 #include "render/export/job.h"
-#include "render/export/neck_sheet.h"
 #include "tests/support/files.h"
 #include "tests/support/layouts.h"
 #include "tests/support/program.h"

@@ -11,8 +11,8 @@
 #include <gtest/gtest.h>
 
 #include "render/export/deck.h"
+#include "render/export/element_mesh.h"
 #include "render/export/job.h"
-#include "render/export/neck_sheet.h"
 #include "sim/base/files.h"
 #include "tests/render/fea/read_deck.h"
 #include "tests/render/fea/run_deck.h"

@@ -1,6 +1,5 @@
 // Sheets with necks in CalculiX, beside meshes that Gmsh makes without our code
 // (sheet_stiffness.py): skipped where ccx, gmsh or python3 is not installed.
-#include "render/export/neck_sheet.h"
 
 #include <algorithm>
 #include <array>
@@ -15,7 +14,7 @@
 #include <gtest/gtest.h>
 
 #include "render/export/deck.h"
-#include "render/export/flat_sheet.h"
+#include "render/export/element_mesh.h"
 #include "sim/base/files.h"
 #include "sim/model/lattice.h"
 #include "sim/model/neck_table.h"

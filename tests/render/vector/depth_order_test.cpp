@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "render/picture/hidden_surfaces.h"
+#include "render/picture/picture_geometry.h"
 #include "tests/render/picture/sample_bricks.h"
 
 namespace kirireel {

@@ -1,12 +1,11 @@
 // Forces of joints and pins, against statics, mechanics, other solvers and dense linear algebra.
-#include "sim/joints/reactions.h"
-
 #include <numbers>
 
 #include <Eigen/SVD>
 #include <gtest/gtest.h>
 
 #include "sim/deploy/forces.h"
+#include "sim/joints/joint_solver.h"
 #include "tests/sim/joints/joined_bricks.h"
 
 namespace kirireel {

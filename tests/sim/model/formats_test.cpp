@@ -8,11 +8,9 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
-#include "sim/model/fold_file.h"
 #include "sim/model/lattice.h"
-#include "sim/model/mesh_files.h"
 #include "sim/model/model_checks.h"
-#include "sim/model/planar_files.h"
+#include "sim/model/model_formats.h"
 #include "sim/model/read_model.h"
 #include "tests/sim/model/temporary_folder.h"
 

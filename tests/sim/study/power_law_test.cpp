@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/study/scaling.h"
+#include "sim/study/study.h"
 
 namespace kirireel {
 namespace {

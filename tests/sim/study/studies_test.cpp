@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
-#include "sim/study/hard_trials.h"
+#include "sim/study/stepped_scene.h"
 #include "sim/study/study.h"
 
 namespace kirireel {
