@@ -189,7 +189,7 @@ TEST(Ligaments, CountInWhatARunHoldsAtItsEnds) {
   const Poses start = beam.posesAt({0, 0, 0}, 0), end = beam.posesAt({0, 1e-4, 0}, 0);
   const Elasticity found =
       elasticityOf(test::pairForces({beam.spring}, {beam.ligament}), start, end);
-  EXPECT_EQ(found.springs, 1);
+  EXPECT_EQ(found.count("springs"), 1);
   EXPECT_EQ(found.count("ligaments"), 1);
   EXPECT_NEAR(found.energyStart, 0, 1e-25);
   EXPECT_EQ(found.energyEnd, ligamentEnergy(beam.ligament, end).energy);
