@@ -15,6 +15,7 @@ namespace {
 using test::TemporaryFolder;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsSupersetOf;
 
 /// Four hinged squares that open, and two events.
 Trajectory opening() {
