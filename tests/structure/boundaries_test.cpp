@@ -240,12 +240,13 @@ struct Library {
 
 /// All libraries by their names.
 std::map<std::string, Library> libraries() {
-  static const std::regex module("kirireel_module\\((\\w+)([^)]*)\\)");
+  static const std::regex declaration("kirireel_module\\((\\w+)([^)]*)\\)");
   static const std::regex link("kirireel_(\\w+)");
   std::map<std::string, Library> found;
   for (const std::string& module : modules()) {
     const std::string text = readText(fs::path(KIRIREEL_SOURCE_DIR) / module / "CMakeLists.txt");
-    for (std::sregex_iterator match(text.begin(), text.end(), module), end; match != end; ++match) {
+    for (std::sregex_iterator match(text.begin(), text.end(), declaration), end; match != end;
+         ++match) {
       Library& library = found[(*match)[1]];
       library.module = module;
       const std::string list = (*match)[2];
@@ -257,7 +258,7 @@ std::map<std::string, Library> libraries() {
   return found;
 }
 
-TEST(Boundaries, RoomsIncludeAndLinkOnlyRoomsAboveThem) {
+TEST(Boundaries, ModulesIncludeAndLinkOnlyModulesAboveThem) {
   const std::vector<std::string> order = modules();
   ASSERT_GT(order.size(), 15U);
   const auto rank = [&order](const std::string& module) {
@@ -299,7 +300,7 @@ std::set<std::string> modulesWithinReach(const std::string& module) {
   return reached;
 }
 
-TEST(Boundaries, RoomsLinkWhatTheyInclude) {
+TEST(Boundaries, ModulesLinkWhatTheyInclude) {
   std::map<std::string, std::set<std::string>> reach;
   for (const std::string& module : modules()) reach[module] = modulesWithinReach(module);
   for (const SourceFile& file : sources()) {
@@ -307,7 +308,8 @@ TEST(Boundaries, RoomsLinkWhatTheyInclude) {
       const std::string module = moduleOf(header);
       const bool isForOthers = moduleOf(file.path).empty();  // sim/sim.h, render/render.h
       if (module.empty() || isForOthers || file.path.ends_with("/main.cpp")) continue;
-      EXPECT_TRUE(reach[moduleOf(file.path)].contains(module)) << file.path << " includes " << header;
+      EXPECT_TRUE(reach[moduleOf(file.path)].contains(module))
+          << file.path << " includes " << header;
     }
   }
 }
