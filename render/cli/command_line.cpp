@@ -23,6 +23,7 @@
 #include <regex>
 #include <set>
 #include <stdexcept>
+#include <type_traits>
 #include <utility>
 
 #include <CLI/CLI.hpp>
@@ -94,51 +95,10 @@ InputError missingValue(const std::string& text, const CLI::App& command) {
                                 text.substr(0, text.find(':')), fullName(command)));
 }
 
-/// What PyKirigami's command lines leave out is as there: springs move masses of 1 kg, and nothing
-/// where there is no target; springs are in N/m, alike for all bricks; bricks pass through each
-/// other and are 0.02 m thick; steps are of fixed length.
-std::vector<std::string> withPeerDefaults(const std::vector<std::string>& typed,
-                                          std::vector<std::string> words) {
-  // The other commands have no such defaults.
-  const bool runs = !words.empty() && (words.front() == "record" || words.front() == "simulate");
-  if (!runs || !usesPeerSpellings(typed)) return words;
-  const TargetSpringSettings springs = paperSprings();
-  // PyKirigami's own defaults; --tolerance 0 means steps of fixed length.
-  const std::pair<std::string, std::string> defaults[] = {
-      {"--spring-stiffness", numberText(*springs.springStiffness)},
-      {"--torque-stiffness", numberText(*springs.torqueStiffness)},
-      {"--force-damping", numberText(*springs.forceDamping)},
-      {"--torque-damping", numberText(*springs.torqueDamping)},
-      {"--path", "dynamic"},
-      {"--contacts", "none"},
-      {"--thickness", "0.02"},
-      {"--search", "60"},
-      {"--actuation", "target"},
-      {"--tolerance", "0"}};
-  // Springs by frequency and ratio take the place of those in N/m.
-  const std::map<std::string, std::string> others = {{"--spring-stiffness", "--spring-frequency"},
-                                                     {"--torque-stiffness", "--spring-frequency"},
-                                                     {"--force-damping", "--damping-ratio"},
-                                                     {"--torque-damping", "--damping-ratio"}};
-  const std::vector<std::string> given = words;
-  const auto isGiven = [&](const std::string& name) {
-    return std::ranges::any_of(given, [&](const std::string& word) {
-      return word == name || word.starts_with(name + "=");
-    });
-  };
-  for (const auto& [name, value] : defaults) {
-    const auto other = others.find(name);
-    const bool isSaid = isGiven(name) || (other != others.end() && isGiven(other->second));
-    if (!isSaid) words.push_back(name + "=" + value);
-  }
-  return words;
-}
-
 /// Parses into what the program's options point at, or gives the page that was asked for instead.
 std::optional<PrintOrder> parseInto(CLI::App& program, const std::vector<std::string>& arguments) {
   // CLI11 takes the arguments from the back.
-  std::vector<std::string> reversed =
-      withPeerDefaults(arguments, translatePeerSpellings(arguments));
+  std::vector<std::string> reversed = translatePeerSpellings(arguments);
   std::reverse(reversed.begin(), reversed.end());
   try {
     program.parse(reversed);
@@ -158,7 +118,9 @@ std::optional<PrintOrder> parseInto(CLI::App& program, const std::vector<std::st
 /// A command of the program.
 struct Command {
   CLI::App* app = nullptr;
-  std::function<Order()> completeOrder;  ///< checks what was read, after parsing
+  /// Checks what was read, after parsing. `isLikePeer`: what is left out is as PyKirigami has it,
+  /// where the command runs a scene.
+  std::function<Order(bool isLikePeer)> completeOrder;
 };
 
 /// A command with its order, which its options fill.
@@ -167,7 +129,8 @@ Command addCommand(CLI::App& program, CLI::App* (*add)(CLI::App&, Wanted&)) {
   const auto order = std::make_shared<Wanted>();
   CLI::App* app = add(program, *order);
   // Both closures share the order, which lives until the list of commands goes.
-  return {app, [app, order]() -> Order {
+  return {app, [app, order](bool isLikePeer) -> Order {
+            if constexpr (std::is_same_v<Wanted, RecordOrder>) order->isLikePeer = isLikePeer;
             completeOrder(*app, *order);
             return *order;
           }};
@@ -199,7 +162,7 @@ Order parseCommandLine(const std::vector<std::string>& arguments) {
   if (const std::optional<PrintOrder> page = parseInto(program, arguments)) return *page;
   requireNothingLeft(program);
   for (const Command& command : commands) {
-    if (command.app->parsed()) return command.completeOrder();
+    if (command.app->parsed()) return command.completeOrder(usesPeerSpellings(arguments));
   }
   throw InputError(fmt::format("error: no command given; choose {}, see kirireel --help",
                                listWords(commandNames(program))));

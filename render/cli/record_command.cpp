@@ -202,6 +202,34 @@ CLI::App* addSimulateCommand(CLI::App& program, RecordOrder& order) {
   return command;
 }
 
+/// What PyKirigami's command lines leave out is as there, unless the scene file says it: springs
+/// move masses of 1 kg, and nothing where there is no target; springs are in N/m, alike for all
+/// bricks; bricks pass through each other and are 0.02 m thick; steps are of fixed length
+/// (tolerance 0).
+void applyPeerDefaults(CLI::App& command) {
+  const TargetSpringSettings springs = paperSprings();
+  struct PeerDefault {
+    const char* option;
+    std::string value;
+    const char* other = nullptr;  // an option that says the same in another way
+  };
+  const PeerDefault defaults[] = {
+      {"--spring-stiffness", numberText(*springs.springStiffness), "--spring-frequency"},
+      {"--torque-stiffness", numberText(*springs.torqueStiffness), "--spring-frequency"},
+      {"--force-damping", numberText(*springs.forceDamping), "--damping-ratio"},
+      {"--torque-damping", numberText(*springs.torqueDamping), "--damping-ratio"},
+      {"--path", "dynamic"},
+      {"--contacts", "none"},
+      {"--thickness", "0.02"},
+      {"--search", "60"},
+      {"--actuation", "target"},
+      {"--tolerance", "0"}};
+  for (const auto& [option, value, other] : defaults) {
+    if (other && command.get_option(other)->count() > 0) continue;
+    applySetting(*command.get_option(option), {.table = {}, .key = option, .values = {value}});
+  }
+}
+
 void completeOrder(CLI::App& command, RecordOrder& order) {
   if (!order.madeModel) requireGiven(order.model, "MODEL", command);
   // What the scene file reads is noted in the order's inputs while the record lives.
@@ -213,6 +241,7 @@ void completeOrder(CLI::App& command, RecordOrder& order) {
       file = readSceneFileOf(command, findModel(order.model), order.request, order.scene);
     }
   }
+  if (order.isLikePeer) applyPeerDefaults(command);
   // What the scene file says is in the order's text, whichever way it says it.
   std::erase_if(order.inputs, [&](const InputFile& input) { return input.path == file.path; });
   requireConsistent(command, order.scene);

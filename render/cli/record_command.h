@@ -64,6 +64,7 @@ struct RecordOrder {
   std::optional<FaceRule> faces;   ///< how joints' faces are chosen; absent: as the model has them
   std::optional<std::vector<int>> splitTiles;  ///< tiles that bend, all when empty; absent: none
   double unit = 1;  ///< of length in all files, metres; gravity and density are SI until prepared
+  bool isLikePeer = false;    ///< what is left out is as PyKirigami has it
   Scene scene = openScene();  ///< everything but the model; the ground's height is not known yet
   SceneRequest request;       ///< what is added to the model
   RecordSettings settings;    ///< the folder is empty when --out was not given
