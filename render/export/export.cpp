@@ -422,6 +422,20 @@ ExportFile ofDeployment(const char* name, void (*write)(Exporter&, const std::fi
   return {.name = name, .writeDeployment = write};
 }
 
+// CalculiX or Abaqus decks and jobs on them.
+ExportFormat deckFormat() {
+  return {kDeck,
+          {{kMeshFile},
+           {kJobFile},
+           {.name = kDriveFile, .isWanted = isDriven},
+           {.name = kDriveMesh, .isWanted = isDriven},
+           {.name = kBucklingFile,
+            .isWanted = [](const DeckSettings& decks) { return decks.buckling; }},
+           {.name = kMapFile, .isWanted = [](const DeckSettings& decks) { return decks.stateMap; }},
+           {.name = kPeriodicFile,
+            .isWanted = [](const DeckSettings& decks) { return decks.periodic; }}}};
+}
+
 const std::vector<ExportFormat>& exportFormats() {
   using Path = std::filesystem::path;
   static const std::vector<ExportFormat> formats = {
@@ -439,17 +453,7 @@ const std::vector<ExportFormat>& exportFormats() {
       {"vertices",
        {{"_vertices.txt", [](Exporter& exporter, const Sample& sample,
                              const Path& file) { writeTiles(exporter.sheetOf(sample), file); }}}},
-      // CalculiX or Abaqus decks and jobs on them.
-      {kDeck,
-       {{kMeshFile},
-        {kJobFile},
-        {.name = kDriveFile, .isWanted = isDriven},
-        {.name = kDriveMesh, .isWanted = isDriven},
-        {.name = kBucklingFile,
-         .isWanted = [](const DeckSettings& decks) { return decks.buckling; }},
-        {.name = kMapFile, .isWanted = [](const DeckSettings& decks) { return decks.stateMap; }},
-        {.name = kPeriodicFile,
-         .isWanted = [](const DeckSettings& decks) { return decks.periodic; }}}},
+      deckFormat(),
       // A Gmsh 4.1 mesh of the same elements.
       {kGmsh, {{kGmshFile}}},
       // ParaView, with measures as fields.

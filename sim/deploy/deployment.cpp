@@ -227,6 +227,18 @@ DeploymentResult runDynamics(const Scene& scene, PathChoice choice, const Assemb
   return result;
 }
 
+/// Gives the scene a path of dynamics. Returns whether it is one of geometry, whose dynamics are
+/// walked as a path.
+bool becomeDynamic(Scene& scene) {
+  PathKind& kind = scene.path.kind;
+  if (kind != PathKind::Auto && kind != PathKind::Continuation) return false;
+  std::string reason;
+  const bool isGeometry = isQuasiStatic(scene, reason);
+  kind = PathKind::Dynamic;
+  if (isGeometry) scene.solver.tolerance = 0;  // in time, which a path does not have
+  return isGeometry;
+}
+
 /// Takes a path of the mechanism, or chooses one for the dynamics and sets the scene for it.
 void chooseWay(Scene& scene, Search& found, SearchBudget& budget, const TrialObserver& watch,
                std::vector<TrialEnd>& trials) {
@@ -253,12 +265,7 @@ void chooseWay(Scene& scene, Search& found, SearchBudget& budget, const TrialObs
   const ContactFilter wanted = contacts;
   const bool isContactOpen = wanted == ContactFilter::Auto;
   if (isContactOpen) contacts = isSearched(scene) ? ContactFilter::All : ContactFilter::None;
-  PathKind& kind = scene.path.kind;
-  std::string reason;
-  const bool isGeometry =
-      (kind == PathKind::Auto || kind == PathKind::Continuation) && isQuasiStatic(scene, reason);
-  if (kind == PathKind::Auto || kind == PathKind::Continuation) kind = PathKind::Dynamic;
-  if (isGeometry) scene.solver.tolerance = 0;  // in time, which a path does not have
+  const bool isGeometry = becomeDynamic(scene);
   // Where bricks pass through each other anyway, joints that dynamics may keep stiffer count more.
   const bool isThroughExact = geometric.through && !geometric.through->hasCompliantJoints;
   const TargetFindings atTarget = {found.nearest, !found.blocking.empty(), isThroughExact,

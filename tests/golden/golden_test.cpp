@@ -119,6 +119,7 @@ TEST(ReadmePictures, AreWhatTheProgramMakes) {
   settings.look.ground = GroundLook::Shadow;
   settings.video = settings.meshes = false;
   scene.brick.thickness = 0.12;
+  scene.path.kind = PathKind::Auto;
   record(scene, settings, [](const Progress&) { return Interruption{}; });
   const Frame frame = readPng(folder / "snapshots.png");
   expectGolden(frame, "data/pictures/tessellation_4x4.png", {whole(frame)});
