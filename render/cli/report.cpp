@@ -178,8 +178,9 @@ std::string describeBlocking(const std::vector<BlockingPair>& blocking, int coun
   for (const BlockingPair& pair : blocking) {
     if (pairs.size() < kPairsNamed) pairs.push_back(describe(pair, countsFrom));
   }
-  return fmt::format("{} pairs of bricks would overlap at the target: {}{}\n", blocking.size(),
-                     fmt::join(pairs, "; "), blocking.size() > pairs.size() ? "; ..." : "");
+  return fmt::format("{} pair{} of bricks would overlap at the target: {}{}\n", blocking.size(),
+                     blocking.size() > 1 ? "s" : "", fmt::join(pairs, "; "),
+                     blocking.size() > pairs.size() ? "; ..." : "");
 }
 
 /// CPU seconds of the threads together, wall time for all of it.
