@@ -3,7 +3,10 @@
 
 #include <random>
 
+#include <gtest/gtest.h>
+
 #include "sim/deploy/forces.h"
+#include "sim/joints/extrapolation.h"
 #include "sim/joints/joint_solver.h"
 #include "sim/model/brick.h"
 #include "sim/model/lattice.h"
@@ -54,6 +57,19 @@ inline LoadSource springLoads(const JoinedBricks& sheet, const TargetSprings& sp
 /// Loads that push nothing.
 inline void noLoads(const Poses&, std::vector<Load>& loads) {
   std::fill(loads.begin(), loads.end(), Load{});
+}
+
+/// Moves a sheet for so many seconds to a tolerance in time, no loads but those of its solver.
+inline void advance(JoinedBricks& sheet, Extrapolation& extrapolation, double seconds) {
+  StepReport report;
+  const TimedLoads none = [](double, const Poses& poses, std::vector<Load>& loads) {
+    noLoads(poses, loads);
+  };
+  for (double done = 0; done < seconds * (1 - 1e-9);) {
+    const auto taken = extrapolation.step(sheet.motion, seconds - done, none, {}, report);
+    ASSERT_TRUE(taken.has_value());
+    done += *taken;
+  }
 }
 
 /// Uniform in [-1, 1], the same on every machine.

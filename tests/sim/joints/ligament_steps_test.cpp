@@ -60,19 +60,6 @@ void throwAbout(JoinedBricks& sheet) {
   }
 }
 
-/// Moves a sheet without other loads to a tolerance in time.
-void advance(JoinedBricks& sheet, Extrapolation& extrapolation, double seconds) {
-  StepReport report;
-  const TimedLoads none = [](double, const Poses& poses, std::vector<Load>& loads) {
-    test::noLoads(poses, loads);
-  };
-  for (double done = 0; done < seconds * (1 - 1e-9);) {
-    const auto taken = extrapolation.step(sheet.motion, seconds - done, none, {}, report);
-    ASSERT_TRUE(taken.has_value());
-    done += *taken;
-  }
-}
-
 // Two free squares on a ligament between their middles part and meet as a mass m / 2 on a spring:
 //   stretch = a sin(w t),   w^2 = 2 k / m.
 TEST(LigamentSteps, SwingWithTheFrequencyOfTheirClosedForm) {
@@ -98,7 +85,7 @@ TEST(LigamentSteps, SwingWithTheFrequencyOfTheirClosedForm) {
     Extrapolation extrapolation(squares.bricks, *solver, {.tolerance = 1e-9});
     double worst = 0;
     for (int k = 1; k <= 50; ++k) {
-      advance(squares, extrapolation, 0.1);
+      test::advance(squares, extrapolation, 0.1);
       const Vector3 now = squares.motion.poses[1].position - squares.motion.poses[0].position;
       worst = std::max(
           worst, std::abs((now - apart).dot(ligament.across) - 0.2 / w * std::sin(w * 0.1 * k)));
@@ -115,7 +102,7 @@ double strayOf(double length, double stiffness, double tolerance) {
   Extrapolation extrapolation(sheet.bricks, *solver, {.tolerance = tolerance, .keepsEnergy = true});
   double worst = 0;
   for (int k = 0; k < 20; ++k) {
-    advance(sheet, extrapolation, 0.1);
+    test::advance(sheet, extrapolation, 0.1);
     worst = std::max(worst, std::abs(energyOf(sheet) / energy - 1));
   }
   return worst;

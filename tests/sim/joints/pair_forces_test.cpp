@@ -81,19 +81,6 @@ std::unique_ptr<JointSolver> solverWith(const JoinedBricks& sheet, bool planar,
   return makeJointSolver(sheet.bricks, sheet.pivots, settings);
 }
 
-/// Moves a sheet without loads for so many seconds, to a tolerance in time.
-void advance(JoinedBricks& sheet, Extrapolation& extrapolation, double seconds) {
-  StepReport report;
-  const TimedLoads none = [](double, const Poses& poses, std::vector<Load>& loads) {
-    test::noLoads(poses, loads);
-  };
-  for (double done = 0; done < seconds * (1 - 1e-9);) {
-    const auto taken = extrapolation.step(sheet.motion, seconds - done, none, {}, report);
-    ASSERT_TRUE(taken.has_value());
-    done += *taken;
-  }
-}
-
 // Two free squares on a spring part and meet as a mass m / 2: stretch = a sin(w t), w^2 = 2 k / m.
 TEST(PairForces, SwingWithTheFrequencyOfTheirClosedForm) {
   for (const bool planar : {true, false}) {
@@ -114,7 +101,7 @@ TEST(PairForces, SwingWithTheFrequencyOfTheirClosedForm) {
       Extrapolation extrapolation(squares.bricks, *solver, {.tolerance = 1e-9});
       double worst = 0;
       for (int n = 1; n <= 20; ++n) {
-        advance(squares, extrapolation, 0.1);
+        test::advance(squares, extrapolation, 0.1);
         const Vector3 now = squares.motion.poses[1].position - squares.motion.poses[0].position;
         worst = std::max(
             worst, std::abs((now - apart).norm() - std::abs(0.2 / w * std::sin(w * 0.1 * n))));
