@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kSeconds = 0.5;
 constexpr double kFirstAngle = 5 * kDegree;
-constexpr int kStatesASecond = 30;     // divides every rate
+constexpr int kStatesASecond = 15;     // divides every rate
 constexpr int kReferenceRate = 1920;   // of the coarsest of three runs
 constexpr double kTimedSeconds = 0.5;  // of CPU: short runs are timed again, and the least counts
 constexpr int kMostTimes = 9;
@@ -90,7 +90,8 @@ std::vector<Row> measureMoving(const MovingJob& job) {
 
 // Ours with fixed steps from 1/30 s on, and with steps of up to 1/30 s to a tolerance in tiles.
 void addOurs(std::vector<Method>& methods) {
-  for (const int rate : {30, 60, 90, 120, 240, 480, 960}) methods.push_back({Engine::Direct, rate});
+  for (const int rate : {30, 45, 60, 90, 120, 240, 480, 960})
+    methods.push_back({Engine::Direct, rate});
   for (const double tolerance : {1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 1e-4, 1e-5, 1e-6}) {
     methods.push_back({.engine = Engine::Direct, .rate = 30, .tolerance = tolerance});
   }
