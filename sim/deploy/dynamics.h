@@ -58,6 +58,8 @@ class Dynamics {
   virtual void setPinned(const std::vector<bool>& pinned) = 0;
   /// Makes joints springs, or exact again; see JointSolver::setJointStiffness.
   virtual void setJointStiffness(double stiffness) = 0;
+  /// Has steps that fail tried in halves or not; see JointSolverSettings::isHalving.
+  virtual void setHalving(bool /*isOn*/) {}
 
   /// The joints' stiffness at present, N/m; infinity: exact.
   virtual double jointStiffness() const = 0;
@@ -109,6 +111,7 @@ class DirectDynamics : public Dynamics {
   void fitVelocities(Motion& motion) override;
   void setPinned(const std::vector<bool>& pinned) override;
   void setJointStiffness(double stiffness) override { solver_->setJointStiffness(stiffness); }
+  void setHalving(bool isOn) override { solver_->setHalving(isOn); }
   double jointStiffness() const override { return solver_->jointStiffness(); }
   std::vector<Hold> contacts(const Poses& poses) const override;
   std::vector<std::string> loadedContacts() const override;

@@ -64,6 +64,7 @@ class Stepper : public JointSolver {
   bool collide(Motion& motion) override;
   void setPinned(const std::vector<bool>& pinned) override;
   void setJointStiffness(double stiffness) override;
+  void setHalving(bool isOn) override { settings_.isHalving = isOn; }
   std::vector<ContactLoad> contactLoads() const override;
   std::vector<TouchForce> touchForces(const Poses& poses) const override;
   double jointStiffness() const override { return jointStiffness_; }
@@ -170,7 +171,7 @@ StepReport Stepper<D>::advance(Motion& motion, double step, const LoadSource& lo
   contactSource_ = contacts;
   report_ = {};
   if (standstill_.isWhole()) loads(motion.poses, loads_);
-  if (!standstill_.beginStep(motion.poses, loads_, step)) return {.steps = 1, .unconverged = 1};
+  if (!standstill_.beginStep(motion, loads_, step)) return {.steps = 1, .unconverged = 1};
   const int before = system_.factorizations();
   const double workBefore = system_.work();
   const double pairsBefore = contacts ? contacts->pairsExamined() : 0;
@@ -196,7 +197,7 @@ template <int D>
 void Stepper<D>::advanceHalving(Motion& motion, double step, const LoadSource& loads, int level,
                                 bool warm) {
   end_.jumped = false;
-  isShortest_ = level == kHalvings || !standstill_.mayHalve();
+  isShortest_ = !settings_.isHalving || level == kHalvings || !standstill_.mayHalve();
   const StepOutcome outcome = tryStep(motion, step, loads, warm);
   const bool halving = outcome == StepOutcome::JointsOpen ||
                        (outcome == StepOutcome::Overlapping && level < kContactHalvings);
@@ -697,9 +698,10 @@ std::unique_ptr<JointSolver> makeJointSolver(const std::vector<Brick>& bricks,
 
 // ------------------------------------------------------------------------------------------------
 // When a step of wedged bricks need not be tried. A step that ended with all bricks standing still
-// is a function of its poses, loads and length alone. Begun again with the same three, to the last
-// bit, it would end in the same way, so that it is answered without a try. Halving is dear (2^8
-// parts), so that after a failure it is allowed in every tenth step only.
+// is a function of its motion, loads and length alone. Begun again with the same three, to the last
+// bit, it would end in the same way, so that it is answered without a try. It ended at rest, so
+// that one begun with any speed is another. Halving is dear (2^8 parts), so that after a failure it
+// is allowed in every tenth step only.
 
 namespace {
 
@@ -719,14 +721,20 @@ bool areEqual(const std::vector<Value>& a, const std::vector<Value>& b) {
   return std::ranges::equal(a, b, [](const Value& x, const Value& y) { return areEqual(x, y); });
 }
 
+bool areAtRest(const std::vector<Velocity>& velocities) {
+  return std::ranges::all_of(velocities, [](const Velocity& velocity) {
+    return velocity.linear.isZero(0) && velocity.angular.isZero(0);
+  });
+}
+
 }  // namespace
 
-// Says whether a step is to be tried. `poses`, `loads` and `seconds` are what the step begins with.
-bool Standstill::beginStep(const Poses& poses, const std::vector<Load>& loads, double seconds) {
+// Says whether a step is to be tried. `motion`, `loads` and `seconds` are what it begins with.
+bool Standstill::beginStep(const Motion& motion, const std::vector<Load>& loads, double seconds) {
   const bool mayHalve = steps_ % kPatience == 0;
   // Inputs are the same and the last answer was "stands still". It would differ only if halving
   // were allowed now and had not been allowed then.
-  if (isWhole() && isAsBefore(poses, loads, seconds) && (halved_ || !mayHalve)) {
+  if (isWhole() && isAsBefore(motion, loads, seconds) && (halved_ || !mayHalve)) {
     ++steps_;
     return false;
   }
@@ -750,9 +758,10 @@ void Standstill::endStep(const Poses& poses, const std::vector<Load>& loads) {
 }
 
 // The order of the comparisons is by their cost.
-bool Standstill::isAsBefore(const Poses& poses, const std::vector<Load>& loads,
+bool Standstill::isAsBefore(const Motion& motion, const std::vector<Load>& loads,
                             double seconds) const {
-  return seconds == seconds_ && areEqual(poses, poses_) && areEqual(loads, loads_);
+  return seconds == seconds_ && areAtRest(motion.velocities) && areEqual(motion.poses, poses_) &&
+         areEqual(loads, loads_);
 }
 
 void Standstill::transfer(StateTape& tape) {

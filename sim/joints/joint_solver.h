@@ -31,6 +31,7 @@ struct JointSolverSettings {
   /// Implicit in the step, which finds its end by Newton's method unless they are springs at hinges
   /// alone. Ligaments ask for the plane.
   PairForces pairForces;
+  bool isHalving = true;  ///< whether steps that fail are tried in halves
 };
 
 /// Writes the load on every brick at the given poses; `loads` has one entry a brick, to be
@@ -128,6 +129,8 @@ class JointSolver {
   /// implicit in the step; infinity holds them exactly again, which is how a solver starts out.
   /// Gaps that springs have left are to be closed by assemble() first.
   virtual void setJointStiffness(double stiffness) = 0;
+  /// Sets JointSolverSettings::isHalving.
+  virtual void setHalving(bool isOn) = 0;
 
   /// The contacts that carried load in the last step, the strongest first; supports excluded.
   virtual std::vector<ContactLoad> contactLoads() const = 0;
@@ -165,10 +168,10 @@ class Standstill {
   /// Whether all bricks stood still through the last step.
   bool isWhole() const { return !poses_.empty(); }
 
-  /// Begins a step of so many seconds from these poses, one load a brick; the loads count only
+  /// Begins a step of so many seconds from this motion, one load a brick; the loads count only
   /// where isWhole(). Returns false if it need not be tried: the last one that was began just so,
   /// and halves either failed then too or are not due.
-  bool beginStep(const Poses& poses, const std::vector<Load>& loads, double seconds);
+  bool beginStep(const Motion& motion, const std::vector<Load>& loads, double seconds);
   /// Notes that bricks stood still in a part of the step, or that they moved.
   void recordStandstill() { stood_ = true; }
   /// Notes that bricks moved in a part of the step.
@@ -187,9 +190,10 @@ class Standstill {
   void transfer(StateTape& tape);
 
  private:
-  bool isAsBefore(const Poses& poses, const std::vector<Load>& loads, double seconds) const;
+  bool isAsBefore(const Motion& motion, const std::vector<Load>& loads, double seconds) const;
 
-  // What the last step began with, where bricks stood still through it.
+  // What the last step began and ended with, where bricks stood still through it: so it ended at
+  // rest.
   Poses poses_;
   std::vector<Load> loads_;
   double seconds_ = 0;

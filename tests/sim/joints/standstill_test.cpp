@@ -12,10 +12,10 @@ class StandstillTest : public testing::Test {
   /// One step in which bricks stand still, and moved before that or not. Returns whether it is
   /// tried.
   bool stand(bool movedBefore = false) {
-    if (!standstill_.beginStep(poses_, loads_, kStep)) return false;
+    if (!standstill_.beginStep(motion_, loads_, kStep)) return false;
     if (movedBefore) standstill_.recordMotion();
     standstill_.recordStandstill();
-    standstill_.endStep(poses_, loads_);
+    standstill_.endStep(motion_.poses, loads_);
     return true;
   }
 
@@ -27,7 +27,7 @@ class StandstillTest : public testing::Test {
   }
 
   Standstill standstill_;
-  Poses poses_ = Poses(2);
+  Motion motion_ = {Poses(2), std::vector<Velocity>(2)};
   std::vector<Load> loads_ = std::vector<Load>(2);
 };
 
@@ -44,12 +44,12 @@ TEST_F(StandstillTest, WhatFailedWholeIsTriedInHalvesAtTheTenthStep) {
   EXPECT_TRUE(stand());  // in one piece
   EXPECT_FALSE(standstill_.mayHalve());
   EXPECT_EQ(tried(8), 0);
-  EXPECT_TRUE(standstill_.beginStep(poses_, loads_, kStep));
+  EXPECT_TRUE(standstill_.beginStep(motion_, loads_, kStep));
   EXPECT_TRUE(standstill_.mayHalve());
 }
 
 TEST_F(StandstillTest, OnePartThatStandsStillEndsHalving) {
-  standstill_.beginStep(poses_, loads_, kStep);
+  standstill_.beginStep(motion_, loads_, kStep);
   EXPECT_TRUE(standstill_.mayHalve());
   standstill_.recordStandstill();
   EXPECT_FALSE(standstill_.mayHalve());
@@ -60,16 +60,19 @@ TEST_F(StandstillTest, AnyChangeIsTried) {
   loads_[1].force[2] = 1e-12;
   EXPECT_TRUE(stand());
   EXPECT_FALSE(stand());
-  poses_[0].position.x() = 1e-12;
+  motion_.poses[0].position.x() = 1e-12;
   EXPECT_TRUE(stand());
   EXPECT_FALSE(stand());
-  EXPECT_TRUE(standstill_.beginStep(poses_, loads_, 0.5 * kStep));
+  motion_.velocities[1].angular.z() = 1e-12;
+  EXPECT_TRUE(stand());
+  motion_.velocities[1].angular.z() = 0;
+  EXPECT_TRUE(standstill_.beginStep(motion_, loads_, 0.5 * kStep));
 }
 
 TEST_F(StandstillTest, WhatItForgetsIsTriedInHalves) {
   stand();
   standstill_.forget();
-  EXPECT_TRUE(standstill_.beginStep(poses_, loads_, kStep));
+  EXPECT_TRUE(standstill_.beginStep(motion_, loads_, kStep));
   EXPECT_TRUE(standstill_.mayHalve());
 }
 
@@ -81,7 +84,7 @@ TEST_F(StandstillTest, ComesBackFromATape) {
   Standstill other;
   played.transfer(other);
   EXPECT_TRUE(played.isOver());
-  EXPECT_FALSE(other.beginStep(poses_, loads_, kStep));
+  EXPECT_FALSE(other.beginStep(motion_, loads_, kStep));
 }
 
 }  // namespace
