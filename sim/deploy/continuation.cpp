@@ -7,10 +7,17 @@
 // phi the gaps of contacts, and W = diag(1, w rho^2) for each brick: places count once, turns by
 // their arc at the radius of gyration rho, weighted w. One move is the step
 //   minimise |u - (g(s) - q)|_W  with  J u = 0,  C u >= -phi,
-// followed by closing the joints again, which is what the joint solver does in a step from rest
-// with W for its masses and a stiff spring from q to g(s). The solver's contact finder sweeps each
-// move, so that no brick passes through another however long the move. s goes on by equal parts:
-// where the mechanism follows its guide, the path is even.
+// followed by closing the joints again, which is what the joint solver does in a step of unit time
+// from the velocities g(s) - q, with W for its masses and without forces: Gauss-Newton for the
+// nearest point. The contact finder sweeps each move, so that no brick passes through another
+// however long the move. s goes on by equal parts: where the mechanism follows its guide, the path
+// is even.
+//
+// A move aims at the part t of the way, 1 where the mechanism is straight. On a curved one
+//   |q' - g|^2 = |q - g|^2 - 2 m^2 / t + c m^2,  m = |q' - q|,
+// c of the curvature, and t = 1 / c leads to the nearest point: a farther move would swing from one
+// side of it to the other. Each move says c for the next. Where closing would undo too much of a
+// move, or bricks have no room, it is made again and aims at half of the way.
 //
 // Compliant joints replace c(q) = 0 by a spring energy: the state minimises
 //   |q - g(s)|_W^2 + r |c(q)|^2,  r the stiffness of a joint over that of the pull to the guide,
@@ -65,10 +72,15 @@ constexpr int kStuckPlaces = 8;
 constexpr double kFarError = 1e-6;
 // While opening, a move shorter than this part of its reach halves the reach.
 constexpr double kOpened = 0.1;
-// The pull towards the guide over mass and time squared: a move goes all but this part of the way.
-// With the mass 1 and the time 1 the step covers pull / (1 + pull) of the way.
-constexpr double kPull = 1e4;
-constexpr double kWeakestPull = 1e-6;
+// A move that fails, is too long, or leads away from its place, aims at half of the way, and so on
+// down to these parts of it; the next moves aim farther again.
+constexpr double kLeastAim = 1e-6;
+constexpr double kLeastGood = 1.0 / 16;
+constexpr double kAimGrowth = 1.5;
+// Of the distance from a place, or of a tile: so little is neither nearer nor farther.
+constexpr double kNoFarther = 1e-6;
+// The weight of turns where they are as good as free.
+constexpr double kFreeTurns = 1e-4;
 // While opening, the place is so many reaches away, and below this reach the bricks are stuck.
 constexpr double kReach = 5;
 constexpr double kLeastReach = 1e-6;
@@ -144,7 +156,9 @@ class Mechanism {
  public:
   Mechanism(const Scene& scene, const ContinuationSettings& settings, const Poses& start)
       : scene_(scene),
-        jointStiffness_(settings.jointStiffness * kPull),
+        jointStiffness_(settings.jointStiffness),
+        turnWeight_(settings.turnWeight),
+        tile_(tileSize(scene.model)),
         bricks_(metricBricks(scene, settings.turnWeight)) {
     restart(start);
   }
@@ -153,11 +167,12 @@ class Mechanism {
   void restart(const Poses& start) {
     dynamics_ = makeDynamics(scene_, sceneNeeds(scene_), bricks_, start);
     dynamics_->setJointStiffness(jointStiffness_);
+    dynamics_->setHalving(isTouching());
   }
 
   /// Holds joints by this over the stiffness of the pull from now on.
   void holdJoints(double stiffness) {
-    jointStiffness_ = stiffness * kPull;
+    jointStiffness_ = stiffness;
     dynamics_->setJointStiffness(jointStiffness_);
   }
 
@@ -165,8 +180,7 @@ class Mechanism {
   /// move is one step of Gauss-Newton, which leaves gaps of half the square of the turns.
   void settle(Poses& poses, SearchBudget& budget) {
     for (int i = 0; i < kSettlingMoves; ++i) {
-      const double moved =
-          move(poses, poses, std::numeric_limits<double>::infinity(), true, budget);
+      const double moved = move(poses, poses, std::numeric_limits<double>::infinity(), budget);
       if (moved <= scene_.model.rounding) return;
     }
   }
@@ -177,40 +191,66 @@ class Mechanism {
     symmetries.restore(poses, *dynamics_);
   }
 
-  /// Moves towards a place, at most about `longest` metres. Turns are left free unless `turns`.
-  /// Returns how far, metres.
-  double move(Poses& poses, const Poses& place, double longest, bool turns, SearchBudget& budget) {
-    double pull = kPull;
-    for (;;) {
-      Motion motion{poses, std::vector<Velocity>(poses.size())};
-      const LoadSource loads = [&](const Poses& from, std::vector<Load>& to) {
-        for (std::size_t i = 0; i < from.size(); ++i)
-          to[i] = towards(from[i], place[i], pull, turns ? pull * bricks_[i].inertia(0, 0) : 0);
-      };
-      budget.spend(dynamics_->advance(motion, 1, loads).work);
+  /// Moves towards a place, at most about `longest` metres. Returns how far, metres.
+  double move(Poses& poses, const Poses& place, double longest, SearchBudget& budget) {
+    const double before = distance(poses, place);
+    for (bool isFirst = true;; isFirst = false) {
+      Motion motion{poses, aimedAt(poses, place)};
+      const StepReport report = dynamics_->advance(motion, 1, withoutForces);
+      budget.spend(report.work);
       const double moved = pathDistance(bricks_, poses, motion.poses);
-      if (!(moved > longest) || pull < kWeakestPull) {
+      const double after = distance(motion.poses, place);
+      const bool isGood = (report.unconverged == 0 || isTouching()) &&
+                          (!isExact() || after <= (1 + kNoFarther) * before + kNoFarther * tile_);
+      const bool isTaken = isGood || (moved > 0 && aim_ <= kLeastGood);
+      if ((isTaken && !(moved > longest)) || aim_ <= kLeastAim) {
+        if (isFirst) aimNext(report, before, distance(poses, motion.poses), after);
         poses = std::move(motion.poses);
         return moved;
       }
-      // A move goes pull / (1 + pull) of the way.
-      const double share = std::min(0.5, 0.5 * pull / (1 + pull) * longest / moved);
-      pull = share / (1 - share);
+      aim_ *= moved > longest ? std::min(0.5, 0.5 * longest / moved) : 0.5;
     }
   }
 
  private:
-  static Load towards(const Pose& from, const Pose& to, double pull, double turning) {
-    Load load;
-    load.force.head<3>() = pull * (to.position - from.position);
-    load.force.tail<3>() = turning * turnBetween(from.rotation, to.rotation);
-    load.stiffness.diagonal().head<3>().setConstant(pull);
-    load.stiffness.diagonal().tail<3>().setConstant(turning);
-    return load;
+  bool isExact() const { return std::isinf(jointStiffness_); }
+  bool isTouching() const { return scene_.environment.contacts != ContactFilter::None; }
+
+  /// From a state to a place, in the metric of the mechanism, metres.
+  double distance(const Poses& state, const Poses& place) const {
+    return pathDistance(bricks_, state, place, turnWeight_);
+  }
+
+  /// Says how far the next move aims, from how far the last one led: see the head of this file.
+  void aimNext(const StepReport& report, double before, double moved, double after) {
+    double best = 1;
+    if (isExact() && moved > kNoFarther * before) {
+      const double gained = 0.5 * (before - after) * (before + after) / (moved * moved);
+      best = 1 / std::max(1.0, 2 * (1 / aim_ - gained));
+    }
+    if (report.halved > 0) best = std::min(best, 0.5 * aim_);
+    aim_ = std::clamp(best, 0.5 * aim_, std::min(1.0, kAimGrowth * aim_));
+  }
+
+  /// The velocities that take free bricks so far on the way to a place in a second.
+  std::vector<Velocity> aimedAt(const Poses& from, const Poses& place) const {
+    std::vector<Velocity> velocities;
+    for (std::size_t i = 0; i < from.size(); ++i) {
+      velocities.push_back({aim_ * (place[i].position - from[i].position),
+                            aim_ * turnBetween(from[i].rotation, place[i].rotation)});
+    }
+    return velocities;
+  }
+
+  static void withoutForces(const Poses&, std::vector<Load>& loads) {
+    std::ranges::fill(loads, Load{});
   }
 
   const Scene& scene_;
-  double jointStiffness_;  // over the bricks' unit mass and the unit step squared
+  double jointStiffness_;  // over the bricks' unit mass and the unit time squared
+  double turnWeight_;
+  double tile_;     // metres
+  double aim_ = 1;  // the part of the way to a place that moves aim at, up to 1
   std::vector<Brick> bricks_;
   std::unique_ptr<Dynamics> dynamics_;
 };
@@ -311,7 +351,7 @@ class Continuation {
   }
 
   double moveTowards(const Poses& place) {
-    const double moved = mechanism_.move(poses_, place, kLongestMove * stateLength_, true, budget_);
+    const double moved = mechanism_.move(poses_, place, kLongestMove * stateLength_, budget_);
     if (isRounded()) mechanism_.settle(poses_, budget_);
     mechanism_.restore(symmetries_, poses_);
     keep();
@@ -332,7 +372,7 @@ class Continuation {
       const double momentum = gains / (gains + 3.0);
       const Poses ahead = interpolate(last, poses_, 1 + momentum);
       Poses tried = poses_;
-      const double moved = mechanism_.move(tried, spread(ahead, part), stateLength_, true, budget_);
+      const double moved = mechanism_.move(tried, spread(ahead, part), stateLength_, budget_);
       if (isRounded()) mechanism_.settle(tried, budget_);
       mechanism_.restore(symmetries_, tried);
       const double extended = extent(tried);
@@ -386,13 +426,13 @@ class Continuation {
   /// Moves the tiles apart, turns free. Returns whether that was asked for.
   bool open() {
     if (settings_.opening <= 0) return false;
-    Mechanism loose(scene_, {.turnWeight = 1}, poses_);
+    Mechanism loose(scene_, {.turnWeight = kFreeTurns}, poses_);
     const double end = path_.length() + settings_.opening * tile_;
     double reach = kFirstProgress * tile_;
     while (path_.length() < end && mayGoOn() && reach > kLeastReach * tile_) {
       const double whole = pathDistance(mechanism_.bricks(), poses_, spread(poses_, 1));
       const double moved =
-          loose.move(poses_, spread(poses_, kReach * reach / whole), reach, false, budget_);
+          loose.move(poses_, spread(poses_, kReach * reach / whole), reach, budget_);
       mechanism_.restore(symmetries_, poses_);
       keep();
       reach = moved > kOpened * reach ? std::min(kGrowth * reach, stateLength_) : 0.3 * reach;
@@ -530,6 +570,12 @@ MechanismPath closedExactly(const Scene& scene, MechanismPath rounded, double co
 
 }  // namespace
 
+PenetrationMeter overlapMeter(const Scene& scene, const std::vector<Brick>& bricks,
+                              std::span<const Pivot> pivots, const Poses& start) {
+  const bool countsJoined = scene.environment.contacts != ContactFilter::Unjoined;
+  return {bricks, pivots, scene.environment.pivotZone, start, 0, countsJoined};
+}
+
 bool closeInPlace(Poses& poses, Dynamics& dynamics) {
   const Vector3 centre = commonCentre(poses);
   if (!dynamics.assemble(poses)) return false;
@@ -639,7 +685,7 @@ class ClearStates {
       : mostGap_(mostGap),
         mostGrown_(mostGrown),
         pivots_(makePivots(scene.model.joints, bricks)),
-        meter_(bricks, pivots_, scene.environment.pivotZone, start, 0) {}
+        meter_(overlapMeter(scene, bricks, pivots_, start)) {}
 
   bool contain(const Poses& poses) {
     return jointGap(pivots_, poses).max <= mostGap_ &&
@@ -675,6 +721,8 @@ std::optional<Kink> nextKink(const std::vector<Brick>& bricks, const MechanismPa
       ++kink.after;
     }
     if (path.lengths[k] - path.lengths[kink.before] < step) continue;
+    // Near the end there is no move long enough: of a shorter one rounding would be judged.
+    if (path.lengths[kink.after] - path.lengths[k] < step) break;
     kink.middle = k;
     const Poses& middle = path.states[k];
     const double come = pathDistance(bricks, path.states[kink.before], middle);
@@ -708,7 +756,7 @@ class Shortening {
         goesOn_(goesOn),
         bricks_(makeBricks(scene.model.tiles, scene.brick)),
         pivots_(makePivots(scene.model.joints, bricks_)),
-        meter_(bricks_, pivots_, scene.environment.pivotZone, path_.states.front(), 0) {}
+        meter_(overlapMeter(scene, bricks_, pivots_, path_.states.front())) {}
 
   // Rounds go on while one makes the path clearly shorter; else the next, with shorter pieces,
   // would be work for nothing.
@@ -1004,7 +1052,7 @@ class CurveShortening {
     Mechanism& mechanism = mechanismAt(image);
     const double anyLength = std::numeric_limits<double>::infinity();
     const bool hasMoved =
-        mechanism.move(to, displaced(from, by, wanted / whole), anyLength, true, budget_) > 0;
+        mechanism.move(to, displaced(from, by, wanted / whole), anyLength, budget_) > 0;
     mechanism.restore(symmetries_, to);
     const bool isState = hasMoved && clear_.contain(to);
     longest = isState ? std::min(kBolder * longest, kLongestPull * spacing_) : kWedged * wanted;

@@ -6,6 +6,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "sim/deploy/assembled_state.h"
 #include "sim/deploy/dynamics.h"
 #include "sim/joints/joint_solver.h"
+#include "sim/measure/measures.h"
 #include "sim/model/brick.h"
 #include "sim/model/isometry.h"
 #include "sim/scene/scene.h"
@@ -48,6 +50,11 @@ double pathDistance(const std::vector<Brick>& bricks, const Poses& from, const P
 /// Closes joints as Dynamics::assemble() does, and leaves the bricks' common centre in its place:
 /// near singular states closing would carry the whole along, by rounding times its stiffness.
 bool closeInPlace(Poses& poses, Dynamics& dynamics);
+
+/// Measures how deep those bricks overlap that a scene's contacts would hold apart, or all where it
+/// has none, beyond `start`. Bricks must outlive the meter.
+PenetrationMeter overlapMeter(const Scene& scene, const std::vector<Brick>& bricks,
+                              std::span<const Pivot> pivots, const Poses& start);
 
 /// How a path is followed.
 struct ContinuationSettings {

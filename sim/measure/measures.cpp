@@ -503,7 +503,7 @@ std::vector<Penetration> penetrationsOutsidePivots(const std::vector<Brick>& bri
 
 struct PenetrationMeter::Internals {
   std::vector<Prism> prisms;
-  std::vector<JoinedPair> joined;                 // by their numbers
+  std::vector<JoinedPair> joined;                 // by their numbers; none where they do not count
   std::vector<std::vector<int>> partners;         // of each brick: joined ones with larger numbers
   std::map<std::pair<int, int>, double> atStart;  // metres, of pairs that are not joined
   bool seesAllPairs = true;                       // of the start
@@ -562,7 +562,7 @@ struct PenetrationMeter::Internals {
 
 // The start is looked at in full once, so that later states can be compared with it pair by pair.
 PenetrationMeter::PenetrationMeter(const std::vector<Brick>& bricks, std::span<const Pivot> pivots,
-                                   double zone, const Poses& start, double least)
+                                   double zone, const Poses& start, double least, bool countsJoined)
     : internals_(std::make_unique<Internals>()) {
   Internals& in = *internals_;
   in.prisms = prismsOf(bricks);
@@ -576,6 +576,7 @@ PenetrationMeter::PenetrationMeter(const std::vector<Brick>& bricks, std::span<c
     in.atStart[{pair.brickA, pair.brickB}] = pair.depth;
   }
   for (JoinedPair& pair : in.joined) pair.atStart = in.keptBy(pair.a, pair.b);
+  if (!countsJoined) in.joined.clear();
 }
 
 PenetrationMeter::~PenetrationMeter() = default;

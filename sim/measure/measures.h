@@ -80,10 +80,10 @@ class PenetrationMeter {
  public:
   /// Joined bricks as in penetrationsOutsidePivots(); overlaps at the start of `least` metres or
   /// less count as none there. Bricks must outlive this.
-  /// `zone`: see cutLength(), `pivots`: which bricks are joined, where. Costs a look at all near
-  /// pairs of the start.
+  /// `zone`: see cutLength(), `pivots`: which bricks are joined, where. `countsJoined`: whether
+  /// joined bricks count. Costs a look at all near pairs of the start.
   PenetrationMeter(const std::vector<Brick>& bricks, std::span<const Pivot> pivots, double zone,
-                   const Poses& start, double least);
+                   const Poses& start, double least, bool countsJoined = true);
   ~PenetrationMeter();
   PenetrationMeter(const PenetrationMeter&) = delete;
   PenetrationMeter& operator=(const PenetrationMeter&) = delete;

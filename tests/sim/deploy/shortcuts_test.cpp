@@ -54,8 +54,9 @@ TEST(Shortcuts, LeaveADetourOut) {
   ASSERT_FALSE(isDetour(scene, direct));
   const MechanismPath cut = withShortcuts(scene, detour, kAnyOverlap, budget);
   EXPECT_LE(cut.length(), 1.001 * direct.length());  // measured: 1.0000
-  EXPECT_EQ(pathDistance(bricks, cut.states.front(), detour.states.front()), 0);
-  EXPECT_EQ(pathDistance(bricks, cut.states.back(), detour.states.back()), 0);
+  // Turns between equal rotations are rounded: measured 0 and 1.1e-16.
+  EXPECT_LE(pathDistance(bricks, cut.states.front(), detour.states.front()), 1e-15);
+  EXPECT_LE(pathDistance(bricks, cut.states.back(), detour.states.back()), 1e-15);
   ASSERT_EQ(cut.states.size(), cut.lengths.size());
   for (std::size_t k = 1; k < cut.states.size(); ++k) {
     EXPECT_LE(jointGap(pivots, cut.states[k]).max, 1e-11);  // 1e-12
