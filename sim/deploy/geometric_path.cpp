@@ -6,8 +6,8 @@
 // judged: how deep bricks overlap beyond the start, how far joints open. One that is much longer
 // than its tiles' own motions, or turns back, is made shorter (continuation.cpp): first as far as
 // that makes tiles turn more evenly, so that a sheet looks regular on the way; a path that is as
-// short as can be often is not. Only one that stays a detour so is made as short as can be, if
-// that makes it none.
+// short as can be often is not. One that stays a detour so is shortened further, at the cost of
+// even turns, if that makes it none.
 //
 // A walk has an even pace: state k is reached at T L_k / L, L_k the path's length up to it
 // (pathDistance) and T the walking time. Samples lie between two states, with joints closed again.
@@ -60,10 +60,10 @@ constexpr double kParts = 5;
 constexpr double kAloneShare = 0.4;
 // Shortening a path that was found may cost this part of it.
 constexpr double kShorteningShare = 0.25;
-// Of turns against places, times rho^2, in what a shorter path is: at first, where tiles turn
-// evenly, then in the length itself.
-constexpr double kEvenTurns = 10;
-constexpr double kPlainLength = 1;
+// Of turns against places, times rho^2, in what a shorter path is: from where tiles turn evenly to
+// the length itself.
+constexpr auto kTurnWeights = std::to_array<double>({10, 3, 1});
+
 // An extension shorter than this part of a tile is none.
 constexpr double kLeastExtension = 1e-3;
 
@@ -72,9 +72,9 @@ bool isClear(const Scene& scene, const GeometricPath& found) {
   return found.grown <= kClearShare * tileSize(scene.model);
 }
 
-/// Whether all bricks are to keep out of each other.
-bool areKeptApart(ContactFilter wanted) {
-  return wanted == ContactFilter::Auto || wanted == ContactFilter::All;
+/// The contacts that bricks have where the scene was given these and they meet on the way.
+ContactFilter whereTheyMeet(ContactFilter wanted) {
+  return wanted == ContactFilter::Auto ? ContactFilter::All : wanted;
 }
 
 /// Measures how deep bricks overlap on a path beyond its first state, and how far compliant joints
@@ -84,7 +84,9 @@ void judge(const Scene& scene, GeometricPath& found, ContactFilter wanted) {
   const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
   const std::vector<Pivot> pivots = makePivots(scene.model.joints, bricks);
   const std::vector<Poses>& states = found.path.states;
-  PenetrationMeter meter(bricks, pivots, scene.environment.pivotZone, states.front(), 0);
+  Scene asked = scene;
+  asked.environment.contacts = wanted;
+  PenetrationMeter meter = overlapMeter(asked, bricks, pivots, states.front());
   found.grown = found.opening = 0;
   for (const Poses& state : states) {
     found.grownAtEnd = meter.at(state).grown;
@@ -95,7 +97,7 @@ void judge(const Scene& scene, GeometricPath& found, ContactFilter wanted) {
   const bool isAsked = wanted != ContactFilter::None;
   const bool isTouching = found.contacts != ContactFilter::None;
   found.passesThrough = isAsked && !isTouching && !isClear(scene, found);
-  const bool isPushed = isTouching && areKeptApart(wanted) && !isClear(scene, found);
+  const bool isPushed = isAsked && isTouching && !isClear(scene, found);
   found.contactReason =
       !isAsked     ? "not asked for"
       : isPushed   ? "bricks meet on the way, and some pass through each other all the same"
@@ -109,14 +111,18 @@ void judge(const Scene& scene, GeometricPath& found) {
   judge(scene, found, scene.environment.contacts);
 }
 
-/// A path pulled tight so that tiles turn evenly on it; where it is a detour so and none when it is
-/// as short as can be, as short as can be.
-MechanismPath evenlyTight(const Scene& scene, MechanismPath path, double mostGrown,
+/// A path pulled tight so that tiles turn as evenly on it as they can on a path that is no detour.
+/// Where every one is a detour, the one on which they turn most evenly.
+MechanismPath evenlyTight(const Scene& scene, const MechanismPath& path, double mostGrown,
                           SearchBudget& budget, const PathObserver& goesOn) {
-  path = pulledTight(scene, std::move(path), kEvenTurns, mostGrown, budget, goesOn);
-  if (!isDetour(scene, path)) return path;
-  MechanismPath shortest = pulledTight(scene, path, kPlainLength, mostGrown, budget, goesOn);
-  return isDetour(scene, shortest) ? path : shortest;
+  std::optional<MechanismPath> mostEven;
+  for (const double turnWeight : kTurnWeights) {
+    MechanismPath pulled =
+        pulledTight(scene, mostEven.value_or(path), turnWeight, mostGrown, budget, goesOn);
+    if (!isDetour(scene, pulled)) return pulled;
+    if (!mostEven) mostEven = std::move(pulled);
+  }
+  return *std::move(mostEven);
 }
 
 /// Shortens a path that is a detour or turns back, at a part of the budget. Bricks overlap no
@@ -136,10 +142,9 @@ void shorten(const Scene& scene, GeometricPath& found, ContactFilter wanted, Sea
   }
   Scene touching = scene;
   // Bricks that did not meet may do so on a shorter path.
-  const bool mayMeet = areKeptApart(wanted) && !found.passesThrough;
-  touching.environment.contacts = mayMeet ? ContactFilter::All : found.contacts;
+  touching.environment.contacts = found.passesThrough ? found.contacts : whereTheyMeet(wanted);
   SearchBudget part(std::min(budget.left() / kWorkPerSecond, kShorteningShare * budget.seconds()));
-  found.path = evenlyTight(touching, std::move(found.path), mostGrown, part, goesOn);
+  found.path = evenlyTight(touching, found.path, mostGrown, part, goesOn);
   if (isDetour(scene, found.path)) {
     found.path = withShortcuts(touching, std::move(found.path), mostGrown, part, goesOn);
   }
@@ -173,7 +178,7 @@ class GeometricSearch {
       if (isCutShort_ || (found_.clear && !isDetour(scene_, found_.clear->path))) break;
     }
     if (found_.clear) return shortened(found_.clear);
-    const ContactFilter touching = wanted == ContactFilter::Auto ? ContactFilter::All : wanted;
+    const ContactFilter touching = whereTheyMeet(wanted);
     if (wanted != ContactFilter::None && found_.through) {
       for (const ContinuationSettings& settings : kTouching) {
         tryTouching(settings, touching);
@@ -255,7 +260,7 @@ class GeometricSearch {
     trial.hasCompliantJoints = trial.path.isRounded;
     trial.reason = "a path of the mechanism among touching bricks, nothing given needs dynamics";
     judge(scene_, trial);
-    if (contacts == ContactFilter::All && !isClear(scene_, trial)) return;
+    if (!isClear(scene_, trial)) return;
     if (!found_.clear || trial.path.error < found_.clear->path.error) {
       found_.clear = std::move(trial);
     }
@@ -299,7 +304,7 @@ class GeometricSearch {
     trial.path = follow(std::move(guide), settings, contacts, kCompliantTried);
     if (!arrives(trial.path, contacts != ContactFilter::None)) return std::nullopt;
     judge(scene_, trial);
-    if (contacts == ContactFilter::All && !isClear(scene_, trial)) return std::nullopt;
+    if (contacts != ContactFilter::None && !isClear(scene_, trial)) return std::nullopt;
     return trial;
   }
 
@@ -363,8 +368,8 @@ GeometricPaths extensions(const Scene& scene, SearchBudget& budget, const TrialO
   }
   if (wanted == ContactFilter::None) return found;
   std::optional<GeometricPath> touching =
-      extension(scene, isOpen ? ContactFilter::All : wanted, 1, budget, observer);
-  if (touching && touching->contacts == ContactFilter::All && !isClear(scene, *touching)) {
+      extension(scene, whereTheyMeet(wanted), 1, budget, observer);
+  if (touching && !isClear(scene, *touching)) {
     found.trouble = "bricks pass through each other on the way to full extension";
     touching.reset();
   }
@@ -568,7 +573,8 @@ GeometricPath tracedPath(const Scene& scene, const PathChoice& choice, ContactFi
   judge(scene, found, wanted);
   shorten(traced, found, wanted, budget, tell);
   // Joints that were closed at the end may have pushed bricks into each other that had contacts.
-  found.passesThrough = found.passesThrough || (areKeptApart(wanted) && !isClear(scene, found));
+  found.passesThrough =
+      found.passesThrough || (wanted != ContactFilter::None && !isClear(scene, found));
   return found;
 }
 

@@ -340,7 +340,7 @@ void Run::goOnFrom(const RunState& state) {
 namespace {
 
 // Joints with this multiple of the usual stiffness let tiles move that have no freedom.
-constexpr double kGivingShare = 1e3;
+constexpr double kCompliantStiffness = 1e3;
 
 // Of the contacts that hold a run up, so many are named.
 constexpr std::size_t kPairsNamed = 3;
@@ -401,7 +401,7 @@ std::string RunReasons::holdup() const {
     return fmt::format(
         "the joints leave the tiles no way to move (0 degrees of freedom); compliant joints would "
         "(--path guided --joint-stiffness {:.1g})",
-        kGivingShare * usualStiffness(bricks_.scene.springs, bricks_.bricks));
+        kCompliantStiffness * usualStiffness(bricks_.scene.springs, bricks_.bricks));
   }
   if (target_.isReachedAt(target_.error(motion_.poses()))) {
     return "no state with closed joints was found nearer";

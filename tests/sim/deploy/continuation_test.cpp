@@ -245,6 +245,30 @@ TEST(Continuation, BricksPassThroughEachOtherNeverInSilence) {
   EXPECT_NE(isClear, isSaid);
 }
 
+/// Two squares side by side that are joined at a corner; in the target one lies across the other.
+Model foldedIntoEachOther() {
+  Model model = makeTessellation({.columns = 2, .rows = 1});
+  const Corner joint = model.joints.front().a;
+  const Vector3 pivot = model.tiles[joint.tile].vertices[joint.vertex];
+  const Vector3 from = tileCentroid(model.tiles[1 - joint.tile]) - pivot;
+  const Vector3 towards = tileCentroid(model.tiles[joint.tile]) - pivot;
+  const Eigen::AngleAxisd turn(0.5, from.cross(towards).normalized());
+  model.target = model.tiles;
+  for (Vector3& vertex : (*model.target)[1 - joint.tile].vertices) {
+    vertex = pivot + turn * (vertex - pivot);
+  }
+  return model;
+}
+
+TEST(Continuation, OverlapsOfJoinedBricksAreNoHindranceWhereTheseMayNotTouch) {
+  Scene scene = sceneOf(foldedIntoEachOther());
+  scene.environment.contacts = ContactFilter::Unjoined;
+  const DeploymentResult run = deploy(scene, 0.5, nullptr);
+  EXPECT_LT(run.accuracy.targetErrorEnd, 1e-9);
+  EXPECT_EQ(run.needs.contacts.reason, "no bricks meet on the way");
+  EXPECT_GT(run.accuracy.penetrationGrownMax, 0.1);
+}
+
 TEST(Continuation, StatesOfARunAreSaidToPassThroughEachOther) {
   Scene scene = sceneOf(makeSphericalCap({.size = 6}));
   scene.path.kind = PathKind::Straight;
