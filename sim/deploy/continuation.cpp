@@ -660,6 +660,8 @@ constexpr int kPatience = 12;
 constexpr double kNoStart = 0.05;
 // Whether a path turns back is looked at in so many pieces.
 constexpr int kTurnPieces = 200;
+// Moves that are together shorter than this part of the path are no turn.
+constexpr double kLeastTurn = 1e-6;
 // Bricks that go straight from one state to another are looked at in these parts of the way.
 constexpr double kBetween[] = {0.25, 0.5, 0.75};
 
@@ -721,8 +723,8 @@ std::optional<Kink> nextKink(const std::vector<Brick>& bricks, const MechanismPa
       ++kink.after;
     }
     if (path.lengths[k] - path.lengths[kink.before] < step) continue;
-    // Near the end there is no move long enough: of a shorter one rounding would be judged.
-    if (path.lengths[kink.after] - path.lengths[k] < step) break;
+    // The last moves may be none but for rounding.
+    if (path.length() - path.lengths[k] < kLeastTurn * path.length()) break;
     kink.middle = k;
     const Poses& middle = path.states[k];
     const double come = pathDistance(bricks, path.states[kink.before], middle);
