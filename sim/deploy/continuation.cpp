@@ -20,7 +20,7 @@
 // move, or bricks have no room, it is made again and aims at half of the way.
 //
 // Compliant joints replace c(q) = 0 by a spring energy: the state minimises
-//   |q - g(s)|_W^2 + r |c(q)|^2,  r the stiffness of a joint over that of the pull to the guide,
+//   |q - g(s)|_W^2 + r |c(q)|^2,  r the stiffness of a joint over the weight of a place,
 // so that a design without freedom leaves its start, its joints open where they must. In a model
 // whose coordinates were rounded that is what "closed" means, with r from the rounding: see
 // assembled_state.h.
@@ -200,6 +200,7 @@ class Mechanism {
       budget.spend(report.work);
       const double moved = pathDistance(bricks_, poses, motion.poses);
       const double after = distance(motion.poses, place);
+      // Among contacts the solver has tried a failed move in halves.
       const bool isGood = (report.unconverged == 0 || isTouching()) &&
                           (!isExact() || after <= (1 + kNoFarther) * before + kNoFarther * tile_);
       const bool isTaken = isGood || (moved > 0 && aim_ <= kLeastGood);
@@ -570,10 +571,10 @@ MechanismPath closedExactly(const Scene& scene, MechanismPath rounded, double co
 
 }  // namespace
 
-PenetrationMeter overlapMeter(const Scene& scene, const std::vector<Brick>& bricks,
+PenetrationMeter overlapMeter(const Environment& environment, const std::vector<Brick>& bricks,
                               std::span<const Pivot> pivots, const Poses& start) {
-  const bool countsJoined = scene.environment.contacts != ContactFilter::Unjoined;
-  return {bricks, pivots, scene.environment.pivotZone, start, 0, countsJoined};
+  const bool countsJoined = environment.contacts != ContactFilter::Unjoined;
+  return {bricks, pivots, environment.pivotZone, start, 0, countsJoined};
 }
 
 bool closeInPlace(Poses& poses, Dynamics& dynamics) {
@@ -687,7 +688,7 @@ class ClearStates {
       : mostGap_(mostGap),
         mostGrown_(mostGrown),
         pivots_(makePivots(scene.model.joints, bricks)),
-        meter_(overlapMeter(scene, bricks, pivots_, start)) {}
+        meter_(overlapMeter(scene.environment, bricks, pivots_, start)) {}
 
   bool contain(const Poses& poses) {
     return jointGap(pivots_, poses).max <= mostGap_ &&
@@ -758,7 +759,7 @@ class Shortening {
         goesOn_(goesOn),
         bricks_(makeBricks(scene.model.tiles, scene.brick)),
         pivots_(makePivots(scene.model.joints, bricks_)),
-        meter_(overlapMeter(scene, bricks_, pivots_, path_.states.front())) {}
+        meter_(overlapMeter(scene.environment, bricks_, pivots_, path_.states.front())) {}
 
   // Rounds go on while one makes the path clearly shorter; else the next, with shorter pieces,
   // would be work for nothing.

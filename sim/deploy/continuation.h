@@ -51,9 +51,9 @@ double pathDistance(const std::vector<Brick>& bricks, const Poses& from, const P
 /// near singular states closing would carry the whole along, by rounding times its stiffness.
 bool closeInPlace(Poses& poses, Dynamics& dynamics);
 
-/// Measures how deep those bricks overlap that a scene's contacts would hold apart, or all where it
-/// has none, beyond `start`. Bricks must outlive the meter.
-PenetrationMeter overlapMeter(const Scene& scene, const std::vector<Brick>& bricks,
+/// Measures how deep those bricks overlap that these contacts would hold apart, or all where there
+/// are none, beyond `start`. Bricks must outlive the meter.
+PenetrationMeter overlapMeter(const Environment& environment, const std::vector<Brick>& bricks,
                               std::span<const Pivot> pivots, const Poses& start);
 
 /// How a path is followed.
@@ -66,7 +66,7 @@ struct ContinuationSettings {
   /// A singular start is left by a leap, contacts left out: the first state is sought at this
   /// progress of the guide. 0: the first moves are tiny instead, and grow.
   double leap = 1.0 / 60;
-  /// Of each joint, over that of the springs that move a tile along its guide. Designs without
+  /// Of each joint, over the weight of a tile's place in what "nearest" means. Designs without
   /// freedom leave their start only by opening their joints: the stiffer, the less. Infinity:
   /// exact.
   double jointStiffness = std::numeric_limits<double>::infinity();

@@ -84,8 +84,8 @@ void judge(const Scene& scene, GeometricPath& found, ContactFilter wanted) {
   const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
   const std::vector<Pivot> pivots = makePivots(scene.model.joints, bricks);
   const std::vector<Poses>& states = found.path.states;
-  Scene asked = scene;
-  asked.environment.contacts = wanted;
+  Environment asked = scene.environment;
+  asked.contacts = wanted;
   PenetrationMeter meter = overlapMeter(asked, bricks, pivots, states.front());
   found.grown = found.opening = 0;
   for (const Poses& state : states) {
