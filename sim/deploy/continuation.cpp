@@ -530,6 +530,34 @@ class Continuation {
   MechanismPath path_;
 };
 
+/// Follows a guide between two states of which neither need be the scene's target.
+MechanismPath follow(const Scene& scene, std::vector<Poses> guide,
+                     const ContinuationSettings& settings, SearchBudget& budget,
+                     const PathObserver& goesOn) {
+  Scene between = scene;
+  between.solver.planar = sceneNeeds(scene).planar.on;
+  between.model.target.reset();
+  const double exact = std::numeric_limits<double>::infinity();
+  return Continuation(between, guide.front(), settings, exact, budget, goesOn)
+      .along(std::move(guide));
+}
+
+/// Ends a path at its state that is nearest to a place.
+void endNearest(const std::vector<Brick>& bricks, const Poses& place, MechanismPath& path) {
+  const auto nearest = std::ranges::min_element(
+      path.states, {}, [&](const Poses& state) { return pathDistance(bricks, state, place); });
+  path.states.erase(nearest + 1, path.states.end());
+}
+
+/// Measures a path anew whose states have changed.
+void measureLengths(const std::vector<Brick>& bricks, MechanismPath& path) {
+  path.lengths = {0};
+  for (std::size_t k = 1; k < path.states.size(); ++k) {
+    path.lengths.push_back(path.length() +
+                           pathDistance(bricks, path.states[k - 1], path.states[k]));
+  }
+}
+
 /// Whether each state has one with joints closed exactly beside it, within the rounding's reach.
 bool closesExactly(const Scene& scene, const std::vector<Poses>& states) {
   const Scene alone = [&] {
@@ -617,12 +645,31 @@ MechanismPath continueTo(const Scene& scene, std::vector<Poses> states, const Po
 
 MechanismPath connect(const Scene& scene, std::vector<Poses> guide, SearchBudget& budget,
                       const PathObserver& goesOn) {
-  Scene between = scene;
-  between.solver.planar = sceneNeeds(scene).planar.on;
-  between.model.target.reset();
-  const double exact = std::numeric_limits<double>::infinity();
-  return Continuation(between, guide.front(), {.leap = 0}, exact, budget, goesOn)
-      .along(std::move(guide));
+  return follow(scene, std::move(guide), {.leap = 0}, budget, goesOn);
+}
+
+// What the exact part and the compliant one found from the goal on is turned round.
+MechanismPath continueFromGoal(const Scene& scene, const Poses& start, const Poses& goal,
+                               double jointStiffness, SearchBudget& budget,
+                               const PathObserver& goesOn) {
+  const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
+  MechanismPath back = connect(scene, {goal, start}, budget, goesOn);
+  if (back.isCutShort) return back;
+  endNearest(bricks, start, back);
+  const double near = kNoFarther * tileSize(scene.model);
+  if (pathDistance(bricks, back.states.back(), start) > near) {
+    MechanismPath rest = follow(scene, {back.states.back(), start},
+                                {.leap = 0, .jointStiffness = jointStiffness}, budget, goesOn);
+    back.isCutShort = rest.isCutShort;
+    rest.states.erase(rest.states.begin());
+    std::ranges::move(rest.states, std::back_inserter(back.states));
+  }
+  back.isStuck = pathDistance(bricks, back.states.back(), start) > near;
+  std::ranges::reverse(back.states);
+  back.states.front() = start;
+  measureLengths(bricks, back);
+  if (scene.model.target) back.error = targetError(*scene.model.target, bricks, goal);
+  return back;
 }
 
 MechanismPath continueToExtension(const Scene& scene, SearchBudget& budget,
@@ -669,13 +716,14 @@ constexpr double kBetween[] = {0.25, 0.5, 0.75};
 /// Which states lie at even distances along a path, in so many pieces; the first and the last too.
 std::vector<std::size_t> evenStates(const MechanismPath& path, int pieces) {
   std::vector<std::size_t> found = {0};
-  for (int k = 1; k <= pieces; ++k) {
+  const std::size_t last = path.states.size() - 1;
+  for (int k = 1; k < pieces; ++k) {
     const double length = path.length() * k / pieces;
     const auto there = std::ranges::lower_bound(path.lengths, length);
-    const auto state =
-        std::min(static_cast<std::size_t>(there - path.lengths.begin()), path.states.size() - 1);
-    if (state > found.back()) found.push_back(state);
+    const auto state = static_cast<std::size_t>(there - path.lengths.begin());
+    if (state > found.back() && state < last) found.push_back(state);
   }
+  if (last > 0) found.push_back(last);
   return found;
 }
 

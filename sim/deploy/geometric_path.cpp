@@ -1,10 +1,12 @@
 // Which paths of the mechanism are tried, in which order, and how the one that is taken is walked.
 //
 // Tried are, until one serves: without contacts, with three weights of turns against places; with
-// contacts, where bricks overlapped on the way; with compliant joints, which open as little as they
-// can (each path found guides the next, with joints ten times as stiff). Every path that arrives is
-// judged: how deep bricks overlap beyond the start, how far joints open. One that is much longer
-// than its tiles' own motions, or turns back, is made shorter (continuation.cpp): first as far as
+// contacts, where bricks overlapped on the way, from the start and then from the target back, with
+// compliant joints for the little that flush bricks at the start leave of it; with compliant joints
+// all the way, which open as little as they can (each path found guides the next, with joints ten
+// times as stiff). Every path that arrives is judged: how deep bricks overlap beyond the start, how
+// far joints open. One that is much longer than its tiles' own motions, or turns back, is made
+// shorter (continuation.cpp): first as far as
 // that makes tiles turn more evenly, so that a sheet looks regular on the way; a path that is as
 // short as can be often is not. One that stays a detour so is shortened further, at the cost of
 // even turns, if that makes it none.
@@ -51,6 +53,13 @@ constexpr auto kCompliant = std::to_array<ContinuationSettings>({
     {.turnWeight = 1, .leap = 0, .jointStiffness = 1e1},
 });
 constexpr double kStiffer = 10;
+// Joints that are compliant near a flush start only; they may open there by this part of a tile.
+constexpr double kStartStiffness = 1e4;
+constexpr double kStartOpening = 1e-2;
+// Such a path may cost this part of the budget.
+constexpr double kFromTargetShare = 0.2;
+// Joints that are open by less, in tiles, are closed.
+constexpr double kClosedShare = 1e-10;
 
 // A path may cost this part of the budget, and as much again for each fifth of it that is found:
 // where bricks wedge, or the mechanism is singular, moves are halved again and again.
@@ -153,6 +162,9 @@ void shorten(const Scene& scene, GeometricPath& found, ContactFilter wanted, Sea
 }
 
 const char* const kAmongBricks = "a path of the mechanism among touching bricks";
+const char* const kFromTarget = "a path of the mechanism from the target back";
+const char* const kTouchingReason =
+    "a path of the mechanism among touching bricks, nothing given needs dynamics";
 const char* const kShortening = "shorter ways along the path that was found";
 const char* const kCompliantTried = "a path of the mechanism with compliant joints";
 
@@ -185,6 +197,8 @@ class GeometricSearch {
         if (isOver_) return std::move(found_);
         if (found_.clear && found_.clear->path.error <= nearEnough(kNearShare)) break;
       }
+      if (!found_.clear) tryFromTarget(touching);
+      if (isOver_ || found_.compliant) return std::move(found_);
       if (found_.clear) return shortened(found_.clear);
     }
     found_.mayBeExact = found_.through || isCutShort_;
@@ -258,12 +272,48 @@ class GeometricSearch {
     trial.path = follow(tilesOwnMotion(), settings, contacts, kAmongBricks);
     if (!arrives(trial.path, true)) return;
     trial.hasCompliantJoints = trial.path.isRounded;
-    trial.reason = "a path of the mechanism among touching bricks, nothing given needs dynamics";
+    trial.reason = kTouchingReason;
     judge(scene_, trial);
     if (!isClear(scene_, trial)) return;
     if (!found_.clear || trial.path.error < found_.clear->path.error) {
       found_.clear = std::move(trial);
     }
+  }
+
+  /// Among bricks that wedge near the start, where a path passes through them.
+  void tryFromTarget(ContactFilter contacts) {
+    Scene trial = scene_;
+    trial.environment.contacts = contacts;
+    GeometricPath found;
+    found.contacts = contacts;
+    SearchBudget part(
+        std::min(budget_.left() / kWorkPerSecond, kFromTargetShare * budget_.seconds()));
+    found.path =
+        continueFromGoal(trial, found_.through->path.states.front(), atTarget_.nearest.poses,
+                         kStartStiffness, part, [&](double) { return tell(kFromTarget); });
+    budget_.spend(part.spent());
+    if (!arrives(found.path, true)) return;
+    found.hasCompliantJoints = true;
+    judge(scene_, found);
+    if (!isClear(scene_, found) || found.opening > kStartOpening * tile_) return;
+    found.hasCompliantJoints = found.opening > kClosedShare * tile_;
+    if (found.hasCompliantJoints) {
+      shorten(scene_, found, scene_.environment.contacts, budget_, [](double) { return true; });
+      found.reason = openingReason(
+          "a path of the mechanism among touching bricks whose joints are compliant near the start "
+          "alone, which",
+          found);
+      found_.compliant = std::move(found);
+    } else {
+      found.reason = kTouchingReason;
+      found_.clear = std::move(found);
+    }
+  }
+
+  /// `compliant`: the path's words up to how far its joints open.
+  std::string openingReason(const char* compliant, const GeometricPath& found) const {
+    return fmt::format("{} open by up to {:.2g} m ({:.2g} tiles): none with exact joints was found",
+                       compliant, found.opening, found.opening / tile_);
   }
 
   /// Tells what is being tried. Returns whether to go on.
@@ -288,10 +338,7 @@ class GeometricSearch {
     if (!best) return;
     shorten(scene_, *best, scene_.environment.contacts, budget_,
             [&](double) { return tell(kShortening); });
-    best->reason = fmt::format(
-        "a path of the mechanism with compliant joints, which open by up to {:.2g} m ({:.2g} "
-        "tiles): none with exact joints was found",
-        best->opening, best->opening / tile_);
+    best->reason = openingReason("a path of the mechanism with compliant joints, which", *best);
     (best->passesThrough ? found_.through : found_.compliant) = std::move(best);
   }
 
@@ -450,12 +497,17 @@ class Walk {
     }
   }
 
-  // A state between two of the path. With exact joints the straight state is closed again.
-  // Compliant joints need not close, so that only its symmetry is restored.
+  bool isOpen(const Poses& state) const {
+    return found_.hasCompliantJoints &&
+           jointGap(pivots_, state).max > kClosedShare * tileSize(scene_.model);
+  }
+
+  // A state between two of the path. Where joints are closed in both, the straight state is closed
+  // again. Compliant joints that are open need not close, so that only its symmetry is restored.
   Poses between(const Poses& from, double share) {
     if (share >= 1) return *poses_;
     Poses poses = interpolate(from, *poses_, share);
-    if (found_.hasCompliantJoints) return symmetricMean(poses, found_.path.symmetries);
+    if (isOpen(from) || isOpen(*poses_)) return symmetricMean(poses, found_.path.symmetries);
     closeInPlace(poses, *projection_);
     symmetries_.restore(poses, *projection_);
     return poses;
@@ -528,7 +580,7 @@ void addPushedWarning(const Scene& scene, const Poses& closed, DeploymentResult&
   const std::vector<Brick> bricks = makeBricks(scene.model.tiles, scene.brick);
   const std::vector<Pivot> pivots = makePivots(scene.model.joints, bricks);
   const Poses asRead = startPoses(scene.model.tiles, bricks);
-  PenetrationMeter meter(bricks, pivots, scene.environment.pivotZone, asRead, 0);
+  PenetrationMeter meter = overlapMeter(scene.environment, bricks, pivots, asRead);
   const double pushed = meter.at(closed).grown;
   if (pushed <= kClearShare * tile) return;
   result.warnings.push_back(fmt::format(

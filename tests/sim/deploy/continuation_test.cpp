@@ -333,6 +333,25 @@ TEST(Continuation, OpensTheJointsOfADesignWithoutFreedomAndSaysByHowMuch) {
   EXPECT_THAT(run.pathReason, testing::HasSubstr("none with exact joints was found"));
 }
 
+/// Its flush start lies apart from all other states among touching bricks: no exact path leaves it.
+TEST(Continuation, OpensJointsNearAFlushStartAlone) {
+  const Scene scene = sceneOf(generateModel(familyNamed("cap"), {{"half-size", 4}}));
+  const double tile = tileSize(scene.model);
+  const DeploymentResult run = deploy(scene, 1.0 / 30, nullptr);
+  EXPECT_EQ(run.path.kind, PathKind::Continuation);
+  EXPECT_TRUE(run.needs.contacts.on);
+  EXPECT_EQ(run.atTarget, true);
+  EXPECT_LE(run.accuracy.targetErrorEnd, 1e-9 * tile);       // measured: 2e-15
+  EXPECT_LE(run.accuracy.penetrationGrownMax, 1e-4 * tile);  // 4.7e-5
+  EXPECT_LE(run.accuracy.jointOpeningMax, 5e-3 * tile);      // 2.6e-3, all the way: 6.1e-3
+  const std::vector<Sample>& samples = run.trajectory.samples;
+  EXPECT_LE(samples.front().jointGap, 1e-10 * tile);
+  for (std::size_t k = samples.size() / 3; k < samples.size(); ++k) {
+    EXPECT_LE(samples[k].jointGap, 1e-10 * tile) << k;  // 1.1e-12, open in the first quarter
+  }
+  EXPECT_THAT(run.pathReason, testing::HasSubstr("compliant near the start alone"));
+}
+
 /// The symmetric start of this sheet is a saddle of its extent.
 TEST(Continuation, LeavesASymmetricStartThatNothingExtendsAtFirst) {
   Scene scene = sceneOf(generateModel(familyNamed("ammann-beenker-removal"), {{"tiles", 37}}));
