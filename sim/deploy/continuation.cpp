@@ -88,6 +88,11 @@ constexpr double kLeastReach = 1e-6;
 // much farther from the centre than the state.
 constexpr double kFirstReach = 1e-3;
 constexpr double kWider = 1.0;
+// A state on the way is at least this part of the tiles' root mean square distance from their
+// centre.
+constexpr double kRadiusStates = 100;
+// A path ends with a move of at least this part of a state.
+constexpr double kResting = 0.5;
 constexpr double kNoGain = 1e-12;  // of the sum of squares, relative
 constexpr int kMostExtending = 2000;
 // Within the rounding of the coordinates a move below this part of the last digit is none.
@@ -318,10 +323,12 @@ class Continuation {
   }
 
   MechanismPath toExtension() {
-    stateLength_ = kStateShare * tile_;
+    const double radius = pathDistance(mechanism_.bricks(), poses_, spread(poses_, 1));
+    stateLength_ = std::max(kStateShare * tile_, radius / kRadiusStates);
     extend();
     // Where nothing extends the tiles, they stand at a maximum or, often by symmetry, at a saddle.
     while (mayGoOn() && leaveSaddle()) continue;
+    leaveOutRest();
     path_.guideLength = path_.length();
     return finish();
   }
@@ -389,6 +396,19 @@ class Continuation {
       // Far places cost halved moves: they come nearer where moves are as long as they may be.
       part = moved < 0.5 * stateLength_ ? std::min(kGrowth * part, kWider) : part / kGrowth;
     }
+  }
+
+  /// Leaves out the states beside the last one: they go to and fro where the extent hardly grows.
+  void leaveOutRest() {
+    const auto distanceToLast = [&](std::size_t state) {
+      return pathDistance(mechanism_.bricks(), path_.states[state], poses_);
+    };
+    std::size_t kept = path_.states.size() - 1;
+    if (kept == 0) return;
+    while (kept > 1 && distanceToLast(kept - 1) < kResting * stateLength_) --kept;
+    path_.states.resize(kept);
+    path_.lengths.resize(kept);
+    keep();
   }
 
   /// Turns all tiles a little in one sense, which keeps a symmetry by turns but no mirror symmetry,

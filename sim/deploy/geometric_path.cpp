@@ -66,7 +66,7 @@ constexpr double kClosedShare = 1e-10;
 constexpr double kPathShare = 0.1;
 constexpr double kParts = 5;
 // Extending without contacts may cost this part of the budget, so that enough is left with them.
-constexpr double kAloneShare = 0.4;
+constexpr double kAloneShare = 0.6;
 // Shortening a path that was found may cost this part of it.
 constexpr double kShorteningShare = 0.25;
 // Of turns against places, times rho^2, in what a shorter path is: from where tiles turn evenly to

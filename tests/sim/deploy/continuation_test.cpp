@@ -188,18 +188,24 @@ TEST(Continuation, NothingButTheSamplesDependsOnTheirRate) {
 }
 
 /// At full extension rotating squares stand corner to corner, their diagonals in two lines.
+/// The squares stand corner to corner then, turned by 45 degrees.
 TEST(Continuation, WithoutATargetEndsAtFullExtension) {
-  Model model = makeTessellation({});
-  model.target.reset();
-  const Scene scene = sceneOf(std::move(model));
-  const DeploymentResult run = deploy(scene, 0.5, nullptr);
-  EXPECT_EQ(run.outcome, Outcome::Settled);
-  EXPECT_EQ(run.path.kind, PathKind::Continuation) << run.pathReason;
-  Eigen::AlignedBox3d box;
-  for (const Pose& pose : run.trajectory.samples.back().poses) box.extend(pose.position);
-  const double expected = 3 * std::sqrt(2) * tileSize(scene.model);
-  EXPECT_NEAR(box.sizes().x(), expected, 1e-6 * expected);  // measured: 4e-12
-  EXPECT_NEAR(box.sizes().y(), expected, 1e-6 * expected);
+  for (const int side : {4, 10, 40}) {
+    TessellationShape shape;
+    shape.columns = shape.rows = side;
+    Model model = makeTessellation(shape);
+    model.target.reset();
+    const Scene scene = sceneOf(std::move(model));
+    const DeploymentResult run = deploy(scene, 0.5, nullptr);
+    EXPECT_EQ(run.outcome, Outcome::Settled);
+    EXPECT_EQ(run.path.kind, PathKind::Continuation) << run.pathReason;
+    EXPECT_FALSE(run.needs.contacts.on) << run.needs.contacts.reason;
+    Eigen::AlignedBox3d box;
+    for (const Pose& pose : run.trajectory.samples.back().poses) box.extend(pose.position);
+    const double expected = (side - 1) * std::sqrt(2) * tileSize(scene.model);
+    EXPECT_NEAR(box.sizes().x(), expected, 1e-6 * expected);  // measured: 4e-12
+    EXPECT_NEAR(box.sizes().y(), expected, 1e-6 * expected);
+  }
 }
 
 /// The sum of squared distances from the common centre, square metres.
