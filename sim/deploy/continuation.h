@@ -36,6 +36,7 @@ struct MechanismPath {
   bool isRounded = false;       ///< joints close within the rounding of the coordinates only
   std::vector<Symmetry> symmetries;  ///< of the model, that all states have; a group
 
+  /// Of the whole path, metres.
   double length() const { return lengths.back(); }
 };
 
@@ -71,6 +72,7 @@ struct ContinuationSettings {
   /// exact.
   double jointStiffness = std::numeric_limits<double>::infinity();
 
+  /// Whether joints may open on the way.
   bool areJointsCompliant() const { return std::isfinite(jointStiffness); }
 };
 
@@ -132,6 +134,7 @@ class PathGuide {
 
   /// Of the whole guide, metres.
   double length() const { return lengths_.back(); }
+  /// Its last state.
   const Poses& end() const { return states_.back(); }
 
   /// The place at a progress from 0 to 1.

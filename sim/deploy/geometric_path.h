@@ -13,7 +13,7 @@ namespace kirireel {
 
 /// A path that arrives.
 struct GeometricPath {
-  MechanismPath path;
+  MechanismPath path;                            ///< its states
   ContactFilter contacts = ContactFilter::None;  ///< that bricks had on it
   std::string contactReason;                     ///< why, for the summary
   std::string reason;                            ///< why this path, for the summary

@@ -18,9 +18,9 @@ struct PathChoice {
   std::string reason;    ///< one short phrase for the summary
   bool isFound = false;  ///< it arrives, among bricks that touch where they may
   bool isClear = false;  ///< no bricks met on it
-  /// A path that arrives where bricks pass through each other, and why it was taken.
+  /// A path that arrives where bricks pass through each other.
   std::optional<PathSettings> through = std::nullopt;
-  std::string throughReason = {};
+  std::string throughReason = {};  ///< why that was taken, one short phrase
 };
 
 /// How a trial ended.
@@ -34,6 +34,7 @@ struct TrialEnd {
   double opening = 0;  ///< how far compliant joints opened, metres
   double work = 0;     ///< that it cost, see SearchBudget
 
+  /// Records or plays back.
   void transfer(StateTape& tape) {
     tape.transfer(arrives, jams, cutShort, keepsClear, error, opening, work);
   }
