@@ -104,12 +104,11 @@ MechanismPath connect(const Scene& scene, std::vector<Poses> guide, SearchBudget
 
 /// A path from a start to a goal, both with closed joints, found from the goal on: bricks that lie
 /// flush at the start wedge when they leave it by a finite move, and come near it all the same.
-/// Joints are exact from the goal back to where the mechanism comes nearest to the start. For what
-/// is left they have the stiffness of ContinuationSettings::jointStiffness; `isStuck` where even so
-/// the start is not reached. Among the contacts that the scene asks for.
+/// Joints are exact from the goal back to where the mechanism comes nearest to the start, and
+/// compliant for what is left; `isStuck` where even so the start is not reached. Among the contacts
+/// that the scene asks for.
 MechanismPath continueFromGoal(const Scene& scene, const Poses& start, const Poses& goal,
-                               double jointStiffness, SearchBudget& budget,
-                               const PathObserver& goesOn = {});
+                               SearchBudget& budget, const PathObserver& goesOn = {});
 
 /// Follows the mechanism from the scene's start away from the tiles' common centre, up to the
 /// state in which the sum of squared distances from it is greatest: full extension.

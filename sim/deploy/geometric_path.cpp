@@ -53,8 +53,7 @@ constexpr auto kCompliant = std::to_array<ContinuationSettings>({
     {.turnWeight = 1, .leap = 0, .jointStiffness = 1e1},
 });
 constexpr double kStiffer = 10;
-// Joints that are compliant near a flush start only; they may open there by this part of a tile.
-constexpr double kStartStiffness = 1e4;
+// Joints that are compliant near a flush start alone may open there by this part of a tile.
 constexpr double kStartOpening = 1e-2;
 // Such a path may cost this part of the budget.
 constexpr double kFromTargetShare = 0.2;
@@ -289,8 +288,8 @@ class GeometricSearch {
     SearchBudget part(
         std::min(budget_.left() / kWorkPerSecond, kFromTargetShare * budget_.seconds()));
     found.path =
-        continueFromGoal(trial, found_.through->path.states.front(), atTarget_.nearest.poses,
-                         kStartStiffness, part, [&](double) { return tell(kFromTarget); });
+        continueFromGoal(trial, found_.through->path.states.front(), atTarget_.nearest.poses, part,
+                         [&](double) { return tell(kFromTarget); });
     budget_.spend(part.spent());
     if (!arrives(found.path, true)) return;
     found.hasCompliantJoints = true;
