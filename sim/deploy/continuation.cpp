@@ -1239,13 +1239,8 @@ class CurveShortening {
   /// Puts the images in the place of the states from the first of them on.
   void takePath() {
     path_.states.resize(first_);
-    path_.lengths.resize(first_);
-    for (Poses& image : images_) {
-      const bool isFirst = path_.states.empty();
-      const double way = isFirst ? 0 : pathDistance(bricks_, path_.states.back(), image);
-      path_.lengths.push_back(isFirst ? 0 : path_.length() + way);
-      path_.states.push_back(std::move(image));
-    }
+    std::ranges::move(images_, std::back_inserter(path_.states));
+    measureLengths(bricks_, path_);
   }
 
   Scene scene_;
