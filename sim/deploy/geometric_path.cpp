@@ -197,6 +197,7 @@ class GeometricSearch {
         if (found_.clear && found_.clear->path.error <= nearEnough(kNearShare)) break;
       }
       if (!found_.clear) tryFromTarget(touching);
+      found_.mayBeExact = found_.compliant.has_value();
       if (isOver_ || found_.compliant) return std::move(found_);
       if (found_.clear) return shortened(found_.clear);
     }
