@@ -32,11 +32,7 @@ inline constexpr double kDegree = std::numbers::pi / 180;
 inline constexpr double kUnitTolerance = 1e-6;
 
 /// The mean of one or more points.
-inline Vector3 meanPoint(const std::vector<Vector3>& points) {
-  Vector3 sum = Vector3::Zero();
-  for (const Vector3& point : points) sum += point;
-  return sum / static_cast<double>(points.size());
-}
+Vector3 meanPoint(const std::vector<Vector3>& points);
 
 /// Position and rotation of one brick: a point r in brick axes stands at position + rotation * r.
 struct Pose {
@@ -78,6 +74,17 @@ inline Matrix3 crossMatrix(const Vector3& v) {
   return matrix;
 }
 
+/// What a symmetric matrix stretches by, and along which directions.
+struct SymmetricEigen {
+  Eigen::VectorXd values;   ///< the eigenvalues, rising
+  Eigen::MatrixXd vectors;  ///< a unit column for each, at right angles
+};
+
+/// The eigenvalues and eigenvectors of a symmetric matrix, of which the lower half is read. By QR
+/// steps on its tridiagonal form, O(n^3). One function for all sizes: the compiler takes seconds
+/// for each size that it knows.
+SymmetricEigen eigenOf(const Eigen::MatrixXd& matrix);
+
 /// The unit quaternion of the rotation vector (axis times angle in radians).
 /// The exponential map: exp(v/2) as a quaternion, (cos(a/2), sin(a/2) v / a) with a = |v|.
 inline Quaternion rotationFromVector(const Vector3& vector) {
@@ -108,48 +115,17 @@ inline Pose displaced(const Pose& pose, const Vector3& move, const Vector3& turn
 /// Poses on the way from one state to another, at a share from 0 to 1: positions go straight,
 /// rotations by the shortest turn.
 /// Both states have the same bricks. Joints that are closed at both ends may open on the way.
-inline Poses interpolate(const Poses& from, const Poses& to, double share) {
-  Poses poses(from.size());
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    poses[i].position = from[i].position + share * (to[i].position - from[i].position);
-    poses[i].rotation = from[i].rotation.slerp(share, to[i].rotation);
-  }
-  return poses;
-}
+Poses interpolate(const Poses& from, const Poses& to, double share);
 
 /// The rate at which the rotation vector of a turn changes while what was turned has an angular
 /// velocity: the inverse of the left Jacobian of SO(3) (Barfoot, State Estimation for Robotics,
 /// 2017, eq. 7.77).
-inline Vector3 turnRate(const Vector3& turn, const Vector3& angular) {
-  const double angle = turn.norm();
-  const double half = 0.5 * angle;
-  // (1 - half cot(half)) / angle^2, by its limit where the quotient would lose digits.
-  const double part =
-      angle < 1e-3 ? 1.0 / 12 : (1 - half * std::cos(half) / std::sin(half)) / (angle * angle);
-  return angular - 0.5 * turn.cross(angular) + part * turn.cross(turn.cross(angular));
-}
+Vector3 turnRate(const Vector3& turn, const Vector3& angular);
 
 /// Poses on the way between two motions that are `seconds` apart, at a share from 0 to 1: cubics
 /// that have the places, turns and velocities of both ends.
 /// Hermite's cubics: positions and rotation vectors p(s) = p_0 + (3 s^2 - 2 s^3)(p_1 - p_0) + s (1
 /// - s)^2 h v_0 - s^2 (1 - s) h v_1, with s the share and h the seconds.
-inline Poses interpolate(const Motion& from, const Motion& to, double seconds, double share) {
-  const double rest = 1 - share;
-  const double begin = seconds * share * rest * rest;
-  const double end = -seconds * share * share * rest;
-  const double way = share * share * (3 - 2 * share);
-  Poses poses(from.poses.size());
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    const Pose& first = from.poses[i];
-    const Pose& last = to.poses[i];
-    poses[i].position = first.position + way * (last.position - first.position) +
-                        begin * from.velocities[i].linear + end * to.velocities[i].linear;
-    const Vector3 turn = turnBetween(first.rotation, last.rotation);
-    const Vector3 turned = way * turn + begin * from.velocities[i].angular +
-                           end * turnRate(turn, to.velocities[i].angular);
-    poses[i].rotation = (rotationFromVector(turned) * first.rotation).normalized();
-  }
-  return poses;
-}
+Poses interpolate(const Motion& from, const Motion& to, double seconds, double share);
 
 }  // namespace kirireel

@@ -47,9 +47,9 @@ struct StepFigure {
   void (*set)(StepReport&, double);  ///< sets it
 };
 
-/// The figure that is a field of StepReport.
+/// The figure that is a field of StepReport, a long or a double. It is read and written as a
+/// double.
 template <auto Field>
-/// Every field is a long or a double; a figure reads and writes it as a double.
 constexpr StepFigure stepFigure(const char* name, const char* unit, const char* part = nullptr,
                                 const char* partName = nullptr) {
   return {name,

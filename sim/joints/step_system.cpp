@@ -348,9 +348,10 @@ typename PairBlocks<D>::PairMatrix PairBlocks<D>::withoutNegative(const PairMatr
     units[k] = Coordinates<D>::isTurn(k % D) ? 1 / lengthScale_ : 1;
   }
   const PairMatrix scaled = units.asDiagonal() * matrix * units.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<PairMatrix> own(scaled);
-  const PairVector kept = own.eigenvalues().cwiseMax(0);
-  const PairMatrix cut = own.eigenvectors() * kept.asDiagonal() * own.eigenvectors().transpose();
+  const SymmetricEigen own = eigenOf(scaled);
+  const PairVector kept = own.values.cwiseMax(0);
+  const PairMatrix vectors = own.vectors;
+  const PairMatrix cut = vectors * kept.asDiagonal() * vectors.transpose();
   const PairVector back = units.cwiseInverse();
   return back.asDiagonal() * cut * back.asDiagonal();
 }

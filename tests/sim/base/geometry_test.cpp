@@ -1,5 +1,8 @@
 #include "sim/base/geometry.h"
 
+#include <cmath>
+#include <numbers>
+
 #include <gtest/gtest.h>
 
 namespace kirireel {
@@ -19,6 +22,24 @@ TEST(RotationFromVector, TurnsAboutTheVectorByItsLength) {
 TEST(CrossMatrix, GivesTheCrossProduct) {
   const Vector3 a(1, 2, 3), b(-4, 5, 6);
   EXPECT_EQ(crossMatrix(a) * b, a.cross(b));
+}
+
+/// The matrix of the second difference, whose eigenvalues and eigenvectors are known:
+/// 2 - 2 cos(pi k / (n + 1)) and sin(pi j k / (n + 1)).
+TEST(EigenOf, FindsThoseOfTheSecondDifference) {
+  for (const int n : {1, 2, 6, 12}) {
+    Eigen::MatrixXd matrix = 2 * Eigen::MatrixXd::Identity(n, n);
+    for (int j = 0; j + 1 < n; ++j) matrix(j, j + 1) = matrix(j + 1, j) = -1;
+    const SymmetricEigen found = eigenOf(matrix);
+    for (int k = 0; k < n; ++k) {
+      const double angle = std::numbers::pi * (k + 1) / (n + 1);
+      EXPECT_NEAR(found.values[k], 2 - 2 * std::cos(angle), 4e-15) << n;  // measured: 9e-16
+      Eigen::VectorXd wave(n);
+      for (int j = 0; j < n; ++j) wave[j] = std::sin(angle * (j + 1));
+      // The sign of an eigenvector is free.
+      EXPECT_NEAR(std::abs(wave.normalized().dot(found.vectors.col(k))), 1, 4e-15) << n;
+    }
+  }
 }
 
 TEST(Pose, TurnsThenMoves) {

@@ -1,0 +1,55 @@
+#include "sim/base/geometry.h"
+
+#include <Eigen/Eigenvalues>
+
+namespace kirireel {
+
+Vector3 meanPoint(const std::vector<Vector3>& points) {
+  Vector3 sum = Vector3::Zero();
+  for (const Vector3& point : points) sum += point;
+  return sum / static_cast<double>(points.size());
+}
+
+SymmetricEigen eigenOf(const Eigen::MatrixXd& matrix) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(matrix);
+  return {solver.eigenvalues(), solver.eigenvectors()};
+}
+
+Poses interpolate(const Poses& from, const Poses& to, double share) {
+  Poses poses(from.size());
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    poses[i].position = from[i].position + share * (to[i].position - from[i].position);
+    poses[i].rotation = from[i].rotation.slerp(share, to[i].rotation);
+  }
+  return poses;
+}
+
+Vector3 turnRate(const Vector3& turn, const Vector3& angular) {
+  const double angle = turn.norm();
+  const double half = 0.5 * angle;
+  // (1 - half cot(half)) / angle^2, by its limit where the quotient would lose digits.
+  const double part =
+      angle < 1e-3 ? 1.0 / 12 : (1 - half * std::cos(half) / std::sin(half)) / (angle * angle);
+  return angular - 0.5 * turn.cross(angular) + part * turn.cross(turn.cross(angular));
+}
+
+Poses interpolate(const Motion& from, const Motion& to, double seconds, double share) {
+  const double rest = 1 - share;
+  const double begin = seconds * share * rest * rest;
+  const double end = -seconds * share * share * rest;
+  const double way = share * share * (3 - 2 * share);
+  Poses poses(from.poses.size());
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const Pose& first = from.poses[i];
+    const Pose& last = to.poses[i];
+    poses[i].position = first.position + way * (last.position - first.position) +
+                        begin * from.velocities[i].linear + end * to.velocities[i].linear;
+    const Vector3 turn = turnBetween(first.rotation, last.rotation);
+    const Vector3 turned = way * turn + begin * from.velocities[i].angular +
+                           end * turnRate(turn, to.velocities[i].angular);
+    poses[i].rotation = (rotationFromVector(turned) * first.rotation).normalized();
+  }
+  return poses;
+}
+
+}  // namespace kirireel
