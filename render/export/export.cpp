@@ -32,7 +32,6 @@
 
 #include "render/export/deck.h"
 #include "render/export/flat_sheet.h"
-#include "render/export/gmsh.h"
 #include "render/export/job.h"
 #include "render/export/mesh.h"
 #include "render/export/outside_program.h"

@@ -15,14 +15,14 @@
 // the first that has it, points of joints before parts.
 //
 // Groups are few by default, because Gmsh reads thousands of them slowly.
-#include "render/export/gmsh.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
 #include <numeric>
 #include <utility>
+
+#include "render/export/deck.h"
 
 namespace kirireel {
 namespace {

@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include "render/export/deck.h"
-#include "render/export/gmsh.h"
 #include "render/export/job.h"
 #include "sim/base/files.h"
 #include "tests/render/fea/run_deck.h"

@@ -7,8 +7,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "render/export/deck.h"
 #include "render/export/element_mesh.h"
-#include "render/export/gmsh.h"
 #include "sim/base/error.h"
 #include "sim/base/files.h"
 #include "tests/render/fea/read_deck.h"

@@ -1,10 +1,9 @@
-#include "render/export/gmsh.h"
-
 #include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "render/export/deck.h"
 #include "tests/support/layouts.h"
 
 namespace kirireel {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "render/export/gmsh.h"
+#include "render/export/deck.h"
 #include "tests/support/layouts.h"
 
 namespace kirireel {
