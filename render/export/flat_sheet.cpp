@@ -64,13 +64,22 @@ CornerGap gapBetween(const std::vector<FlatTile>& tiles, const Corner& a, const 
   return gap;
 }
 
+/// The shortest turn of a unit normal onto z. A sheet that faces down is turned over about x.
+Quaternion turnUp(const Vector3& normal) {
+  const Vector3 axis = normal.cross(Vector3::UnitZ());
+  const double sine = axis.norm();
+  const double angle = std::atan2(sine, normal.z());
+  return rotationFromVector(sine > 0 ? Vector3(angle / sine * axis)
+                                     : Vector3(angle * Vector3::UnitX()));
+}
+
 }  // namespace
 
 FlatSheet flatSheet(const Model& model) {
   const Vector3 normal = tileNormal(model.tiles[0]);
   requireFlat(model, normal);
   FlatSheet sheet;
-  sheet.turn = Quaternion::FromTwoVectors(normal, Vector3::UnitZ());
+  sheet.turn = turnUp(normal);
   sheet.height = (sheet.turn * model.tiles[0].vertices[0]).z();
   for (const Tile& tile : model.tiles) {
     FlatTile& flat = sheet.tiles.emplace_back();
