@@ -154,10 +154,8 @@ class PathGuide {
 // ------------------------------------------------------------------------------------------------
 // Paths of the mechanism made shorter.
 
-/// A path is a detour where it is longer than its tiles' own motions by more than this factor: a
-/// run is to stay within 1.5, and its samples lie on the arcs between these states (measured: 0.2%
-/// longer).
-inline constexpr double kDetour = 1.49;
+/// A path is a detour where it is longer than its tiles' own motions by more than this factor.
+inline constexpr double kDetour = 1.5;
 
 /// Whether a path is that much longer than the tiles' own motions from its first state to its last.
 /// Costs one distance of two states.

@@ -44,7 +44,6 @@ namespace fs = std::filesystem;
 
 constexpr double kClosed = 1e-10;  // gap in tiles, of joints that are exact
 constexpr double kOpen = 1.2;      // of the least opening found
-constexpr double kWinding = 1.5;   // length over that of the tiles' own motions
 constexpr double kLong = 1.05;     // of the least length found
 constexpr double kFar = 1.05;      // of the least error found
 constexpr double kArrived = 1e-6;  // error in tiles
@@ -129,7 +128,7 @@ void addWinding(const Scene& scene, const DeploymentResult& result, Row& row) {
   const Trajectory& trajectory = result.trajectory;
   const double winding = windingOf(scene, trajectory);
   row.add(fmt::format("winding {:5.2f}", winding));
-  if (winding <= kWinding) return;
+  if (winding <= kDetour) return;
   const double least = leastLength(scene, statesOf(trajectory), mostGrownOf(scene, result));
   row.add(fmt::format("freedom {} shortened {:.2f}", freedomsOf(scene, trajectory), least));
   row.require(least * kLong >= 1, "long");
