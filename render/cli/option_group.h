@@ -1,6 +1,7 @@
 /// Options of commands: declared in groups, read as values, checked against each other.
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -21,6 +22,11 @@ class Option;
 }  // namespace CLI
 
 namespace kirireel {
+
+/// Whether a name is in a list, which is short.
+inline bool has(const std::vector<std::string>& names, const std::string& name) {
+  return std::ranges::find(names, name) != names.end();
+}
 
 // ------------------------------------------------------------------------------------------------
 // Reads the values of options about pictures and exports; those of a scene are read by

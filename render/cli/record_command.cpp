@@ -27,7 +27,7 @@
 #include "render/cli/report.h"
 #include "render/cli/run_commands.h"
 #include "render/cli/scene_options.h"
-#include "render/folder/output_folder.h"
+#include "render/export/output_folder.h"
 #include "render/page/page.h"
 #include "render/record/summary.h"
 #include "sim/base/error.h"

@@ -17,8 +17,8 @@
 
 #include "render/picture/state_painter.h"
 #include "sim/deploy/assembled_state.h"
-#include "sim/measure/sheet.h"
 #include "sim/scene/scene_parts.h"
+#include "sim/trajectory/sheet.h"
 
 namespace kirireel {
 namespace {

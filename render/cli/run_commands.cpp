@@ -15,7 +15,7 @@
 #include "render/cli/report.h"
 #include "render/cli/scene_options.h"
 #include "render/export/export.h"
-#include "render/folder/output_folder.h"
+#include "render/export/output_folder.h"
 #include "render/record/summary.h"
 #include "sim/base/error.h"
 
@@ -329,8 +329,8 @@ int carryOut(const ExportOrder& order) {
 
 // ------------------------------------------------------------------------------------------------
 // The command reads trajectory.h5 alone: everything that curves show is measured from the samples,
-// or was stored with them. Options of figures are in print sizes (mm, points); see curves/plot.h
-// for what follows from them.
+// or was stored with them. Options of figures are in print sizes (mm, points); see
+// render/record/curves.h for what follows from them.
 
 namespace {
 

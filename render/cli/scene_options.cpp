@@ -13,8 +13,8 @@
 
 #include "render/cli/option_group.h"
 #include "sim/base/error.h"
-#include "sim/measure/sheet.h"
 #include "sim/model/read_model.h"
+#include "sim/trajectory/sheet.h"
 
 namespace kirireel {
 namespace {

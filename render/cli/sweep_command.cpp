@@ -30,9 +30,9 @@
 #include "render/cli/record_command.h"
 #include "render/cli/report.h"
 #include "render/cli/scene_options.h"
-#include "render/folder/output_folder.h"
+#include "render/export/output_folder.h"
 #include "render/picture/png.h"
-#include "render/sweep/collect.h"
+#include "render/record/collect.h"
 #include "sim/base/error.h"
 #include "sim/base/files.h"
 
@@ -414,10 +414,6 @@ CLI::Option& optionOf(CLI::App& command, const std::string& key) {
   throw std::logic_error("a key without an option: " + key);
 }
 
-bool has(const std::vector<std::string>& keys, const std::string& key) {
-  return std::find(keys.begin(), keys.end(), key) != keys.end();
-}
-
 /// One run as the commands `generate` and `simulate` would be told it. Options point into the
 /// orders beside them, so it can be neither copied nor moved.
 class RunOrders {
@@ -560,7 +556,7 @@ void requireFamily(const Sweep& sweep) {
 }
 
 /// Such values were made paths relative to the sweep file when it was read.
-bool namesFile(const std::string& key) {
+bool isPathKey(const std::string& key) {
   return key == "model" || key == "target" || key == "scene";
 }
 
@@ -568,7 +564,7 @@ bool namesFile(const std::string& key) {
 void requireValid(const Sweep& sweep, const SweepSetting& setting) {
   // An order of its own for each value, so that one value cannot hide a mistake of another.
   RunOrders(sweep).apply(setting);
-  if (!namesFile(setting.key) || fs::exists(setting.value.text)) return;
+  if (!isPathKey(setting.key) || fs::exists(setting.value.text)) return;
   throw inputErrorAt(setting.value.where,
                      fmt::format("there is no file or folder {}; correct the name, which is "
                                  "relative to the sweep file",

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "render/cli/record_command.h"
-#include "render/sweep/sweep_plan.h"
-#include "render/sweep/worker_pool.h"
+#include "render/record/sweep_plan.h"
+#include "render/record/worker_pool.h"
 
 namespace CLI {
 class App;

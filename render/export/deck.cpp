@@ -75,12 +75,13 @@ void appendNeckStiffness(std::string& text, const ElementMesh& mesh, const DeckS
   if (found.empty()) return;
   const auto [least, most] = std::ranges::minmax(found);
   const std::string stiffest = most > 1.0001 * least ? fmt::format(" to {:.4g}", most) : "";
-  append(text,
-         "** In the sheet's plane a neck beside a shut slit is a rotational spring of {:.4g}{} N "
-         "m/rad\n** with E = {} Pa: {}.\n",
-         least, stiffest, deckNumber(settings.material.youngs),
-         length > 0 ? "a beam's E t w^3 / (12 L), less what its two tiles give at its ends"
-                    : "what its two tiles give, as their corners' angles are");
+  appendText(
+      text,
+      "** In the sheet's plane a neck beside a shut slit is a rotational spring of {:.4g}{} N "
+      "m/rad\n** with E = {} Pa: {}.\n",
+      least, stiffest, deckNumber(settings.material.youngs),
+      length > 0 ? "a beam's E t w^3 / (12 L), less what its two tiles give at its ends"
+                 : "what its two tiles give, as their corners' angles are");
 }
 
 /// The header says what cannot be seen in the numbers: units, what joints are, and the two mistakes
@@ -89,15 +90,15 @@ void appendHeader(std::string& text, const ElementMesh& mesh, const DeckSettings
                   const DeckOrigin& origin) {
   text += "** A sheet of tiles as finite elements. No material and no step.\n";
   appendOrigin(text, origin, settings.unit);
-  append(text,
-         "** {} tiles, {} nodes, {} elements, {}.\n"
-         "** Keywords of {}. Joints: {}.\n",
-         mesh.tiles.size(), mesh.nodes.size(), mesh.elements.size(),
-         mesh.rule.quadratic ? "quadratic" : "linear",
-         settings.solver == Solver::Abaqus ? "Abaqus" : "CalculiX", jointWord(mesh));
+  appendText(text,
+             "** {} tiles, {} nodes, {} elements, {}.\n"
+             "** Keywords of {}. Joints: {}.\n",
+             mesh.tiles.size(), mesh.nodes.size(), mesh.elements.size(),
+             mesh.rule.quadratic ? "quadratic" : "linear",
+             settings.solver == Solver::Abaqus ? "Abaqus" : "CalculiX", jointWord(mesh));
   if (mesh.rule.countsFrom != 0) {
-    append(text, "** Sets count from 0: TILE_00000 is tile {} of the model's file.\n",
-           mesh.rule.countsFrom);
+    appendText(text, "** Sets count from 0: TILE_00000 is tile {} of the model's file.\n",
+               mesh.rule.countsFrom);
   }
   text +=
       "** Slits that are shut have nodes in one place on both sides: never merge duplicate "
@@ -105,7 +106,7 @@ void appendHeader(std::string& text, const ElementMesh& mesh, const DeckSettings
   if (mesh.rule.joints == JointStyle::Neck) {
     // Sheets with necks have no ideal hinges, so the warnings below do not concern them.
     const NeckShape& neck = mesh.rule.neck;
-    append(
+    appendText(
         text,
         "** The flat start as it is cut, in one piece: necks {} m wide and {} m long, fillets of "
         "{} m,\n** kerf {} m.\n",
@@ -114,19 +115,21 @@ void appendHeader(std::string& text, const ElementMesh& mesh, const DeckSettings
     appendNeckStiffness(text, mesh, settings, origin.thickness);
     return;
   }
-  append(text,
-         "** Largest gap between corners that a joint holds together: {} m.\n"
-         "** WARNING: joints are ideal hinges, so the sheet is a mechanism. A linear static step "
-         "that\n"
-         "** holds too little of it ends without a warning and with meaningless displacements.\n",
-         deckNumber(mesh.largestGap));
+  appendText(
+      text,
+      "** Largest gap between corners that a joint holds together: {} m.\n"
+      "** WARNING: joints are ideal hinges, so the sheet is a mechanism. A linear static step "
+      "that\n"
+      "** holds too little of it ends without a warning and with meaningless displacements.\n",
+      deckNumber(mesh.largestGap));
   if (mesh.rule.joints == JointStyle::Patch) {
-    append(text, "** Patches have a radius of {} m.\n", deckNumber(mesh.rule.patchRadius));
+    appendText(text, "** Patches have a radius of {} m.\n", deckNumber(mesh.rule.patchRadius));
     if (mesh.springs.empty()) return;
-    append(text,
-           "** {} torsional springs stand between patches. They rest in this state; jobs add the "
-           "moments\n** that the run's springs have in it.\n",
-           mesh.springs.size());
+    appendText(
+        text,
+        "** {} torsional springs stand between patches. They rest in this state; jobs add the "
+        "moments\n** that the run's springs have in it.\n",
+        mesh.springs.size());
     return;
   }
   text +=
@@ -140,8 +143,8 @@ void appendNodes(std::string& text, const std::vector<Vector3>& nodes, DeckUnit 
   text += "*NODE, NSET=NALL\n";
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     const Vector3 at = scale * nodes[k];
-    append(text, "{}, {}, {}, {}\n", k + 1, deckNumber(at.x()), deckNumber(at.y()),
-           deckNumber(at.z()));
+    appendText(text, "{}, {}, {}, {}\n", k + 1, deckNumber(at.x()), deckNumber(at.y()),
+               deckNumber(at.z()));
   }
 }
 
@@ -174,7 +177,7 @@ std::vector<std::pair<std::string, const TileElements*>> partsOf(const ElementMe
 void appendPart(std::string& text, const ElementMesh& mesh, const std::string& name,
                 const TileElements& tile) {
   checkInterruption();
-  append(text, "*ELEMENT, TYPE={}, ELSET={}\n", elementType(tile, mesh.rule), name);
+  appendText(text, "*ELEMENT, TYPE={}, ELSET={}\n", elementType(tile, mesh.rule), name);
   for (int k = 0; k < tile.elementCount; ++k) appendElement(text, mesh, tile.firstElement + k);
 }
 
@@ -182,7 +185,7 @@ void appendPart(std::string& text, const ElementMesh& mesh, const std::string& n
 /// section.
 void appendOffsetSets(std::string& text, const ElementMesh& mesh) {
   for (const ShellOffset& shells : shellOffsets(mesh)) {
-    append(text, "*ELSET, ELSET={}\n", shells.set);
+    appendText(text, "*ELSET, ELSET={}\n", shells.set);
     std::vector<int> elements;
     for (const int tile : shells.tiles) {
       const TileElements& own = mesh.tiles[tile];
@@ -197,7 +200,7 @@ void appendAllElements(std::string& text, const ElementMesh& mesh) {
   std::string last;
   for (const auto& [name, tile] : partsOf(mesh)) {
     const std::string type = elementType(*tile, mesh.rule);
-    if (type != last) append(text, "*ELEMENT, TYPE={}\n", type);
+    if (type != last) appendText(text, "*ELEMENT, TYPE={}\n", type);
     last = type;
     for (int k = 0; k < tile->elementCount; ++k) appendElement(text, mesh, tile->firstElement + k);
   }
@@ -205,15 +208,15 @@ void appendAllElements(std::string& text, const ElementMesh& mesh) {
 
 /// Faces 1 and 2 of a prism are its bottom and its top, 3 to 6 its sides.
 void appendSurfaces(std::string& text, const TileElements& tile, const std::string& name) {
-  append(text, "*SURFACE, NAME={}_SBOT, TYPE=ELEMENT\n", name);
-  for (int k = 0; k < tile.layerCount; ++k) append(text, "{}, S1\n", tile.firstElement + k + 1);
-  append(text, "*SURFACE, NAME={}_STOP, TYPE=ELEMENT\n", name);
+  appendText(text, "*SURFACE, NAME={}_SBOT, TYPE=ELEMENT\n", name);
+  for (int k = 0; k < tile.layerCount; ++k) appendText(text, "{}, S1\n", tile.firstElement + k + 1);
+  appendText(text, "*SURFACE, NAME={}_STOP, TYPE=ELEMENT\n", name);
   // Elements of a tile are numbered layer by layer, the bottom layer first.
   const int lastLayer = tile.firstElement + tile.elementCount - tile.layerCount;
-  for (int k = 0; k < tile.layerCount; ++k) append(text, "{}, S2\n", lastLayer + k + 1);
-  append(text, "*SURFACE, NAME={}_SIDE, TYPE=ELEMENT\n", name);
+  for (int k = 0; k < tile.layerCount; ++k) appendText(text, "{}, S2\n", lastLayer + k + 1);
+  appendText(text, "*SURFACE, NAME={}_SIDE, TYPE=ELEMENT\n", name);
   for (const ElementFace& face : tile.sides) {
-    append(text, "{}, S{}\n", face.element + 1, face.side + 3);
+    appendText(text, "{}, S{}\n", face.element + 1, face.side + 3);
   }
   // Sides come sorted by tile edge, so a new surface begins where the edge changes. Necks have no
   // edges (-1) and take part in _SIDE alone.
@@ -221,10 +224,10 @@ void appendSurfaces(std::string& text, const TileElements& tile, const std::stri
   for (const ElementFace& face : tile.sides) {
     if (face.tileEdge < 0) continue;
     if (face.tileEdge != edge) {
-      append(text, "*SURFACE, NAME={}_S{}, TYPE=ELEMENT\n", name, face.tileEdge);
+      appendText(text, "*SURFACE, NAME={}_S{}, TYPE=ELEMENT\n", name, face.tileEdge);
     }
     edge = face.tileEdge;
-    append(text, "{}, S{}\n", face.element + 1, face.side + 3);
+    appendText(text, "{}, S{}\n", face.element + 1, face.side + 3);
   }
 }
 
@@ -265,8 +268,8 @@ void appendEquations(std::string& text, const ElementMesh& mesh) {
   for (const NodeCluster& cluster : mesh.clusters) {
     for (std::size_t k = 1; k < cluster.nodes.size(); ++k) {
       for (int axis = 1; axis <= 3; ++axis) {
-        append(text, "*EQUATION\n2\n{0}, {2}, 1., {1}, {2}, -1.\n", cluster.nodes[k] + 1,
-               cluster.nodes[0] + 1, axis);
+        appendText(text, "*EQUATION\n2\n{0}, {2}, 1., {1}, {2}, -1.\n", cluster.nodes[k] + 1,
+                   cluster.nodes[0] + 1, axis);
       }
     }
   }
@@ -328,7 +331,7 @@ std::string meshDeck(const ElementMesh& mesh, const DeckSettings& settings,
   } else {
     for (const auto& [name, tile] : partsOf(mesh)) appendPart(text, mesh, name, *tile);
   }
-  append(text, "*ELSET, ELSET=EALL, GENERATE\n1, {}, 1\n", mesh.elements.size());
+  appendText(text, "*ELSET, ELSET=EALL, GENERATE\n1, {}, 1\n", mesh.elements.size());
   if (sets == SetChoice::All) appendTileSets(text, mesh);
   if (sets != SetChoice::None) appendJointSets(text, mesh);
   appendNodeSet(text, "NJOINT", allJointNodes(mesh));
@@ -400,31 +403,32 @@ void appendNumbers(std::string& text, const int* numbers, std::size_t count) {
   for (std::size_t k = 0; k < count; ++k) {
     const bool endsLine = (k + 1) % kNumbersInLine == 0 || k + 1 == count;
     // Decks count from 1, meshes here from 0.
-    append(text, "{}{}", numbers[k] + 1, endsLine ? "\n" : ", ");
+    appendText(text, "{}{}", numbers[k] + 1, endsLine ? "\n" : ", ");
   }
 }
 
 void appendNodeSet(std::string& text, const std::string& name, const std::vector<int>& nodes) {
   if (nodes.empty()) return;
-  append(text, "*NSET, NSET={}\n", name);
+  appendText(text, "*NSET, NSET={}\n", name);
   appendNumbers(text, nodes.data(), nodes.size());
 }
 
 void appendOrigin(std::string& text, const DeckOrigin& origin, DeckUnit unit) {
-  append(
+  appendText(
       text, "** {}\n",
       oneLine(fmt::format("Model {}, state {}, at {} s.", origin.model, origin.state, origin.time),
               kLongestLine));
-  append(text, "** Written by {}. Units: {}; bricks {} m thick.\n", origin.writer,
-         unitScale(unit).words, deckNumber(origin.thickness));
-  append(text, "** {}\n", oneLine("Run: " + origin.run, kLongestLine));
-  append(text, "** Deepest overlap of two bricks in this state: {} m.\n",
-         deckNumber(origin.overlap));
+  appendText(text, "** Written by {}. Units: {}; bricks {} m thick.\n", origin.writer,
+             unitScale(unit).words, deckNumber(origin.thickness));
+  appendText(text, "** {}\n", oneLine("Run: " + origin.run, kLongestLine));
+  appendText(text, "** Deepest overlap of two bricks in this state: {} m.\n",
+             deckNumber(origin.overlap));
   if (!isOverlapToTell(origin.overlap, origin.thickness)) return;
-  append(text,
-         "** WARNING: bricks overlap by {:.2g} of their thickness: with contact between tiles,\n"
-         "** an analysis starts overclosed. A run with --contacts keeps bricks apart.\n",
-         origin.overlap / origin.thickness);
+  appendText(
+      text,
+      "** WARNING: bricks overlap by {:.2g} of their thickness: with contact between tiles,\n"
+      "** an analysis starts overclosed. A run with --contacts keeps bricks apart.\n",
+      origin.overlap / origin.thickness);
 }
 
 std::string heading(const DeckOrigin& origin, const std::string& subject) {
@@ -491,12 +495,12 @@ void PatchDeck::appendBodies(std::string& text) const {
       appendNodeSet(text, name, mesh_.clusters[c].patches[k]);
       const int own = own_[c][k] + 1;
       if (solver_ == Solver::Abaqus) {
-        append(text, "*RIGID BODY, PIN NSET={}, REF NODE={}\n", name, own);
+        appendText(text, "*RIGID BODY, PIN NSET={}, REF NODE={}\n", name, own);
         // The first node of PIN is the dependent one, so what is held is the shared node.
-        if (own != shared) append(pins, "PIN, {}, {}\n", own, shared);
+        if (own != shared) appendText(pins, "PIN, {}, {}\n", own, shared);
       } else {
-        append(text, "*RIGID BODY, NSET={}, REF NODE={}", name, shared);
-        own > 0 ? append(text, ", ROT NODE={}\n", own) : append(text, "\n");
+        appendText(text, "*RIGID BODY, NSET={}, REF NODE={}", name, shared);
+        own > 0 ? appendText(text, ", ROT NODE={}\n", own) : appendText(text, "\n");
       }
     }
   }
@@ -511,12 +515,12 @@ void PatchDeck::appendSprings(std::string& text, DeckUnit unit) const {
   std::size_t number = mesh_.elements.size();
   for (std::size_t k = 0; k < mesh_.springs.size(); ++k) {
     const PatchSpring& spring = mesh_.springs[k];
-    append(text,
-           "*ELEMENT, TYPE=SPRING2, ELSET=SPRING_{0:05}\n{1}, {2}, {3}\n"
-           "*SPRING, ELSET=SPRING_{0:05}\n{4}, {4}\n{5}\n",
-           k, ++number, turningNode(spring.cluster, spring.patchA) + 1,
-           turningNode(spring.cluster, spring.patchB) + 1, axis(),
-           deckNumber(moment * spring.stiffness));
+    appendText(text,
+               "*ELEMENT, TYPE=SPRING2, ELSET=SPRING_{0:05}\n{1}, {2}, {3}\n"
+               "*SPRING, ELSET=SPRING_{0:05}\n{4}, {4}\n{5}\n",
+               k, ++number, turningNode(spring.cluster, spring.patchA) + 1,
+               turningNode(spring.cluster, spring.patchB) + 1, axis(),
+               deckNumber(moment * spring.stiffness));
   }
 }
 
@@ -528,8 +532,8 @@ void PatchDeck::appendMoments(std::string& text, DeckUnit unit) const {
     if (spring.moment == 0) continue;
     for (const auto& [patch, moment] :
          {std::pair{spring.patchA, -spring.moment}, {spring.patchB, spring.moment}}) {
-      append(text, "{}, {}, {}\n", turningNode(spring.cluster, patch) + 1, axis(),
-             deckNumber(unitMoment * moment));
+      appendText(text, "{}, {}, {}\n", turningNode(spring.cluster, patch) + 1, axis(),
+                 deckNumber(unitMoment * moment));
     }
   }
 }
@@ -799,11 +803,11 @@ void appendTies(std::string& text, const Periodicity& periodic, const ElementMes
   for (const PeriodicTie& tie : periodic.ties) {
     for (int direction = 1; direction <= directions; ++direction) {
       // u_node - u_leader - i u_cx - j u_cy = 0, the dependent node first.
-      append(text, "*EQUATION\n{}\n{}, {}, 1., {}, {}, -1.", 2 + tie.times[0] + tie.times[1],
-             tie.node + 1, direction, tie.leader + 1, direction);
+      appendText(text, "*EQUATION\n{}\n{}, {}, 1., {}, {}, -1.", 2 + tie.times[0] + tie.times[1],
+                 tie.node + 1, direction, tie.leader + 1, direction);
       for (const int axis : {0, 1}) {
         if (tie.times[axis] == 0) continue;
-        append(text, ", {}, {}, -1.", controls[axis] + 1, direction);
+        appendText(text, ", {}, {}, -1.", controls[axis] + 1, direction);
       }
       text += '\n';
     }
@@ -926,10 +930,10 @@ std::vector<ContactPair> contactPairs(const ElementMesh& mesh) {
 void appendContactSurfaces(std::string& text, const std::vector<ContactPair>& pairs) {
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     for (const auto& [faces, ending] : {std::pair{&pairs[k].a, "A"}, {&pairs[k].b, "B"}}) {
-      append(text, "*SURFACE, NAME=CONTACT_{:05}_{}, TYPE=ELEMENT\n", k, ending);
+      appendText(text, "*SURFACE, NAME=CONTACT_{:05}_{}, TYPE=ELEMENT\n", k, ending);
       for (const ElementFace& face : *faces) {
         // Faces 1 and 2 of a hexahedron are its bottom and top; 3 to 6 follow its bottom corners.
-        append(text, "{}, S{}\n", face.element + 1, face.side + 3);
+        appendText(text, "{}, S{}\n", face.element + 1, face.side + 3);
       }
     }
   }
@@ -943,19 +947,19 @@ void appendContactCards(std::string& text, std::size_t pairs, const DeckSettings
   const double friction = settings.contactFriction.value_or(0);
   text += "*SURFACE INTERACTION, NAME=FLANKS\n";
   if (settings.solver == Solver::Calculix) {
-    append(text, "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n{}\n", deckNumber(slope));
+    appendText(text, "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n{}\n", deckNumber(slope));
     if (friction > 0) {
-      append(text, "*FRICTION\n{}, {}\n", deckNumber(friction), deckNumber(0.01 * slope));
+      appendText(text, "*FRICTION\n{}, {}\n", deckNumber(friction), deckNumber(0.01 * slope));
     }
   } else {
     text += "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=HARD\n";
-    if (friction > 0) append(text, "*FRICTION\n{}\n", deckNumber(friction));
+    if (friction > 0) appendText(text, "*FRICTION\n{}\n", deckNumber(friction));
   }
   for (std::size_t k = 0; k < pairs; ++k) {
-    append(text,
-           "*CONTACT PAIR, INTERACTION=FLANKS, TYPE=SURFACE TO SURFACE\n"
-           "CONTACT_{0:05}_A, CONTACT_{0:05}_B\n",
-           k);
+    appendText(text,
+               "*CONTACT PAIR, INTERACTION=FLANKS, TYPE=SURFACE TO SURFACE\n"
+               "CONTACT_{0:05}_A, CONTACT_{0:05}_B\n",
+               k);
   }
 }
 

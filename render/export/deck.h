@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "render/export/element_mesh.h"
+#include "sim/base/files.h"
 #include "sim/base/geometry.h"
 #include "sim/model/hinge.h"
 
@@ -104,12 +105,6 @@ bool isOverlapToTell(double overlap, double thickness);
 /// shortest text that reads back to the same double where it fits, else 14 digits. Zero for
 /// magnitudes below 1e-90. The value must be finite: neither program reads "nan" or "inf".
 std::string deckNumber(double value);
-
-/// Appends formatted text.
-template <typename... Arguments>
-void append(std::string& text, fmt::format_string<Arguments...> format, Arguments&&... arguments) {
-  fmt::format_to(std::back_inserter(text), format, std::forward<Arguments>(arguments)...);
-}
 
 /// Appends numbers from 0 as numbers from 1, at most 16 a line. A count of 0 appends nothing, not
 /// even a line break.

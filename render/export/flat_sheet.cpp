@@ -20,6 +20,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/base/error.h"
+#include "sim/base/files.h"
 
 namespace kirireel {
 namespace {
@@ -333,11 +334,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-template <typename... Arguments>
-void append(std::string& text, fmt::format_string<Arguments...> format, Arguments&&... arguments) {
-  fmt::format_to(std::back_inserter(text), format, std::forward<Arguments>(arguments)...);
-}
-
 /// Which vertices of tiles are one vertex of the sheet.
 struct SharedVertices {
   std::vector<std::vector<int>> faces;  ///< the sheet's vertices round each tile
@@ -433,13 +429,13 @@ std::string planarObjText(const std::vector<Tile>& tiles) {
   for (const Tile& tile : tiles) vertices += tile.vertices.size();
   std::string text = fmt::format("# {} vertices {} faces\n", vertices, tiles.size());
   for (const Tile& tile : tiles) {
-    for (const Vector3& v : tile.vertices) append(text, "v {} {} {}\n", v.x(), v.y(), v.z());
+    for (const Vector3& v : tile.vertices) appendText(text, "v {} {} {}\n", v.x(), v.y(), v.z());
   }
   text += "\n";
   std::size_t next = 1;
   for (const Tile& tile : tiles) {
     text += "f";
-    for (std::size_t k = 0; k < tile.vertices.size(); ++k) append(text, " {}", next++);
+    for (std::size_t k = 0; k < tile.vertices.size(); ++k) appendText(text, " {}", next++);
     text += "\n";
   }
   return text;

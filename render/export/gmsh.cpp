@@ -103,9 +103,9 @@ class GmshText {
 
   std::string text() const {
     std::string text = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n";
-    append(text, "$PhysicalNames\n{}\n", groups_.size());
+    appendText(text, "$PhysicalNames\n{}\n", groups_.size());
     for (const Group& group : groups_) {
-      append(text, "{} {} \"{}\"\n", group.dimension, group.number, group.name);
+      appendText(text, "{} {} \"{}\"\n", group.dimension, group.number, group.name);
     }
     text += "$EndPhysicalNames\n";
     appendEntities(text);
@@ -199,13 +199,13 @@ class GmshText {
   /// Points have a position, all others the box round their part. Curves: none.
   void appendEntities(std::string& text) const {
     const int parts = static_cast<int>(parts_.size());
-    append(text, "$Entities\n{} 0 {} {}\n", pointGroups_.size(), isSolid() ? 3 * parts : parts,
-           isSolid() ? parts : 0);
+    appendText(text, "$Entities\n{} 0 {} {}\n", pointGroups_.size(), isSolid() ? 3 * parts : parts,
+               isSolid() ? parts : 0);
     int entity = 0;
     for (const auto& [node, groups] : pointGroups_) {
       const Vector3& at = positions_[node];
-      append(text, "{} {} {} {} {}", ++entity, at.x(), at.y(), at.z(), groups.size());
-      for (const int group : groups) append(text, " {}", group);
+      appendText(text, "{} {} {} {} {}", ++entity, at.x(), at.y(), at.z(), groups.size());
+      for (const int group : groups) appendText(text, " {}", group);
       text += '\n';
     }
     // The group of kind 1 + k % 3: BOTTOM, TOP, SIDES.
@@ -222,22 +222,23 @@ class GmshText {
                     const std::vector<int>& own) const {
     Eigen::AlignedBox3d box;
     for (const int node : parts_[part]->nodes) box.extend(positions_[node]);
-    append(text, "{} {} {} {} {} {} {} ", number + 1, box.min().x(), box.min().y(), box.min().z(),
-           box.max().x(), box.max().y(), box.max().z());
-    own.empty() ? append(text, "1 {} 0\n", kind) : append(text, "2 {} {} 0\n", kind, own[number]);
+    appendText(text, "{} {} {} {} {} {} {} ", number + 1, box.min().x(), box.min().y(),
+               box.min().z(), box.max().x(), box.max().y(), box.max().z());
+    own.empty() ? appendText(text, "1 {} 0\n", kind)
+                : appendText(text, "2 {} {} 0\n", kind, own[number]);
   }
 
   void appendNodes(std::string& text) const {
     std::vector<bool> isWritten(mesh_.nodes.size());
     // Nodes keep the numbers of the mesh, from 1, in whichever block they stand.
-    append(text, "$Nodes\n{0} {1} 1 {1}\n", pointGroups_.size() + parts_.size(),
-           mesh_.nodes.size());
+    appendText(text, "$Nodes\n{0} {1} 1 {1}\n", pointGroups_.size() + parts_.size(),
+               mesh_.nodes.size());
     const auto appendBlock = [&](int dimension, int entity, const std::vector<int>& nodes) {
-      append(text, "{} {} 0 {}\n", dimension, entity, nodes.size());
-      for (const int node : nodes) append(text, "{}\n", node + 1);
+      appendText(text, "{} {} 0 {}\n", dimension, entity, nodes.size());
+      for (const int node : nodes) appendText(text, "{}\n", node + 1);
       for (const int node : nodes) {
         const Vector3& at = positions_[node];
-        append(text, "{} {} {}\n", at.x(), at.y(), at.z());
+        appendText(text, "{} {} {}\n", at.x(), at.y(), at.z());
         isWritten[node] = true;
       }
     };
@@ -255,14 +256,14 @@ class GmshText {
   void appendElements(std::string& text) const {
     std::size_t count = 0;
     for (const Block& block : blocks_) count += block.elements.size();
-    append(text, "$Elements\n{0} {1} 1 {1}\n", blocks_.size(), count);
+    appendText(text, "$Elements\n{0} {1} 1 {1}\n", blocks_.size(), count);
     std::size_t number = 0;
     for (const Block& block : blocks_) {
-      append(text, "{} {} {} {}\n", block.dimension, block.entity, block.kind,
-             block.elements.size());
+      appendText(text, "{} {} {} {}\n", block.dimension, block.entity, block.kind,
+                 block.elements.size());
       for (const std::vector<int>& nodes : block.elements) {
-        append(text, "{}", ++number);
-        for (const int node : nodes) append(text, " {}", node + 1);
+        appendText(text, "{}", ++number);
+        for (const int node : nodes) appendText(text, " {}", node + 1);
         text += '\n';
       }
     }

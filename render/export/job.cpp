@@ -40,7 +40,7 @@
 
 #include "render/export/deck.h"
 #include "sim/base/error.h"
-#include "sim/joints/block_cholesky.h"
+#include "sim/mechanics/block_cholesky.h"
 
 namespace kirireel {
 namespace {
@@ -50,27 +50,28 @@ namespace {
 void appendSection(std::string& text, const ElementMesh& mesh, const DeckSettings& settings,
                    double thickness) {
   const UnitScale scale = unitScale(settings.unit);
-  append(text, "*MATERIAL, NAME=SHEET\n*ELASTIC\n{}, {}\n*DENSITY\n{}\n",
-         deckNumber(scale.stress * settings.material.youngs), deckNumber(settings.material.poisson),
-         deckNumber(scale.density * settings.material.density));
+  appendText(text, "*MATERIAL, NAME=SHEET\n*ELASTIC\n{}, {}\n*DENSITY\n{}\n",
+             deckNumber(scale.stress * settings.material.youngs),
+             deckNumber(settings.material.poisson),
+             deckNumber(scale.density * settings.material.density));
   const bool isShell = mesh.rule.family == ElementFamily::Shell;
   const std::vector<ShellOffset> offsets =
       isShell ? shellOffsets(mesh) : std::vector<ShellOffset>();
   for (const ShellOffset& shells : offsets) {
-    append(text, "*SHELL SECTION, ELSET={}, MATERIAL=SHEET, OFFSET={}\n{}\n", shells.set,
-           deckNumber(shells.offset), deckNumber(scale.length * thickness));
+    appendText(text, "*SHELL SECTION, ELSET={}, MATERIAL=SHEET, OFFSET={}\n{}\n", shells.set,
+               deckNumber(shells.offset), deckNumber(scale.length * thickness));
   }
   if (!offsets.empty()) return;
-  append(text, "*{} SECTION, ELSET=EALL, MATERIAL=SHEET\n", isShell ? "SHELL" : "SOLID");
+  appendText(text, "*{} SECTION, ELSET=EALL, MATERIAL=SHEET\n", isShell ? "SHELL" : "SOLID");
   if (mesh.rule.family == ElementFamily::Solid) return;
-  append(text, "{}\n", deckNumber(scale.length * thickness));
+  appendText(text, "{}\n", deckNumber(scale.length * thickness));
 }
 
 /// A row for each displacement: node, axis, axis.
 void appendSupports(std::string& text, const std::vector<NodeDisplacement>& supports) {
   text += "*BOUNDARY\n";
   for (const NodeDisplacement& held : supports) {
-    append(text, "{0}, {1}, {1}\n", held.node + 1, held.axis + 1);
+    appendText(text, "{0}, {1}, {1}\n", held.node + 1, held.axis + 1);
   }
 }
 
@@ -129,8 +130,8 @@ void appendGripForces(std::string& text, const std::vector<NamedNodes>& grips, i
   for (const NamedNodes& grip : grips) {
     // The first grip is the MIN end, so sign 1 pulls it in the negative direction.
     sign = -sign;
-    append(text, "{}, {}, {}\n", grip.name, axis + 1,
-           deckNumber(sign / static_cast<double>(grip.nodes.size())));
+    appendText(text, "{}, {}, {}\n", grip.name, axis + 1,
+               deckNumber(sign / static_cast<double>(grip.nodes.size())));
   }
 }
 
@@ -148,7 +149,7 @@ void appendRequests(std::string& text, Solver solver, const char* set, const cha
         "*OUTPUT, FIELD\n*NODE OUTPUT\nU, RF\n"
         "*ELEMENT OUTPUT\nS, E, MISES\n";
   }
-  append(text, "*NODE PRINT, NSET={}, TOTALS=YES\n{}\n", set, printed);
+  appendText(text, "*NODE PRINT, NSET={}, TOTALS=YES\n{}\n", set, printed);
 }
 
 void appendJointWarnings(std::string& text, const ElementMesh& mesh) {
@@ -167,7 +168,7 @@ void appendJointWarnings(std::string& text, const ElementMesh& mesh) {
 void appendModel(std::string& text, const ElementMesh& mesh, const DeckSettings& settings,
                  const DeckOrigin& origin, const std::string& meshFile) {
   // The path is as given: both programs look for it in the folder that they were started in.
-  append(text, "*INCLUDE, INPUT={}\n", meshFile);
+  appendText(text, "*INCLUDE, INPUT={}\n", meshFile);
   appendSection(text, mesh, settings, origin.thickness);
   if (!settings.contactFriction) return;
   appendContactCards(text, contactPairs(mesh).size(), settings, origin.thickness);
@@ -232,11 +233,11 @@ TileHistory thinned(const TileHistory& history, std::size_t driven) {
 /// seconds in all units.
 void appendAmplitude(std::string& text, const std::string& name, const std::vector<double>& times,
                      const std::vector<double>& values, double scale) {
-  append(text, "*AMPLITUDE, NAME={}\n", name);
+  appendText(text, "*AMPLITUDE, NAME={}\n", name);
   for (std::size_t k = 0; k < times.size(); ++k) {
     const bool endsLine = k % 4 == 3 || k + 1 == times.size();
-    append(text, "{}, {}{}", deckNumber(times[k]), deckNumber(scale * values[k]),
-           endsLine ? "\n" : ", ");
+    appendText(text, "{}, {}{}", deckNumber(times[k]), deckNumber(scale * values[k]),
+               endsLine ? "\n" : ", ");
   }
 }
 
@@ -262,11 +263,12 @@ void appendForceMeasure(std::string& text, const DeckSettings& settings, double 
   const UnitScale scale = unitScale(settings.unit);
   const double force = 1e-6 * settings.material.youngs * thickness * thickness * scale.stress *
                        scale.length * scale.length;
-  append(text,
-         "** Residual forces count from a millionth of E t^2 on: ideal hinges move without "
-         "any.\n"
-         "*CONTROLS, PARAMETERS=FIELD, FIELD=DISPLACEMENT\n0.005, 0.01, {0}, {0}, 0.02, 0.005\n",
-         deckNumber(force));
+  appendText(
+      text,
+      "** Residual forces count from a millionth of E t^2 on: ideal hinges move without "
+      "any.\n"
+      "*CONTROLS, PARAMETERS=FIELD, FIELD=DISPLACEMENT\n0.005, 0.01, {0}, {0}, 0.02, 0.005\n",
+      deckNumber(force));
 }
 
 /// A<node>_<axis>, both from 1, which is unique in a deck.
@@ -320,19 +322,20 @@ DeckJob staticJob(const ElementMesh& mesh, const DeckSettings& settings, const D
   appendOrigin(text, origin, settings.unit);
   // Supports in the plane: two displacements and a turn.
   const std::size_t rigid = mesh.rule.family == ElementFamily::Plane ? 3 : 6;
-  append(text,
-         "** A job to start from: the sheet is pulled apart at both ends, 1 N each, through its "
-         "joints.\n"
-         "** Held are {} displacements: {} rigid motions and {} mechanisms of ideal hinges, each "
-         "by\n"
-         "** one displacement, so that nothing else is strained. Holding less leaves a mechanism, "
-         "on\n"
-         "** which a linear static step gives huge displacements and no warning: look at the "
-         "largest |U|.\n"
-         "** Replace material, supports and loads by yours. Its weight would be\n"
-         "**   *DLOAD\n**   EALL, GRAV, {}, 0., 0., -1.\n",
-         held.supports.size(), rigid, held.supports.size() - rigid,
-         deckNumber(9.81 * unitScale(settings.unit).length));
+  appendText(
+      text,
+      "** A job to start from: the sheet is pulled apart at both ends, 1 N each, through its "
+      "joints.\n"
+      "** Held are {} displacements: {} rigid motions and {} mechanisms of ideal hinges, each "
+      "by\n"
+      "** one displacement, so that nothing else is strained. Holding less leaves a mechanism, "
+      "on\n"
+      "** which a linear static step gives huge displacements and no warning: look at the "
+      "largest |U|.\n"
+      "** Replace material, supports and loads by yours. Its weight would be\n"
+      "**   *DLOAD\n**   EALL, GRAV, {}, 0., 0., -1.\n",
+      held.supports.size(), rigid, held.supports.size() - rigid,
+      deckNumber(9.81 * unitScale(settings.unit).length));
   appendHeldModel(text, mesh, settings, origin, meshFile, held);
   text += "*STEP\n*STATIC\n";
   appendGripForces(text, held.grips, longestAxis(mesh), 1);
@@ -409,7 +412,7 @@ DeckJob driveJob(const ElementMesh& mesh, const DeckSettings& settings, const De
 
   std::string text = heading(origin, "driven");
   appendOrigin(text, origin, settings.unit);
-  append(
+  appendText(
       text,
       "** {} tiles are moved as in the trajectory, each by displacements of its nodes; so "
       "are {}\n"
@@ -427,13 +430,13 @@ DeckJob driveJob(const ElementMesh& mesh, const DeckSettings& settings, const De
   // A twentieth of the time an increment at first and at most, a millionth at least: linear paths
   // between samples are followed closely enough, and CalculiX cuts increments where it must.
   const double end = history.times.back();
-  append(text, "*STEP, NLGEOM, INC=100000\n*STATIC\n{}, {}, {}, {}\n", deckNumber(end / 20),
-         deckNumber(end), deckNumber(end / 1e6), deckNumber(end / 20));
+  appendText(text, "*STEP, NLGEOM, INC=100000\n*STATIC\n{}, {}, {}, {}\n", deckNumber(end / 20),
+             deckNumber(end), deckNumber(end / 1e6), deckNumber(end / 20));
   if (mesh.rule.joints != JointStyle::Neck) appendForceMeasure(text, settings, origin.thickness);
   appendSpringMoments(text, mesh, settings);
   for (const NodeDisplacement& one : driven) {
-    append(text, "*BOUNDARY, AMPLITUDE={0}\n{1}, {2}, {2}, 1.\n", amplitudeName(one), one.node + 1,
-           one.axis + 1);
+    appendText(text, "*BOUNDARY, AMPLITUDE={0}\n{1}, {2}, {2}, 1.\n", amplitudeName(one),
+               one.node + 1, one.axis + 1);
   }
   appendRequests(text, settings.solver, "NDRIVE", "U, RF");
   if (settings.solver == Solver::Calculix) text += "*EL PRINT, ELSET=EALL, TOTALS=ONLY\nELSE\n";
@@ -463,7 +466,7 @@ DeckJob stateMapJob(const ElementMesh& mesh, const ElementMesh& later, const Dec
   const double scale = unitScale(settings.unit).length;
   const auto appendMove = [&](int node, const Vector3& move) {
     for (int axis = 0; axis < 3; ++axis) {
-      append(text, "{0}, {1}, {1}, {2}\n", node + 1, axis + 1, deckNumber(scale * move[axis]));
+      appendText(text, "{0}, {1}, {1}, {2}\n", node + 1, axis + 1, deckNumber(scale * move[axis]));
     }
   };
   for (std::size_t k = 0; k < mesh.nodes.size(); ++k) {
@@ -491,15 +494,16 @@ DeckJob periodicJob(const ElementMesh& mesh, const DeckSettings& settings, const
   const int axis = periodic.axes[0] ? 0 : 1;
   std::string text = heading(origin, "periodic");
   appendOrigin(text, origin, settings.unit);
-  append(text,
-         "** Opposite ends move alike but for the control nodes NCONTROL, whose displacements are "
-         "those of\n"
-         "** one end against the other and whose reactions are the forces on it. Here the sheet is "
-         "strained\n"
-         "** by {} along {}, and free to widen across. Held besides are {} displacements: what "
-         "moves while\n"
-         "** the control nodes rest.\n",
-         kStrain, axis == 0 ? "x" : "y", supports.size());
+  appendText(
+      text,
+      "** Opposite ends move alike but for the control nodes NCONTROL, whose displacements are "
+      "those of\n"
+      "** one end against the other and whose reactions are the forces on it. Here the sheet is "
+      "strained\n"
+      "** by {} along {}, and free to widen across. Held besides are {} displacements: what "
+      "moves while\n"
+      "** the control nodes rest.\n",
+      kStrain, axis == 0 ? "x" : "y", supports.size());
   appendJointWarnings(text, mesh);
   appendModel(text, mesh, settings, origin, meshFile);
   appendTies(text, periodic, mesh, control);
@@ -508,11 +512,11 @@ DeckJob periodicJob(const ElementMesh& mesh, const DeckSettings& settings, const
   const bool hasBoth = periodic.axes[0] && periodic.axes[1];
   for (int direction = 0; direction < directions; ++direction) {
     // Shear of the sheet is held: the control nodes move along their own axes alone.
-    if (direction != axis) append(text, "{0}, {1}, {1}\n", control + 1, direction + 1);
-    if (hasBoth && direction != 1) append(text, "{0}, {1}, {1}\n", control + 2, direction + 1);
+    if (direction != axis) appendText(text, "{0}, {1}, {1}\n", control + 1, direction + 1);
+    if (hasBoth && direction != 1) appendText(text, "{0}, {1}, {1}\n", control + 2, direction + 1);
   }
-  append(text, "*STEP\n*STATIC\n*BOUNDARY\n{0}, {1}, {1}, {2}\n", control + 1, axis + 1,
-         deckNumber(kStrain * periodic.period[axis] * unitScale(settings.unit).length));
+  appendText(text, "*STEP\n*STATIC\n*BOUNDARY\n{0}, {1}, {1}, {2}\n", control + 1, axis + 1,
+             deckNumber(kStrain * periodic.period[axis] * unitScale(settings.unit).length));
   appendSpringMoments(text, mesh, settings);
   appendRequests(text, settings.solver, "NCONTROL", "U, RF");
   if (settings.solver == Solver::Calculix) {
@@ -860,7 +864,7 @@ std::vector<NodeDisplacement> leastSupports(const ElementMesh& mesh,
 // A multifrontal QR factorisation of J with column pivoting within each tile (T. A. Davis,
 // Algorithm 915, SuiteSparseQR: multifrontal multithreaded rank-revealing sparse QR factorization,
 // ACM Trans. Math. Softw. 38, 2011; the test of rank is Heath's, section 2.6 there). Tiles are
-// eliminated in the order and the fronts of sim/joints/block_cholesky.h, which holds for QR too:
+// eliminated in the order and the fronts of sim/mechanics/block_cholesky.h, which holds for QR too:
 // J^T J has the graph of the tiles.
 //
 // A front holds the equations that touch its own tiles F and what its children left over.

@@ -207,7 +207,7 @@ void appendCorner(std::string& text, std::string_view row, const std::vector<Vec
   unsigned corner = 0;
   std::from_chars(row.data(), row.data() + row.size(), corner);
   const Vector3& point = corners.at(corner);
-  fmt::format_to(std::back_inserter(text), "{} {} {}\n", point.x(), point.y(), point.z());
+  appendText(text, "{} {} {}\n", point.x(), point.y(), point.z());
 }
 
 std::string objText(const std::vector<Brick>& bricks, const std::vector<Vector3>& corners,

@@ -156,22 +156,24 @@ void appendSizes(std::string& text, const CellSizes& sizes, std::size_t firstPoi
   for (const FineZone& zone : sizes.zones) {
     // Two fields a zone: a distance, and a threshold that maps it to a size, SizeMin up to DistMin,
     // rising linearly to SizeMax at DistMax.
-    append(text, "Field[{0}] = Distance;\nField[{0}].PointsList = {{", ++field);
+    appendText(text, "Field[{0}] = Distance;\nField[{0}].PointsList = {{", ++field);
     for (std::size_t k = 0; k < zone.points.size(); ++k) {
-      append(text, "{}{}", k > 0 ? "," : "", firstPoint++);
+      appendText(text, "{}{}", k > 0 ? "," : "", firstPoint++);
     }
-    append(text,
-           "}};\nField[{0}] = Threshold;\nField[{0}].InField = {1};\nField[{0}].SizeMin = {2};\n"
-           "Field[{0}].SizeMax = {3};\nField[{0}].DistMin = {4};\nField[{0}].DistMax = {5};\n",
-           field + 1, field, 2 * zone.size, 2 * sizes.most, zone.from,
-           zone.from + std::max(sizes.most - zone.size, 1e-9) / kMeshGrowth);
-    append(thresholds, "{}{}", thresholds.empty() ? "" : ", ", ++field);
+    appendText(
+        text,
+        "}};\nField[{0}] = Threshold;\nField[{0}].InField = {1};\nField[{0}].SizeMin = {2};\n"
+        "Field[{0}].SizeMax = {3};\nField[{0}].DistMin = {4};\nField[{0}].DistMax = {5};\n",
+        field + 1, field, 2 * zone.size, 2 * sizes.most, zone.from,
+        zone.from + std::max(sizes.most - zone.size, 1e-9) / kMeshGrowth);
+    appendText(thresholds, "{}{}", thresholds.empty() ? "" : ", ", ++field);
   }
   if (!sizes.zones.empty()) {
-    append(text, "Field[{0}] = Min;\nField[{0}].FieldsList = {{{1}}};\nBackground Field = {0};\n",
-           field + 1, thresholds);
+    appendText(text,
+               "Field[{0}] = Min;\nField[{0}].FieldsList = {{{1}}};\nBackground Field = {0};\n",
+               field + 1, thresholds);
   }
-  append(text, "Mesh.MeshSizeMax = {};\n", 2 * sizes.most);
+  appendText(text, "Mesh.MeshSizeMax = {};\n", 2 * sizes.most);
   text +=
       "Mesh.MeshSizeFromPoints = 0;\nMesh.MeshSizeExtendFromBoundary = 0;\n"
       "Mesh.Algorithm = 6;\nMesh.RecombineAll = 1;\nMesh.RecombinationAlgorithm = 1;\n"
@@ -297,7 +299,7 @@ std::vector<std::vector<Vector3>> levelsOf(const RegionMesh& region, const FlatS
 std::string neckGeometry(const NeckOutline& outline, const ElementRule& rule, double tileSize) {
   std::string text = "// A sheet with necks, by Kirireel. Metres.\n";
   const auto appendPoint = [&](std::size_t number, const Vector2& at) {
-    append(text, "Point({}) = {{{}, {}, 0, 1}};\n", number, at.x(), at.y());
+    appendText(text, "Point({}) = {{{}, {}, 0, 1}};\n", number, at.x(), at.y());
   };
   for (std::size_t k = 0; k < outline.points.size(); ++k) appendPoint(k + 1, outline.points[k]);
   const CellSizes sizes = cellSizes(outline, rule, tileSize);
@@ -313,18 +315,18 @@ std::string neckGeometry(const NeckOutline& outline, const ElementRule& rule, do
   // Regions count through tiles, then necks, and so do surfaces and physical groups.
   for (const auto* loops : {&outline.tiles, &outline.necks}) {
     for (const std::vector<int>& loop : *loops) {
-      append(surfaces, "Curve Loop({}) = {{", ++region);
+      appendText(surfaces, "Curve Loop({}) = {{", ++region);
       for (std::size_t k = 0; k < loop.size(); ++k) {
-        append(surfaces, "{}{}", k > 0 ? "," : "",
-               lines.find(loop[k], loop[(k + 1) % loop.size()]));
+        appendText(surfaces, "{}{}", k > 0 ? "," : "",
+                   lines.find(loop[k], loop[(k + 1) % loop.size()]));
       }
-      append(surfaces, "}};\nPlane Surface({0}) = {{{0}}};\nPhysical Surface({0}) = {{{0}}};\n",
-             region);
+      appendText(surfaces, "}};\nPlane Surface({0}) = {{{0}}};\nPhysical Surface({0}) = {{{0}}};\n",
+                 region);
     }
   }
   for (std::size_t k = 0; k < lines.ends().size(); ++k) {
-    append(text, "Line({}) = {{{}, {}}};\n", k + 1, lines.ends()[k].first + 1,
-           lines.ends()[k].second + 1);
+    appendText(text, "Line({}) = {{{}, {}}};\n", k + 1, lines.ends()[k].first + 1,
+               lines.ends()[k].second + 1);
   }
   text += surfaces;
   appendSizes(text, sizes, firstSample);

@@ -29,7 +29,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/files.h"
-#include "sim/measure/run_curves.h"
+#include "sim/trajectory/run_curves.h"
 
 namespace kirireel {
 namespace {
@@ -39,18 +39,13 @@ static_assert(std::endian::native == std::endian::little,
 static_assert(sizeof(Vector3) == 3 * sizeof(double));
 
 // VTK's numbers for kinds of cells.
-constexpr int kHexahedron = 12;
+constexpr int kHexahedronCell = 12;
 constexpr int kWedge = 13;
 constexpr int kPolyhedron = 42;
 
 int cellType(std::size_t sides) {
   if (sides == 3) return kWedge;
-  return sides == 4 ? kHexahedron : kPolyhedron;
-}
-
-template <typename... Arguments>
-void append(std::string& text, fmt::format_string<Arguments...> format, Arguments&&... arguments) {
-  fmt::format_to(std::back_inserter(text), format, std::forward<Arguments>(arguments)...);
+  return sides == 4 ? kHexahedronCell : kPolyhedron;
 }
 
 template <typename T>
@@ -67,8 +62,9 @@ constexpr int kComponents<Vector3> = 3;
 /// not full, and the compressed size of each; then the blocks. Ours is one full block.
 template <typename T>
 void appendArray(std::string& text, const char* name, const std::vector<T>& values) {
-  append(text, "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"binary\">\n",
-         kTypeName<T>, name, kComponents<T>);
+  appendText(text,
+             "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"binary\">\n",
+             kTypeName<T>, name, kComponents<T>);
   const std::span<const std::byte> bytes = std::as_bytes(std::span(values));
   const std::string block = compressed(bytes);
   // An empty array has a header of three zeros.
@@ -82,10 +78,10 @@ void appendArray(std::string& text, const char* name, const std::vector<T>& valu
 
 /// A single number, as text that reads back to the same double.
 void appendNumber(std::string& text, const char* name, double value) {
-  append(text,
-         "<DataArray type=\"Float64\" Name=\"{}\" NumberOfTuples=\"1\" format=\"ascii\">{}"
-         "</DataArray>\n",
-         name, value);
+  appendText(text,
+             "<DataArray type=\"Float64\" Name=\"{}\" NumberOfTuples=\"1\" format=\"ascii\">{}"
+             "</DataArray>\n",
+             name, value);
 }
 
 /// Bottom, then top corners of all bricks: as brickCorners, whatever the poses.
@@ -246,7 +242,8 @@ std::string vtuText(const Subject& subject, const Poses& start, const Sample& sa
       "<UnstructuredGrid>\n";
   appendMeasures(text, subject, sample);
   const Cells cells = cellsOf(subject.bricks);
-  append(text, "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", points, cells.types.size());
+  appendText(text, "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", points,
+             cells.types.size());
   appendPoints(text, subject, sample.poses);
   appendCells(text, cells);
   appendPointFields(text, subject, start, sample.poses);
@@ -259,7 +256,7 @@ std::string pvdText(const std::vector<std::pair<double, std::string>>& files) {
       "<?xml version=\"1.0\"?>\n"
       "<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n<Collection>\n";
   for (const auto& [time, file] : files) {
-    append(text, "<DataSet timestep=\"{}\" part=\"0\" file=\"{}\"/>\n", time, file);
+    appendText(text, "<DataSet timestep=\"{}\" part=\"0\" file=\"{}\"/>\n", time, file);
   }
   return text.append("</Collection>\n</VTKFile>\n");
 }

@@ -23,7 +23,7 @@
 
 #include <fmt/format.h>
 
-#include "render/folder/output_folder.h"
+#include "render/export/output_folder.h"
 #include "render/page/embedded_files.h"
 #include "render/picture/grid.h"
 #include "render/picture/png.h"
@@ -33,9 +33,9 @@
 #include "render/record/summary.h"
 #include "sim/base/error.h"
 #include "sim/base/files.h"
-#include "sim/measure/run_curves.h"
 #include "sim/model/convex_parts.h"
 #include "sim/model/model.h"
+#include "sim/trajectory/run_curves.h"
 
 namespace kirireel {
 namespace {

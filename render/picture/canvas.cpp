@@ -224,8 +224,6 @@ std::unique_ptr<Canvas> makeSvgCanvas(const PageSettings& settings) {
 
 namespace {
 
-constexpr double kPointsPerInch = 72;
-
 /// Called by Cairo with each piece of the file.
 cairo_status_t appendBytes(void* file, const unsigned char* bytes, unsigned count) {
   static_cast<std::string*>(file)->append(reinterpret_cast<const char*>(bytes), count);

@@ -18,6 +18,10 @@ namespace kirireel {
 // ------------------------------------------------------------------------------------------------
 // Pages of vector graphics.
 
+/// Of lengths on paper.
+inline constexpr double kMillimetresPerInch = 25.4;
+inline constexpr double kPointsPerInch = 72;
+
 /// How a page is made. The page's unit is a pixel; at 96 of them an inch a page is as large as a
 /// browser shows it.
 struct PageSettings {

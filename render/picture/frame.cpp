@@ -12,9 +12,9 @@
 
 namespace kirireel {
 
-void requireValidSize(FrameSize size) {
+FrameSize requireValidSize(FrameSize size) {
   const auto valid = [](int side) { return side >= 1 && side <= kMaxFrameSide; };
-  if (valid(size.width) && valid(size.height)) return;
+  if (valid(size.width) && valid(size.height)) return size;
   throw InputError(fmt::format(
       "error: a picture of {} x {} pixels cannot be drawn; width and height may be 1 to {}, "
       "for example --size 1280x720",

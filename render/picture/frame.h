@@ -31,8 +31,8 @@ struct FrameSize {
   bool operator==(const FrameSize&) const = default;
 };
 
-/// Throws InputError when a side is outside 1 to kMaxFrameSide.
-void requireValidSize(FrameSize size);
+/// The size itself. Throws InputError when a side is outside 1 to kMaxFrameSide.
+FrameSize requireValidSize(FrameSize size);
 
 /// One picture: RGBA, 4 bytes a pixel, rows from the top, pixels from the left, straight alpha.
 struct Frame {

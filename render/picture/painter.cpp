@@ -351,11 +351,6 @@ class TouchedPixels {
 };
 
 /// Refuses a bad size before any graphics memory is asked for.
-FrameSize validated(FrameSize size) {
-  requireValidSize(size);
-  return size;
-}
-
 /// What is painted, apart from the graphics context.
 struct PaintedBricks {
   GeometryBuilder sketcher;
@@ -401,7 +396,7 @@ struct Painter::Parts {
 
 Painter::Parts::Parts(FrameSize frameSize, const std::vector<Brick>& bricks, const Style& style,
                       Smoothness smoothness)
-    : size(validated(frameSize)),
+    : size(requireValidSize(frameSize)),
       samplesDown(smoothness == Smoothness::Still ? kMostSamplesDown : 2),
       subject(bricks, style),
       facePainter(kFaceVertexShader, kFaceFragmentShader) {

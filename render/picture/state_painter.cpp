@@ -21,7 +21,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/geometry.h"
-#include "sim/measure/run_curves.h"
+#include "sim/trajectory/run_curves.h"
 
 namespace kirireel {
 namespace {
@@ -102,11 +102,6 @@ std::vector<Vector3> pointsInSight(const PictureContent& content, const Style& s
 }
 
 /// Refuses a bad size before anything is made of it.
-FrameSize validated(FrameSize size) {
-  requireValidSize(size);
-  return size;
-}
-
 }  // namespace
 
 /// Cameras hold the start and, where there is one, the target in sight.
@@ -155,7 +150,7 @@ std::vector<Vector3> shownCorners(const PictureContent& content, const Poses& po
 
 PictureSetup::PictureSetup(const Look& look, PictureContent content, FrameSize size)
     : content_(std::move(content)),
-      style_(styleFor(look, content_, validated(size))),
+      style_(styleFor(look, content_, requireValidSize(size))),
       palette_(look, content_),
       size_(size),
       cameras_(look.camera, pointsInSight(content_, style_), size.aspect()),
@@ -233,7 +228,7 @@ void StatePainter::makeStrip(const Style& style, Colouring colouring) {
   StripParts parts = parts_;
   parts.colours = parts.colours && isMeasure(colouring);
   parts.legend = parts_.colours && !isMeasure(colouring) && colouring != Colouring::Plain;
-  strip_.emplace(validated(size_), parts, style);
+  strip_.emplace(requireValidSize(size_), parts, style);
 }
 
 /// Keeps the graphics context where the picture's size stays.

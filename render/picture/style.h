@@ -114,8 +114,7 @@ GroundPlate groundUnder(std::span<const Vector3> points, double height);
 // Sets of colours: scales for values, and hues that stay apart.
 //
 // Colours of a scale are given for shares from 0 to 1; which value is which share is for the scale
-// to say (grid/scale.h). Colours of kinds repeat after seven, and a legend tells them apart no
-// longer.
+// to say (label.h). Colours of kinds repeat after seven, and a legend tells them apart no longer.
 
 /// A perceptually even scale: equal steps of a value look like equal steps of colour; those from
 /// dark to bright in grey too.

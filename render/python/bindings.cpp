@@ -21,8 +21,8 @@
 #include <pybind11/stl/filesystem.h>
 
 #include "render/cli/command_line.h"
-#include "render/folder/output_folder.h"
-#include "render/manual/manual.h"
+#include "render/cli/manual.h"
+#include "render/export/output_folder.h"
 #include "render/picture/state_painter.h"
 #include "render/record/pace.h"
 #include "render/record/run_pictures.h"

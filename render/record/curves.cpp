@@ -13,7 +13,7 @@
 
 #include <fmt/format.h>
 
-#include "render/folder/output_folder.h"
+#include "render/export/output_folder.h"
 #include "render/picture/canvas.h"
 #include "render/picture/label.h"
 #include "render/record/pace.h"
@@ -118,16 +118,13 @@ std::vector<std::string> writeCurves(const TrajectoryReader& run, const CurvesSe
 //     4.5 em for numbers | diagram, height = 0.5 width | 0.5 em
 //     2 em above it for its title, 4 em below for numbers and words
 //
-// Axes: a group's values decide the vertical one (makeAxis, makeLogarithmicAxis in grid/ticks.h),
-// the abscissa the horizontal one, which begins and ends with the curves. A place in a diagram is a
+// Axes: a group's values decide the vertical one (makeAxis, makeLogarithmicAxis in label.h), the
+// abscissa the horizontal one, which begins and ends with the curves. A place in a diagram is a
 // pair of shares, 0 to 1 from left to right and from bottom to top.
 //
-// The same code draws SVG, PDF and PNG: Canvas (vector/canvas.h) hides which.
+// The same code draws SVG, PDF and PNG: Canvas (render/picture/canvas.h) hides which.
 
 namespace {
-
-constexpr double kMillimetresPerInch = 25.4;
-constexpr double kPointsPerInch = 72;
 
 constexpr Colour kText = {30, 30, 30};
 constexpr Colour kFrame = {120, 126, 134};

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "render/picture/canvas.h"
-#include "sim/measure/run_curves.h"
+#include "sim/trajectory/run_curves.h"
 #include "sim/trajectory/trajectory_file.h"
 
 namespace kirireel {

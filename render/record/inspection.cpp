@@ -1,6 +1,6 @@
 // Tells what a model is without running it. For each state (start, target): the largest gap of
 // joints, how uneven tiles are, whether they are convex, which overlap, and how many ways the
-// linkage can move (sim/measure/sheet.h: the nullity of the joint equations, by singular
+// linkage can move (sim/trajectory/sheet.h: the nullity of the joint equations, by singular
 // values). For a target: how much lengths within tiles change, the bound below which no rigid tiles
 // can come, and the least error with closed joints that a search of ten seconds finds.
 //
@@ -18,10 +18,11 @@
 #include "render/picture/grid.h"
 #include "render/picture/label.h"
 #include "render/picture/painter.h"
+#include "render/record/summary.h"
 #include "sim/deploy/assembled_state.h"
-#include "sim/measure/measures.h"
 #include "sim/model/convex_parts.h"
 #include "sim/model/model_checks.h"
+#include "sim/trajectory/measures.h"
 
 namespace kirireel {
 namespace {
@@ -120,10 +121,6 @@ Json stateJson(const StateInspection& state) {
   json["mobility"]["plane"] = state.inPlane ? mobilityJson(*state.inPlane) : Json();
   json["mobility"]["space"] = mobilityJson(state.inSpace);
   return json;
-}
-
-Json needJson(const Need& need) {
-  return {{"on", need.on}, {"reason", need.reason}};
 }
 
 std::string needText(const char* name, const Need& need) {
@@ -226,8 +223,7 @@ std::string inspectionJson(const Inspection& inspection) {
   json["needs"] = {{"planar", needJson(inspection.needs.planar)},
                    {"contacts", needJson(inspection.needs.contacts)},
                    {"ground", needJson(inspection.needs.ground)}};
-  // A folder's name may hold bytes that are not UTF-8.
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return jsonText(json);
 }
 
 // ------------------------------------------------------------------------------------------------

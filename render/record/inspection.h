@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "render/picture/frame.h"
-#include "sim/measure/sheet.h"
 #include "sim/model/model.h"
 #include "sim/scene/scene.h"
+#include "sim/trajectory/sheet.h"
 
 namespace kirireel {
 

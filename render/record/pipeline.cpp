@@ -6,7 +6,7 @@
 #include <sys/resource.h>
 
 #include "sim/base/interruption.h"
-#include "sim/measure/run_curves.h"
+#include "sim/trajectory/run_curves.h"
 
 namespace kirireel {
 

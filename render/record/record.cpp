@@ -29,7 +29,7 @@
 #include <fmt/format.h>
 
 #include "render/export/mesh.h"
-#include "render/folder/output_folder.h"
+#include "render/export/output_folder.h"
 #include "render/picture/gl_context.h"
 #include "render/picture/label.h"
 #include "render/record/pace.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "render/export/export.h"
-#include "render/folder/output_folder.h"
+#include "render/export/output_folder.h"
 #include "render/picture/canvas.h"
 #include "render/picture/frame.h"
 #include "render/picture/gl_context.h"

@@ -23,7 +23,7 @@
 
 #include <fmt/format.h>
 
-#include "render/folder/output_folder.h"
+#include "render/export/output_folder.h"
 #include "render/picture/canvas.h"
 #include "render/picture/gl_context.h"
 #include "render/picture/grid.h"
@@ -34,7 +34,7 @@
 #include "sim/base/error.h"
 #include "sim/base/files.h"
 #include "sim/base/interruption.h"
-#include "sim/measure/run_curves.h"
+#include "sim/trajectory/run_curves.h"
 
 namespace kirireel {
 namespace {
@@ -430,9 +430,6 @@ Frame titleCard(const Title& title, FrameSize size, Colour background, Colour in
 // / 72 inches high, whatever the width came to be.
 
 namespace {
-
-constexpr double kMillimetresPerInch = 25.4;
-constexpr double kPointsPerInch = 72;
 
 /// Scales are those of the first row, which all rows share.
 GridStyle gridStyle(const PictureSetup& setup, const PictureSettings& settings) {

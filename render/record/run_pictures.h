@@ -11,10 +11,10 @@
 #include "render/picture/frame.h"
 #include "render/picture/png.h"
 #include "render/picture/state_painter.h"
+#include "render/picture/video.h"
 #include "render/record/pace.h"
 #include "render/record/pipeline.h"
 #include "render/record/record.h"
-#include "render/video/video.h"
 #include "sim/trajectory/trajectory_file.h"
 
 namespace kirireel {

@@ -9,7 +9,7 @@
 //     events      [{time (s), what}]
 //     settings    by table and key, as scene.toml has them; pictures; scene: a whole scene file
 //     order, left_out, inputs [{name, sha256}], files
-//     contents    {name: {bytes, sha256}}, see folder/left_files.cpp
+//     contents    {name: {bytes, sha256}}, see output_folder.cpp
 //     cost        counts of steps, seconds, peak_memory_bytes
 //     versions    name: version
 //     sha256      the seal (output_folder.h)
@@ -29,7 +29,7 @@
 
 #include "render/export/mesh.h"
 #include "render/picture/png.h"
-#include "render/video/video.h"
+#include "render/picture/video.h"
 #include "sim/deploy/forces.h"
 #include "sim/deploy/run_drive.h"
 #include "sim/scene/scene_parts.h"
@@ -38,15 +38,10 @@
 #include "sim/world/bullet_world.h"
 
 namespace kirireel {
+
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-/// Names of files may hold anything; bytes that are not UTF-8 become U+FFFD. Indented by two
-/// spaces, with a line feed at the end.
-std::string text(const Json& json) {
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-}
 
 /// Null where the figure does not exist.
 Json onlyIf(bool exists, double figure) {
@@ -55,10 +50,6 @@ Json onlyIf(bool exists, double figure) {
 
 Json flagJson(std::optional<bool> flag) {
   return flag ? Json(*flag) : Json(nullptr);
-}
-
-Json needJson(const Need& need) {
-  return {{"on", need.on}, {"reason", need.reason}};
 }
 
 /// Size is the diagonal of the start, tile_size the mean edge.
@@ -363,6 +354,14 @@ Json findingsJson(const Scene& scene, const RunSummary& summary) {
 
 }  // namespace
 
+std::string jsonText(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+Json needJson(const Need& need) {
+  return {{"on", need.on}, {"reason", need.reason}};
+}
+
 std::string summaryJson(const Scene& scene, const RecordSettings& settings,
                         const RunSummary& summary) {
   Json json = {
@@ -386,15 +385,15 @@ std::string summaryJson(const Scene& scene, const RecordSettings& settings,
       {"cost", costJson(summary)},
       {"versions", versionsJson(summary.graphics)},
   });
-  return sealed(text(json));
+  return sealed(jsonText(json));
 }
 
 std::string findingsText(const Scene& scene, const RunSummary& summary) {
-  return text(findingsJson(scene, summary));
+  return jsonText(findingsJson(scene, summary));
 }
 
 std::string settingsText(const Scene& scene, const RecordSettings& settings) {
-  return text(settingsJson(scene, settings));
+  return jsonText(settingsJson(scene, settings));
 }
 
 // ------------------------------------------------------------------------------------------------

@@ -5,7 +5,7 @@
 //
 // Figures: trajectory.h5 holds the poses of all samples, one record for each step, and the states
 // in which the extreme figures of the run were found ("figure states"). From these the figures are
-// computed again by the functions of sim/measure and compared with what the summary says:
+// computed again by the functions of sim/trajectory and compared with what the summary says:
 //
 //     per sample   joint_gap, penetration, target_error
 //     all steps    joint_gap_mean = sum of means / steps, joint_gap_max, target_error_min, counts
@@ -24,13 +24,13 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "render/folder/output_folder.h"
+#include "render/export/output_folder.h"
+#include "render/picture/video.h"
 #include "render/record/summary.h"
-#include "render/video/video.h"
 #include "sim/base/error.h"
 #include "sim/base/files.h"
-#include "sim/measure/measures.h"
 #include "sim/scene/scene_parts.h"
+#include "sim/trajectory/measures.h"
 #include "sim/trajectory/trajectory_file.h"
 
 namespace kirireel {
@@ -44,7 +44,7 @@ using Json = nlohmann::ordered_json;
 constexpr double kFigureRounding = 1e-12;
 
 /// Throws InputError where there is none.
-std::string readSummary(const fs::path& folder) {
+std::string summaryText(const fs::path& folder) {
   if (fs::exists(folder / output::kSummary)) {
     return readTextFile(folder / output::kSummary, "give the folder that a run left");
   }
@@ -76,7 +76,7 @@ class Verifier {
   explicit Verifier(fs::path folder) : folder_(std::move(folder)) {}
 
   VerifyReport run() {
-    const std::string text = readSummary(folder_);
+    const std::string text = summaryText(folder_);
     if (!isSealed(text)) complain(output::kSummary, "this is not the text that the run wrote");
     const Json summary = Json::parse(text, nullptr, false);
     if (!summary.is_object() || !summary.contains("contents")) {
@@ -331,7 +331,7 @@ class Verifier {
 
 std::optional<FinishedRun> findFinishedRun(const fs::path& folder, const std::string& order) {
   if (!fs::is_regular_file(folder / output::kSummary)) return std::nullopt;
-  const std::string text = readSummary(folder);
+  const std::string text = summaryText(folder);
   const Json summary = Json::parse(text, nullptr, false);
   if (!isSealed(text) || !summary.is_object()) return std::nullopt;
   try {

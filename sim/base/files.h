@@ -6,11 +6,15 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <memory>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
+
+#include <fmt/format.h>
 
 namespace kirireel {
 
@@ -53,6 +57,13 @@ inline constexpr std::uintmax_t kMostTextBytes = 64u << 20;
 /// Line ends are not changed.
 std::string readTextFile(const std::filesystem::path& file, const std::string& purpose,
                          std::uintmax_t mostBytes = kMostTextBytes);
+
+/// Appends formatted text to what will be the text of a file.
+template <typename... Arguments>
+void appendText(std::string& text, fmt::format_string<Arguments...> format,
+                Arguments&&... arguments) {
+  fmt::format_to(std::back_inserter(text), format, std::forward<Arguments>(arguments)...);
+}
 
 // ------------------------------------------------------------------------------------------------
 // A file that appears under its final name only when it is whole.

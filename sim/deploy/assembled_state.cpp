@@ -26,10 +26,10 @@
 
 #include "sim/deploy/dynamics.h"
 #include "sim/deploy/forces.h"
-#include "sim/measure/measures.h"
-#include "sim/measure/run_curves.h"
 #include "sim/model/contact.h"
 #include "sim/model/model_checks.h"
+#include "sim/trajectory/measures.h"
+#include "sim/trajectory/run_curves.h"
 
 namespace kirireel {
 namespace {

@@ -42,7 +42,7 @@
 
 #include "sim/deploy/assembled_state.h"
 #include "sim/deploy/dynamics.h"
-#include "sim/measure/measures.h"
+#include "sim/trajectory/measures.h"
 
 namespace kirireel {
 namespace {

@@ -13,11 +13,11 @@
 #include "sim/base/geometry.h"
 #include "sim/deploy/assembled_state.h"
 #include "sim/deploy/dynamics.h"
-#include "sim/joints/joint_solver.h"
-#include "sim/measure/measures.h"
+#include "sim/mechanics/joint_solver.h"
 #include "sim/model/brick.h"
 #include "sim/model/isometry.h"
 #include "sim/scene/scene.h"
+#include "sim/trajectory/measures.h"
 #include "sim/trajectory/trajectory.h"
 
 namespace kirireel {

@@ -29,9 +29,9 @@
 #include "sim/deploy/rest.h"
 #include "sim/deploy/run.h"
 #include "sim/deploy/run_drive.h"
-#include "sim/measure/sheet.h"
 #include "sim/scene/scene_parts.h"
 #include "sim/scene/settings.h"
+#include "sim/trajectory/sheet.h"
 
 namespace kirireel {
 namespace {

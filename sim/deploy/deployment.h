@@ -10,10 +10,10 @@
 #include "sim/deploy/assembled_state.h"
 #include "sim/deploy/checkpoints.h"
 #include "sim/deploy/path_choice.h"
-#include "sim/equilibrium/load_path.h"
-#include "sim/measure/measures.h"
+#include "sim/mechanics/load_path.h"
 #include "sim/model/hinge.h"
 #include "sim/scene/scene.h"
+#include "sim/trajectory/measures.h"
 #include "sim/trajectory/trajectory.h"
 
 namespace kirireel {

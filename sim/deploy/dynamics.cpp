@@ -14,8 +14,8 @@
 #include "sim/base/error.h"
 #include "sim/base/interruption.h"
 #include "sim/deploy/forces.h"
-#include "sim/measure/measures.h"
 #include "sim/scene/scene_parts.h"
+#include "sim/trajectory/measures.h"
 #include "sim/world/bullet_world.h"
 
 namespace kirireel {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "sim/deploy/tolerance_steps.h"
-#include "sim/joints/extrapolation.h"
-#include "sim/joints/joint_solver.h"
+#include "sim/mechanics/extrapolation.h"
+#include "sim/mechanics/joint_solver.h"
 #include "sim/model/brick.h"
 #include "sim/model/hinge.h"
 #include "sim/model/isometry.h"

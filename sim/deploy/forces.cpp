@@ -261,7 +261,7 @@ namespace {
 constexpr double kStallTime = 60.0 / 240.0;  // seconds without improvement
 constexpr double kSameTime = 1e-9;           // seconds
 constexpr double kLargestFactor = 16;        // of the stiffness
-constexpr double kImprovement = 1 - 0.005;   // of the error, to count as one
+constexpr double kLowerError = 1 - 0.005;    // of the error, to count as one
 
 bool isPositiveDefinite(const Matrix3& K) {
   // Sylvester's criterion: the leading minors are positive. It spares most steps the eigenvalues.
@@ -386,9 +386,9 @@ bool AdaptiveStiffness::observe(double targetError, double time, double step) {
   } else {
     improvedAt_ += from - lastTime_;
   }
-  if (targetError > 0 && targetError < kImprovement * bestError_) {
-    const double passed = std::floor(std::log(targetError / bestError_) / std::log(kImprovement));
-    bestError_ *= std::pow(kImprovement, passed);
+  if (targetError > 0 && targetError < kLowerError * bestError_) {
+    const double passed = std::floor(std::log(targetError / bestError_) / std::log(kLowerError));
+    bestError_ *= std::pow(kLowerError, passed);
     const double share = std::log(bestError_ / targetError) / std::log(lastError_ / targetError);
     improvedAt_ = time - std::clamp(share, 0.0, 1.0) * step;
   }

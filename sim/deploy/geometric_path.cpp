@@ -27,7 +27,7 @@
 #include "sim/deploy/continuation.h"
 #include "sim/deploy/dynamics.h"
 #include "sim/deploy/run_figures.h"
-#include "sim/measure/measures.h"
+#include "sim/trajectory/measures.h"
 
 namespace kirireel {
 namespace {
@@ -58,7 +58,7 @@ constexpr double kStartOpening = 1e-2;
 // Such a path may cost this part of the budget.
 constexpr double kFromTargetShare = 0.2;
 // Joints that are open by less, in tiles, are closed.
-constexpr double kClosedShare = 1e-10;
+constexpr double kExactShare = 1e-10;
 
 // A path may cost this part of the budget, and as much again for each fifth of it that is found:
 // where bricks wedge, or the mechanism is singular, moves are halved again and again.
@@ -296,7 +296,7 @@ class GeometricSearch {
     found.hasCompliantJoints = true;
     judge(scene_, found);
     if (!isClear(scene_, found) || found.opening > kStartOpening * tile_) return;
-    found.hasCompliantJoints = found.opening > kClosedShare * tile_;
+    found.hasCompliantJoints = found.opening > kExactShare * tile_;
     if (found.hasCompliantJoints) {
       shorten(scene_, found, scene_.environment.contacts, budget_, [](double) { return true; });
       found.reason = openingReason(
@@ -499,7 +499,7 @@ class Walk {
 
   bool isOpen(const Poses& state) const {
     return found_.hasCompliantJoints &&
-           jointGap(pivots_, state).max > kClosedShare * tileSize(scene_.model);
+           jointGap(pivots_, state).max > kExactShare * tileSize(scene_.model);
   }
 
   // A state between two of the path. Where joints are closed in both, the straight state is closed

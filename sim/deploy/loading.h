@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "sim/deploy/deployment.h"
-#include "sim/equilibrium/load_path.h"
+#include "sim/mechanics/load_path.h"
 #include "sim/model/hinge.h"
 #include "sim/scene/scene.h"
 

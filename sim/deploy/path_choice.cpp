@@ -39,9 +39,9 @@
 #include "sim/deploy/dynamics.h"
 #include "sim/deploy/forces.h"
 #include "sim/deploy/run.h"
-#include "sim/measure/measures.h"
-#include "sim/measure/sheet.h"
 #include "sim/model/contact.h"
+#include "sim/trajectory/measures.h"
+#include "sim/trajectory/sheet.h"
 
 namespace kirireel {
 namespace {

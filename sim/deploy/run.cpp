@@ -31,9 +31,9 @@
 #include <fmt/ranges.h>
 
 #include "sim/deploy/forces.h"
-#include "sim/measure/measures.h"
-#include "sim/measure/sheet.h"
 #include "sim/scene/scene_parts.h"
+#include "sim/trajectory/measures.h"
+#include "sim/trajectory/sheet.h"
 
 namespace kirireel {
 namespace {

@@ -20,8 +20,8 @@
 #include <numbers>
 
 #include "sim/deploy/path_choice.h"
-#include "sim/measure/measures.h"
 #include "sim/scene/scene_parts.h"
+#include "sim/trajectory/measures.h"
 
 namespace kirireel {
 

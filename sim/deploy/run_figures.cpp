@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "sim/measure/measures.h"
+#include "sim/trajectory/measures.h"
 
 namespace kirireel {
 namespace {

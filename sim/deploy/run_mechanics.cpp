@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "sim/deploy/forces.h"
-#include "sim/measure/measures.h"
+#include "sim/trajectory/measures.h"
 
 namespace kirireel {
 

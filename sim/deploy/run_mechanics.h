@@ -11,7 +11,7 @@
 #include "sim/deploy/run_drive.h"
 #include "sim/deploy/run_motion.h"
 #include "sim/deploy/timeline_runner.h"
-#include "sim/joints/joint_solver.h"
+#include "sim/mechanics/joint_solver.h"
 #include "sim/model/brick.h"
 #include "sim/model/contact.h"
 #include "sim/trajectory/trajectory.h"

@@ -16,9 +16,9 @@
 #include <fmt/format.h>
 
 #include "sim/deploy/assembled_state.h"
-#include "sim/joints/extrapolation.h"
-#include "sim/measure/measures.h"
+#include "sim/mechanics/extrapolation.h"
 #include "sim/scene/scene_parts.h"
+#include "sim/trajectory/measures.h"
 
 namespace kirireel {
 namespace {

@@ -18,7 +18,7 @@
 #include <cmath>
 #include <utility>
 
-#include "sim/measure/measures.h"
+#include "sim/trajectory/measures.h"
 
 namespace kirireel {
 namespace {

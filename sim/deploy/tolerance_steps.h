@@ -6,8 +6,8 @@
 
 #include "sim/base/geometry.h"
 #include "sim/base/state_tape.h"
-#include "sim/joints/extrapolation.h"
-#include "sim/joints/joint_solver.h"
+#include "sim/mechanics/extrapolation.h"
+#include "sim/mechanics/joint_solver.h"
 #include "sim/model/brick.h"
 #include "sim/model/contact.h"
 #include "sim/world/contact_finder.h"

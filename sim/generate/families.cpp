@@ -21,10 +21,10 @@
 #include "sim/generate/lattice_designs.h"
 #include "sim/generate/shells.h"
 #include "sim/generate/tiling.h"
-#include "sim/measure/sheet.h"
 #include "sim/model/isometry.h"
 #include "sim/model/lattice.h"
 #include "sim/model/model_checks.h"
+#include "sim/trajectory/sheet.h"
 
 namespace kirireel {
 namespace {

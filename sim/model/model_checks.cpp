@@ -295,7 +295,7 @@ namespace {
 constexpr int kAllDigits = 15;
 // Two roundings of one point differ by a unit along each axis at most: sqrt(3), and a bit for what
 // doubles cannot hold.
-constexpr double kAcross = 1.75;
+constexpr double kAcrossDigits = 1.75;
 // Corners further apart than this part of an edge are two, however coarse the digits are.
 constexpr double kVisible = 0.05;
 // Finer places, metres, need no look at whether all numbers are multiples of something.
@@ -403,7 +403,7 @@ double roundingOf(const std::vector<Tile>& tiles) {
 
 double samePlaceTolerance(const std::vector<Tile>& tiles) {
   const Model model = modelOf(tiles);
-  const double byDigits = std::min(kAcross * lastPlace(tiles), kVisible * tileSize(model));
+  const double byDigits = std::min(kAcrossDigits * lastPlace(tiles), kVisible * tileSize(model));
   return std::max(byDigits, kSamePlace * modelSize(model));
 }
 

@@ -11,8 +11,8 @@
 
 #include "sim/deploy/dynamics.h"
 #include "sim/deploy/forces.h"
-#include "sim/measure/measures.h"
 #include "sim/scene/scene.h"
+#include "sim/trajectory/measures.h"
 
 namespace kirireel {
 

@@ -24,8 +24,8 @@
 #include <cholmod.h>
 #include <fmt/format.h>
 
-#include "sim/joints/block_cholesky.h"
-#include "sim/joints/step_system.h"
+#include "sim/mechanics/block_cholesky.h"
+#include "sim/mechanics/step_system.h"
 
 namespace kirireel {
 namespace {

@@ -31,9 +31,9 @@
 #include "sim/base/error.h"
 #include "sim/deploy/continuation.h"
 #include "sim/deploy/deployment.h"
-#include "sim/measure/sheet.h"
 #include "sim/model/isometry.h"
 #include "sim/model/read_model.h"
+#include "sim/trajectory/sheet.h"
 #include "tests/bench/string_method.h"
 #include "tests/support/drawn_models.h"
 

@@ -9,7 +9,7 @@
 #include "render/record/pace.h"
 #include "sim/base/error.h"
 #include "sim/deploy/continuation.h"
-#include "sim/measure/measures.h"
+#include "sim/trajectory/measures.h"
 
 namespace kirireel::bench {
 namespace {

@@ -16,8 +16,8 @@
 
 #include "render/picture/gl_context.h"
 #include "render/picture/painter.h"
+#include "render/picture/video.h"
 #include "render/record/pipeline.h"
-#include "render/video/video.h"
 #include "sim/model/lattice.h"
 #include "tests/bench/bare_loop.h"
 #include "tests/support/program.h"

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/interruption.h"
-#include "sim/joints/step_system.h"
+#include "sim/mechanics/step_system.h"
 #include "tests/bench/joint_tables.h"
 
 namespace kirireel::bench {

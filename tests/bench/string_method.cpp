@@ -26,8 +26,8 @@
 #include <Eigen/SparseCholesky>
 
 #include "sim/deploy/continuation.h"
-#include "sim/measure/measures.h"
 #include "sim/model/isometry.h"
+#include "sim/trajectory/measures.h"
 
 namespace kirireel {
 namespace {

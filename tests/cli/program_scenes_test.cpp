@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "sim/measure/measures.h"
+#include "sim/trajectory/measures.h"
 #include "sim/trajectory/trajectory_file.h"
 #include "tests/cli/run_program.h"
 

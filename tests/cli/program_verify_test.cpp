@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "render/folder/output_folder.h"
+#include "render/export/output_folder.h"
 #include "render/record/summary.h"
 #include "sim/trajectory/trajectory_file.h"
 #include "tests/cli/run_program.h"

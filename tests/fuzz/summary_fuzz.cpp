@@ -1,5 +1,5 @@
 // The summary.json of a run: as it is, and under a seal that fits it.
-#include "render/folder/output_folder.h"
+#include "render/export/output_folder.h"
 #include "render/record/summary.h"
 #include "sim/model/lattice.h"
 #include "sim/trajectory/trajectory_file.h"

@@ -1,5 +1,5 @@
 // A sweep file, and the first and the last run of its plan.
-#include "render/sweep/sweep_plan.h"
+#include "render/record/sweep_plan.h"
 #include "tests/fuzz/fuzz_input.h"
 
 using namespace kirireel;

@@ -8,8 +8,8 @@
 
 #include "render/export/job.h"
 #include "sim/base/error.h"
-#include "sim/measure/sheet.h"
 #include "sim/model/read_model.h"
+#include "sim/trajectory/sheet.h"
 #include "tests/render/fea/read_deck.h"
 #include "tests/support/layouts.h"
 
@@ -313,7 +313,7 @@ TEST(Deck, SaysWhereItComesFromAndWhatIdealHingesDo) {
 }
 
 /// How many motions of rigid tiles strain nothing, by another method: the first-order mobility
-/// (sim/measure/sheet.h), and the six of the whole.
+/// (sim/trajectory/sheet.h), and the six of the whole.
 std::size_t freeMotions(const Layout& layout, double thickness) {
   Model model;
   model.joints = layout.joints;

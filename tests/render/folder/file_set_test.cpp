@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render/folder/output_folder.h"
+#include "render/export/output_folder.h"
 #include "sim/base/error.h"
 #include "tests/support/files.h"
 

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "render/folder/output_folder.h"
+#include "render/export/output_folder.h"
 #include "tests/support/files.h"
 
 namespace kirireel {

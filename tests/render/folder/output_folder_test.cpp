@@ -1,4 +1,4 @@
-#include "render/folder/output_folder.h"
+#include "render/export/output_folder.h"
 
 #include <string>
 

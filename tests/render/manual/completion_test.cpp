@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render/manual/manual.h"
+#include "render/cli/manual.h"
 #include "sim/base/files.h"
 #include "tests/support/files.h"
 #include "tests/support/program.h"

@@ -8,8 +8,8 @@
 #include "render/record/run_pictures.h"
 #include "sim/deploy/continuation.h"
 #include "sim/deploy/deployment.h"
-#include "sim/measure/measures.h"
 #include "sim/model/lattice.h"
+#include "sim/trajectory/measures.h"
 #include "tests/support/files.h"
 
 namespace kirireel {

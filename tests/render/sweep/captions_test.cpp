@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render/sweep/collect.h"
+#include "render/record/collect.h"
 
 namespace kirireel {
 namespace {

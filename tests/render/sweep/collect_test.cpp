@@ -1,4 +1,4 @@
-#include "render/sweep/collect.h"
+#include "render/record/collect.h"
 
 #include <cmath>
 

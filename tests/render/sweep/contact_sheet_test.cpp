@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "render/picture/state_painter.h"
-#include "render/sweep/collect.h"
+#include "render/record/collect.h"
 #include "sim/base/error.h"
 #include "sim/model/read_model.h"
 #include "tests/support/files.h"

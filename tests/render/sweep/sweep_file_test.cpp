@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render/sweep/sweep_plan.h"
+#include "render/record/sweep_plan.h"
 #include "tests/support/files.h"
 
 namespace kirireel {

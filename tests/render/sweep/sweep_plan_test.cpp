@@ -1,4 +1,4 @@
-#include "render/sweep/sweep_plan.h"
+#include "render/record/sweep_plan.h"
 
 #include <limits>
 #include <set>

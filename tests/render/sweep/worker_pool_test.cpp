@@ -1,4 +1,4 @@
-#include "render/sweep/worker_pool.h"
+#include "render/record/worker_pool.h"
 
 #include <csignal>
 #include <map>

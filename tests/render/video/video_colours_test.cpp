@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "render/video/video.h"
+#include "render/picture/video.h"
 
 namespace kirireel {
 namespace {

@@ -1,4 +1,4 @@
-#include "render/video/video.h"
+#include "render/picture/video.h"
 
 #include <algorithm>
 #include <array>

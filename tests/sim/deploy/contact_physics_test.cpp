@@ -4,10 +4,10 @@
 #include <gtest/gtest.h>
 
 #include "sim/deploy/dynamics.h"
-#include "sim/measure/measures.h"
 #include "sim/model/lattice.h"
 #include "sim/model/read_model.h"
 #include "sim/study/stepped_scene.h"
+#include "sim/trajectory/measures.h"
 #include "tests/sim/deploy/moving.h"
 
 namespace kirireel {

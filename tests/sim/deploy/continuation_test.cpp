@@ -13,9 +13,9 @@
 #include "sim/deploy/geometric_path.h"
 #include "sim/generate/families.h"
 #include "sim/generate/shells.h"
-#include "sim/measure/run_curves.h"
 #include "sim/model/isometry.h"
 #include "sim/model/lattice.h"
+#include "sim/trajectory/run_curves.h"
 #include "tests/support/drawn_models.h"
 
 namespace kirireel {

@@ -6,9 +6,9 @@
 #include <gtest/gtest.h>
 
 #include "sim/deploy/deployment.h"
-#include "sim/measure/measures.h"
 #include "sim/model/lattice.h"
 #include "sim/model/read_model.h"
+#include "sim/trajectory/measures.h"
 #include "sim/trajectory/trajectory_file.h"
 #include "tests/support/files.h"
 

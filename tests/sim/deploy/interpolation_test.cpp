@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "sim/deploy/continuation.h"
-#include "sim/measure/measures.h"
 #include "sim/model/lattice.h"
+#include "sim/trajectory/measures.h"
 
 namespace kirireel {
 namespace {

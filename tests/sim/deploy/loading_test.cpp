@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
-#include "sim/measure/measures.h"
 #include "sim/model/lattice.h"
+#include "sim/trajectory/measures.h"
 #include "sim/trajectory/trajectory_file.h"
 #include "tests/support/files.h"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sim/deploy/dynamics.h"
-#include "sim/measure/measures.h"
+#include "sim/trajectory/measures.h"
 
 namespace kirireel::test {
 

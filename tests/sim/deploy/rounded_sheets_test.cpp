@@ -3,9 +3,9 @@
 
 #include "sim/deploy/deployment.h"
 #include "sim/generate/families.h"
-#include "sim/measure/sheet.h"
 #include "sim/model/isometry.h"
 #include "sim/model/model_checks.h"
+#include "sim/trajectory/sheet.h"
 
 namespace kirireel {
 namespace {

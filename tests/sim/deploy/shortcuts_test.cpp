@@ -9,9 +9,9 @@
 #include "sim/deploy/continuation.h"
 #include "sim/deploy/forces.h"
 #include "sim/generate/shells.h"
-#include "sim/measure/measures.h"
 #include "sim/model/isometry.h"
 #include "sim/model/lattice.h"
+#include "sim/trajectory/measures.h"
 
 namespace kirireel {
 namespace {

@@ -5,8 +5,8 @@
 
 #include "sim/deploy/deployment.h"
 #include "sim/generate/families.h"
-#include "sim/measure/measures.h"
 #include "sim/model/lattice.h"
+#include "sim/trajectory/measures.h"
 
 namespace kirireel {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/equilibrium/bar_hinge_sheet.h"
-#include "sim/equilibrium/load_path.h"
+#include "sim/mechanics/bar_hinge_sheet.h"
+#include "sim/mechanics/load_path.h"
 
 namespace kirireel {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/equilibrium/elastic_sheet.h"
-#include "sim/equilibrium/load_path.h"
+#include "sim/mechanics/elastic_sheet.h"
+#include "sim/mechanics/load_path.h"
 #include "sim/model/hinge.h"
 #include "sim/model/lattice.h"
 #include "tests/support/pair_forces.h"

@@ -1,6 +1,6 @@
 // Equilibria along a load against closed forms: mechanisms of one angle, where the force is the
 // slope of the energy.
-#include "sim/equilibrium/load_path.h"
+#include "sim/mechanics/load_path.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
-#include "sim/equilibrium/elastic_sheet.h"
+#include "sim/mechanics/elastic_sheet.h"
 #include "sim/model/lattice.h"
 #include "tests/support/pair_forces.h"
 

@@ -1,4 +1,4 @@
-#include "sim/joints/block_cholesky.h"
+#include "sim/mechanics/block_cholesky.h"
 
 #include <random>
 

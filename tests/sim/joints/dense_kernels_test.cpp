@@ -1,4 +1,4 @@
-#include "sim/joints/dense_kernels.h"
+#include "sim/mechanics/dense_kernels.h"
 
 #include <Eigen/Cholesky>
 #include <gtest/gtest.h>

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/joints/block_cholesky.h"
+#include "sim/mechanics/block_cholesky.h"
 #include "tests/sim/joints/graphs.h"
 
 namespace kirireel {

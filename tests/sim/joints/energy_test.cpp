@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "sim/measure/measures.h"
+#include "sim/trajectory/measures.h"
 #include "tests/sim/joints/joined_bricks.h"
 
 namespace kirireel {

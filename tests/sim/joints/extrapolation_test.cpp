@@ -1,13 +1,13 @@
 // Steps to a tolerance in time against motions that are known otherwise: equations of motion in
 // one or two angles, integrated by a method of its own with steps far below what is compared.
-#include "sim/joints/extrapolation.h"
+#include "sim/mechanics/extrapolation.h"
 
 #include <array>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "sim/measure/measures.h"
+#include "sim/trajectory/measures.h"
 #include "tests/sim/joints/joined_bricks.h"
 
 namespace kirireel {

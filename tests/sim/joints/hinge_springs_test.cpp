@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "sim/joints/extrapolation.h"
-#include "sim/measure/measures.h"
+#include "sim/mechanics/extrapolation.h"
 #include "sim/model/hinge.h"
+#include "sim/trajectory/measures.h"
 #include "tests/sim/joints/joined_bricks.h"
 
 namespace kirireel {

@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "sim/deploy/forces.h"
-#include "sim/joints/extrapolation.h"
-#include "sim/joints/joint_solver.h"
+#include "sim/mechanics/extrapolation.h"
+#include "sim/mechanics/joint_solver.h"
 #include "sim/model/brick.h"
 #include "sim/model/lattice.h"
 #include "tests/support/pair_forces.h"

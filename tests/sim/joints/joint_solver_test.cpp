@@ -1,8 +1,8 @@
-#include "sim/joints/joint_solver.h"
+#include "sim/mechanics/joint_solver.h"
 
 #include <gtest/gtest.h>
 
-#include "sim/measure/measures.h"
+#include "sim/trajectory/measures.h"
 #include "tests/sim/joints/joined_bricks.h"
 
 namespace kirireel {

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "sim/joints/extrapolation.h"
-#include "sim/measure/measures.h"
+#include "sim/mechanics/extrapolation.h"
+#include "sim/trajectory/measures.h"
 #include "tests/sim/joints/joined_bricks.h"
 
 namespace kirireel {

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/joints/extrapolation.h"
+#include "sim/mechanics/extrapolation.h"
 #include "tests/sim/joints/joined_bricks.h"
 
 namespace kirireel {

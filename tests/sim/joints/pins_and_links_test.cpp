@@ -1,7 +1,7 @@
 // Pinned bricks, links and fixed joints, against rigid-body mechanics.
 #include <gtest/gtest.h>
 
-#include "sim/measure/measures.h"
+#include "sim/trajectory/measures.h"
 #include "tests/sim/joints/joined_bricks.h"
 
 namespace kirireel {

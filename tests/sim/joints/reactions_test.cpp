@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/deploy/forces.h"
-#include "sim/joints/joint_solver.h"
+#include "sim/mechanics/joint_solver.h"
 #include "tests/sim/joints/joined_bricks.h"
 
 namespace kirireel {

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "sim/joints/joint_solver.h"
+#include "sim/mechanics/joint_solver.h"
 
 namespace kirireel {
 namespace {

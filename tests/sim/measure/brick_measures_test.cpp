@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/measure/measures.h"
-#include "sim/measure/run_curves.h"
 #include "sim/model/lattice.h"
+#include "sim/trajectory/measures.h"
+#include "sim/trajectory/run_curves.h"
 
 namespace kirireel {
 namespace {

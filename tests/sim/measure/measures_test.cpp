@@ -1,4 +1,4 @@
-#include "sim/measure/measures.h"
+#include "sim/trajectory/measures.h"
 
 #include <cmath>
 #include <limits>

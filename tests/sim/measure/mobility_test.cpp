@@ -3,9 +3,9 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
-#include "sim/measure/sheet.h"
 #include "sim/model/lattice.h"
 #include "sim/model/read_model.h"
+#include "sim/trajectory/sheet.h"
 
 namespace kirireel {
 namespace {

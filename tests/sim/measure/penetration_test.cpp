@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/measure/measures.h"
 #include "sim/model/lattice.h"
+#include "sim/trajectory/measures.h"
 
 namespace kirireel {
 namespace {

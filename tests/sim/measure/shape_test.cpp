@@ -3,9 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sim/measure/run_curves.h"
 #include "sim/model/lattice.h"
 #include "sim/trajectory/array_file.h"
+#include "sim/trajectory/run_curves.h"
 #include "tests/support/files.h"
 #include "tests/support/layouts.h"
 

@@ -1,4 +1,4 @@
-#include "sim/measure/sheet.h"
+#include "sim/trajectory/sheet.h"
 
 #include <numbers>
 

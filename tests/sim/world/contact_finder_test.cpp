@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/measure/measures.h"
 #include "sim/model/lattice.h"
+#include "sim/trajectory/measures.h"
 #include "tests/sim/world/prisms.h"
 
 namespace kirireel {

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/joints/step_system.h"
-#include "sim/measure/measures.h"
+#include "sim/mechanics/step_system.h"
+#include "sim/trajectory/measures.h"
 #include "sim/world/contact_finder.h"
 #include "tests/sim/world/prisms.h"
 

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "sim/equilibrium/load_path.h"
+#include "sim/mechanics/load_path.h"
 #include "sim/model/brick.h"
 #include "sim/model/hinge.h"
 #include "sim/model/pair_force.h"

@@ -11,7 +11,7 @@
 // given up or goes on by the rules of SEULEX, and the next one has the length and order that cost
 // least a second. Hairer and Wanner, Solving Ordinary Differential Equations II, 1996, IV.9;
 // constraints: Lubich, Extrapolation integrators for constrained multibody systems, 1991.
-#include "sim/joints/extrapolation.h"
+#include "sim/mechanics/extrapolation.h"
 
 #include <algorithm>
 #include <cmath>

@@ -9,7 +9,7 @@
 //     .nf / .fi  lines as they are / filled   .sp  an empty line    \fB bold  \fI italic  \fR roman
 //
 // No date stands on a page, so that the same source gives the same bytes on any day.
-#include "render/manual/manual.h"
+#include "render/cli/manual.h"
 
 #include <algorithm>
 #include <cctype>
@@ -458,11 +458,6 @@ std::string fishCompletion(const CommandDescription& program) {
 // python/run.cpp and python/model.cpp; a test compares the two.
 
 namespace {
-
-/// Lists of names are short.
-bool has(const std::vector<std::string>& names, const std::string& name) {
-  return std::ranges::find(names, name) != names.end();
-}
 
 /// By key, with underscores.
 std::vector<OptionDescription> optionsWithout(const CommandDescription& command,

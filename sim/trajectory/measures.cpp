@@ -3,7 +3,7 @@
 //   T = m |v|^2 / 2 + s . I s / 2,     s = R^T w
 // with R the brick's rotation: turning w into brick axes is cheaper than turning I into the
 // world's.
-#include "sim/measure/measures.h"
+#include "sim/trajectory/measures.h"
 
 #include <algorithm>
 #include <cmath>

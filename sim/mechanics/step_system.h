@@ -8,7 +8,7 @@
 
 #include "sim/base/geometry.h"
 #include "sim/base/state_tape.h"
-#include "sim/joints/block_cholesky.h"
+#include "sim/mechanics/block_cholesky.h"
 #include "sim/model/brick.h"
 #include "sim/model/contact.h"
 #include "sim/model/hinge.h"

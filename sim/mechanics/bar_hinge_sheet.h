@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 
 #include "sim/base/geometry.h"
-#include "sim/equilibrium/load_path.h"
+#include "sim/mechanics/load_path.h"
 
 namespace kirireel {
 

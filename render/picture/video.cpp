@@ -18,7 +18,7 @@
 //
 // libav reports errors by negative numbers. check() turns them into OutputError; that a buffer has
 // nothing yet (EAGAIN) or nothing more (EOF) is no error.
-#include "render/video/video.h"
+#include "render/picture/video.h"
 
 #include <algorithm>
 #include <array>

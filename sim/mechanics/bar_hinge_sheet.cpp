@@ -3,7 +3,7 @@
 // and over folds of k (angle - rest)^2 / 2 (bar_hinge_sheet.cpp). Nodes that stay and handles that
 // are moved are linear in the coordinates. Schenk and Guest, Origami folding: a structural
 // engineering approach, Origami 5, 2011; Liu and Paulino 2017 (as in bar_hinge_sheet.cpp).
-#include "sim/equilibrium/bar_hinge_sheet.h"
+#include "sim/mechanics/bar_hinge_sheet.h"
 
 #include <algorithm>
 #include <cmath>

@@ -27,8 +27,8 @@
 #include <limits>
 #include <random>
 
-#include "sim/joints/joint_solver.h"
-#include "sim/joints/step_system.h"
+#include "sim/mechanics/joint_solver.h"
+#include "sim/mechanics/step_system.h"
 
 namespace kirireel {
 namespace {

@@ -10,7 +10,7 @@
 // the count of negative entries changes, is halved until the special state is located. Riks, An
 // incremental approach to the solution of snapping and buckling problems, Int. J. Solids Struct.
 // 15, 1979; Wriggers, Nonlinear Finite Element Methods, 2008, ch. 7.
-#include "sim/equilibrium/load_path.h"
+#include "sim/mechanics/load_path.h"
 
 #include <algorithm>
 #include <cmath>

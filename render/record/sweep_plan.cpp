@@ -12,7 +12,7 @@
 //
 // Random numbers come from std::mt19937_64, whose sequence the C++ standard fixes; distributions
 // and shuffles of the library are not fixed, so they are written out here.
-#include "render/sweep/sweep_plan.h"
+#include "render/record/sweep_plan.h"
 
 #include <algorithm>
 #include <charconv>

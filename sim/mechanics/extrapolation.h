@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "sim/joints/joint_solver.h"
+#include "sim/mechanics/joint_solver.h"
 
 namespace kirireel {
 

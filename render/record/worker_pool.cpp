@@ -18,7 +18,7 @@
 // Memory is bounded by RLIMIT_DATA (setrlimit(2)), beyond which allocations fail with
 // std::bad_alloc, so that most runs that need too much end with a reason. Time is wall time from
 // the moment when the job was given.
-#include "render/sweep/worker_pool.h"
+#include "render/record/worker_pool.h"
 
 #include <array>
 #include <cerrno>

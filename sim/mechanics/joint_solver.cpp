@@ -1,6 +1,6 @@
 // The direct solver: a step finds velocities that joints and contacts allow, moves the bricks by
 // them, and closes the joints again.
-#include "sim/joints/joint_solver.h"
+#include "sim/mechanics/joint_solver.h"
 
 #include <algorithm>
 #include <cassert>
@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "sim/joints/step_system.h"
+#include "sim/mechanics/step_system.h"
 
 namespace kirireel {
 

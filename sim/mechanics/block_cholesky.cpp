@@ -6,7 +6,7 @@
 // Amestoy, Davis and Duff, "An approximate minimum degree ordering algorithm", 1996; Liu, "The role
 // of elimination trees in sparse factorization", 1990; Ashcraft and Grimes, "The influence of
 // relaxed supernode partitions on the multifrontal method", 1989.
-#include "sim/joints/block_cholesky.h"
+#include "sim/mechanics/block_cholesky.h"
 
 #include <algorithm>
 #include <array>
@@ -16,7 +16,7 @@
 #include <Eigen/SparseCore>
 
 #include "sim/base/interruption.h"
-#include "sim/joints/dense_kernels.h"
+#include "sim/mechanics/dense_kernels.h"
 
 namespace kirireel {
 namespace {

@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "render/manual/manual.h"
+#include "render/cli/manual.h"
 #include "render/record/summary.h"
 #include "sim/base/files.h"
 

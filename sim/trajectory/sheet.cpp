@@ -6,7 +6,7 @@
 // least of five lengths, how far each stands out on either side of the other's plane and how much
 // their cuts on that line have in common. Concave tiles are looked at part by part. Pairs come from
 // a sweep along x.
-#include "sim/measure/sheet.h"
+#include "sim/trajectory/sheet.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,8 +19,8 @@
 #include <Eigen/SparseCore>
 
 #include "sim/base/interruption.h"
-#include "sim/measure/measures.h"
 #include "sim/model/convex_parts.h"
+#include "sim/trajectory/measures.h"
 
 namespace kirireel {
 namespace {

@@ -3,7 +3,7 @@
 // and rubs with s - rho t x, cut to the length mu p of Coulomb's cone, the radius of the round
 // before. Points of one plane become rows together. Of contacts that carried load the next step
 // begins with the multipliers.
-#include "sim/joints/step_system.h"
+#include "sim/mechanics/step_system.h"
 
 #include <algorithm>
 #include <cmath>

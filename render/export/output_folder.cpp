@@ -7,7 +7,7 @@
 //
 // So a reader can tell whether anybody has changed a byte. It is no signature: whoever changes the
 // text on purpose can compute the hash again.
-#include "render/folder/output_folder.h"
+#include "render/export/output_folder.h"
 
 #include <algorithm>
 #include <array>

@@ -14,7 +14,7 @@
 #include <cstring>
 #include <vector>
 
-#include "render/video/video.h"
+#include "render/picture/video.h"
 
 namespace kirireel {
 namespace {

@@ -9,7 +9,7 @@
 // The order in take() matters. Between the first look and the lock another process may finish the
 // run: it renames the folder, with the lock in it. So after locking, isOf() checks that the locked
 // file still is the one that the name leads to, and the finished folder is looked for again.
-#include "render/sweep/collect.h"
+#include "render/record/collect.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -28,9 +28,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "render/folder/output_folder.h"
+#include "render/export/output_folder.h"
 #include "render/picture/state_painter.h"
-#include "render/sweep/sweep_plan.h"
+#include "render/record/summary.h"
+#include "render/record/sweep_plan.h"
 #include "sim/base/error.h"
 #include "sim/base/files.h"
 #include "sim/model/read_model.h"
@@ -73,8 +74,7 @@ std::string recordText(const RunRecord& record) {
   for (const auto& [key, value] : record.inputs) inputs[key] = value;
   const Json json = {
       {"status", record.failed ? "failed" : "done"}, {"reason", record.reason}, {"inputs", inputs}};
-  // A reason may name a file whose name is not UTF-8.
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return jsonText(json);
 }
 
 }  // namespace
@@ -234,7 +234,7 @@ const std::vector<Figure>& costFigures() {
 }
 
 /// Parsing throws nothing: what is no object is refused below.
-Json readSummary(const fs::path& folder) {
+Json readRunSummary(const fs::path& folder) {
   const fs::path file = folder / output::kSummary;
   std::ifstream stream = openInputFile(file);
   Json summary = Json::parse(stream, nullptr, false);
@@ -378,7 +378,7 @@ Gathered gather(const SweepListing& listing) {
     gathered.failed += run.failed ? 1 : 0;
     Json summary;
     if (!run.failed) {
-      summary = readSummary(listing.runs / run.name);
+      summary = readRunSummary(listing.runs / run.name);
       run.thickness = summary.at(kThickness).get<double>();
     }
     gatherer.add(run, record->reason, summary);

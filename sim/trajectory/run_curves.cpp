@@ -5,7 +5,7 @@
 // A path that was followed as geometry has no velocities. Its kinetic energy comes from central
 // differences of the poses, (x(t + h) - x(t - h)) / 2h and the rotation vector between them
 // likewise, one-sided at both ends.
-#include "sim/measure/run_curves.h"
+#include "sim/trajectory/run_curves.h"
 
 #include <algorithm>
 #include <array>
@@ -16,8 +16,8 @@
 #include <span>
 #include <string>
 
-#include "sim/measure/measures.h"
 #include "sim/model/convex_parts.h"
+#include "sim/trajectory/measures.h"
 
 namespace kirireel {
 namespace {

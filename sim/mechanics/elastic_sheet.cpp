@@ -9,7 +9,7 @@
 // since the start, d a unit direction, z the vertical. All constraints are sums of places, so that
 // their derivatives are sums of the three formulas above; each place depends on one brick's three
 // coordinates alone, and only its turn has a second derivative.
-#include "sim/equilibrium/elastic_sheet.h"
+#include "sim/mechanics/elastic_sheet.h"
 
 #include <algorithm>
 #include <cmath>

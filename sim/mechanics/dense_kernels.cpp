@@ -13,7 +13,7 @@
 //
 // A column's reciprocal square root stands on the diagonal after factoring, so that solves multiply
 // and never divide.
-#include "sim/joints/dense_kernels.h"
+#include "sim/mechanics/dense_kernels.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
