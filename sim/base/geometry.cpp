@@ -1,5 +1,7 @@
 #include "sim/base/geometry.h"
 
+#include <algorithm>
+
 #include <Eigen/Eigenvalues>
 
 namespace kirireel {
@@ -13,6 +15,25 @@ Vector3 meanPoint(const std::vector<Vector3>& points) {
 SymmetricEigen eigenOf(const Eigen::MatrixXd& matrix) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(matrix);
   return {solver.eigenvalues(), solver.eigenvectors()};
+}
+
+Eigen::MatrixXd withoutNegativePart(const Eigen::MatrixXd& matrix) {
+  const SymmetricEigen own = eigenOf(matrix);
+  Eigen::MatrixXd kept = Eigen::MatrixXd::Zero(matrix.rows(), matrix.cols());
+  for (Eigen::Index k = 0; k < own.values.size(); ++k) {
+    if (own.values[k] <= 0) continue;
+    kept.noalias() += own.values[k] * own.vectors.col(k) * own.vectors.col(k).transpose();
+  }
+  return kept;
+}
+
+Eigen::VectorXd singularValuesOf(const Eigen::MatrixXd& matrix) {
+  const Eigen::Index rows = matrix.rows(), columns = matrix.cols();
+  // Only the lower half is read.
+  Eigen::MatrixXd both = Eigen::MatrixXd::Zero(rows + columns, rows + columns);
+  both.bottomLeftCorner(rows, columns) = matrix;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(both, Eigen::EigenvaluesOnly);
+  return solver.eigenvalues().tail(std::min(rows, columns)).reverse().cwiseMax(0);
 }
 
 Poses interpolate(const Poses& from, const Poses& to, double share) {

@@ -85,6 +85,15 @@ struct SymmetricEigen {
 /// for each size that it knows.
 SymmetricEigen eigenOf(const Eigen::MatrixXd& matrix);
 
+/// A symmetric matrix without its negative part: the nearest one that is positive semidefinite, by
+/// eigenOf().
+Eigen::MatrixXd withoutNegativePart(const Eigen::MatrixXd& matrix);
+
+/// The singular values of a matrix, falling, as many as its shorter side is long. They are the
+/// eigenvalues above zero of the matrix [0 A^T; A 0] (C. Jordan 1874, H. Wielandt), so that nothing
+/// is squared: each is right to rounding of the largest. O(n^3), n rows and columns together.
+Eigen::VectorXd singularValuesOf(const Eigen::MatrixXd& matrix);
+
 /// The unit quaternion of the rotation vector (axis times angle in radians).
 /// The exponential map: exp(v/2) as a quaternion, (cos(a/2), sin(a/2) v / a) with a = |v|.
 inline Quaternion rotationFromVector(const Vector3& vector) {

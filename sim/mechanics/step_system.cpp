@@ -348,10 +348,7 @@ typename PairBlocks<D>::PairMatrix PairBlocks<D>::withoutNegative(const PairMatr
     units[k] = Coordinates<D>::isTurn(k % D) ? 1 / lengthScale_ : 1;
   }
   const PairMatrix scaled = units.asDiagonal() * matrix * units.asDiagonal();
-  const SymmetricEigen own = eigenOf(scaled);
-  const PairVector kept = own.values.cwiseMax(0);
-  const PairMatrix vectors = own.vectors;
-  const PairMatrix cut = vectors * kept.asDiagonal() * vectors.transpose();
+  const PairMatrix cut = withoutNegativePart(scaled);
   const PairVector back = units.cwiseInverse();
   return back.asDiagonal() * cut * back.asDiagonal();
 }

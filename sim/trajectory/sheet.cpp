@@ -357,8 +357,7 @@ class JointJacobian {
 
 /// `floor`: singular values up to it are what rounding leaves of zeros.
 void countDense(const Sparse& jacobian, double floor, Mobility& result) {
-  const Eigen::BDCSVD<Eigen::MatrixXd> svd{Eigen::MatrixXd(jacobian)};
-  const Eigen::VectorXd& values = svd.singularValues();
+  const Eigen::VectorXd values = singularValuesOf(Eigen::MatrixXd(jacobian));
   for (const double value : values) {
     const bool counts = value > std::max(floor, kCounts * values[0]);
     result.rank += counts ? 1 : 0;

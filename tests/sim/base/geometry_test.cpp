@@ -42,6 +42,47 @@ TEST(EigenOf, FindsThoseOfTheSecondDifference) {
   }
 }
 
+/// The matrix of the first difference, n x (n + 1): times its transpose it is the second
+/// difference, so that its singular values are 2 sin(pi k / (2 (n + 1))).
+TEST(SingularValuesOf, FindsThoseOfTheFirstDifference) {
+  for (const int n : {1, 2, 6, 40}) {
+    Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(n, n + 1);
+    for (int j = 0; j < n; ++j) {
+      matrix(j, j) = -1;
+      matrix(j, j + 1) = 1;
+    }
+    for (const Eigen::MatrixXd& each : {matrix, Eigen::MatrixXd(matrix.transpose())}) {
+      const Eigen::VectorXd found = singularValuesOf(each);
+      ASSERT_EQ(found.size(), n);
+      for (int k = 0; k < n; ++k) {
+        const double wanted = 2 * std::sin(std::numbers::pi * (n - k) / (2 * (n + 1)));
+        EXPECT_NEAR(found[k], wanted, 2e-14) << n;  // measured: 3.4e-15
+      }
+    }
+  }
+}
+
+TEST(SingularValuesOf, LeavesZerosWhereRowsDependOnEachOther) {
+  // The two that are not zero are the roots of those of [14 28; 28 56] and of the third row.
+  Eigen::MatrixXd matrix(3, 4);
+  matrix << 1, 2, 3, 0, 2, 4, 6, 0, 0, 0, 0, 5;
+  const Eigen::VectorXd found = singularValuesOf(matrix);
+  EXPECT_NEAR(found[0], std::sqrt(70.0), 1e-14);  // measured: 1.8e-15
+  EXPECT_NEAR(found[1], 5, 1e-14);                // measured: 0
+  EXPECT_NEAR(found[2], 0, 1e-14);                // measured: 2.1e-17
+  EXPECT_GE(found[2], 0);
+}
+
+TEST(WithoutNegativePart, KeepsThePositivePartAlone) {
+  // Turned axes, so that no entry is a stretch itself.
+  const Matrix3 axes = rotationFromVector({0.3, -0.4, 0.5}).toRotationMatrix();
+  const Matrix3 matrix = axes * Vector3(2, -3, 0.5).asDiagonal() * axes.transpose();
+  const Matrix3 wanted = axes * Vector3(2, 0, 0.5).asDiagonal() * axes.transpose();
+  EXPECT_LT((withoutNegativePart(matrix) - wanted).norm(), 2e-14);  // measured: 3.5e-15
+  EXPECT_LT((withoutNegativePart(wanted) - wanted).norm(), 2e-14);  // measured: 8.8e-16
+  EXPECT_EQ(withoutNegativePart(-Matrix3::Identity()), Eigen::MatrixXd::Zero(3, 3));
+}
+
 TEST(Pose, TurnsThenMoves) {
   const Pose pose{{1, 2, 3}, rotationFromVector({0, 0, 1.5707963267948966})};
   EXPECT_LT((pose.apply({1, 0, 0}) - Vector3(1, 3, 3)).norm(), 1e-15);
