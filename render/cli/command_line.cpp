@@ -20,7 +20,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <regex>
 #include <set>
 #include <stdexcept>
 #include <type_traits>
@@ -60,8 +59,10 @@ std::vector<std::string> commandNames(const CLI::App& command) {
 std::string helpText(const CLI::App& command) {
   const CLI::App* parent = command.get_parent();
   // CLI11 leaves two blank lines between groups; one will do.
-  const std::string help = command.help(parent == nullptr ? "" : fullName(*parent));
-  const std::string text = std::regex_replace(help, std::regex("\n\n\n+"), "\n\n");
+  std::string text;
+  for (const char letter : command.help(parent == nullptr ? "" : fullName(*parent))) {
+    if (letter != '\n' || !text.ends_with("\n\n")) text += letter;
+  }
   return text.ends_with('\n') ? text : text + '\n';
 }
 

@@ -656,7 +656,7 @@ class MotionFinder {
       // Plane elements have no displacement along z.
       if (isPlane()) own.col(2).setZero();
     }
-    Eigen::ColPivHouseholderQR<Eigen::Matrix<double, 6, Eigen::Dynamic>> factors(rows);
+    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factors(rows);
     // Relative to the largest pivot: nodes in one line give rank 5.
     factors.setThreshold(1e-6);
     const int count = isPlane() ? 3 : 6;
@@ -692,7 +692,7 @@ class MotionFinder {
   double gripOf(const TileMotion& motion, const std::vector<Matrix3>& turns) const {
     double least = std::numeric_limits<double>::infinity();
     for (const Matrix3& turn : turns) {
-      const Eigen::VectorXd values = rowsOf(motion, turn).jacobiSvd().singularValues();
+      const Eigen::VectorXd values = singularValuesOf(rowsOf(motion, turn));
       least = std::min(least, values[isPlane() ? 2 : 5]);
     }
     return least;
@@ -974,8 +974,11 @@ class FrontalElimination {
     Eigen::MatrixXd rest = front.bottomRightCorner(front.rows() - row, front.cols() - own);
     // More rows than columns carry no further information: R of their QR has the same J^T J.
     if (rest.rows() > rest.cols()) {
-      const Eigen::HouseholderQR<Eigen::MatrixXd> factors(rest);
-      rest = factors.matrixQR().topRows(rest.cols()).triangularView<Eigen::Upper>();
+      for (Eigen::Index k = 0; k < rest.cols(); ++k) {
+        rest(k, k) = reflect(rest, k, k);
+        rest.col(k).tail(rest.rows() - k - 1).setZero();
+      }
+      rest.conservativeResize(rest.cols(), Eigen::NoChange);
     }
     leftOver_[number] = std::move(rest);
   }
@@ -1008,8 +1011,9 @@ class FrontalElimination {
     return row;
   }
 
-  /// Makes one column zero below this row.
-  void reflect(Eigen::MatrixXd& front, Eigen::Index row, Eigen::Index column) {
+  /// Makes one column zero below this row, and what is right of it as that changes it. Returns what
+  /// the column has in the row then; it itself is left as it was reflected by.
+  double reflect(Eigen::MatrixXd& front, Eigen::Index row, Eigen::Index column) {
     auto below = front.col(column).tail(front.rows() - row);
     double factor = 0;
     double length = 0;
@@ -1018,6 +1022,7 @@ class FrontalElimination {
     work_.resize(front.cols());
     front.bottomRightCorner(front.rows() - row, front.cols() - column - 1)
         .applyHouseholderOnTheLeft(essential, factor, work_.data());
+    return length;
   }
 
   const std::vector<PairEquations>& equations_;
