@@ -332,8 +332,6 @@ std::string patternDxf(const std::vector<PatternLine>& lines) {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 /// Which vertices of tiles are one vertex of the sheet.
 struct SharedVertices {
   std::vector<std::vector<int>> faces;  ///< the sheet's vertices round each tile
@@ -462,8 +460,7 @@ std::string foldText(const Model& model, const std::vector<SheetState>& states) 
                       {"vertices_coords", coordinates(shared, states[k].tiles)}});
   }
   fold["file_frames"] = std::move(frames);
-  // The model's name may hold bytes that are not UTF-8.
-  return fold.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  return jsonText(fold) + "\n";
 }
 
 // ------------------------------------------------------------------------------------------------

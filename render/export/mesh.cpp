@@ -344,8 +344,6 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "glTF is little-endian");
 
-using Json = nlohmann::ordered_json;
-
 // glTF's own numbers.
 constexpr int kGltfFloat = 5126;
 constexpr int kUnsigned = 5125;
@@ -616,7 +614,7 @@ std::string animationBytes(const std::vector<Brick>& bricks, std::size_t keyCoun
   for (const std::string& view : asset.views) binary += view;
   requireAddressable(binary.size());
   json["buffers"] = {{{"byteLength", binary.size()}}};
-  return glbFile(json.dump(), binary);
+  return glbFile(jsonText(json), binary);
 }
 
 }  // namespace kirireel

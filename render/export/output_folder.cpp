@@ -126,8 +126,6 @@ bool isNumbered(const std::string& name, const std::function<std::string(int)>& 
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
 /// The text of a record; "" when it cannot be read.
 std::string sealedText(const fs::path& record) {
   std::error_code ignored;
@@ -161,7 +159,7 @@ bool leadsThroughLink(const fs::path& folder, const fs::path& name) {
 
 FileList listedFiles(const fs::path& record) {
   FileList files;
-  const Json json = Json::parse(sealedText(record), nullptr, false);
+  const Json json = parseJsonOrDiscard(sealedText(record));
   try {
     if (!json.is_object()) return {};
     for (const auto& [name, noted] : json.at("contents").items()) {
@@ -180,7 +178,7 @@ std::string contentsText(const FileList& files) {
   for (const auto& [name, file] : files) {
     contents[name] = {{"bytes", file.bytes}, {"sha256", file.sha256}};
   }
-  return sealed(Json{{"contents", contents}}.dump(2) + "\n");
+  return sealed(jsonText(Json{{"contents", contents}}, 2) + "\n");
 }
 
 LeftFiles::LeftFiles(fs::path folder) : folder_(std::move(folder)) {

@@ -22,6 +22,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "render/export/output_folder.h"
 #include "render/page/embedded_files.h"
@@ -80,10 +81,9 @@ std::string scripts() {
   return text;
 }
 
-/// JSON that no HTML parser takes for the end of its element. Bytes that are no UTF-8 become
-/// U+FFFD, for names of models may hold any.
+/// JSON that no HTML parser takes for the end of its element.
 std::string safeJson(const Json& json) {
-  std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string text = jsonText(json);
   for (std::size_t at = 0; (at = text.find('<', at)) != std::string::npos;) {
     text.replace(at, 1, "\\u003c");
   }
@@ -528,7 +528,7 @@ namespace {
 
 /// What the run found out; nothing in old files.
 Json findingsOf(const TrajectoryReader& run) {
-  const Json findings = Json::parse(run.end().findings, nullptr, false);
+  const Json findings = parseJsonOrDiscard(run.end().findings);
   return findings.is_object() ? findings : Json::object();
 }
 

@@ -9,9 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "render/picture/state_painter.h"
+#include "sim/base/files.h"
 #include "sim/base/geometry.h"
 #include "sim/trajectory/trajectory_file.h"
 
@@ -39,9 +38,6 @@ std::string htmlText(const std::string& text);
 // An array is stored little-endian in planes (the first bytes of all entries, then the second
 // bytes, ...), compressed by zlib, in base 64. In planes, numbers that are alike give long runs of
 // equal bytes, so they shrink further.
-
-/// JSON whose keys keep their order.
-using Json = nlohmann::ordered_json;
 
 /// [x, y, z].
 Json vectorJson(const Vector3& vector);

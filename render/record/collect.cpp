@@ -41,8 +41,6 @@ namespace kirireel {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
 constexpr const char* kRecord = "run.json";
 constexpr const char* kLock = "lock";
 
@@ -74,7 +72,7 @@ std::string recordText(const RunRecord& record) {
   for (const auto& [key, value] : record.inputs) inputs[key] = value;
   const Json json = {
       {"status", record.failed ? "failed" : "done"}, {"reason", record.reason}, {"inputs", inputs}};
-  return jsonText(json);
+  return jsonText(json, 2) + "\n";
 }
 
 }  // namespace
@@ -123,7 +121,7 @@ std::optional<RunRecord> readRunRecord(const fs::path& runFolder) {
   std::ifstream stream = openInputFile(file);
   if (!stream) return std::nullopt;
   try {
-    const Json json = Json::parse(stream);
+    const Json json = parseJson(std::string(std::istreambuf_iterator<char>(stream), {}));
     RunRecord record{json.at("status") == "failed", json.at("reason"), {}};
     for (const auto& [key, value] : json.at("inputs").items()) {
       record.inputs.emplace_back(key, value);
@@ -190,8 +188,6 @@ void RunClaim::finish(const RunRecord& record) {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
 /// A table's pictures need it, in metres.
 const Json::json_pointer kThickness("/settings/model/thickness");
 
@@ -237,7 +233,7 @@ const std::vector<Figure>& costFigures() {
 Json readRunSummary(const fs::path& folder) {
   const fs::path file = folder / output::kSummary;
   std::ifstream stream = openInputFile(file);
-  Json summary = Json::parse(stream, nullptr, false);
+  Json summary = parseJsonOrDiscard(std::string(std::istreambuf_iterator<char>(stream), {}));
   if (!summary.is_object() || !summary.contains("accuracy") || !summary.contains(kThickness)) {
     throw inputErrorAt({file}, "this is no summary of a run; remove its folder to run it again");
   }
@@ -249,7 +245,7 @@ std::string cellOf(const Json& summary, const Figure& figure) {
   if (!summary.contains(figure.place)) return "";
   const Json& value = summary.at(figure.place);
   if (value.is_null()) return "";
-  return value.is_string() ? value.get<std::string>() : value.dump();
+  return value.is_string() ? value.get<std::string>() : jsonText(value);
 }
 
 /// A table that grows by rows, each a cell for each name. All columns have as many cells as there

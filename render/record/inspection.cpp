@@ -27,8 +27,6 @@
 namespace kirireel {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 // Overlap that is told, as a part of a tile.
 constexpr double kOverlap = 1e-6;
 // Flat states are flat to this part of the model's size.
@@ -223,7 +221,7 @@ std::string inspectionJson(const Inspection& inspection) {
   json["needs"] = {{"planar", needJson(inspection.needs.planar)},
                    {"contacts", needJson(inspection.needs.contacts)},
                    {"ground", needJson(inspection.needs.ground)}};
-  return jsonText(json);
+  return jsonText(json, 2) + "\n";
 }
 
 // ------------------------------------------------------------------------------------------------

@@ -41,8 +41,6 @@ namespace kirireel {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 /// Null where the figure does not exist.
 Json onlyIf(bool exists, double figure) {
   return exists ? Json(figure) : Json(nullptr);
@@ -263,7 +261,7 @@ Json pictureJson(const RecordSettings& settings) {
 Json settingJson(const Setting& setting, const Scene& scene) {
   const std::string text = setting.write(scene);
   if (text.empty()) return nullptr;
-  const Json json = Json::parse(text, nullptr, false);
+  const Json json = parseJsonOrDiscard(text);
   return json.is_discarded() ? Json(text) : json;
 }
 
@@ -354,10 +352,6 @@ Json findingsJson(const Scene& scene, const RunSummary& summary) {
 
 }  // namespace
 
-std::string jsonText(const Json& json) {
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-}
-
 Json needJson(const Need& need) {
   return {{"on", need.on}, {"reason", need.reason}};
 }
@@ -385,15 +379,15 @@ std::string summaryJson(const Scene& scene, const RecordSettings& settings,
       {"cost", costJson(summary)},
       {"versions", versionsJson(summary.graphics)},
   });
-  return sealed(jsonText(json));
+  return sealed(jsonText(json, 2) + "\n");
 }
 
 std::string findingsText(const Scene& scene, const RunSummary& summary) {
-  return jsonText(findingsJson(scene, summary));
+  return jsonText(findingsJson(scene, summary), 2) + "\n";
 }
 
 std::string settingsText(const Scene& scene, const RecordSettings& settings) {
-  return jsonText(settingsJson(scene, settings));
+  return jsonText(settingsJson(scene, settings), 2) + "\n";
 }
 
 // ------------------------------------------------------------------------------------------------

@@ -8,18 +8,13 @@
 #include <utility>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "render/record/record.h"
+#include "sim/base/files.h"
 
 namespace kirireel {
 
-/// JSON as the text of a file: indented by two spaces, with a line feed at the end. Names of files
-/// may hold anything; bytes that are not UTF-8 become U+FFFD.
-std::string jsonText(const nlohmann::ordered_json& json);
-
 /// What a scene needs, and why, as files say it.
-nlohmann::ordered_json needJson(const Need& need);
+Json needJson(const Need& need);
 
 /// The text of summary.json, keys in a fixed order, ending in a newline. The same run gives the
 /// same text but for "cost", "versions" and "sha256", the seal of all that stands before it.

@@ -37,8 +37,6 @@ namespace kirireel {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
 // Figures are computed again from the same numbers by the same arithmetic, so they agree to the
 // last bit. This part of a figure is left to compilers that add in another order.
 constexpr double kFigureRounding = 1e-12;
@@ -57,7 +55,7 @@ std::string summaryText(const fs::path& folder) {
 /// A text as summary.json has it: bytes that are not UTF-8 are U+FFFD there. Names of models may
 /// hold any bytes.
 std::string asInJson(const std::string& text) {
-  return Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace));
+  return parseJson(jsonText(Json(text)));
 }
 
 FileDigest digestIn(const std::string& name, const Json& noted) {
@@ -78,7 +76,7 @@ class Verifier {
   VerifyReport run() {
     const std::string text = summaryText(folder_);
     if (!isSealed(text)) complain(output::kSummary, "this is not the text that the run wrote");
-    const Json summary = Json::parse(text, nullptr, false);
+    const Json summary = parseJsonOrDiscard(text);
     if (!summary.is_object() || !summary.contains("contents")) {
       complain(output::kSummary, "it names no files to compare with; record the run again");
       return report_;
@@ -158,8 +156,8 @@ class Verifier {
     compareEnd(summary, run);
     compareModel(summary.at("model"), run.subject().model);
     compareCopy("events", summary.at("events"), eventsOf(run));
-    compareCopy("settings", summary.at("settings"), Json::parse(run.subject().settings));
-    const Json findings = Json::parse(run.end().findings);
+    compareCopy("settings", summary.at("settings"), parseJson(run.subject().settings));
+    const Json findings = parseJson(run.end().findings);
     for (const auto& [entry, found] : findings.items())
       compareCopy(entry, summary.at(entry), found);
     compareSteps(summary, run);
@@ -332,7 +330,7 @@ class Verifier {
 std::optional<FinishedRun> findFinishedRun(const fs::path& folder, const std::string& order) {
   if (!fs::is_regular_file(folder / output::kSummary)) return std::nullopt;
   const std::string text = summaryText(folder);
-  const Json summary = Json::parse(text, nullptr, false);
+  const Json summary = parseJsonOrDiscard(text);
   if (!isSealed(text) || !summary.is_object()) return std::nullopt;
   try {
     if (summary.at("order") != order || summary.at("outcome") == "interrupted") return std::nullopt;

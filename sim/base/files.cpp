@@ -15,6 +15,7 @@
 #include <system_error>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 #include <openssl/evp.h>
 #include <unistd.h>
 #include <zlib.h>
@@ -96,6 +97,21 @@ std::string readTextFile(const std::filesystem::path& file, const std::string& p
   }
   if (innermost) noteInput({file, sha256(text)});
   return text;
+}
+
+// ------------------------------------------------------------------------------------------------
+// JSON texts by nlohmann's library.
+
+Json parseJson(std::string_view text) {
+  return Json::parse(text);
+}
+
+Json parseJsonOrDiscard(std::string_view text) {
+  return Json::parse(text, nullptr, false);
+}
+
+std::string jsonText(const Json& json, int indent) {
+  return json.dump(indent, ' ', false, Json::error_handler_t::replace);
 }
 
 // ------------------------------------------------------------------------------------------------

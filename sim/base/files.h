@@ -1,5 +1,5 @@
 /// Files: opened to be read in one place, written so that they appear whole, known again by
-/// their SHA-256, and made smaller. No header of OpenSSL or zlib is needed to use it.
+/// their SHA-256, and made smaller; JSON texts. No header of OpenSSL or zlib is needed to use it.
 #pragma once
 
 #include <cstddef>
@@ -15,6 +15,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <nlohmann/json_fwd.hpp>
 
 namespace kirireel {
 
@@ -64,6 +65,23 @@ void appendText(std::string& text, fmt::format_string<Arguments...> format,
                 Arguments&&... arguments) {
   fmt::format_to(std::back_inserter(text), format, std::forward<Arguments>(arguments)...);
 }
+
+// ------------------------------------------------------------------------------------------------
+// JSON texts. They are read and written here alone: each place that does takes the compiler
+// seconds.
+
+/// Keys keep the order in which they were set, so that the same values give the same text.
+using Json = nlohmann::ordered_json;
+
+/// What a JSON text says. Throws nlohmann::json::parse_error, which says where its syntax is wrong.
+Json parseJson(std::string_view text);
+
+/// The same, but discarded (Json::is_discarded) where the syntax is wrong.
+Json parseJsonOrDiscard(std::string_view text);
+
+/// JSON as a text: in one line, or a line an entry, indented by so many spaces. Names of files and
+/// models may hold anything; bytes that are not UTF-8 become U+FFFD.
+std::string jsonText(const Json& json, int indent = -1);
 
 // ------------------------------------------------------------------------------------------------
 // A file that appears under its final name only when it is whole.

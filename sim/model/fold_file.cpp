@@ -40,16 +40,14 @@ namespace kirireel {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
 constexpr const char* kJoints = "kirireel:joints";
 constexpr const char* kPulled = "kirireel:pulled_tiles";
 
 // The whole file as JSON; its syntax errors as ours.
 Json parsedFile(const fs::path& file) {
   try {
-    return Json::parse(readTextFile(file, "give a FOLD file"));
-  } catch (const nlohmann::json::exception& error) {
+    return parseJson(readTextFile(file, "give a FOLD file"));
+  } catch (const Json::exception& error) {
     // The library's texts begin with "[json.exception.parse_error.101] ", which helps nobody.
     const std::string_view text = error.what();
     const std::string_view reason = text.substr(text.find("] ") + 2);  // after its number
@@ -474,7 +472,7 @@ void writeFold(const Model& inOrder, const fs::path& file) {
     json[kJoints].push_back(row);
   }
   if (model.pulledTiles) json[kPulled] = *model.pulledTiles;
-  writeTextFile(file, json.dump() + "\n");
+  writeTextFile(file, jsonText(json) + "\n");
 }
 
 // ------------------------------------------------------------------------------------------------

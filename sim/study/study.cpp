@@ -153,8 +153,6 @@ Table readCsv(const std::filesystem::path& file) {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 // Linux tells it; other systems leave it unknown.
 std::string processorName() {
   std::ifstream file = openInputFile("/proc/cpuinfo");
@@ -272,7 +270,7 @@ std::string studyJson(const Study& study, const Table& table) {
     if (std::isfinite(finding.value)) entry["value"] = finding.value;
     json["findings"].push_back(std::move(entry));
   }
-  return json.dump(1) + "\n";
+  return jsonText(json, 1) + "\n";
 }
 
 // ------------------------------------------------------------------------------------------------
