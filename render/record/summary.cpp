@@ -38,7 +38,6 @@
 #include "sim/world/bullet_world.h"
 
 namespace kirireel {
-
 namespace {
 
 /// Null where the figure does not exist.
