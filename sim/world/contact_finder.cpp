@@ -238,6 +238,7 @@ ContactFinder::ContactFinder(const std::vector<Brick>& bricks, const Poses& star
   in.tolerance = tolerance;
   in.updatePairs(start, start);
   for (BrickPair* pair : in.nearPairs) {
+    checkInterruption();
     // Flush bricks of rounded models overlap a little where the run begins. They may keep that, but
     // an obstacle may not be entered at all.
     pair->keepOverlap(seenFrom(start[pair->a()], start[pair->b()]));
