@@ -193,7 +193,7 @@ std::vector<NamedText> manPages(const CommandDescription& program, const std::st
 }
 
 // ------------------------------------------------------------------------------------------------
-// Three shells, three languages, one source: the descriptions of all commands (cli/command_tree.h).
+// Three shells, three languages, one source: the descriptions of all commands (command_line.h).
 //
 // - bash (GNU Bash manual, "Programmable Completion"): three functions that map words to lists by
 //   `case`, and one that finds out which command stands on the line and what its last word may be.
@@ -455,7 +455,7 @@ std::string fishCompletion(const CommandDescription& program) {
 // else is what Python's text of the value is to the program (_Value).
 //
 // The classes' own properties are written out in kStubHead and kStubRun and have to follow
-// python/run.cpp and python/model.cpp; a test compares the two.
+// render/python/bindings.cpp; a test compares the two.
 
 namespace {
 
